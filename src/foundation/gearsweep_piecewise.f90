@@ -1,0 +1,219 @@
+!> Piecewise polynomials: the one form in which stiffness and profile error are
+!> known along the path of contact, whatever model they come from.
+module gearsweep_piecewise
+  use gearsweep_kinds, only: dp
+  implicit none
+  private
+  public :: piecewise_t, polynomial, spline, constant
+
+  !> On piece i, between breaks(i) and breaks(i+1), the value is
+  !> sum_k coef(k,i) v**k, with v running from -1 to 1 over the piece.
+  type :: piecewise_t
+    real(dp), allocatable :: breaks(:)
+    real(dp), allocatable :: coef(:, :)
+  contains
+    procedure :: locate
+    procedure :: value
+    procedure :: slope
+    procedure :: integral
+    procedure :: minimum
+    procedure :: maximum
+    procedure :: scaled
+  end type piecewise_t
+
+contains
+
+  !> One polynomial over [first, last], `coefficients` in ascending powers of
+  !> u = -1 at `first` ... 1 at `last`.
+  pure function polynomial(first, last, coefficients) result(p)
+    real(dp), intent(in) :: first, last, coefficients(:)
+    type(piecewise_t) :: p
+
+    p%breaks = [first, last]
+    allocate (p%coef(0:size(coefficients) - 1, 1))
+    p%coef(:, 1) = coefficients
+  end function polynomial
+
+  pure function constant(first, last, level) result(p)
+    real(dp), intent(in) :: first, last, level
+    type(piecewise_t) :: p
+
+    p = polynomial(first, last, [level])
+  end function constant
+
+  !> Cubic spline through (x, y), x ascending, at least two points; the third
+  !> derivative is continuous at the last but one knots (not-a-knot), so cubics
+  !> come back exactly. Two points give a line, three a parabola.
+  pure function spline(x, y) result(p)
+    real(dp), intent(in) :: x(:), y(:)
+    type(piecewise_t) :: p
+    real(dp) :: slopes(size(x)), h, secant
+    integer :: i, n
+
+    n = size(x)
+    slopes = knot_slopes(x, y)
+    p%breaks = x
+    allocate (p%coef(0:3, n - 1))
+    do i = 1, n - 1
+      h = (x(i + 1) - x(i))/2
+      secant = (y(i + 1) - y(i))/2
+      associate (dl => h*slopes(i), dr => h*slopes(i + 1))
+        p%coef(0, i) = (y(i) + y(i + 1))/2 + (dl - dr)/4
+        p%coef(1, i) = secant + (secant - (dl + dr)/2)/2
+        p%coef(2, i) = (dr - dl)/4
+        p%coef(3, i) = ((dl + dr)/2 - secant)/2
+      end associate
+    end do
+  end function spline
+
+  !> Slopes at the knots that make the second derivative continuous.
+  pure function knot_slopes(x, y) result(m)
+    real(dp), intent(in) :: x(:), y(:)
+    real(dp) :: m(size(x))
+    real(dp), dimension(size(x)) :: lower, diagonal, upper
+    real(dp) :: h(size(x) - 1), s(size(x) - 1), factor
+    integer :: i, n
+
+    n = size(x)
+    h = x(2:) - x(:n - 1)
+    s = (y(2:) - y(:n - 1))/h
+    select case (n)
+    case (2)
+      m = s(1)
+    case (3)
+      m(2) = (h(2)*s(1) + h(1)*s(2))/(h(1) + h(2))
+      m(1) = 2*s(1) - m(2)
+      m(3) = 2*s(2) - m(2)
+    case default
+      diagonal(1) = h(2)
+      upper(1) = h(1) + h(2)
+      m(1) = ((h(1) + 2*upper(1))*h(2)*s(1) + h(1)**2*s(2))/upper(1)
+      do i = 2, n - 1
+        lower(i) = h(i)
+        diagonal(i) = 2*(h(i - 1) + h(i))
+        upper(i) = h(i - 1)
+        m(i) = 3*(h(i)*s(i - 1) + h(i - 1)*s(i))
+      end do
+      lower(n) = h(n - 2) + h(n - 1)
+      diagonal(n) = h(n - 2)
+      m(n) = ((h(n - 1) + 2*lower(n))*h(n - 2)*s(n - 1) + h(n - 1)**2*s(n - 2))/lower(n)
+      do i = 2, n
+        factor = lower(i)/diagonal(i - 1)
+        diagonal(i) = diagonal(i) - factor*upper(i - 1)
+        m(i) = m(i) - factor*m(i - 1)
+      end do
+      m(n) = m(n)/diagonal(n)
+      do i = n - 1, 1, -1
+        m(i) = (m(i) - upper(i)*m(i + 1))/diagonal(i)
+      end do
+    end select
+  end function knot_slopes
+
+  !> The piece that holds x; the first or last one beyond the ends.
+  pure integer function locate(p, x) result(piece)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer :: low, high
+
+    low = 1
+    high = size(p%breaks)
+    do while (high - low > 1)
+      piece = (low + high)/2
+      if (x < p%breaks(piece)) then
+        high = piece
+      else
+        low = piece
+      end if
+    end do
+    piece = low
+  end function locate
+
+  !> Value at x. At a jump, `piece` chooses the side.
+  pure real(dp) function value(p, x, piece)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(in), optional :: piece
+    real(dp) :: v
+    integer :: i, k
+
+    i = chosen(p, x, piece)
+    v = (2*x - p%breaks(i) - p%breaks(i + 1))/(p%breaks(i + 1) - p%breaks(i))
+    value = 0
+    do k = ubound(p%coef, 1), lbound(p%coef, 1), -1
+      value = value*v + p%coef(k, i)
+    end do
+  end function value
+
+  !> First derivative at x. At a kink, `piece` chooses the side.
+  pure real(dp) function slope(p, x, piece)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(in), optional :: piece
+    real(dp) :: v, width
+    integer :: i, k
+
+    i = chosen(p, x, piece)
+    width = p%breaks(i + 1) - p%breaks(i)
+    v = (2*x - p%breaks(i) - p%breaks(i + 1))/width
+    slope = 0
+    do k = ubound(p%coef, 1), lbound(p%coef, 1) + 1, -1
+      slope = slope*v + (k - lbound(p%coef, 1))*p%coef(k, i)
+    end do
+    slope = slope*2/width
+  end function slope
+
+  pure integer function chosen(p, x, piece)
+    type(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(in), optional :: piece
+
+    if (present(piece)) then
+      chosen = piece
+    else
+      chosen = p%locate(x)
+    end if
+  end function chosen
+
+  !> Integral over all pieces.
+  pure real(dp) function integral(p)
+    class(piecewise_t), intent(in) :: p
+    integer :: i, k
+
+    integral = 0
+    do i = 1, size(p%coef, 2)
+      do k = lbound(p%coef, 1), ubound(p%coef, 1), 2
+        integral = integral + p%coef(k, i)/(k - lbound(p%coef, 1) + 1)*(p%breaks(i + 1) - p%breaks(i))
+      end do
+    end do
+  end function integral
+
+  !> Smallest value on a scan of 33 points a piece: enough to refuse what is not positive.
+  pure real(dp) function minimum(p)
+    class(piecewise_t), intent(in) :: p
+
+    minimum = -maximum(p%scaled(-1.0_dp))
+  end function minimum
+
+  !> Largest value on a scan of 33 points a piece.
+  pure real(dp) function maximum(p)
+    class(piecewise_t), intent(in) :: p
+    integer, parameter :: points = 32
+    integer :: i, k
+
+    maximum = -huge(maximum)
+    do i = 1, size(p%coef, 2)
+      do k = 0, points
+        maximum = max(maximum, p%value(p%breaks(i) + (p%breaks(i + 1) - p%breaks(i))*k/points, i))
+      end do
+    end do
+  end function maximum
+
+  pure function scaled(p, factor) result(q)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: factor
+    type(piecewise_t) :: q
+
+    q%breaks = p%breaks
+    q%coef = factor*p%coef
+  end function scaled
+end module gearsweep_piecewise

@@ -1,0 +1,195 @@
+!> Two gears in mesh: centre distance, working pressure angle and path of contact.
+!>
+!> The path coordinate s runs from the start of contact A (0) to its end E
+!> (the contact ratio), in base pitches. Member 1 is the pinion, which drives.
+module gearsweep_pair
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_gear, only: gear_t, drive, coast, involute
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: pair_t, make_pair, free_centre_distance, tip_alteration
+
+  type :: pair_t
+    type(gear_t) :: gear(2)
+    real(dp) :: centre_distance = 0              !< a, m
+    real(dp) :: working_angle(2) = 0             !< alpha_w of the drive and the coast flanks, rad
+    real(dp) :: base_pitch = 0                   !< of the drive flanks, m
+    real(dp) :: contact_ratio = 0                !< epsilon_alpha
+    real(dp) :: start_curvature = 0              !< of the pinion flank at A, m
+    real(dp) :: backlash = 0                     !< along the drive line of action, m
+  contains
+    procedure :: curvature
+    procedure :: radius
+    procedure :: sliding_speed
+    procedure :: points
+  end type pair_t
+
+contains
+
+  !> Pairs two gears at `centre_distance` (m). Refuses what does not mesh.
+  !> Source: ISO 21771:2007, sections 5 and 6.
+  pure subroutine make_pair(pinion, gear, centre_distance, pair, error)
+    type(gear_t), intent(in) :: pinion, gear
+    real(dp), intent(in) :: centre_distance
+    type(pair_t), intent(out) :: pair
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: least
+
+    call check_partners(pinion, gear, error)
+    if (allocated(error)) return
+    pair%gear = [pinion, gear]
+    pair%centre_distance = centre_distance
+    least = free_centre_distance(pinion, gear)
+    pair%backlash = -gap(pair%gear, centre_distance)*cos(working_angle(pair%gear, drive, centre_distance))
+    if (.not. centre_distance >= least*(1 - 1e-9_dp)) then
+      call fail(error, code_input, '&pair centre_distance_mm = '//str(1000*centre_distance, 9)// &
+        ': the teeth jam; must be at least '//str(1000*least, 9))
+      return
+    end if
+    pair%working_angle = [working_angle(pair%gear, drive, centre_distance), &
+                          working_angle(pair%gear, coast, centre_distance)]
+    pair%base_pitch = 2*pi*pinion%base_radius(drive)/pinion%spec%teeth
+    call find_path(pair, error)
+  end subroutine make_pair
+
+  pure subroutine check_partners(pinion, gear, error)
+    type(gear_t), intent(in) :: pinion, gear
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: same = 1e-12_dp
+
+    if (abs(pinion%spec%module - gear%spec%module) > same*pinion%spec%module) &
+      call fail(error, code_input, '&pair module_mm: pinion and gear must have the same module')
+    if (any(abs(pinion%spec%pressure_angle - gear%spec%pressure_angle) > same)) &
+      call fail(error, code_input, '&pair pressure_angle_deg: pinion and gear must have the same angles')
+  end subroutine check_partners
+
+  !> Working pressure angle of a side at a centre distance.
+  pure real(dp) function working_angle(gears, side, centre_distance)
+    type(gear_t), intent(in) :: gears(2)
+    integer, intent(in) :: side
+    real(dp), intent(in) :: centre_distance
+
+    working_angle = acos(min(1.0_dp, sum(gears%base_radius(side))/centre_distance))
+  end function working_angle
+
+  !> Tooth thicknesses less pitch, on the working pitch circles (m): positive where teeth jam.
+  pure real(dp) function gap(gears, centre_distance)
+    type(gear_t), intent(in) :: gears(2)
+    real(dp), intent(in) :: centre_distance
+    real(dp) :: angle
+    integer :: side
+
+    associate (z => gears%spec%teeth, x => gears%spec%profile_shift)
+      gap = 0
+      do side = drive, coast
+        angle = gears(1)%spec%pressure_angle(side)
+        gap = gap + 2*sum(x)*tan(angle) &
+              + sum(z)*(involute(angle) - involute(working_angle(gears, side, centre_distance)))
+      end do
+      gap = gap*centre_distance/sum(z)
+    end associate
+  end function gap
+
+  !> Centre distance without backlash (m), by bisection: the gap falls with the distance.
+  pure real(dp) function free_centre_distance(pinion, gear) result(distance)
+    type(gear_t), intent(in) :: pinion, gear
+    real(dp) :: low, high
+    integer :: i
+
+    low = maxval(pinion%base_radius + gear%base_radius)
+    high = 3*low
+    distance = pinion%reference_radius + gear%reference_radius
+    if (abs(pinion%spec%profile_shift + gear%spec%profile_shift) <= 0) return
+    do i = 1, 200
+      distance = (low + high)/2
+      if (distance <= low .or. distance >= high) exit
+      if (gap([pinion, gear], distance) > 0) then
+        low = distance
+      else
+        high = distance
+      end if
+    end do
+  end function free_centre_distance
+
+  !> Tip alteration factor k that keeps the rack's bottom clearance at this
+  !> centre distance (ISO 21771:2007, Eq. 25): k = (a - a_d)/m - (x1 + x2), never above 0.
+  pure real(dp) function tip_alteration(pinion, gear, centre_distance) result(k)
+    type(gear_t), intent(in) :: pinion, gear
+    real(dp), intent(in) :: centre_distance
+
+    k = min(0.0_dp, (centre_distance - pinion%reference_radius - gear%reference_radius)/pinion%spec%module &
+            - pinion%spec%profile_shift - gear%spec%profile_shift)
+  end function tip_alteration
+
+  !> The path of contact between the tip circles, and what spoils it.
+  pure subroutine find_path(pair, error)
+    type(pair_t), intent(inout) :: pair
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: names(2) = ['pinion', 'gear  ']
+    real(dp) :: tip(2), tangent, least, clearance
+    integer :: i
+
+    tangent = pair%centre_distance*sin(pair%working_angle(drive))
+    tip = pair%gear%curvature(drive, pair%gear%tip_radius)
+    pair%start_curvature = tangent - tip(2)
+    pair%contact_ratio = (tip(1) + tip(2) - tangent)/pair%base_pitch
+    do i = 1, 2
+      clearance = pair%centre_distance - pair%gear(3 - i)%tip_radius - pair%gear(i)%root_radius
+      if (clearance <= 0) call fail(error, code_input, '&'//trim(names(3 - i))// &
+        ' addendum: interference; its tip cuts '//str(-1000*clearance)//' mm into the root of the '//trim(names(i)))
+      least = pair%gear(i)%curvature(drive, pair%gear(i)%form_radius(drive))
+      if (tangent - tip(3 - i) < least - 1e-9_dp*tangent) call fail(error, code_input, '&'// &
+        trim(names(3 - i))//' addendum: interference; its tip diameter '// &
+        str(2000*pair%gear(3 - i)%tip_radius)//' mm reaches below the involute of the '//trim(names(i))// &
+        '; at most '//str(2000*hypot(pair%gear(3 - i)%base_radius(drive), tangent - least))//' mm')
+    end do
+    if (.not. pair%contact_ratio > 1) call fail(error, code_input, &
+      '&pair: contact ratio '//str(pair%contact_ratio)//' is not above 1: contact would be interrupted')
+  end subroutine find_path
+
+  !> Radius of curvature (m) of a member's drive flank at path coordinate s.
+  elemental real(dp) function curvature(pair, member, s)
+    class(pair_t), intent(in) :: pair
+    integer, intent(in) :: member
+    real(dp), intent(in) :: s
+
+    curvature = pair%start_curvature + s*pair%base_pitch
+    if (member == 2) curvature = pair%centre_distance*sin(pair%working_angle(drive)) - curvature
+  end function curvature
+
+  !> Radius (m) at which a member touches at path coordinate s.
+  elemental real(dp) function radius(pair, member, s)
+    class(pair_t), intent(in) :: pair
+    integer, intent(in) :: member
+    real(dp), intent(in) :: s
+
+    radius = hypot(pair%gear(member)%base_radius(drive), pair%curvature(member, s))
+  end function radius
+
+  !> Sliding speed (m/s) at s for a pinion speed (rad/s): zero at the pitch
+  !> point, negative in approach.
+  elemental real(dp) function sliding_speed(pair, s, speed)
+    class(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: s, speed
+
+    associate (z => pair%gear%spec%teeth)
+      sliding_speed = speed*(1 + real(z(1), dp)/z(2))*(pair%curvature(1, s) &
+                      - pair%gear(1)%base_radius(drive)*tan(pair%working_angle(drive)))
+    end associate
+  end function sliding_speed
+
+  !> Path coordinates of A, B, P, D, E. Beyond a contact ratio of 2, B ends the
+  !> first and D begins the last zone in which the larger number of pairs touches.
+  pure function points(pair) result(s)
+    class(pair_t), intent(in) :: pair
+    real(dp) :: s(5)
+
+    associate (ratio => pair%contact_ratio)
+      s = [0.0_dp, ratio - aint(ratio), &
+           (pair%gear(1)%base_radius(drive)*tan(pair%working_angle(drive)) - pair%start_curvature)/pair%base_pitch, &
+           aint(ratio), ratio]
+    end associate
+  end function points
+end module gearsweep_pair

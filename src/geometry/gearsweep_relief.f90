@@ -1,0 +1,87 @@
+!> Profile modification: tip relief as a profile error along the path of contact.
+module gearsweep_relief
+  use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: relief_t, profile_error
+
+  integer, parameter, public :: linear = 1, parabolic = 2
+
+  !> Tip relief of both members: it grows from `start` to the tip.
+  type :: relief_t
+    real(dp) :: amount(2) = 0                    !< at the tips of pinion and gear, m
+    !> Path coordinate where each begins: the pinion's acts from there to E,
+    !> the gear's from there back to A.
+    real(dp) :: start(2) = 0
+    integer :: shape = linear
+  end type relief_t
+
+contains
+
+  !> Profile error e(s) of one pair (m), the material missing on both flanks.
+  !> Source: Dogan et al. 2021, section 2.2; linear in the roll angle.
+  pure subroutine profile_error(relief, contact_ratio, curve, error)
+    type(relief_t), intent(in) :: relief
+    real(dp), intent(in) :: contact_ratio
+    type(piecewise_t), intent(out) :: curve
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: middle(2)
+
+    if (any(.not. relief%amount >= 0)) call fail(error, code_input, &
+      '&relief amount_um: must be at least 0')
+    if (relief%amount(1) > 0 .and. .not. (relief%start(1) >= 0 .and. relief%start(1) < contact_ratio)) &
+      call no_room('pinion', relief%start(1), contact_ratio, error)
+    if (relief%amount(2) > 0 .and. .not. (relief%start(2) > 0 .and. relief%start(2) <= contact_ratio)) &
+      call no_room('gear', relief%start(2), contact_ratio, error)
+    if (allocated(error)) return
+
+    middle = merge(relief%start, [contact_ratio, 0.0_dp], relief%amount > 0)
+    curve%breaks = [0.0_dp, minval(middle), maxval(middle), contact_ratio]
+    curve%breaks = distinct(curve%breaks)
+    allocate (curve%coef(0:2, size(curve%breaks) - 1))
+    curve%coef = 0
+    if (relief%amount(1) > 0) call add(curve, relief%start(1), contact_ratio, relief%amount(1), relief%shape)
+    if (relief%amount(2) > 0) call add(curve, relief%start(2), 0.0_dp, relief%amount(2), relief%shape)
+  end subroutine profile_error
+
+  pure subroutine no_room(member, start, contact_ratio, error)
+    character(*), intent(in) :: member
+    real(dp), intent(in) :: start, contact_ratio
+    type(error_t), allocatable, intent(inout) :: error
+
+    call fail(error, code_input, '&relief: the '//member//'''s relief begins at '//str(start)// &
+      ' base pitches, off the path of contact (0 to '//str(contact_ratio)//')')
+  end subroutine no_room
+
+  pure function distinct(sorted) result(kept)
+    real(dp), intent(in) :: sorted(:)
+    real(dp), allocatable :: kept(:)
+
+    kept = [sorted(1), pack(sorted(2:), sorted(2:) - sorted(:size(sorted) - 1) > 0)]
+  end function distinct
+
+  !> Adds one member's relief to the pieces between `start` and its `tip`.
+  pure subroutine add(curve, start, tip, amount, shape)
+    type(piecewise_t), intent(inout) :: curve
+    real(dp), intent(in) :: start, tip, amount
+    integer, intent(in) :: shape
+    real(dp) :: centre, half, base, rise
+    integer :: i
+
+    do i = 1, size(curve%coef, 2)
+      centre = (curve%breaks(i) + curve%breaks(i + 1))/2
+      half = (curve%breaks(i + 1) - curve%breaks(i))/2
+      base = (centre - start)/(tip - start)
+      rise = half/(tip - start)
+      if (base < 0) cycle
+      if (shape == linear) then
+        curve%coef(0:1, i) = curve%coef(0:1, i) + amount*[base, rise]
+      else
+        curve%coef(:, i) = curve%coef(:, i) + amount*[base**2, 2*base*rise, rise**2]
+      end if
+    end do
+  end subroutine add
+end module gearsweep_relief

@@ -1,0 +1,49 @@
+!> Runs the test suites, or only those named as arguments.
+program check
+  use, intrinsic :: iso_fortran_env, only: int64
+  use test_reader, only: run_reader => run
+  use testing, only: suite_t, tally_t
+  implicit none
+  type(suite_t), allocatable :: suites(:)
+  type(tally_t) :: all
+  integer :: i
+
+  suites = [ &
+    & suite_t('reader', run_reader)]
+
+  do i = 1, size(suites)
+    if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)
+  end do
+  print '(i0, a, i0, a)', all%passed, ' passed, ', all%failed, ' failed'
+  if (all%failed > 0 .or. all%passed == 0) stop 1, quiet=.true.
+
+contains
+
+  subroutine run_suite(suite, all)
+    type(suite_t), intent(in) :: suite
+    type(tally_t), intent(inout) :: all
+    type(tally_t) :: one
+    integer(int64) :: start, finish, rate
+
+    call system_clock(start, rate)
+    call suite%run(one)
+    call system_clock(finish)
+    print '(a, i6, a, i3, a, f8.2, a)', suite%name, one%passed, ' passed, ', one%failed, &
+      & ' failed, ', real(finish - start)/real(rate), ' s'
+    all%passed = all%passed + one%passed
+    all%failed = all%failed + one%failed
+  end subroutine run_suite
+
+  !> Without arguments every suite is wanted.
+  logical function is_wanted(name)
+    character(*), intent(in) :: name
+    character(len(name)) :: argument
+    integer :: i
+
+    is_wanted = command_argument_count() == 0
+    do i = 1, command_argument_count()
+      call get_command_argument(i, argument)
+      if (argument == name) is_wanted = .true.
+    end do
+  end function is_wanted
+end program check

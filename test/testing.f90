@@ -1,0 +1,125 @@
+!> A tiny test harness: named checks that print only when they fail.
+module testing
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: tally_t, suite_t, suite_i
+  public :: check_true, check_close, check_equal, check_error, check_no_error
+
+  !> What the checks of a suite came to.
+  type :: tally_t
+    integer :: passed = 0, failed = 0
+  end type tally_t
+
+  abstract interface
+    subroutine suite_i(t)
+      import :: tally_t
+      type(tally_t), intent(inout) :: t
+    end subroutine suite_i
+  end interface
+
+  !> One row in the table of suites.
+  type :: suite_t
+    character(24) :: name
+    procedure(suite_i), pointer, nopass :: run
+  end type suite_t
+
+  !> `actual` and `expected` are the same, exactly.
+  interface check_equal
+    module procedure check_equal_integer, check_equal_text
+  end interface check_equal
+
+contains
+
+  subroutine check_true(t, name, condition, detail)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name
+    logical, intent(in) :: condition
+    character(*), intent(in), optional :: detail
+
+    if (condition) then
+      t%passed = t%passed + 1
+      return
+    end if
+    t%failed = t%failed + 1
+    if (present(detail)) then
+      print '(a)', '  FAILED '//name//': '//detail
+    else
+      print '(a)', '  FAILED '//name
+    end if
+  end subroutine check_true
+
+  !> |actual - expected| is at most the larger of `relative`*|expected| and `absolute`.
+  !> With neither given: 1e-12 relative.
+  subroutine check_close(t, name, actual, expected, relative, absolute)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name
+    real(dp), intent(in) :: actual, expected
+    real(dp), intent(in), optional :: relative, absolute
+    real(dp) :: tolerance, deviation
+    logical :: close
+
+    tolerance = 0
+    if (present(relative)) tolerance = relative*abs(expected)
+    if (present(absolute)) tolerance = max(tolerance, absolute)
+    if (.not. (present(relative) .or. present(absolute))) tolerance = 1e-12_dp*abs(expected)
+    ! Differences of what is not finite would trap.
+    if (ieee_is_finite(actual) .and. ieee_is_finite(expected)) then
+      deviation = actual - expected
+      close = abs(deviation) <= tolerance
+    else
+      deviation = 0
+      close = .false.
+      if (.not. (ieee_is_nan(actual) .or. ieee_is_nan(expected))) close = actual == expected
+    end if
+    call check_true(t, name, close, str(actual, 15)//', expected '//str(expected, 15) &
+      & //', deviation '//str(deviation, 3)//', tolerance '//str(tolerance, 3))
+  end subroutine check_close
+
+  subroutine check_equal_integer(t, name, actual, expected)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name
+    integer, intent(in) :: actual, expected
+
+    call check_true(t, name, actual == expected, str(actual)//', expected '//str(expected))
+  end subroutine check_equal_integer
+
+  !> Trailing blanks count.
+  subroutine check_equal_text(t, name, actual, expected)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name, actual, expected
+
+    call check_true(t, name, len(actual) == len(expected) .and. actual == expected, &
+      & '"'//actual//'", expected "'//expected//'"')
+  end subroutine check_equal_text
+
+  !> The call failed, and its message contains this text.
+  subroutine check_error(t, name, error, contains)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name
+    type(error_t), allocatable, intent(in) :: error
+    character(*), intent(in) :: contains
+
+    if (.not. allocated(error)) then
+      call check_true(t, name, .false., 'no error, expected one with "'//contains//'"')
+    else
+      call check_true(t, name, index(error%message, contains) > 0, &
+        & '"'//error%message//'", expected to contain "'//contains//'"')
+    end if
+  end subroutine check_error
+
+  subroutine check_no_error(t, name, error)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name
+    type(error_t), allocatable, intent(in) :: error
+
+    if (allocated(error)) then
+      call check_true(t, name, .false., 'error: '//error%message)
+    else
+      call check_true(t, name, .true.)
+    end if
+  end subroutine check_no_error
+end module testing
