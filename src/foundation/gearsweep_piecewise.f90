@@ -29,7 +29,7 @@ contains
     real(dp), intent(in) :: first, last, coefficients(:)
     type(piecewise_t) :: p
 
-    p%breaks = [first, last]
+    allocate (p%breaks, source=[first, last])
     allocate (p%coef(0:size(coefficients) - 1, 1))
     p%coef(:, 1) = coefficients
   end function polynomial
@@ -52,7 +52,7 @@ contains
 
     n = size(x)
     slopes = knot_slopes(x, y)
-    p%breaks = x
+    allocate (p%breaks, source=x)
     allocate (p%coef(0:3, n - 1))
     do i = 1, n - 1
       h = (x(i + 1) - x(i))/2
@@ -213,7 +213,8 @@ contains
     real(dp), intent(in) :: factor
     type(piecewise_t) :: q
 
-    q%breaks = p%breaks
+    allocate (q%breaks, source=p%breaks)
+    allocate (q%coef, source=p%coef)
     q%coef = factor*p%coef
   end function scaled
 end module gearsweep_piecewise

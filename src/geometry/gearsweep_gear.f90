@@ -53,7 +53,7 @@ contains
   !> Derives the radii and refuses what cannot be cut: a rack whose tip radius
   !> does not fit, undercut, pointed teeth, a bore that reaches the root.
   !> Source: ISO 21771:2007, sections 4 and 7.
-  pure subroutine make_gear(spec, gear, error)
+  subroutine make_gear(spec, gear, error)
     type(gear_spec_t), intent(in) :: spec
     type(gear_t), intent(out) :: gear
     type(error_t), allocatable, intent(out) :: error
@@ -72,30 +72,29 @@ contains
     call check_tooth(gear, error)
   end subroutine make_gear
 
-  pure subroutine check_spec(spec, error)
+  subroutine check_spec(spec, error)
     type(gear_spec_t), intent(in) :: spec
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: fewest = 5
 
-    if (spec%teeth < fewest) call refuse('teeth', str(spec%teeth), 'must be at least '//str(fewest))
-    if (.not. spec%module > 0) call refuse('module', str(spec%module), 'must be above 0')
-    if (.not. spec%face_width > 0) call refuse('face width', str(spec%face_width), 'must be above 0')
-    if (any(.not. (spec%pressure_angle > 0.05_dp .and. spec%pressure_angle < 0.8_dp))) &
-      call refuse('pressure angle', str(spec%pressure_angle(1)), 'must lie between 0.05 and 0.8 rad')
-    if (.not. spec%addendum > 0) call refuse('addendum', str(spec%addendum), 'must be above 0')
-    if (.not. spec%dedendum > 0) call refuse('dedendum', str(spec%dedendum), 'must be above 0')
-    if (.not. spec%rack_tip_radius >= 0) &
-      call refuse('rack_tip_radius', str(spec%rack_tip_radius), 'must be at least 0')
-    if (.not. abs(spec%profile_shift) < 5) &
-      call refuse('profile_shift', str(spec%profile_shift), 'must lie between -5 and 5')
+    call demand(spec%teeth >= fewest, 'teeth', str(spec%teeth), 'must be at least '//str(fewest))
+    call demand(spec%module > 0, 'module', str(spec%module), 'must be above 0')
+    call demand(spec%face_width > 0, 'face width', str(spec%face_width), 'must be above 0')
+    call demand(all(spec%pressure_angle > 0.05_dp .and. spec%pressure_angle < 0.8_dp), 'pressure angle', &
+                str(spec%pressure_angle(1)), 'must lie between 0.05 and 0.8 rad')
+    call demand(spec%addendum > 0, 'addendum', str(spec%addendum), 'must be above 0')
+    call demand(spec%dedendum > 0, 'dedendum', str(spec%dedendum), 'must be above 0')
+    call demand(spec%rack_tip_radius >= 0, 'rack_tip_radius', str(spec%rack_tip_radius), 'must be at least 0')
+    call demand(abs(spec%profile_shift) < 5, 'profile_shift', str(spec%profile_shift), 'must lie between -5 and 5')
 
   contains
 
-    pure subroutine refuse(what, value, allowed)
-      character(*), intent(in) :: what, value, allowed
+    subroutine demand(met, key, value, allowed)
+      logical, intent(in) :: met
+      character(*), intent(in) :: key, value, allowed
 
-      call fail(error, code_input, '&'//spec%name//' '//what//' = '//value//': '//allowed)
-    end subroutine refuse
+      if (.not. met) call fail(error, code_input, '&'//spec%name//' '//key//' = '//value//': '//allowed)
+    end subroutine demand
   end subroutine check_spec
 
   !> The rounded corners of the rack's tooth must leave its tip land.
