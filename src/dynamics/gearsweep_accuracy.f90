@@ -19,8 +19,9 @@ module gearsweep_accuracy
   type :: point_t
     type(steady_t) :: steady
     real(dp) :: dynamic_factor = 0
-    real(dp) :: estimate = huge(1.0_dp)          !< of the error of the dynamic factor
-    integer :: steps = 0
+    real(dp) :: estimate = 0                     !< of the error of the dynamic factor
+    integer :: steps = 0                         !< of the period
+    integer :: wanted_steps = 0                  !< the number that `tabulate` makes these from
   end type point_t
 
   !> Numbers of steps come in rungs of 2**(1/3), so that many speeds share a table.
@@ -76,6 +77,7 @@ contains
       call tabulate(osc, options%steps, 2, fine)
       call tabulate(osc, options%steps/2, 1, coarse)
       call solve_on(osc, fine, coarse, duration, options, point, start)
+      point%wanted_steps = options%steps
       if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &
         point%steady%status = point_inexact
       return
@@ -90,6 +92,7 @@ contains
         tables%made(rung) = .true.
       end if
       call solve_on(osc, tables%fine(rung), tables%coarse(rung), duration, options, point, start)
+      point%wanted_steps = rung_steps(rung)
       if (.not. has_answer(point%steady%status)) exit
       associate (excess => min(point%estimate/options%steady%tolerance, 1e8_dp))
         tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**0.25_dp, 0.5_dp), 2.0_dp)/duration

@@ -16,6 +16,7 @@ module gearsweep_sharing
     integer, allocatable :: pairs(:)             !< pairs between A and E
   contains
     procedure :: peak_to_peak
+    procedure :: mean_error
   end type sharing_t
 
 contains
@@ -92,4 +93,13 @@ contains
 
     peak_to_peak = maxval(sharing%error) - minval(sharing%error)
   end function peak_to_peak
+
+  !> Mean static transmission error over the period (m), by the trapezoidal rule.
+  pure real(dp) function mean_error(sharing)
+    class(sharing_t), intent(in) :: sharing
+
+    associate (n => size(sharing%phase), x => sharing%error)
+      mean_error = sum((sharing%phase(2:) - sharing%phase(:n - 1))*(x(2:) + x(:n - 1)))/2
+    end associate
+  end function mean_error
 end module gearsweep_sharing

@@ -66,7 +66,8 @@ def family(path, title, piece, jobs):
     agree += f"""
 Printed to 20 digits.  The last column, same_starts, says how many of {STARTS} starts (x = 0.5, 1,
 2, 4 times static; x' = 0 and both signs) marched in time end in the row's motion; the
-first of them, at rest at the static deflection, does in every row with separation.  Less than {STARTS}: other motions coexist
+first of them, at rest at the static deflection, does in every row with separation.
+Less than {STARTS}: other motions coexist
 (or are reached very slowly).  -1: undamped, not tried."""
     s = lambda v: mp.nstr(v, 20, min_fixed=-6)
     write_table(path, title.strip() + agree, [row for row, _ in jobs],
