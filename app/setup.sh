@@ -91,7 +91,11 @@ build() {
     is_current "$target" "$now" && exit
     cd "$root" && install_packages && make_venv || exit
     # With echo as its runner, fpm builds and tells where, but runs nothing.
+    # After a build that broke off, fpm takes stale modules for current ones.
+    if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/gfortran_*; fi
+    : >"$run_dir/unfinished"
     quietly "building $name" "$venv/bin/fpm" "$@" --runner echo || exit
+    rm -f "$run_dir/unfinished"
     built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)
     # A copy, as fpm may put another version in its place.
     cp "$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"

@@ -1,7 +1,11 @@
 !> Runs the test suites, or only those named as arguments.
 program check
   use, intrinsic :: iso_fortran_env, only: int64
+  use test_geometry, only: run_geometry => run
+  use test_mesh, only: run_mesh => run
+  use test_motion, only: run_motion => run
   use test_reader, only: run_reader => run
+  use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
   type(suite_t), allocatable :: suites(:)
@@ -9,7 +13,11 @@ program check
   integer :: i
 
   allocate (suites, source=[ &
-    & suite_t('reader', run_reader)])
+    & suite_t('reader', run_reader), &
+    & suite_t('geometry', run_geometry), &
+    & suite_t('mesh', run_mesh), &
+    & suite_t('motion', run_motion), &
+    & suite_t('sweep', run_sweep)])
 
   do i = 1, size(suites)
     if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)

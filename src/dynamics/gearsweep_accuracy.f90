@@ -20,6 +20,7 @@ module gearsweep_accuracy
     type(steady_t) :: steady
     real(dp) :: dynamic_factor = 0
     real(dp) :: estimate = 0                     !< of the error of the dynamic factor
+    real(dp) :: step_error = 0                   !< its part that more steps reduce
     integer :: steps = 0                         !< of the period
     integer :: wanted_steps = 0                  !< the number that `tabulate` makes these from
   end type point_t
@@ -54,7 +55,9 @@ contains
   pure integer function rung_for(steps) result(rung)
     real(dp), intent(in) :: steps
 
-    rung = max(0, min(most_rungs, ceiling(3*log(max(steps, 1.0_dp)/16)/log(2.0_dp) - 0.05_dp)))
+    do rung = max(0, min(most_rungs, floor(3*log(max(steps, 1.0_dp)/16)/log(2.0_dp)))), most_rungs - 1
+      if (rung_steps(rung) >= steps) exit
+    end do
   end function rung_for
 
   !> Steady motion for a period of `duration` (s) on the branch `start` leads to.
@@ -94,11 +97,10 @@ contains
       call solve_on(osc, tables%fine(rung), tables%coarse(rung), duration, options, point, start)
       point%wanted_steps = rung_steps(rung)
       if (.not. has_answer(point%steady%status)) exit
-      associate (excess => min(point%estimate/options%steady%tolerance, 1e8_dp))
+      associate (excess => min(point%step_error/options%steady%tolerance, 1e8_dp))
         tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**0.25_dp, 0.5_dp), 2.0_dp)/duration
         if (excess <= 1) exit
-        if (rung_steps(rung + 1) > options%most_steps) point%steady%status = point_inexact
-        if (point%steady%status == point_inexact) exit
+        if (rung_steps(rung + 1) > options%most_steps) exit
         rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**0.25_dp, 4.0_dp)), rung_for(real(options%most_steps, dp)))
       end associate
     end do
@@ -116,7 +118,6 @@ contains
     real(dp), intent(in), optional :: start(2)
     type(steady_options_t) :: alike
     type(steady_t) :: half
-    real(dp) :: amplification
 
     call find_steady(osc, fine, duration, options%steady, point%steady, start)
     point%steps = fine%steps
@@ -130,11 +131,11 @@ contains
       alike%method = by_shooting
       call find_steady(osc, coarse, duration, alike, half)
     end if
-    amplification = 1/max(1 - point%steady%multiplier, 1e-6_dp)
-    point%estimate = huge(point%estimate)
-    if (has_answer(half%status)) point%estimate = point%steady%residual*amplification &
-      + doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
-                       distance(osc, duration, point%steady%state - half%state))
+    point%step_error = huge(point%step_error)
+    if (has_answer(half%status)) point%step_error = &
+      doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
+                     distance(osc, duration, point%steady%state - half%state))
+    point%estimate = point%step_error + point%steady%closure
   end subroutine solve_on
 
   !> Error of a fourth-order result from its difference to half the steps: a

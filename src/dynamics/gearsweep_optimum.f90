@@ -2,6 +2,7 @@
 !> over the speeds, and the relief that makes it least.
 module gearsweep_optimum
   use gearsweep_kinds, only: dp
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_error, only: error_t
   use gearsweep_motion, only: oscillator_t
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep
@@ -47,6 +48,7 @@ contains
 
     allocate (peaks(0))
     do i = 2, size(rpm) - 1
+      if (any(ieee_is_nan(dynamic_factor(i - 1:i + 1)))) cycle
       if (.not. (dynamic_factor(i) > dynamic_factor(i - 1) .and. dynamic_factor(i) >= dynamic_factor(i + 1))) cycle
       if (min(rise(dynamic_factor(i:1:-1)), rise(dynamic_factor(i:))) < prominence) cycle
       peaks = [peaks, vertex(rpm(i - 1:i + 1), dynamic_factor(i - 1:i + 1))]
@@ -64,6 +66,7 @@ contains
 
     rise = 0
     do i = 2, size(curve)
+      if (ieee_is_nan(curve(i))) cycle
       if (curve(i) > curve(1)) exit
       rise = max(rise, curve(1) - curve(i))
     end do
@@ -88,6 +91,7 @@ contains
 
     worst_of = peak_t(0, -huge(1.0_dp))
     do i = 1, size(rpm)
+      if (ieee_is_nan(dynamic_factor(i))) cycle
       if (dynamic_factor(i) > worst_of%dynamic_factor) worst_of = peak_t(rpm(i), dynamic_factor(i))
     end do
   end function worst_of
@@ -138,7 +142,7 @@ contains
       if (allocated(error)) return
       do i = 1, size(amount)
         worst = worst_of(rpm, sweep%dynamic_factor(:, i))
-        call insert(optimum, amount(i), worst, count(.not. sweep%dynamic_factor(:, i) > 0))
+        call insert(optimum, amount(i), worst, count(ieee_is_nan(sweep%dynamic_factor(:, i))))
       end do
       optimum%best = minloc(optimum%dynamic_factor, 1, mask=optimum%dynamic_factor > 0)
     end subroutine add_reliefs

@@ -34,6 +34,7 @@ module gearsweep_steady
     real(dp) :: peak = 0                         !< largest load on one pair, N
     real(dp) :: multiplier = 0                   !< largest modulus of the Floquet multipliers
     real(dp) :: residual = 0                     !< of x(T) = x(0), in static deflections
+    real(dp) :: closure = 0                      !< error of the state that the residual leaves, the same unit
     integer :: periods = 1                       !< mesh periods until the motion repeats
     logical :: partial = .false., flight = .false., coast = .false.
   end type steady_t
@@ -216,6 +217,7 @@ contains
     steady%coast = run%coast
     steady%periods = periods
     steady%residual = distance(osc, duration, run%state - state)
+    steady%closure = steady%residual*sensitivity(osc, duration, run%map)
     steady%multiplier = largest_multiplier(run%map)
     if (steady%multiplier > 1 + neutral) then
       steady%status = point_unstable
@@ -227,6 +229,20 @@ contains
       steady%status = point_ok
     end if
   end subroutine judge
+
+  !> Norm of (I - map)^-1 in scaled states: how much a residual moves the solution.
+  pure real(dp) function sensitivity(osc, duration, map)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, map(2, 2)
+    real(dp) :: unit, column(2, 2)
+    logical :: solved(2)
+
+    unit = max(1.0_dp, osc%natural_frequency*duration)
+    call newton_step(map, [1.0_dp, 0.0_dp], column(:, 1), solved(1))
+    call newton_step(map, [0.0_dp, unit], column(:, 2), solved(2))
+    sensitivity = huge(1.0_dp)
+    if (all(solved)) sensitivity = max(sum(abs(column(1, :))), sum(abs(column(2, :)))/unit)
+  end function sensitivity
 
   !> Largest modulus of the eigenvalues of a 2 x 2 map.
   pure real(dp) function largest_multiplier(map) result(modulus)

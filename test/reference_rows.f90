@@ -1,0 +1,77 @@
+!> Reads the reference tables of test/reference: prescribed meshes with their
+!> dynamic factor and largest Floquet multiplier, had by independent methods.
+module reference_rows
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t
+  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_relief, only: relief_t, profile_error
+  use gearsweep_stiffness, only: polynomial_stiffness
+  implicit none
+  private
+  public :: row_t, read_rows, oscillator_of, prescribed
+
+  type :: row_t
+    integer :: id, teeth(2), n_coef, shape, loss
+    real(dp) :: angle, contact_ratio, pitch_point, coef(5), mass(2), load, zeta, friction, backlash, relief(2), rpm
+    real(dp) :: dynamic_factor, multiplier, x, v
+  end type row_t
+
+contains
+
+  subroutine read_rows(path, rows)
+    character(*), intent(in) :: path
+    type(row_t), allocatable, intent(out) :: rows(:)
+    type(row_t) :: row
+    character(1000) :: line
+    integer :: unit, stat
+
+    allocate (rows(0))
+    open (newunit=unit, file=path, status='old', action='read')
+    do
+      read (unit, '(a)', iostat=stat) line
+      if (stat /= 0) exit
+      if (line(1:1) == '#') cycle
+      read (line, *) row%id, row%teeth, row%angle, row%contact_ratio, row%pitch_point, row%n_coef, row%coef, &
+        row%mass, row%load, row%zeta, row%friction, row%backlash, row%relief, row%shape, row%rpm, &
+        row%dynamic_factor, row%multiplier, row%x, row%v, row%loss
+      rows = [rows, row]
+    end do
+    close (unit)
+  end subroutine read_rows
+
+  subroutine oscillator_of(row, osc)
+    type(row_t), intent(in) :: row
+    type(oscillator_t), intent(out) :: osc
+    type(error_t), allocatable :: error
+
+    call prescribed(row%contact_ratio, row%coef(:row%n_coef), row%relief, row%shape, osc)
+    osc%mesh%teeth = row%teeth
+    osc%mesh%pitch_point = row%pitch_point
+    osc%mesh%tan_angle = tan(row%angle*pi/180)
+    osc%mass = row%mass
+    osc%load = row%load
+    osc%damping_ratio = row%zeta
+    osc%friction = row%friction
+    osc%has_backlash = row%backlash >= 0
+    osc%backlash = max(0.0_dp, row%backlash)*1e-6_dp
+    call make_oscillator(osc, error)
+    if (allocated(error)) error stop 'reference row'
+  end subroutine oscillator_of
+
+  !> A prescribed mesh: coefficients in N/um, short reliefs in um; the rest to be set by the caller.
+  subroutine prescribed(contact_ratio, coef, relief_um, shape, osc)
+    real(dp), intent(in) :: contact_ratio, coef(:), relief_um(2)
+    integer, intent(in) :: shape
+    type(oscillator_t), intent(out) :: osc
+    type(relief_t) :: relief
+    type(error_t), allocatable :: error
+
+    osc%mesh%contact_ratio = contact_ratio
+    call polynomial_stiffness(contact_ratio, 1e6_dp*coef, osc%mesh%stiffness, error)
+    relief%amount = 1e-6_dp*relief_um
+    relief%start = [aint(contact_ratio), contact_ratio - aint(contact_ratio)]
+    relief%shape = shape
+    call profile_error(relief, contact_ratio, osc%mesh%profile_error, error)
+    if (allocated(error)) error stop 'prescribed mesh'
+  end subroutine prescribed
+end module reference_rows

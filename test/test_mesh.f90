@@ -1,0 +1,218 @@
+!> Stiffness models and static load sharing.
+module test_mesh
+  use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
+  use gearsweep_material, only: material_t
+  use gearsweep_mesh, only: mesh_t
+  use gearsweep_motion, only: oscillator_t
+  use gearsweep_pair, only: pair_t, make_pair, free_centre_distance
+  use gearsweep_piecewise, only: piecewise_t, polynomial, spline
+  use gearsweep_sharing, only: sharing_t, share_load, static_deflection
+  use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
+  use gearsweep_weber, only: weber_stiffness
+  use reference_rows, only: prescribed
+  use testing, only: tally_t, check_true, check_close, check_error, check_no_error
+  implicit none
+  private
+  public :: run
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call piecewise_exactness(t)
+    call spline_order(t)
+    call iso_numbers(t)
+    call weber_against_iso(t)
+    call tables(t)
+    call deflection(t)
+    call sharing_identities(t)
+    call slow_relief(t)
+  end subroutine run
+
+  type(pair_t) function pair_of(teeth) result(pair)
+    integer, intent(in) :: teeth(2)
+    type(gear_spec_t) :: spec(2)
+    type(gear_t) :: gear(2)
+    type(error_t), allocatable :: error
+    integer :: i
+
+    do i = 1, 2
+      spec(i)%name = 'gear'
+      spec(i)%teeth = teeth(i)
+      spec(i)%module = 3.18e-3_dp
+      spec(i)%face_width = 25.4e-3_dp
+      call make_gear(spec(i), gear(i), error)
+    end do
+    call make_pair(gear(1), gear(2), free_centre_distance(gear(1), gear(2)), pair, error)
+    if (allocated(error)) error stop 'test pair'
+  end function pair_of
+
+  !> Values, slopes and integrals of polynomials in closed form.
+  subroutine piecewise_exactness(t)
+    type(tally_t), intent(inout) :: t
+    type(piecewise_t) :: p
+    real(dp), parameter :: x(5) = [0.0_dp, 0.4_dp, 0.5_dp, 1.1_dp, 2.0_dp]
+
+    p = polynomial(0.0_dp, 2.0_dp, [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp, 5.0_dp])  ! u = x - 1
+    call check_close(t, 'value', p%value(1.5_dp), 1 + 1 + 3*0.25_dp + 4*0.125_dp + 5*0.0625_dp)
+    call check_close(t, 'slope', p%slope(1.5_dp), 2 + 3 + 12*0.25_dp + 20*0.125_dp)
+    call check_close(t, 'integral', p%integral(0.0_dp, 2.0_dp), 2.0_dp + 2.0_dp + 2.0_dp)
+    p = spline(x, 1 + x - x**2 + 2*x**3)
+    call check_close(t, 'spline of a cubic', p%value(1.7_dp), 1 + 1.7_dp - 1.7_dp**2 + 2*1.7_dp**3, 1e-13_dp)
+    call check_close(t, 'its slope', p%slope(0.45_dp), 1 - 2*0.45_dp + 6*0.45_dp**2, 1e-12_dp)
+    call check_close(t, 'its integral', p%integral(0.3_dp, 1.9_dp), &
+                     1.6_dp + (1.9_dp**2 - 0.3_dp**2)/2 - (1.9_dp**3 - 0.3_dp**3)/3 + (1.9_dp**4 - 0.3_dp**4)/2, 1e-12_dp)
+    p = spline(x(:3), 2*x(:3)**2)
+    call check_close(t, 'three points: a parabola', p%value(0.2_dp), 0.08_dp, 1e-12_dp)
+    p = spline(x(:2), 3*x(:2))
+    call check_close(t, 'two points: a line', p%value(0.1_dp), 0.3_dp, 1e-12_dp)
+  end subroutine piecewise_exactness
+
+  !> Fourth order on a smooth function.
+  subroutine spline_order(t)
+    type(tally_t), intent(inout) :: t
+    real(dp) :: deviation(2)
+    type(piecewise_t) :: p
+    integer :: i, k, n
+
+    do k = 1, 2
+      n = 100*2**k
+      p = spline([(2.0_dp*i/n, i=0, n)], sin(3*[(2.0_dp*i/n, i=0, n)]))
+      deviation(k) = maxval([(abs(p%value(i/500.0_dp) - sin(3*i/500.0_dp)), i=0, 1000)])
+    end do
+    call check_close(t, 'order', log(deviation(1)/deviation(2))/log(2.0_dp), 4.0_dp, absolute=0.2_dp)
+  end subroutine spline_order
+
+  !> c'th of the standard's formula at z 25/25 and 25/116 by hand: 15.68, 17.96
+  !> N/(um mm), times 0.8 (C_M) and 0.975 (C_B); the mean is 0.75 eps + 0.25 times that.
+  subroutine iso_numbers(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair
+    type(piecewise_t) :: curve
+    type(material_t) :: steel
+    type(error_t), allocatable :: error
+    real(dp) :: width
+
+    pair = pair_of([25, 25])
+    width = 25.4e-3_dp
+    call iso_stiffness(pair, steel, 300e3_dp, curve, error)
+    call check_close(t, 'c prime 25/25', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp, 3e-4_dp)
+    call check_close(t, 'c gamma', curve%integral(0.0_dp, pair%contact_ratio)/curve%maximum(), &
+                     0.75_dp*pair%contact_ratio + 0.25_dp, 1e-12_dp)
+    call iso_stiffness(pair_of([25, 116]), steel, 300e3_dp, curve, error)
+    call check_close(t, 'c prime 25/116', curve%maximum()/width, 17.96e9_dp*0.8_dp*0.975_dp, 3e-4_dp)
+    call iso_stiffness(pair, steel, 50e3_dp, curve, error)
+    call check_close(t, 'low load', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp*0.5_dp**0.25_dp, 3e-4_dp)
+  end subroutine iso_numbers
+
+  !> Independent methods: the standard's c'th was fitted to Weber-Banaschek
+  !> calculations of such gears; 5 per cent over a range of tooth numbers.
+  subroutine weber_against_iso(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: teeth(2, 5) = reshape([25, 25, 25, 116, 20, 60, 40, 40, 60, 60], [2, 5])
+    type(piecewise_t) :: weber, iso
+    type(material_t) :: steel
+    type(error_t), allocatable :: error
+    type(pair_t) :: pair
+    integer :: i
+
+    do i = 1, size(teeth, 2)
+      pair = pair_of(teeth(:, i))
+      call weber_stiffness(pair, steel, 300e3_dp, weber, error)
+      call check_no_error(t, 'weber', error)
+      call iso_stiffness(pair, steel, 300e3_dp, iso, error)
+      call check_close(t, 'weber and c''th', weber%maximum(), iso%maximum()/(0.8_dp*0.975_dp), 0.05_dp)
+    end do
+    pair = pair_of([25, 25])
+    call weber_stiffness(pair, steel, 300e3_dp, weber, error)
+    associate (c => pair%contact_ratio)
+      call check_close(t, 'equal gears: symmetric path', weber%value(0.2_dp*c), weber%value(0.8_dp*c), 1e-12_dp)
+    end associate
+    call weber_stiffness(pair, material_t(2*steel%young, steel%poisson, steel%density), 600e3_dp, iso, error)
+    call check_close(t, 'twice E and load: twice the stiffness', iso%value(0.3_dp), 2*weber%value(0.3_dp), 1e-12_dp)
+    call weber_stiffness(pair, steel, 600e3_dp, iso, error)
+    call check_true(t, 'flattening stiffens under load', iso%value(0.3_dp) > weber%value(0.3_dp))
+  end subroutine weber_against_iso
+
+  subroutine tables(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: s(4) = [0.0_dp, 0.5_dp, 1.0_dp, 1.6_dp]
+    type(piecewise_t) :: curve
+    type(error_t), allocatable :: error
+
+    call table_stiffness(1.6_dp, s, 1 + s, curve, error)
+    call check_no_error(t, 'table', error)
+    call check_close(t, 'a line through the table', curve%value(0.77_dp), 1.77_dp, 1e-13_dp)
+    call table_stiffness(1.7_dp, s, 1 + s, curve, error)
+    call check_error(t, 'too short', error, 'covers s = 0 to 1.6')
+    call table_stiffness(1.6_dp, s([1, 3, 2, 4]), 1 + s, curve, error)
+    call check_error(t, 'unsorted', error, 'not ascending at row 3')
+    call table_stiffness(1.6_dp, s, s - 0.5_dp, curve, error)
+    call check_error(t, 'not positive', error, 'above 0')
+    call polynomial_stiffness(1.6_dp, [100.0_dp, 0.0_dp, -120.0_dp], curve, error)
+    call check_error(t, 'polynomial below 0', error, 'above 0')
+  end subroutine tables
+
+  !> Against all subsets of pairs: the true contact set is the one that is consistent.
+  subroutine deflection(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: k(3) = [300, 250, 400], e(3) = [0.02_dp, 0.0_dp, 0.05_dp]
+    real(dp) :: load, x, expected
+    logical :: set(3)
+    integer :: i, subset
+
+    do i = 1, 40
+      load = 0.5_dp*i
+      x = static_deflection(k, e, load)
+      expected = -1
+      do subset = 1, 7
+        set = [btest(subset, 0), btest(subset, 1), btest(subset, 2)]
+        associate (trial => (load + sum(k*e, mask=set))/sum(k, mask=set))
+          if (all((trial > e) .eqv. set)) expected = trial
+        end associate
+      end do
+      call check_close(t, 'contact set', x, expected, 1e-14_dp)
+    end do
+    ! The deepest of two relieved pairs must not take the other one with it.
+    call check_close(t, 'one at a time', static_deflection([1.0_dp, 1.0_dp, 1.0_dp], [0.0_dp, 1.0_dp, 9.0_dp], 2.0_dp), &
+                     1.5_dp)
+  end subroutine deflection
+
+  !> The loads balance at every phase; mean stiffness is the integral of K.
+  subroutine sharing_identities(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: ratios(4) = [1.001_dp, 1.6_dp, 2.0_dp, 2.7_dp]
+    type(oscillator_t) :: osc
+    type(sharing_t) :: sharing
+    integer :: i
+
+    do i = 1, size(ratios)
+      ! At a contact ratio of 2 short relief has no room.
+      call prescribed(ratios(i), [400.0_dp, 20.0_dp, -110.0_dp], &
+                      merge([0.0_dp, 0.0_dp], [12.0_dp, 5.0_dp], i == 3), 1, osc)
+      call share_load(osc%mesh, 5000.0_dp, 300, sharing)
+      call check_close(t, 'balance', maxval(abs(sum(sharing%load, 1) - 5000)), 0.0_dp, absolute=1e-8_dp)
+      ! Integral of 400 + 20 u - 110 u^2 over the path.
+      call check_close(t, 'mean stiffness', osc%mesh%mean_stiffness(), 1e6_dp*ratios(i)*(400 - 110/3.0_dp), 1e-12_dp)
+      call check_true(t, 'pairs', maxval(sharing%pairs) == ceiling(ratios(i)))
+    end do
+  end subroutine sharing_identities
+
+  !> Relief of F_s/K at the tips makes the handover smooth: with constant K the
+  !> deflection at E equals the relief, so the load there is 0.
+  subroutine slow_relief(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(sharing_t) :: sharing
+
+    call prescribed(1.5_dp, [400.0_dp], [20.0_dp, 20.0_dp], 1, osc)
+    call share_load(osc%mesh, 8000.0_dp, 200, sharing)
+    call check_close(t, 'load at A', sharing%load(1, 1), 0.0_dp, absolute=1e-8_dp)
+    call check_close(t, 'single pair', maxval(sharing%load), 8000.0_dp, 1e-12_dp)
+    call check_close(t, 'error of one pair', maxval(sharing%error), 20e-6_dp, 1e-12_dp)
+    call check_close(t, 'no step left', sharing%peak_to_peak(), 0.0_dp, absolute=1e-12_dp)
+  end subroutine slow_relief
+end module test_mesh

@@ -1,0 +1,670 @@
+#!/bin/sh
+# Drives the program as a user does: sh test/test_program.sh PROGRAM
+# The last line is `N passed, N failed`.
+export LC_ALL=C
+root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
+program=${1:-$root/build/run/gearsweep}
+case $program in /*) ;; *) program=$PWD/$program ;; esac
+work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+cd "$work" || exit
+passed=0
+failed=0
+limit=
+if command -v timeout >/dev/null; then limit='timeout 120'; fi
+
+# --- tools -------------------------------------------------------------------
+
+pass() { passed=$((passed + 1)); }
+fails() {
+  failed=$((failed + 1))
+  printf 'FAILED: %s\n' "$1"
+}
+
+# check TITLE COMMAND...: the command must succeed.
+check() {
+  title=$1
+  shift
+  if "$@"; then pass; else fails "$title"; fi
+}
+
+# run ARGUMENTS...: runs the program; leaves $code, stdout and stderr.
+run() {
+  $limit "$program" "$@" >stdout 2>stderr </dev/null
+  code=$?
+}
+
+# edit SED: the base case, edited, as case.nml.
+edit() { sed "$1" base.nml >case.nml; }
+
+exits() { [ "$code" = "$1" ] || { echo "  exit code $code, not $1: $(head -c 300 stderr)"; return 1; }; }
+silent() { [ ! -s "$1" ] || { echo "  $1: $(head -n 3 "$1")"; return 1; }; }
+says() { grep -qF -- "$2" "$1" || { echo "  $1 lacks: $2"; return 1; }; }
+lacks() { ! grep -qF -- "$2" "$1" || { echo "  $1 has: $2"; return 1; }; }
+no_files_in() { [ -z "$(find "$1" ! -type d 2>/dev/null)" ] || { echo "  left: $(find "$1" ! -type d)"; return 1; }; }
+same() { cmp -s "$1" "$2" || { echo "  $1 and $2 differ"; return 1; }; }
+files_in() { (cd "$1" && ls -A | tr '\n' ' '); }
+rows() { grep -v '^#' "$1" | tail -n +2; }
+columns() { grep -v '^#' "$1" | head -n 1; }
+
+# is_one_error TEXT CODE: exit code, one line on stderr that has the text, nothing on stdout.
+is_one_error() {
+  exits "$2" && silent stdout || return
+  [ "$(wc -l <stderr)" -eq 1 ] || { echo "  not one line: $(head -n 5 stderr)"; return 1; }
+  case $(cat stderr) in
+    'gearsweep: '*) says stderr "$1" ;;
+    *) echo "  not ours: $(cat stderr)"; return 1 ;;
+  esac
+}
+
+refused() { is_one_error "$1" "$2" && no_files_in out; }
+
+# refuses TEXT CODE SED: the edited base case must be refused with this text and leave no file.
+refuses() {
+  edit "$3"
+  [ -z "$base_changes" ] || ! cmp -s base.nml case.nml || { fails "no change by: $3"; return; }
+  rm -rf out
+  run case.nml --out out
+  check "refuses $3" refused "$1" "$2"
+}
+base_changes=yes
+
+# refuses_text TEXT CODE: the same for case.nml as it stands.
+refuses_text() {
+  rm -rf out
+  run case.nml --out out
+  check "refuses a case: $1" refused "$1" "$2"
+}
+
+# --- cases -------------------------------------------------------------------
+
+# Case 1 with few speeds, and without remarks.
+sed -e 's/ *!.*//' -e '/^ *$/d' -e 's/rpm_last = .*/rpm_last = 15400/' -e 's/rpm_step = .*/rpm_step = 500/' \
+  -e 's/amount_um = .*/amount_um = 0, 15/' "$root/data/case1.nml" >geared.nml
+# A mesh with no geometry behind it.
+cat >prescribed.nml <<'END'
+&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&pinion teeth = 25 effective_mass_kg = 0.8 /
+&gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 /
+&relief amount_um = 0, 15 /
+&mesh
+  model = 'polynomial'
+  contact_ratio = 1.6
+  coefficients = 400, 0, -120
+/
+&dynamics damping_ratio = 0.1 /
+&sweep rpm_first = 2000 rpm_last = 16000 rpm_step = 1000 load_rpm = 3000 /
+END
+# The same stiffness as a table beside the case; nine points give the spline its parabola back.
+{
+  printf '# s, N/um\n! second remark\n\n'
+  for i in 0 1 2 3 4 5 6 7 8; do
+    awk "BEGIN { u = $i/4 - 1; printf \"%.15g\", 1.6*$i/8; printf \"$([ $((i % 2)) = 0 ] && echo ', ' || echo '\t')%.15g\n\", 400 - 120*u*u }"
+  done
+} >pair.csv
+cp geared.nml base.nml
+
+# --- the command line --------------------------------------------------------
+
+version=$(sed -n 's/^version *= *"\(.*\)"/\1/p' "$root/fpm.toml")
+run --version
+check 'version: exit code' exits 0
+check 'version: text' test "$(cat stdout)" = "gearsweep $version"
+check 'version: stderr' silent stderr
+for option in --help -h; do
+  run $option
+  check "$option: exit code" exits 0
+  check "$option: stderr" silent stderr
+  for word in usage CASE.nml --out --threads --verbose --quiet --version --help 'exit code' doc/case.md; do
+    check "$option names $word" says stdout "$word"
+  done
+done
+check 'the reference of the case is there' test -s "$root/doc/case.md"
+
+# misuse TEXT ARGUMENTS...
+misuse() {
+  text=$1
+  shift
+  run "$@"
+  check "misuse: $*" is_one_error "$text" 2
+  check "misuse points to the help: $*" says stderr '--help'
+  check "misuse leaves nothing: $*" test "$(files_in .)" = 'base.nml stderr stdout '
+}
+mkdir misuse && cp base.nml misuse && cd misuse || exit
+misuse 'no case' --quiet
+misuse 'no case'
+misuse '--colour' --colour base.nml
+misuse '-x' base.nml -x
+misuse '--out' base.nml --out
+misuse '--out' base.nml --out ''
+misuse '--threads' base.nml --threads
+misuse '1 to 1024' base.nml --threads 0
+misuse '1 to 1024' base.nml --threads -1
+misuse '1 to 1024' base.nml --threads two
+misuse '1 to 1024' base.nml --threads 1.5
+misuse '1 to 1024' base.nml --threads 99999999999
+misuse 'one case' base.nml base.nml
+misuse 'empty' ''
+cd ..
+
+# --- good runs ---------------------------------------------------------------
+
+run base.nml
+check 'good: exit code' exits 0
+check 'good: nothing on stderr in a pipe' silent stderr
+check 'good: the folder without --out' test -s results/base.sweep.csv
+rm -rf results
+run base.nml --out out
+cp stdout answer
+check 'good: exit code with --out' exits 0
+check 'good: the four tables and nothing else' test \
+  "$(files_in out)" = 'base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+for text in 'contact ratio 1.61165' 'Stiffness' 'Natural frequency' 'Static transmission error' 'worst' \
+  'in resonance' 'Best of the list' 'Points ' 'without an answer 0' 'Optimum relief' 'Time' out/base.sweep.csv; do
+  check "good: the answer has $text" says answer "$text"
+done
+check 'good: not verbose' lacks answer 'left out'
+
+columns_of() {
+  case $1 in
+    sweep) echo relief_um,rpm,dynamic_factor,error_estimate,status,contact,floquet_modulus,residual,steps,mesh_periods ;;
+    mesh) echo relief_um,s,pair_stiffness_n_um,mesh_stiffness_n_um,profile_error_um,load_share,ste_um ;;
+    load) echo relief_um,rpm,s,pair_load_n,load_ratio,dte_um ;;
+    vcurve) echo relief_um,worst_dynamic_factor,rpm,points_without_answer ;;
+  esac
+}
+geometry_columns=,path_mm,pinion_radius_mm,pinion_curvature_mm,gear_curvature_mm
+
+# Every number of a row has 15 digits, or is a whole number or a word.
+well_formed() {
+  rows "$1" | awk -F, -v n="$(columns "$1" | awk -F, '{ print NF }')" '
+    NF != n { print "  columns: " $0; bad = 1; exit }
+    { for (i = 1; i <= NF; i++)
+        if ($i !~ /^-?[0-9]\.[0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9]E[-+][0-9]+$/ &&
+            $i !~ /^[0-9]+$/ && $i !~ /^[a-z]+$/) { print "  number: " $i; bad = 1; exit } }
+    END { exit bad }'
+}
+# The header carries the case as it was read.
+echoes() { sed -n '/^# case:$/,$p' "$1" | sed -n 's/^#   //p' | cmp -s - "$2"; }
+header_first() { awk '/^#/ && seen { bad = 1 } !/^#/ { seen = 1 } END { exit bad }' "$1"; }
+
+for kind in sweep mesh load vcurve; do
+  table=out/base.$kind.csv
+  wanted=$(columns_of $kind)
+  [ $kind = mesh ] && wanted=$wanted$geometry_columns
+  check "$kind: columns" test "$(columns $table)" = "$wanted"
+  check "$kind: version" test "$(head -n 1 $table | grep -c "^# gearsweep $version:")" = 1
+  check "$kind: units" test "$(head -n 1 $table | grep -c 'units:')" = 1
+  check "$kind: the case as read" echoes $table base.nml
+  check "$kind: remarks come first" header_first $table
+  check "$kind: numbers" well_formed $table
+  check "$kind: ends with a line end" test -z "$(tail -c 1 $table | tr -d '\n')"
+done
+check 'sweep: rows' test "$(rows out/base.sweep.csv | wc -l)" -eq 62
+check 'sweep: speeds' test "$(rows out/base.sweep.csv | awk -F, '{ printf "%d ", $2 }' | cut -d' ' -f1,2,31,32)" = '400 900 15400 400'
+check 'sweep: all ok' test "$(rows out/base.sweep.csv | cut -d, -f5 | sort -u)" = ok
+check 'sweep: errors within the tolerance' test "$(rows out/base.sweep.csv | awk -F, '$4 > 1e-6' | wc -l)" -eq 0
+check 'load: chosen speed' test "$(rows out/base.load.csv | awk -F, '{ print $2 + 0 }' | sort -u)" = 1600
+check 'mesh: a pair carries all the load alone' test "$(rows out/base.mesh.csv | awk -F, '$6 > m { m = $6 } END { printf "%.9f", m }')" = 1.000000000
+# DF of the load table is the largest load ratio of each relief, and that of the screen.
+check 'load: largest ratio is the answer' says answer "$(rows out/base.load.csv |
+  awk -F, '$1 == 0 && $5 > m { m = $5 } END { printf "%.3f", m }' | cut -c1-4)"
+# The published shape: relief lowers the worst dynamic factor, and the optimum lies between.
+check 'vcurve: the optimum' test "$(rows out/base.vcurve.csv |
+  awk -F, 'NR == 1 || $2 < m { m = $2; a = $1 } END { print (a > 13 && a < 17 && m < 1.1) }')" = 1
+
+run base.nml --out again
+for kind in sweep mesh load vcurve; do check "twice: $kind" same out/base.$kind.csv again/base.$kind.csv; done
+sed '/^Time/d; /^Wrote/d' answer >first
+sed '/^Time/d; /^Wrote/d' stdout >second
+check 'twice: the answer' same first second
+run base.nml --out out
+check 'a second run into the same folder' exits 0
+check 'a second run leaves nothing else' test "$(files_in out)" = 'base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+
+run base.nml --out out --quiet
+check 'quiet: exit code' exits 0
+check 'quiet: stdout' silent stdout
+check 'quiet: stderr' silent stderr
+run --quiet --out early base.nml
+check 'options in front of the case' test -s early/base.sweep.csv
+
+sed "s/tasks = .*/tasks = 'sweep'/" base.nml >sweep_only.nml
+run sweep_only.nml --out sweep_only --verbose
+check 'verbose: exit code' exits 0
+for text in 'static load sharing left out' 'pair loads along the path left out' 'optimum relief left out' \
+  'friction left out' 'coast side left out' 'geometry: pair built' 'sweep: 62 operating points'; do
+  check "verbose: $text" says stdout "$text"
+done
+check 'one task makes one table' test "$(files_in sweep_only)" = 'sweep_only.sweep.csv '
+rows out/base.sweep.csv >rows_all
+rows sweep_only/sweep_only.sweep.csv >rows_alone
+check 'a task gives the same alone' same rows_all rows_alone
+
+sed "s/tasks = .*/tasks = 'geometry'/" base.nml >geometry.nml
+run geometry.nml --out geometry --verbose
+check 'geometry: exit code' exits 0
+check 'geometry: the pair' says stdout 'contact ratio'
+check 'geometry: no mesh' lacks stdout 'Stiffness'
+check 'geometry: says what is left out' says stdout 'mesh and motion left out'
+check 'geometry: no table' no_files_in geometry
+sed -n '/^&pair/,/^&material/p' geometry.nml | sed '/^&material/d' >bare.nml
+echo "&case tasks = 'geometry' /" >>bare.nml
+run bare.nml --out geometry
+check 'geometry: needs no load and no speeds' exits 0
+
+cp base.nml two.dots.nml
+run two.dots.nml --out stem --quiet
+check 'names: the last ending goes' test -s stem/two.dots.sweep.csv
+cp base.nml plain
+run plain --out stem --quiet
+check 'names: no ending' test -s stem/plain.sweep.csv
+mkdir 'a folder'
+cp base.nml 'a folder/my case.nml'
+run 'a folder/my case.nml' --out 'a folder/my results' --quiet
+check 'names: blanks' test -s 'a folder/my results/my case.sweep.csv'
+run "$work/base.nml" --out "$work/absolute/" --quiet
+check 'names: absolute, with a slash' test -s absolute/base.sweep.csv
+
+# --- threads and directions --------------------------------------------------
+
+for direction in each up down; do
+  edit "s/&sweep/\&sweep direction = '$direction'/; s/tasks = .*/tasks = 'sweep', 'optimum'/; s/damping_ratio = .*/damping_ratio = 0.02/"
+  cp case.nml $direction.nml
+  for threads in 1 2 7; do
+    run $direction.nml --out threads$threads --threads $threads --quiet
+    check "threads: exit code of $direction with $threads" exits 0
+  done
+  for kind in sweep vcurve; do
+    check "threads: 1 and 2, $direction, $kind" same threads1/$direction.$kind.csv threads2/$direction.$kind.csv
+    check "threads: 1 and 7, $direction, $kind" same threads1/$direction.$kind.csv threads7/$direction.$kind.csv
+  done
+done
+check 'threads: these cases lose contact' says threads1/up.sweep.csv ,lost,
+
+# --- spellings of the same case ----------------------------------------------
+
+# means TITLE FILE: gives the same sweep as the base case.
+means() {
+  run "$2" --out spelling --quiet
+  check "$1: exit code" exits 0
+  rows "spelling/$(basename "$2" .nml).sweep.csv" >rows_spelt 2>/dev/null
+  check "$1: the same sweep" same rows_all rows_spelt
+}
+awk '{ printf "%s\r\n", $0 }' base.nml >crlf.nml
+means 'CRLF' crlf.nml
+check 'CRLF: no half line ends in a table' test "$(tr -cd '\r' <spelling/crlf.sweep.csv | wc -c)" -eq 0
+{ printf '\357\273\277'; cat base.nml; } >bom.nml
+means 'byte order mark' bom.nml
+tr '\n' ' ' <base.nml >one_line.nml
+means 'all on one line' one_line.nml
+sed 's/^/	/; s/$/  ! a remark/' base.nml >remarks.nml
+means 'tabs and remarks' remarks.nml
+tr 'a-z' 'A-Z' <base.nml >upper.nml
+means 'capitals' upper.nml
+sed "s/'/\"/g; s/ = /=/; s/^\\/\$/\\&end/" base.nml >quotes.nml
+means 'other quotes, no blanks, &end' quotes.nml
+sed 's/rpm_first = 400/rpm_first = 4.0D+2/; s/amount_um = 0, 15/amount_um = 0 15./; s/teeth = 25/teeth = +25/' base.nml >figures.nml
+means 'other figures' figures.nml
+awk '/^&/ { n++ } { print > ("group" n ".part") }' base.nml
+cat $(ls group*.part | sort -r) >reversed.nml
+rm -f group*.part
+means 'groups in another order' reversed.nml
+sed "s/start = 'hpstc'/start = hpstc/; s/module_mm/coast_angle_deg =\\n  centre_distance_mm =\\n  module_mm/" base.nml >defaults.nml
+means 'keys with nothing behind them' defaults.nml
+sed "s/ addendum = 1\$/ addendum = /; /profile_shift/d; /dedendum/d; /rack_tip/d; /damping/d; /friction/d; /&dynamics/,/^\//d; /&material/,/^\//d; /fraction/d; /start =/d; /shape =/d" base.nml >fewest.nml
+means 'what is a default, left out' fewest.nml
+
+# --- a mesh with no geometry behind it ---------------------------------------
+
+cp prescribed.nml base.nml
+run base.nml --out prescribed --verbose
+check 'prescribed: exit code' exits 0
+check 'prescribed: no geometry' says stdout 'geometry left out: the mesh is prescribed'
+check 'prescribed: the tables' test "$(files_in prescribed)" = 'base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+check 'prescribed: columns of the mesh' test "$(columns prescribed/base.mesh.csv)" = "$(columns_of mesh)"
+for kind in sweep mesh load vcurve; do check "prescribed: numbers of $kind" well_formed prescribed/base.$kind.csv; done
+sed "s/model = 'polynomial'/model = 'table' file = 'pair.csv'/; /coefficients/d" base.nml >tabled.nml
+mkdir -p elsewhere
+cp tabled.nml pair.csv elsewhere
+mv pair.csv pair.away
+run elsewhere/tabled.nml --out tabled
+mv pair.away pair.csv
+check 'table: lies beside the case' exits 0
+# near A B: the sweeps agree to 1e-6.
+near() {
+  rows "$1" >near1
+  rows "$2" >near2
+  paste -d, near1 near2 | awk -F, -v n="$(columns "$1" | awk -F, '{ print NF }')" '
+    { d = $3 - $(n + 3); if (d < 0) d = -d; if (d > 2e-6) bad = 1 } END { exit bad || NR == 0 }'
+}
+check 'table: the same answer as its polynomial' near prescribed/base.sweep.csv tabled/tabled.sweep.csv
+sed "s|pair.csv|$work/pair.csv|" tabled.nml >absolute.nml
+run absolute.nml --out tabled
+check 'table: absolute name' exits 0
+awk '{ printf "%s\r\n", $0 }' pair.csv | tr ',' ';' >elsewhere/pair.csv
+run elsewhere/tabled.nml --out crlf
+check 'table: CRLF and semicolons' exits 0
+check 'table: the same answer with them' near tabled/tabled.sweep.csv crlf/tabled.sweep.csv
+# Load and relief doubled together change nothing; without relief the load does not matter.
+sed 's/6858/13716/; s/amount_um = 0, 15/amount_um = 0, 30/' base.nml >doubled.nml
+run doubled.nml --out doubled
+check 'doubled load and relief: the same dynamic factors' near prescribed/base.sweep.csv doubled/doubled.sweep.csv
+# A torque is a force on the base circle.
+sed 's/normal_force_n = 6858/torque_nm = 100/; s/contact_ratio/base_pitch_mm = 10 contact_ratio/' base.nml >torque.nml
+run torque.nml --out torque
+check 'torque: the force on the base circle' says stdout '2513.3 N'
+sed 's/normal_force_n = 6858/line_load_n_mm = 100/; s/&case/\&pair face_width_mm = 20 \/ \&case/' base.nml >line.nml
+run line.nml --out line
+check 'line load: times the width' says stdout '2000 N'
+
+# --- points without an answer ------------------------------------------------
+
+edit 's/&dynamics/\&numerics steps_per_period = 12 \/ \&dynamics/'
+run case.nml --out partial
+check 'no answer: exit code' exits 4
+check 'no answer: said' says stdout unresolved
+check 'no answer: NaN in the table' says partial/case.sweep.csv ',NaN,NaN,unresolved,'
+check 'no answer: the others are computed' says partial/case.sweep.csv ,inexact,
+awk_nan() { rows "$1" | awk -F, '($3 == "NaN") != ($5 ~ /^(unstable|aperiodic|unresolved|chatter)$/) { exit 1 }'; }
+check 'no answer: NaN exactly where the status says so' awk_nan partial/case.sweep.csv
+# The same holds for the other tasks that follow the motion.
+for task in load optimum; do
+  edit "s/tasks = .*/tasks = '$task' \\//; s/&dynamics/\\&numerics steps_per_period = 4 \\/ \\&dynamics/"
+  run case.nml --out partial
+  check "no answer in the task $task: exit code" exits 4
+done
+rows partial/case.vcurve.csv >rows_vcurve
+check 'no answer: NaN in the vcurve table' test "$(cut -d, -f2 rows_vcurve | sort -u)" = NaN
+# Strong damping and coarse tolerances need steps for stability, which are there.
+for change in 's/damping_ratio = 0.1/damping_ratio = 2/' 's/&dynamics/\&numerics tolerance = 0.01 \/ \&dynamics/'; do
+  edit "$change; s/tasks = .*/tasks = 'sweep' \\//; s/rpm_first = .*rpm_step = 1000/rpm_first = 400 rpm_last = 4000 rpm_step = 20/"
+  run case.nml --out stable
+  check "every point has an answer: $change" exits 0
+done
+# A stretch of two pairs as short as rounding errors.
+for ratio in 1.00000001 1.000000001 1.0000000001 1.00000000002 1.00000000001 1.000000000009 1.000000000001 1.9999999999 1.99999999999 2.0000000001 2.00000000001; do
+  edit "s/contact_ratio = .*/contact_ratio = $ratio/"
+  run case.nml --out ratio --quiet
+  check "contact ratio $ratio" exits 0
+done
+
+# --- progress ----------------------------------------------------------------
+
+if script -qec true /dev/null </dev/null >/dev/null 2>&1; then
+  cp geared.nml progress.nml
+  script -qec "'$program' progress.nml --out progress" typescript </dev/null >/dev/null 2>&1
+  check 'progress: on a terminal' says typescript ' of 62 points'
+  script -qec "'$program' progress.nml --out progress --quiet" typescript </dev/null >/dev/null 2>&1
+  check 'progress: none when quiet' lacks typescript ' of 62 points'
+  script -qec "'$program' progress.nml --out progress 2>piped" typescript </dev/null >/dev/null 2>&1
+  check 'progress: none where stderr is a file' silent piped
+else
+  echo 'progress on a terminal is not tested: script is missing'
+fi
+
+# --- files and folders -------------------------------------------------------
+
+cp geared.nml base.nml
+rm -rf out
+run missing.nml --out out
+check 'missing file' refused 'missing.nml' 3
+run . --out out
+check 'a folder as the case' refused 'cannot read .' 3
+mkdir -p folder.nml
+run folder.nml --out out
+check 'a folder named as a case' refused 'cannot read folder.nml' 3
+run base.nml/case.nml --out out
+check 'a case below a file' refused 'base.nml/case.nml' 3
+: >case.nml
+refuses_text 'no group' 1
+printf '\n  \n! only a remark\n' >case.nml
+refuses_text 'no group' 1
+printf '\n' >case.nml
+refuses_text 'no group' 1
+head -c 5000 "$program" >case.nml
+refuses_text 'line 1' 1
+printf '\000\000\000\000' >case.nml
+refuses_text 'control character' 1
+{ cat base.nml; printf '\000'; } >case.nml
+refuses_text 'control character' 1
+printf '\377\376&\000c\000a\000s\000e\000' >case.nml
+refuses_text 'line 1' 1
+awk 'BEGIN { for (i = 0; i < 200000; i++) print "! 0123456789 0123456789 0123456789 0123456789 0123456789" }' >case.nml
+refuses_text '10 MB' 1
+printf '{ "module": 3.18 }\n' >case.nml
+refuses_text 'outside a group' 1
+printf '&case title = "never closed\n/\n' >case.nml
+refuses_text 'never closed' 1
+cp base.nml file
+for folder in file file/out /proc/gearsweep "$(printf '%0300d' 0)"; do
+  run base.nml --out "$folder"
+  check "folder that takes no files: $folder" is_one_error 'cannot write' 3
+done
+check 'the file in the way is as it was' same file base.nml
+run base.nml --out missing/out
+check 'folder in a missing folder' is_one_error 'missing/out' 3
+check 'it is not made' test ! -e missing
+mkdir -p taken/base.sweep.csv
+run base.nml --out taken
+check 'a folder in the way of a table' exits 3
+check 'a folder in the way: no part is left' test -z "$(find taken -name '*.part')"
+if [ "$(id -u)" != 0 ]; then
+  mkdir -p locked && chmod 500 locked
+  run base.nml --out locked
+  check 'a folder without the right to write' is_one_error locked 3
+  mkdir -p hidden && chmod 000 hidden
+  cp base.nml sealed.nml && chmod 000 sealed.nml
+  run sealed.nml --out out
+  check 'a case without the right to read' is_one_error sealed.nml 3
+fi
+
+# --- bad cases: text the message must contain, exit code, edit of the base case ---
+
+# Layout, groups and keys
+refuses '&sweeps: unknown group (did you mean &sweep?)' 1 's/&sweep/\&sweeps/'
+refuses '&colour: unknown group' 1 '$s/$/\n\&colour \/'/
+refuses '&sweep rpm_stop = 500: unknown key (did you mean rpm_step?)' 1 's/rpm_step/rpm_stop/'
+refuses '&pair module = 3.18: unknown key (did you mean module_mm?)' 1 's/module_mm/module/'
+refuses '&pair teeth = 25: unknown key; it belongs to &pinion' 1 's/module_mm/teeth = 25 module_mm/'
+refuses '&dynamics colour = 3: unknown key; the keys of &dynamics are damping_ratio, friction' 1 's/friction/colour = 3 friction/'
+refuses 'key module_mm is given twice in &pair' 1 's/module_mm/module_mm = 3 module_mm/'
+refuses 'key module_mm is given twice in &pair' 1 's/module_mm/MODULE_MM = 3.18 module_mm/'
+refuses 'group &gear is given twice' 1 's/&pinion/\&gear/'
+refuses 'group &sweep is never closed' 1 '/&sweep/,/^\//s/^\///'
+refuses 'group &pair is never closed' 1 '/&pair/,/^\//s/^\///'
+refuses 'outside a group' 1 's/&pair/pair/'
+refuses 'outside a group' 1 '1s/^/hello /'
+refuses 'outside a group' 1 '$s/$/ hello/'
+refuses 'keys with an index' 1 's/amount_um =/amount_um(1) =/'
+refuses 'no value between two commas' 1 's/amount_um = 0, 15/amount_um = 0,, 15/'
+refuses 'a value without a key' 1 's/module_mm =/module_mm/'
+refuses 'a string is never closed' 1 "s/'hpstc'/'hpstc/"
+
+# Values: type, NaN, infinity, sign
+for value in three "'3.18'" NaN nan -NaN 'NaN(1)' Inf Infinity -infinity 1e999 1e308 0x10 3.1.8 3e .true. 3mm 3,18 '3 18'; do
+  refuses '&pair module_mm' 1 "s|module_mm = 3.18|module_mm = $value|"
+done
+refuses 'outside a group: 3' 1 's|module_mm = 3.18|module_mm = 1/3|'
+refuses '&pair module_mm = 3, 18: must be a single number' 1 's/module_mm = 3.18/module_mm = 3,18/'
+refuses '&pair module_mm: missing; must be above 0' 1 's/module_mm = .*/module_mm =/'
+refuses '&pair module_mm: missing; must be above 0' 1 '/module_mm/d'
+for value in 0 -3.18 -0 1e-400; do
+  refuses ": must be above 0" 1 "s/module_mm = .*/module_mm = $value/"
+  refuses ": must be above 0" 1 "s/face_width_mm = .*/face_width_mm = $value/"
+  refuses ": must be above 0" 1 "s/line_load_n_mm = .*/line_load_n_mm = $value/"
+  refuses ": must be above 0" 1 "s/line_load_n_mm = .*/torque_nm = $value/"
+  refuses ": must be above 0" 1 "s/line_load_n_mm = .*/normal_force_n = $value/"
+  refuses ": must be above 0" 1 "s/effective_mass_kg = .*/effective_mass_kg = $value/"
+  refuses ": must be above 0" 1 "s/effective_mass_kg = .*/inertia_kgm2 = $value/"
+  refuses ": must be above 0" 1 "s/young_gpa = .*/young_gpa = $value/"
+  refuses ": must be above 0" 1 "s/rpm_first = .*/rpm_first = $value/"
+  refuses ": must be above 0" 1 "s/rpm_step = .*/rpm_step = $value/"
+  refuses ": must be above 0" 1 "s/load_rpm = .*/load_rpm = 1600, $value/"
+done
+for key in face_width_mm line_load_n_mm effective_mass_kg damping_ratio rpm_first rpm_last rpm_step load_rpm amount_um; do
+  for value in NaN Inf -1 1e999 some "'1'"; do
+    refuses "$key = $value: must be" 1 "s/$key = .*/$key = $value/"
+  done
+done
+refuses '&pair module_mm = 1001: must be above 0 and at most 1000' 1 's/module_mm = .*/module_mm = 1001/'
+refuses '&dynamics damping_ratio = -0.01: must be at least 0' 1 's/damping_ratio = .*/damping_ratio = -0.01/'
+refuses '&dynamics friction = -0.1: must be at least 0' 1 's/friction = 0/friction = -0.1/'
+refuses '&dynamics friction = 1: must be at least 0 and below 1' 1 's/friction = 0/friction = 1/'
+refuses '&material poisson = 0.5: must be at least 0 and below 0.5' 1 's/poisson = .*/poisson = 0.5/'
+refuses '&pair backlash_um = -1: must be at least 0' 1 's/module_mm/backlash_um = -1 module_mm/'
+refuses "tip_alteration = 1: must be .true. or .false." 1 's/module_mm/tip_alteration = 1 module_mm/'
+refuses "&case tasks = 'sweep', 'stress': must be one of 'geometry', 'mesh', 'load', 'sweep', 'optimum'" 1 "s/tasks = .*/tasks = 'sweep', 'stress'/"
+refuses "must be one of 'weber'" 1 "s/model = .*/model = 'finite'/"
+refuses "must be one of 'linear', 'parabolic'" 1 "s/shape = .*/shape = 'cubic'/"
+refuses "must be one of 'hpstc', 'pitch', 'length', 'roll'" 1 "s/start = .*/start = 'lpstc'/"
+refuses "must be one of 'up', 'down', 'each'" 1 "s/&sweep/\&sweep direction = 'sideways'/"
+refuses "&case title = Dogan: must be a text in quotes" 1 's/title = .*/title = Dogan/'
+refuses 'must be at least 1e-11 and at most 0.1' 1 's/&sweep/\&numerics tolerance = 0 \/ \&sweep/'
+refuses 'steps_per_period = 1000000: must be' 1 's/&sweep/\&numerics steps_per_period = 1000000 \/ \&sweep/'
+refuses "must be one of 'shooting', 'march'" 1 "s/&sweep/\\&numerics steady_state = 'newton' \\/ \\&sweep/"
+
+# Geometry
+refuses '&pinion teeth = 4: must be at least 5' 1 's/teeth = 25/teeth = 4/'
+refuses '&pinion teeth = -25: must be at least 5' 1 's/teeth = 25/teeth = -25/'
+refuses '&pinion teeth = 25.0: must be an integer' 1 's/teeth = 25/teeth = 25.0/'
+refuses '&pinion teeth: missing' 1 '/teeth/d'
+refuses '&gear teeth: missing' 1 '/&gear/,/^\//d'
+refuses '&pinion profile_shift = 0: undercut with 10 teeth; must be at least 0.5' 1 's/teeth = 25/teeth = 10/'
+refuses '&pinion profile_shift = -0.9: undercut' 1 's/profile_shift = .*/profile_shift = -0.9/'
+refuses '&pinion addendum = 2: pointed teeth; the tip diameter must stay below' 1 '/&pinion/,/^\//s/ addendum = 1$/ addendum = 2/'
+refuses '&pinion addendum = 1: pointed teeth' 1 '/&pinion/,/^\//s/profile_shift = 0/profile_shift = 1.5/'
+refuses 'interference' 1 's/ dedendum = .*/ dedendum = 0.95/'
+refuses 'interference' 1 '/&gear/,/^\//s/teeth = 25/teeth = 500/; /&gear/,/^\//s/ addendum = 1$/ addendum = 1.24/'
+refuses 'rack_tip_radius = 0.5: does not fit the rack; at most 0.47' 1 's/rack_tip_radius = .*/rack_tip_radius = 0.5/'
+refuses 'dedendum = 3: the rack tooth is pointed' 1 's/ dedendum = .*/ dedendum = 3/'
+refuses 'contact ratio 0.54' 1 's/ addendum = 1$/ addendum = 0.3/'
+refuses '&pair centre_distance_mm = 79: the teeth jam; must be at least 79.5' 1 's/module_mm/centre_distance_mm = 79 module_mm/'
+refuses 'is not above 1' 1 's/module_mm/centre_distance_mm = 85 module_mm/'
+refuses 'is not above 1' 1 's/module_mm/centre_distance_mm = 1000 module_mm/'
+refuses '&pair centre_distance_mm = 0: must be above 0' 1 's/module_mm/centre_distance_mm = 0 module_mm/'
+refuses 'bore_mm = 80: must be at least 0 and below the root diameter 71.55 mm' 1 's/teeth = 25/teeth = 25 bore_mm = 80/'
+refuses 'pressure_angle_deg = 0: must be above 3 and below 45' 1 's/pressure_angle_deg = 20/pressure_angle_deg = 0/'
+refuses 'pressure_angle_deg = 90: must be above 3 and below 45' 1 's/pressure_angle_deg = 20/pressure_angle_deg = 90/'
+
+# Load and masses
+refuses '&load: give one of torque_nm' 1 '/line_load/d'
+refuses '&load: give one of torque_nm' 1 '/&load/,/^\//d'
+refuses '&load: give one of torque_nm' 1 's/line_load/torque_nm = 100 line_load/'
+refuses 'effective_mass_kg or inertia_kgm2, not both' 1 's/effective_mass/inertia_kgm2 = 1 effective_mass/'
+refuses 'density_kgm3 = 7850: not used' 1 's/young/density_kgm3 = 7850 young/'
+
+# Relief
+refuses '&relief amount_um: missing; must be at least 0' 1 's/amount_um = .*/amount_um =/'
+refuses '&relief amount_um: missing; must be at least 0' 1 '/amount_um/d'
+refuses '&relief amount_um = 5, -1: must be at least 0' 1 's/amount_um = .*/amount_um = 5, -1/'
+refuses '&relief amount_um = 5000: deeper than the tooth' 1 's/amount_um = .*/amount_um = 0, 5000/'
+refuses 'no member is relieved' 1 's/_fraction = 1/_fraction = 0/'
+refuses '&relief length_mm' 1 "s/start = .*/start = 'length'/"
+refuses '&relief length_mm' 1 "s/start = .*/start = 'pitch' length_mm = 3/"
+refuses 'off the path of contact' 1 "s/start = .*/length_mm = 300/"
+refuses 'one for each relieved member' 1 "s/start = .*/pinion_roll_deg = 20/"
+refuses 'off the path of contact' 1 "s/start = .*/pinion_roll_deg = 1 gear_roll_deg = 1/"
+refuses 'at most 10000 numbers' 1 's/amount_um = .*/amount_um = 10001*5/'
+refuses 'repeat count' 1 's/amount_um = .*/amount_um = 1000000000*5/'
+
+# Speeds
+refuses '&sweep rpm_last = 300: must not lie below rpm_first = 400' 1 's/rpm_last = .*/rpm_last = 300/'
+refuses '&sweep rpm_step = -60: must be above 0' 1 's/rpm_step = .*/rpm_step = -60/'
+refuses '&sweep rpm_step = 1e-5: more than 10000000 operating points' 1 's/rpm_step = .*/rpm_step = 1e-5/'
+refuses '&sweep rpm_step = 1e-300: more than 10000000 operating points' 1 's/rpm_step = .*/rpm_step = 1e-300/'
+refuses '&sweep rpm_last = 1e10: must be above 0 and at most 1000000000' 1 's/rpm_last = .*/rpm_last = 1e10/'
+refuses '&sweep rpm_step: missing' 1 '/rpm_step/d'
+refuses '&sweep rpm_first: missing' 1 '/&sweep/,/^\//d'
+refuses '&sweep load_rpm: missing' 1 '/load_rpm/d'
+
+# Keys that do nothing in this case
+refuses "&mesh coefficients = 400: needs model = 'polynomial'" 1 "s/model = .*/model = 'weber' coefficients = 400/"
+refuses "file = 'pair.csv': needs model = 'table'" 1 "s/model = .*/model = 'weber' file = 'pair.csv'/"
+refuses '&mesh base_pitch_mm = 9: needs a prescribed mesh' 1 "s/model = .*/model = 'weber' base_pitch_mm = 9/"
+refuses "&material poisson = 0.3: not used by model = 'iso6336'" 1 "s/model = .*/model = 'iso6336'/"
+refuses '&material young_gpa = 206: not used' 1 "s/model = .*/model = 'polynomial' coefficients = 400/"
+
+# A prescribed mesh
+cp prescribed.nml base.nml
+refuses 'contact_ratio = 1: must be above 1 and at most 20' 1 's/contact_ratio = .*/contact_ratio = 1/'
+refuses 'contact_ratio = 21: must be above 1 and at most 20' 1 's/contact_ratio = .*/contact_ratio = 21/'
+refuses 'contact_ratio = NaN' 1 's/contact_ratio = .*/contact_ratio = NaN/'
+refuses '&mesh coefficients: missing' 1 '/coefficients/d'
+refuses 'pair stiffness must be above 0 everywhere; it falls to -100' 1 's/coefficients = .*/coefficients = -100/'
+refuses 'pair stiffness must be above 0 everywhere; it falls to -50' 1 's/coefficients = .*/coefficients = 400, 450/'
+refuses 'pair stiffness must be above 0 everywhere; it falls to 0' 1 's/coefficients = .*/coefficients = 0/'
+refuses 'at most 20 numbers' 1 's/coefficients = .*/coefficients = 21*1/'
+refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'weber'/"
+refuses '&mesh model: missing' 1 '/model/d'
+refuses '&pair module_mm = 3: not used by a prescribed mesh' 1 's/&case/\&pair module_mm = 3 \/ \&case/'
+refuses '&pinion addendum = 1: not used by a prescribed mesh' 1 's/teeth = 25/teeth = 25 addendum = 1/'
+refuses '&gear teeth = 25: a prescribed mesh uses it with friction only' 1 's/&gear/\&gear teeth = 25/'
+refuses '&gear teeth: missing; friction needs it' 1 's/&dynamics/\&dynamics friction = 0.1/'
+refuses '&pinion teeth: missing' 1 's/teeth = 25//'
+refuses '&gear effective_mass_kg: missing; a prescribed mesh has no body' 1 '/^&gear/d'
+refuses '&mesh base_pitch_mm: missing; a torque' 1 's/normal_force_n/torque_nm/'
+refuses '&mesh base_pitch_mm: missing; an inertia' 1 's/effective_mass_kg/inertia_kgm2/'
+refuses '&pair face_width_mm: missing; a line load' 1 's/normal_force_n/line_load_n_mm/'
+refuses '&pair face_width_mm = 20: a prescribed mesh uses it with line_load_n_mm only' 1 's/&case/\&pair face_width_mm = 20 \/ \&case/'
+refuses "tasks = 'geometry': a prescribed mesh" 1 "s/tasks = .*\//tasks = 'geometry' \//"
+refuses "start = 'roll': a prescribed mesh has no roll angles" 1 's/amount_um/pinion_roll_deg = 20 gear_roll_deg = 20 amount_um/'
+refuses '&mesh pitch_point = 2' 1 "s/contact_ratio/pitch_point = 2 contact_ratio/; s/amount_um/start = 'pitch' amount_um/"
+
+# Stiffness tables: text the message must contain, rows
+cp tabled.nml base.nml
+base_changes=
+# refuses_table TEXT CODE ROWS
+refuses_table() {
+  printf "$3" >pair.csv
+  refuses "$1" "$2" ''
+}
+rm -f pair.csv
+refuses 'pair.csv' 3 ''
+mkdir pair.csv
+refuses 'pair.csv' 3 ''
+rmdir pair.csv
+refuses_table '&mesh file: needs at least two rows' 1 ''
+refuses_table '&mesh file: needs at least two rows' 1 '# only remarks\n'
+refuses_table '&mesh file: needs at least two rows' 1 '0 400\n'
+refuses_table '&mesh file: s is not ascending at row 3' 1 '0 400\n1 400\n0.5 400\n1.6 400\n'
+refuses_table '&mesh file: s is not ascending at row 2' 1 '0 400\n0 400\n1.6 400\n'
+refuses_table '&mesh file: covers s = 0 to 1.5 base pitches; the path of contact is 0 to 1.6' 1 '0 400\n1.5 400\n'
+refuses_table '&mesh file: covers s = 0.1 to 1.6 base pitches; the path of contact is 0 to 1.6' 1 '0.1 400\n1.6 400\n'
+refuses_table 'must be above 0 everywhere' 1 '0 400\n0.8 -1\n1.6 400\n'
+refuses_table 'must be above 0 everywhere' 1 '0 0\n1.6 0\n'
+for row in 'one two' '0.5' '0.5 NaN' '0.5 Inf' '0.5 400 1' '0.5 400 x' '0.5 1e999' 's k' '0.5/400' '0.5 2*400' '1d5d 3' '0.5 -'; do
+  refuses_table 'pair.csv line 2: must be two numbers' 1 "0 400\n$row\n1.6 400\n"
+done
+
+# --- random bytes: refused in good order, whatever they are -------------------
+
+cp geared.nml base.nml
+awk 'BEGIN { srand(2) ; for (i = 0; i < 60; i++) print int(rand()*1000000) }' >seeds
+broken=0
+while read -r seed; do
+  # A case with a few characters changed, dropped or doubled.
+  awk -v seed="$seed" 'BEGIN { srand(seed); RS = "\001" }
+    { n = length($0); marks = "&/=,!*()\"'\''0.-eE \n\tx"
+      for (k = 0; k < 4; k++) {
+        at = 1 + int(rand()*n); what = rand()
+        if (what < 0.4) $0 = substr($0, 1, at - 1) substr(marks, 1 + int(rand()*length(marks)), 1) substr($0, at + 1)
+        else if (what < 0.7) $0 = substr($0, 1, at - 1) substr($0, at + 1 + int(rand()*5))
+        else $0 = substr($0, 1, at) substr($0, at)
+        n = length($0)
+      }
+      printf "%s", $0 }' base.nml | sed "s/tasks = .*/tasks = 'mesh'/" >case.nml
+  rm -rf out
+  run case.nml --out out
+  case $code in
+    0 | 4) silent stderr ;;
+    1) is_one_error 'gearsweep: ' 1 && no_files_in out ;;
+    *) echo "  exit code $code: $(head -n 2 stderr)"; false ;;
+  esac || { broken=$((broken + 1)); cp case.nml "broken$broken.nml"; echo "  seed $seed"; }
+done <seeds
+check 'damaged cases are answered or refused in good order' test $broken = 0
+
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]
