@@ -70,7 +70,7 @@ contains
     at = 0
     ido = 0
     info = 1
-    tolerance = 1e-11_dp
+    tolerance = 1e-8_dp
     shift = 0
     do
       call dsaupd(ido, 'G', n, 'LM', count, tolerance, start, basis, v, n, param, at, work, small, lwork, info)

@@ -25,6 +25,7 @@ module gearsweep_section
     logical :: fixed_sides = .true., fixed_rim = .true.
     logical :: plane_strain = .false.
     integer :: elements_across = 8               !< the tooth; everything else follows
+    integer :: others_across = 0                 !< the unloaded teeth; 0: as the loaded one
     real(dp) :: most_memory = 8e9_dp             !< for the stiffness matrix, bytes
   end type section_options_t
 
@@ -36,7 +37,8 @@ module gearsweep_section
     real(dp) :: half_angle = 0                   !< rad; pi for a whole gear
     real(dp), allocatable :: axis(:)             !< angle of each tooth's axis, rad
     integer, allocatable :: first_column(:)      !< columns before each tooth
-    integer :: columns_across = 0, rim_rows = 0
+    integer, allocatable :: across(:)            !< columns of each tooth
+    integer :: rim_rows = 0
     integer :: loaded = 0                        !< the middle tooth
   contains
     procedure :: flank_line
@@ -45,7 +47,7 @@ module gearsweep_section
   end type section_t
 
   !> How the element size grows from the root inwards, per tooth width of depth.
-  real(dp), parameter :: growth = 1.0_dp
+  real(dp), parameter :: growth = 1.6_dp
   integer, parameter :: most_across = 200
 
 contains
@@ -56,7 +58,7 @@ contains
     type(section_options_t), intent(in) :: options
     type(section_t), intent(out) :: section
     type(error_t), allocatable, intent(out) :: error
-    type(tooth_block_t) :: block
+    type(tooth_block_t) :: block(options%teeth)
     real(dp), allocatable :: top(:, :), points(:, :, :)
     integer, allocatable :: part(:, :)
 
@@ -66,11 +68,26 @@ contains
     section%options = options
     call set_extent(section, error)
     if (allocated(error)) return
-    call make_tooth_block(gear, options%elements_across, block)
+    call make_tooth_block(gear, options%elements_across, block(section%loaded))
+    call fill_others(section, block)
     call lay_columns(section, block, top)
     call fill_lattice(section, block, top, points, part)
     call make_grid(points, part, is_closed(section), section%grid, error)
   end subroutine make_section
+
+  !> The unloaded teeth are equal to the loaded one, or coarser.
+  pure subroutine fill_others(section, block)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(inout) :: block(:)
+    type(tooth_block_t) :: other
+    integer :: k
+
+    other = block(section%loaded)
+    if (section%options%others_across > 0) call make_tooth_block(section%gear, section%options%others_across, other)
+    do k = 1, size(block)
+      if (k /= section%loaded) block(k) = other
+    end do
+  end subroutine fill_others
 
   subroutine check_options(gear, options, error)
     type(gear_t), intent(in) :: gear
@@ -81,6 +98,10 @@ contains
       '&section teeth = '//str(options%teeth)//': must lie between 1 and the gear''s '//str(gear%spec%teeth))
     if (options%elements_across < 3 .or. options%elements_across > most_across) call fail(error, code_input, &
       '&section elements_across = '//str(options%elements_across)//': must lie between 3 and '//str(most_across))
+    if (options%others_across /= 0 .and. (options%others_across < 3 .or. &
+                                          options%others_across > options%elements_across)) &
+      call fail(error, code_input, '&section others_across = '//str(options%others_across)// &
+      ': must be 0 or lie between 3 and '//str(options%elements_across))
     if (.not. options%rim >= 0 .or. options%rim >= gear%root_radius) call fail(error, code_input, &
       '&section rim_mm = '//str(1000*options%rim)//': must be above 0 and below the root radius '// &
       str(1000*gear%root_radius)//' mm')
@@ -134,30 +155,30 @@ contains
   !> Points along the top of the rim at all column half steps, from left to right.
   subroutine lay_columns(section, block, top)
     type(section_t), intent(inout) :: section
-    type(tooth_block_t), intent(in) :: block
+    type(tooth_block_t), intent(in) :: block(:)
     real(dp), allocatable, intent(out) :: top(:, :)
     real(dp) :: pitch, from, to
     integer :: k, teeth
 
     teeth = section%options%teeth
     pitch = 2*pi/section%gear%spec%teeth
-    section%columns_across = block%across
+    section%across = block%across
     allocate (section%first_column(teeth))
     from = -section%half_angle
     if (is_closed(section)) from = section%axis(1)
     allocate (top(2, 0))
     do k = 1, teeth
       if (.not. (is_closed(section) .and. k == 1)) &
-        call append(top, fillet_run(section%gear, block, coast, section%axis(k), from))
+        call append(top, fillet_run(section%gear, block(k), coast, section%axis(k), from))
       section%first_column(k) = max(0, size(top, 2) - 1)/2
-      call append(top, turned(block%bottom, section%axis(k)))
+      call append(top, turned(block(k)%bottom, section%axis(k)))
       to = merge(section%half_angle, section%axis(k) + pitch/2, k == teeth)
       if (k < teeth .or. is_closed(section)) to = &
         section%axis(k) + (pitch + root_angle(section%gear, drive) - root_angle(section%gear, coast))/2
-      call append(top, fillet_run(section%gear, block, drive, section%axis(k), to))
+      call append(top, fillet_run(section%gear, block(k), drive, section%axis(k), to))
       from = to
     end do
-    if (is_closed(section)) call append(top, fillet_run(section%gear, block, coast, section%axis(1) + 2*pi, from))
+    if (is_closed(section)) call append(top, fillet_run(section%gear, block(1), coast, section%axis(1) + 2*pi, from))
   end subroutine lay_columns
 
   !> Adds a run of points that begins where the last one ended.
@@ -236,7 +257,7 @@ contains
   !> Rim below, teeth above.
   subroutine fill_lattice(section, block, top, points, part)
     type(section_t), intent(inout) :: section
-    type(tooth_block_t), intent(in) :: block
+    type(tooth_block_t), intent(in) :: block(:)
     real(dp), intent(in) :: top(:, 0:)
     real(dp), allocatable, intent(out) :: points(:, :, :)
     integer, allocatable, intent(out) :: part(:, :)
@@ -244,10 +265,12 @@ contains
     integer :: i, j, k, c, rows, rim, columns
 
     columns = ubound(top, 2)/2
-    reach = log(1 + growth*(section%gear%root_radius - section%inner_radius)/block%width)
-    rim = max(1, nint(block%across*reach/growth))
+    associate (loaded => block(section%loaded))
+      reach = log(1 + growth*(section%gear%root_radius - section%inner_radius)/loaded%width)
+      rim = max(1, nint(loaded%across*reach/growth))
+    end associate
     section%rim_rows = rim
-    rows = rim + block%upper
+    rows = rim + maxval(block%upper)
     allocate (points(2, 0:2*columns, 0:2*rows), source=0.0_dp)
     allocate (part(columns, rows), source=no_element)
     part(:, :rim) = 0
@@ -260,10 +283,12 @@ contains
     end do
     do k = 1, section%options%teeth
       c = section%first_column(k)
-      part(c + 1:c + block%across, rim + 1:) = k
-      do j = 1, 2*block%upper
-        points(:, 2*c:2*(c + block%across), 2*rim + j) = turned(block%points(:, :, j), section%axis(k))
-      end do
+      associate (tooth => block(k))
+        part(c + 1:c + tooth%across, rim + 1:rim + tooth%upper) = k
+        do j = 1, 2*tooth%upper
+          points(:, 2*c:2*(c + tooth%across), 2*rim + j) = turned(tooth%points(:, :, j), section%axis(k))
+        end do
+      end associate
     end do
     if (is_closed(section)) points(:, 2*columns, :) = points(:, 0, :)
   end subroutine fill_lattice
@@ -274,7 +299,7 @@ contains
     integer, intent(in) :: k, side
 
     line = 2*section%first_column(k)
-    if (side == drive) line = line + 2*section%columns_across
+    if (side == drive) line = line + 2*section%across(k)
   end function flank_line
 
   !> Nodes along one side of tooth `k`, from the middle of the next space, or the

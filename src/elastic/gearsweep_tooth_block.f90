@@ -37,7 +37,7 @@ contains
     integer :: side
 
     block%across = across
-    block%fillet = max(1, nint(0.35_dp*across))
+    block%fillet = max(2, nint(0.35_dp*across))
     block%lower = block%fillet
     block%upper = block%fillet + max(2, across)
     do side = drive, coast
