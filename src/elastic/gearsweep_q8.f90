@@ -4,7 +4,8 @@ module gearsweep_q8
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: shape_functions, shape_slopes, jacobian, edge_functions, element_stiffness, element_mass
+  public :: shape_functions, shape_slopes, jacobian, edge_functions
+  public :: element_gradients, element_stiffness, element_mass
 
   integer, parameter, public :: nodes_per_element = 8
   !> Three-point Gauss rule.
@@ -69,7 +70,7 @@ contains
     yy = 0
     do a = 1, 3
       do b = 1, 3
-        call gradients(x, [gauss_place(a), gauss_place(b)], g, weight)
+        call element_gradients(x, [gauss_place(a), gauss_place(b)], g, weight)
         weight = weight*gauss_weight(a)*gauss_weight(b)
         do n = 1, nodes_per_element
           xx(:, n) = xx(:, n) + g(:, 1)*(weight*g(n, 1))
@@ -85,7 +86,7 @@ contains
   end function element_stiffness
 
   !> Derivatives of the shape functions by x and y (8, 2), and the Jacobian's determinant.
-  pure subroutine gradients(x, p, g, det)
+  pure subroutine element_gradients(x, p, g, det)
     real(dp), intent(in) :: x(2, nodes_per_element), p(2)
     real(dp), intent(out) :: g(nodes_per_element, 2), det
     real(dp) :: d(nodes_per_element, 2), j(2, 2)
@@ -95,7 +96,7 @@ contains
     det = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
     g(:, 1) = (d(:, 1)*j(2, 2) - d(:, 2)*j(2, 1))/det
     g(:, 2) = (d(:, 2)*j(1, 1) - d(:, 1)*j(1, 2))/det
-  end subroutine gradients
+  end subroutine element_gradients
 
   !> Consistent mass (8, 8), the same for both directions, per unit thickness and density.
   pure function element_mass(x) result(m)

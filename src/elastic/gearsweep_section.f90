@@ -324,7 +324,7 @@ contains
       if (k > 1) far = section%flank_line(k - 1, drive)
       if (k == 1 .and. section%grid%closed) far = section%flank_line(section%options%teeth, drive)
     end if
-    from = merge(far, (line + far)/2, is_cut)
+    from = merge(far, line + 2*((far - line)/4), is_cut)
     nodes = [section%grid%node(from:line:merge(-1, 1, side == drive), 2*section%rim_rows), &
              section%grid%node(line, 2*section%rim_rows + 1:)]
   end function surface
