@@ -8,8 +8,8 @@ program check
   type(tally_t) :: all
   integer :: i
 
-  suites = [ &
-    & suite_t('reader', run_reader)]
+  allocate (suites, source=[ &
+    & suite_t('reader', run_reader)])
 
   do i = 1, size(suites)
     if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)

@@ -73,7 +73,7 @@ contains
     else
       deviation = 0
       close = .false.
-      if (.not. (ieee_is_nan(actual) .or. ieee_is_nan(expected))) close = actual == expected
+      if (.not. (ieee_is_nan(actual) .or. ieee_is_nan(expected))) close = .not. (actual < expected .or. actual > expected)
     end if
     call check_true(t, name, close, str(actual, 15)//', expected '//str(expected, 15) &
       & //', deviation '//str(deviation, 3)//', tolerance '//str(tolerance, 3))

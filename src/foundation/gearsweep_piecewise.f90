@@ -174,15 +174,24 @@ contains
     end if
   end function chosen
 
-  !> Integral over all pieces.
-  pure real(dp) function integral(p)
+  !> Integral from `first` to `last`, exact.
+  pure real(dp) function integral(p, first, last)
     class(piecewise_t), intent(in) :: p
-    integer :: i, k
+    real(dp), intent(in) :: first, last
+    real(dp) :: centre, half, left, right
+    integer :: i, k, degree
 
     integral = 0
-    do i = 1, size(p%coef, 2)
-      do k = lbound(p%coef, 1), ubound(p%coef, 1), 2
-        integral = integral + p%coef(k, i)/(k - lbound(p%coef, 1) + 1)*(p%breaks(i + 1) - p%breaks(i))
+    do i = p%locate(first), p%locate(last)
+      centre = (p%breaks(i) + p%breaks(i + 1))/2
+      half = (p%breaks(i + 1) - p%breaks(i))/2
+      left = -1
+      right = 1
+      if (i == p%locate(first)) left = (first - centre)/half
+      if (i == p%locate(last)) right = (last - centre)/half
+      do k = lbound(p%coef, 1), ubound(p%coef, 1)
+        degree = k - lbound(p%coef, 1) + 1
+        integral = integral + half*p%coef(k, i)*(right**degree - left**degree)/degree
       end do
     end do
   end function integral

@@ -122,10 +122,11 @@ class Direct:
                 t, y, who = self.leg(t, t1, y, mid, contact, back, nominal)
                 if who == "back":
                     back = not back
-                elif who in contact:
-                    contact = [j for j in contact if j != who]
-                elif who is not None:
-                    contact = contact + [who]
+                elif who is not None:              # pairs of equal error change together
+                    at = lambda j: (self.e(t / T + j, mid + j), self.e(mid + j, mid + j))
+                    same = {j for j in nominal if at(j) == at(who)
+                            and (j in contact) == (who in contact)}
+                    contact = sorted(set(contact) ^ same)
         return np.array(y)
 
 
@@ -134,7 +135,7 @@ def confirm(row, x0_um, v0):
     d = Direct(row)
     scale = np.array([1e-6, 1e-6 * sqrt(1e6 * row.coef[0] * (row.m1 + row.m2) / (row.m1 * row.m2))])
     y = np.array([1e-6 * x0_um * 1.01, v0])
-    h = 3e-4 if row.backlash >= 0 or row.cp + row.cg > 0 else 1e-2
+    h = 3e-4
     for _ in range(8):
         r = d.period(y) - y
         J = np.empty((2, 2))

@@ -114,8 +114,9 @@ class Period:
             tau = b if last and who is None else tau + te
             if who == "back":
                 back = not back
-            elif who is not None:
-                contact ^= {who}
+            elif who is not None:             # pairs of equal error change together
+                contact ^= {j for j in pairs if err[j] == err[who]
+                            and (j in contact) == (who in contact)}
             if who is not None:
                 self.events.append((tau, who))
 

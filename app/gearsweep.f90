@@ -1,0 +1,203 @@
+!> gearsweep CASE.nml: reads a case, computes, prints the answer, leaves tables.
+!> The only place that prints or stops.
+program gearsweep_program
+  use, intrinsic :: iso_c_binding, only: c_int
+  use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
+  use gearsweep
+  use gearsweep_files, only: folder_of, make_folder, read_text, write_text
+  use gearsweep_text, only: str, to_number
+  implicit none
+
+  interface
+    integer(c_int) function c_isatty(descriptor) bind(c, name='isatty')
+      import :: c_int
+      integer(c_int), value :: descriptor
+    end function c_isatty
+
+    subroutine c_exit(code) bind(c, name='exit')
+      import :: c_int
+      integer(c_int), value :: code
+    end subroutine c_exit
+  end interface
+
+  type :: arguments_t
+    character(:), allocatable :: case, out
+    integer :: threads = 0
+    logical :: verbose = .false., quiet = .false.
+  end type arguments_t
+
+  type(arguments_t) :: arguments
+  type(case_t) :: case
+  type(study_t) :: study
+  type(error_t), allocatable :: error
+  character(:), allocatable :: text
+  integer(int64) :: began, ended, rate
+
+  call system_clock(began, rate)
+  call read_arguments(arguments)
+  call read_text(arguments%case, text, error)
+  call check(error)
+  call read_case(text, case, error)
+  call check(error)
+  call make_folder(arguments%out, error)
+  call check(error)
+  if (progress_wanted()) then
+    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, show_progress)
+    write (error_unit, '(a)', advance='no') achar(13)//repeat(' ', 40)//achar(13)
+  else
+    call run_study(case, folder_of(arguments%case), arguments%threads, study, error)
+  end if
+  call check(error)
+  call system_clock(ended)
+  if (.not. arguments%quiet) call show_answer()
+  call write_tables()
+  if (failed_points(study) > 0) call finish(code_partial)
+
+contains
+
+  subroutine show_answer()
+    write (output_unit, '(a)') 'gearsweep '//version
+    write (output_unit, '(a)', advance='no') report(study)
+    write (output_unit, '(a)') 'Time               '//str(real(ended - began, dp)/rate, 3)//' s'
+    if (arguments%verbose) write (output_unit, '(/a)', advance='no') study%log
+  end subroutine show_answer
+
+  subroutine write_tables()
+    if (allocated(study%sharing)) call write_table('mesh', mesh_table(study))
+    if (allocated(study%response)) call write_table('load', load_table(study))
+    if (allocated(study%sweep)) call write_table('sweep', sweep_table(study))
+    if (allocated(study%optimum)) call write_table('vcurve', optimum_table(study))
+  end subroutine write_tables
+
+  subroutine write_table(kind, text)
+    character(*), intent(in) :: kind, text
+    character(:), allocatable :: path
+
+    path = arguments%out//'/'//stem(arguments%case)//'.'//kind//'.csv'
+    call write_text(path, text, error)
+    call check(error)
+    if (.not. arguments%quiet) write (output_unit, '(a)') 'Wrote              '//path
+  end subroutine write_table
+
+  !> File name without folder and ending.
+  pure function stem(path) result(name)
+    character(*), intent(in) :: path
+    character(:), allocatable :: name
+
+    name = path(len(folder_of(path)) + 1:)
+    if (index(name, '.', back=.true.) > 1) name = name(:index(name, '.', back=.true.) - 1)
+  end function stem
+
+  logical function progress_wanted()
+    progress_wanted = .not. arguments%quiet .and. c_isatty(2_c_int) == 1
+  end function progress_wanted
+
+  subroutine show_progress(done, total)
+    integer, intent(in) :: done, total
+
+    write (error_unit, '(a)', advance='no') achar(13)//str(done)//' of '//str(total)//' points'
+    flush (error_unit)
+  end subroutine show_progress
+
+  subroutine read_arguments(arguments)
+    type(arguments_t), intent(out) :: arguments
+    character(:), allocatable :: word
+    logical :: ok
+    integer :: i
+
+    arguments%out = 'results'
+    i = 0
+    do while (i < command_argument_count())
+      i = i + 1
+      word = argument(i)
+      select case (word)
+      case ('--help', '-h')
+        call show_help()
+        call finish(code_ok)
+      case ('--version')
+        write (output_unit, '(a)') 'gearsweep '//version
+        call finish(code_ok)
+      case ('--verbose')
+        arguments%verbose = .true.
+      case ('--quiet')
+        arguments%quiet = .true.
+      case ('--out')
+        arguments%out = following(i, word)
+      case ('--threads')
+        call to_number(following(i, word), arguments%threads, ok)
+        if (.not. ok .or. arguments%threads < 1 .or. arguments%threads > 1024) &
+          call usage('--threads: must be an integer from 1 to 1024')
+      case default
+        if (index(word, '-') == 1) call usage('unknown option '//word)
+        if (allocated(arguments%case)) call usage('one case at a time: '//arguments%case//' and '//word)
+        if (len(word) == 0) call usage('the case has an empty name')
+        arguments%case = word
+      end select
+    end do
+    if (.not. allocated(arguments%case)) call usage('no case given')
+  end subroutine read_arguments
+
+  !> The word behind an option; steps over it.
+  function following(i, option) result(word)
+    integer, intent(inout) :: i
+    character(*), intent(in) :: option
+    character(:), allocatable :: word
+
+    i = i + 1
+    if (i > command_argument_count()) call usage(option//': a value must follow')
+    word = argument(i)
+    if (len(word) == 0) call usage(option//': the value is empty')
+  end function following
+
+  function argument(i) result(word)
+    integer, intent(in) :: i
+    character(:), allocatable :: word
+    integer :: length
+
+    call get_command_argument(i, length=length)
+    allocate (character(length) :: word)
+    call get_command_argument(i, word)
+  end function argument
+
+  subroutine show_help()
+    write (output_unit, '(a)') &
+      'gearsweep '//version//': dynamic factor of a spur-gear pair over speed and tip relief', &
+      '', &
+      'usage: gearsweep CASE.nml [options]', &
+      '', &
+      '  --out FOLDER    where the tables go (results); it is made if missing', &
+      '  --threads N     threads of the sweep (all); the answer is the same for any number', &
+      '  --verbose       also say which stages ran and what was left out', &
+      '  --quiet         print errors only', &
+      '  --version       print the version', &
+      '  --help          print this', &
+      '', &
+      'exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,', &
+      '           4 some operating points have no answer, 5 a method failed, 6 memory', &
+      'The keys of a case are described in doc/case.md.'
+  end subroutine show_help
+
+  subroutine usage(message)
+    character(*), intent(in) :: message
+
+    write (error_unit, '(a)') 'gearsweep: '//message//'; gearsweep --help tells more'
+    call finish(code_usage)
+  end subroutine usage
+
+  !> Prints an error and ends with its code.
+  subroutine check(error)
+    type(error_t), allocatable, intent(in) :: error
+
+    if (.not. allocated(error)) return
+    write (error_unit, '(a)') 'gearsweep: '//error%message
+    call finish(error%code)
+  end subroutine check
+
+  subroutine finish(code)
+    integer, intent(in) :: code
+
+    flush (output_unit)
+    flush (error_unit)
+    call c_exit(int(code, c_int))
+  end subroutine finish
+end program gearsweep_program

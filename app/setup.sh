@@ -1,0 +1,104 @@
+# Sourced by app/run.sh and test/run.sh, with $root set: installs what is missing, builds what changed.
+# Messages go to stderr, details to the log. Nothing is fetched where all is there.
+
+fpm_version=0.12.0
+run_dir=$root/build/run
+log=$run_dir/log
+venv=$root/.venv
+debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow'
+
+say() { printf 'gearsweep: %s\n' "$*" >&2; }
+
+# quietly WHAT COMMAND...: where the command fails, shows the end of what it said.
+quietly() {
+  say "$1"
+  what=$1
+  shift
+  "$@" >"$log" 2>&1 </dev/null && return
+  say "failed: $what. The end of $log:"
+  tail -n 25 "$log" >&2
+  return 1
+}
+
+links() { printf 'end\n' | gfortran -x f95 - -o "$run_dir/probe" "$@" 2>/dev/null; }
+
+# Can this Python make environments and build extensions?
+is_fit() {
+  "$1" -c 'import ensurepip, os, sysconfig, venv
+assert os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h"))' 2>/dev/null
+}
+
+# The system's own Python where it is fit, else the caller's.
+find_python() {
+  for python in /usr/bin/python3 "$(command -v python3)"; do
+    is_fit "$python" && return
+  done
+  python=/usr/bin/python3
+  return 1
+}
+
+install_packages() {
+  missing=
+  links || missing="gfortran libc6-dev"
+  links -lopenblas || missing="$missing libopenblas-dev"
+  links -larpack || missing="$missing libarpack2-dev"
+  command -v pkg-config >/dev/null || missing="$missing pkg-config"
+  find_python || missing="$missing python3 python3-venv python3-dev"
+  [ -n "$missing" ] || return 0
+  as_root=
+  [ "$(id -u)" = 0 ] || as_root=sudo
+  if ! command -v apt-get >/dev/null || { [ -n "$as_root" ] && ! command -v sudo >/dev/null; }; then
+    say "please install these Debian packages, or what they are called here: $missing"
+    return 1
+  fi
+  quietly "looking for packages" $as_root apt-get update -q || say "going on with the old package lists"
+  quietly "installing $missing" $as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -q -y --no-install-recommends $missing
+}
+
+# A .venv that does not work is made anew.
+make_venv() {
+  "$venv/bin/fpm" --version >/dev/null 2>&1 && "$venv/bin/python" -m pip --version >/dev/null 2>&1 && return
+  if ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
+    rm -rf "$venv"
+    quietly "making .venv" "$python" -m venv "$venv" || return
+  fi
+  quietly "fetching fpm" "$venv/bin/python" -m pip install --disable-pip-version-check \
+    --force-reinstall "fpm==$fpm_version"
+}
+
+# A checksum of all that decides what is built: files, command and environment.
+fingerprint() {
+  {
+    (cd "$root" && find fpm.toml $1 -type f -exec cksum {} + | LC_ALL=C sort)
+    echo "$2 ${FPM_FC-} ${FPM_FFLAGS-} ${FPM_CC-} ${FPM_CFLAGS-} ${FPM_LDFLAGS-}"
+  } | cksum
+}
+
+is_current() { [ -x "$1" ] && [ "$(cat "$1.stamp" 2>/dev/null)" = "$2" ]; }
+
+# build NAME FOLDERS FPM-ARGUMENTS...: makes build/run/NAME unless it is current.
+build() {
+  name=$1
+  target=$run_dir/$1
+  folders=$2
+  shift 2
+  now=$(fingerprint "$folders" "$*")
+  is_current "$target" "$now" && return
+  mkdir -p "$run_dir" || return
+  (
+    if command -v flock >/dev/null; then flock 9; fi
+    is_current "$target" "$now" && exit
+    cd "$root" && install_packages && make_venv || exit
+    # With echo as its runner, fpm builds and tells where, but runs nothing.
+    quietly "building $name" "$venv/bin/fpm" "$@" --runner echo || exit
+    built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)
+    # A copy, as fpm may put another version in its place.
+    cp "$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"
+  ) 9>"$run_dir/lock"
+}
+
+build_program() { build gearsweep "src app" run gearsweep --profile release; }
+build_check_release() { build check-release "src test" test check --profile release; }
+# Without a profile, these flags are all there are: the debug profile warns of every array temporary.
+build_check_debug() { build check-debug "src test" test check --flag "$debug_flags"; }

@@ -1,0 +1,394 @@
+!> The case: one text that names what is wanted, the same for every door.
+!> Keys carry their unit; here they become SI values and are checked.
+module gearsweep_case
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_gear, only: gear_spec_t
+  use gearsweep_material, only: material_t
+  use gearsweep_reader, only: reader_t, open_reader
+  use gearsweep_relief, only: linear, parabolic
+  use gearsweep_accuracy, only: accuracy_t
+  use gearsweep_steady, only: by_shooting, by_marching
+  use gearsweep_sweep, only: each, up, down, most_points
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: case_t, read_case, speeds
+
+  character(*), parameter, public :: task_names(5) = &
+    [character(8) :: 'geometry', 'mesh', 'load', 'sweep', 'optimum']
+
+  type :: case_t
+    character(:), allocatable :: text            !< as read
+    character(:), allocatable :: title
+    logical :: wants(size(task_names)) = .false.
+    logical :: prescribed = .false.              !< a mesh with no geometry behind it
+    ! &pair, &pinion, &gear
+    type(gear_spec_t) :: spec(2)
+    real(dp) :: centre_distance = 0              !< 0: without backlash
+    logical :: tip_alteration = .false.
+    logical :: has_backlash = .false.
+    real(dp) :: backlash = 0
+    real(dp) :: mass(2) = 0, inertia(2) = 0      !< 0: not given
+    type(material_t) :: material
+    ! &load, one of them
+    real(dp) :: torque = 0, normal_force = 0, line_load = 0
+    ! &relief
+    real(dp), allocatable :: amount(:)
+    real(dp) :: fraction(2) = 1
+    integer :: shape = linear
+    character(:), allocatable :: start           !< hpstc, pitch, length, roll
+    real(dp) :: length = 0, roll(2) = 0
+    ! &mesh
+    character(:), allocatable :: model, file
+    real(dp), allocatable :: coefficients(:)
+    real(dp) :: contact_ratio = 0, base_pitch = 0
+    real(dp) :: pitch_point = -1                 !< below 0: half the contact ratio
+    ! &dynamics
+    real(dp) :: damping_ratio = 0.17_dp, friction = 0
+    ! &sweep, &numerics
+    real(dp) :: rpm_first = 0, rpm_last = 0, rpm_step = 0
+    real(dp), allocatable :: load_rpm(:)
+    integer :: direction = up
+    type(accuracy_t) :: accuracy
+  contains
+    procedure :: asks
+    procedure :: needs_load
+    procedure :: needs_motion
+  end type case_t
+
+contains
+
+  !> Is this one of the tasks?
+  pure logical function asks(self, task)
+    class(case_t), intent(in) :: self
+    character(*), intent(in) :: task
+
+    asks = any(self%wants .and. task_names == task)
+  end function asks
+
+  !> Does a task need the mesh, and with it the load?
+  pure logical function needs_load(self)
+    class(case_t), intent(in) :: self
+
+    needs_load = self%asks('mesh') .or. self%needs_motion()
+  end function needs_load
+
+  pure logical function needs_motion(self)
+    class(case_t), intent(in) :: self
+
+    needs_motion = self%asks('load') .or. self%asks('sweep') .or. self%asks('optimum')
+  end function needs_motion
+
+  !> Reads and checks a case; the error names group, key, value and what is allowed.
+  subroutine read_case(text, case, error)
+    character(*), intent(in) :: text
+    type(case_t), intent(out) :: case
+    type(error_t), allocatable, intent(out) :: error
+    type(reader_t) :: reader
+
+    case%text = text
+    call open_reader(text, reader, error)
+    call read_tasks(reader, case, error)
+    call read_mesh(reader, case, error)
+    call read_pair(reader, case, error)
+    call read_member(reader, 'pinion', 1, case, error)
+    call read_member(reader, 'gear', 2, case, error)
+    call read_material(reader, case, error)
+    call read_load(reader, case, error)
+    call read_relief(reader, case, error)
+    call read_dynamics(reader, case, error)
+    call read_sweep(reader, case, error)
+    call read_numerics(reader, case, error)
+    call reader%finish(error)
+  end subroutine read_case
+
+  subroutine read_tasks(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: tasks(:)
+    integer :: i
+
+    case%title = ''
+    call reader%get('case', 'title', case%title, error)
+    allocate (tasks, source=[character(8) :: 'mesh', 'sweep'])
+    call reader%get('case', 'tasks', tasks, error, allowed=task_names)
+    case%wants = [(any(tasks == task_names(i)), i=1, size(task_names))]
+  end subroutine read_tasks
+
+  !> First, as it decides whether there is a geometry.
+  subroutine read_mesh(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
+
+    case%prescribed = reader%has('mesh', 'contact_ratio')
+    case%model = 'weber'
+    if (case%prescribed) then
+      call reader%get('mesh', 'model', case%model, error, required=.true., &
+                      allowed=[character(10) :: 'polynomial', 'table'])
+      call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp)
+      call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, above=0.0_dp, scale=1e-3_dp)
+      call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp)
+      if (case%pitch_point > case%contact_ratio) call fail(error, code_input, &
+        '&mesh pitch_point = '//str(case%pitch_point)//': must be at most the contact ratio')
+      if (case%asks('geometry')) call fail(error, code_input, &
+        '&case tasks = ''geometry'': a prescribed mesh (&mesh contact_ratio) has no geometry')
+    else
+      call reader%get('mesh', 'model', case%model, error, &
+                      allowed=[character(10) :: 'weber', 'iso6336', 'polynomial', 'table'])
+      call reader%get('mesh', 'contact_ratio', case%contact_ratio, error)
+      call reader%refuse('mesh', 'base_pitch_mm', by_hand, error)
+      call reader%refuse('mesh', 'pitch_point', by_hand, error)
+    end if
+    if (allocated(error)) return
+    if (case%model == 'polynomial') then
+      call reader%get('mesh', 'coefficients', case%coefficients, error, required=.true., scale=1e6_dp, max_size=20)
+    else
+      call reader%refuse('mesh', 'coefficients', 'needs model = ''polynomial''', error)
+    end if
+    if (case%model == 'table') then
+      call reader%get('mesh', 'file', case%file, error, required=.true.)
+    else
+      call reader%refuse('mesh', 'file', 'needs model = ''table''', error)
+    end if
+  end subroutine read_mesh
+
+  subroutine read_pair(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: useless = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
+    real(dp), parameter :: degree = pi/180
+    real(dp) :: module, width, drive_angle, coast_angle
+    logical :: given
+
+    module = 0
+    width = 0
+    drive_angle = 20*degree
+    if (case%prescribed) then
+      call reader%refuse('pair', 'module_mm', useless, error)
+      call reader%refuse('pair', 'coast_angle_deg', useless, error)
+      call reader%refuse('pair', 'centre_distance_mm', useless, error)
+      call reader%refuse('pair', 'tip_alteration', useless, error)
+      call reader%get('pair', 'face_width_mm', width, error, above=0.0_dp, scale=1e-3_dp)
+      call reader%get('pair', 'pressure_angle_deg', drive_angle, error, above=3.0_dp, below=45.0_dp, scale=degree)
+    else
+      call reader%get('pair', 'module_mm', module, error, required=.true., above=0.0_dp, at_most=1000.0_dp, scale=1e-3_dp)
+      call reader%get('pair', 'face_width_mm', width, error, required=.true., above=0.0_dp, scale=1e-3_dp)
+      call reader%get('pair', 'pressure_angle_deg', drive_angle, error, above=3.0_dp, below=45.0_dp, scale=degree)
+      coast_angle = drive_angle
+      call reader%get('pair', 'coast_angle_deg', coast_angle, error, above=3.0_dp, below=45.0_dp, scale=degree)
+      call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, above=0.0_dp, scale=1e-3_dp)
+      call reader%get('pair', 'tip_alteration', case%tip_alteration, error)
+      case%spec%pressure_angle(2) = coast_angle
+    end if
+    case%spec%pressure_angle(1) = drive_angle
+    case%spec%module = module
+    case%spec%face_width = width
+    call reader%get('pair', 'backlash_um', case%backlash, error, given=given, at_least=0.0_dp, scale=1e-6_dp)
+    case%has_backlash = given
+  end subroutine read_pair
+
+  subroutine read_member(reader, group, member, case, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: group
+    integer, intent(in) :: member
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: shape_keys(*) = [character(15) :: 'profile_shift', 'addendum', 'dedendum', &
+                                                'rack_tip_radius', 'bore_mm']
+    integer :: i
+    logical :: needs_teeth
+
+    associate (spec => case%spec(member))
+      spec%name = group
+      needs_teeth = .not. case%prescribed .or. member == 1
+      call reader%get(group, 'teeth', spec%teeth, error, required=needs_teeth, at_least=5, at_most=100000)
+      if (case%prescribed) then
+        do i = 1, size(shape_keys)
+          call reader%refuse(group, trim(shape_keys(i)), 'not used by a prescribed mesh (&mesh contact_ratio); remove it', error)
+        end do
+      else
+        call reader%get(group, 'profile_shift', spec%profile_shift, error, above=-5.0_dp, below=5.0_dp)
+        call reader%get(group, 'addendum', spec%addendum, error, above=0.0_dp, at_most=5.0_dp)
+        call reader%get(group, 'dedendum', spec%dedendum, error, above=0.0_dp, at_most=5.0_dp)
+        call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, at_least=0.0_dp, at_most=2.0_dp)
+        call reader%get(group, 'bore_mm', spec%bore_radius, error, at_least=0.0_dp, scale=0.5e-3_dp)
+      end if
+    end associate
+    call reader%get(group, 'effective_mass_kg', case%mass(member), error, above=0.0_dp)
+    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, above=0.0_dp)
+    if (case%mass(member) > 0 .and. case%inertia(member) > 0) call fail(error, code_input, &
+      '&'//group//' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
+    if (case%prescribed .and. case%mass(member) <= 0 .and. case%inertia(member) <= 0) call fail(error, code_input, &
+      '&'//group//' effective_mass_kg: missing; a prescribed mesh has no body to take it from; must be above 0')
+  end subroutine read_member
+
+  subroutine read_material(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: no_body = 'not used: the stiffness is stated'
+
+    if (allocated(error)) return
+    if (case%model == 'polynomial' .or. case%model == 'table') then
+      call reader%refuse('material', 'young_gpa', no_body, error)
+      call reader%refuse('material', 'poisson', no_body, error)
+    else
+      call reader%get('material', 'young_gpa', case%material%young, error, above=0.0_dp, scale=1e9_dp)
+      if (case%model == 'iso6336') then
+        call reader%refuse('material', 'poisson', 'not used by model = ''iso6336''', error)
+      else
+        call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp)
+      end if
+    end if
+    if (all(case%mass > 0 .or. case%inertia > 0)) then
+      call reader%refuse('material', 'density_kgm3', 'not used: both masses or inertias are stated', error)
+    else
+      call reader%get('material', 'density_kgm3', case%material%density, error, above=0.0_dp)
+    end if
+  end subroutine read_material
+
+  subroutine read_load(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: given
+
+    call reader%get('load', 'torque_nm', case%torque, error, above=0.0_dp)
+    call reader%get('load', 'normal_force_n', case%normal_force, error, above=0.0_dp)
+    call reader%get('load', 'line_load_n_mm', case%line_load, error, above=0.0_dp, scale=1e3_dp)
+    given = count([case%torque, case%normal_force, case%line_load] > 0)
+    if (given > 1 .or. (given == 0 .and. case%needs_load())) call fail(error, code_input, &
+      '&load: give one of torque_nm (on the pinion), normal_force_n and line_load_n_mm; '//str(given)//' are given')
+    if (.not. case%prescribed) return
+    if (case%torque > 0 .and. case%base_pitch <= 0) call fail(error, code_input, &
+      '&mesh base_pitch_mm: missing; a torque on a prescribed mesh needs it; must be above 0')
+    if (any(case%inertia > 0) .and. case%base_pitch <= 0) call fail(error, code_input, &
+      '&mesh base_pitch_mm: missing; an inertia on a prescribed mesh needs it; must be above 0')
+    if (case%line_load > 0 .and. case%spec(1)%face_width <= 0) call fail(error, code_input, &
+      '&pair face_width_mm: missing; a line load needs it; must be above 0')
+    if (case%line_load <= 0 .and. case%spec(1)%face_width > 0) call reader%refuse('pair', 'face_width_mm', &
+      'a prescribed mesh uses it with line_load_n_mm only; remove it', error)
+  end subroutine read_load
+
+  subroutine read_relief(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: shape
+    logical :: has_length, has_roll(2)
+
+    allocate (case%amount(1), source=0.0_dp)
+    call reader%get('relief', 'amount_um', case%amount, error, required=reader%has_group('relief'), &
+                    at_least=0.0_dp, scale=1e-6_dp, max_size=10000)
+    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, at_least=0.0_dp, at_most=1000.0_dp)
+    call reader%get('relief', 'gear_fraction', case%fraction(2), error, at_least=0.0_dp, at_most=1000.0_dp)
+    shape = 'linear'
+    call reader%get('relief', 'shape', shape, error, allowed=[character(9) :: 'linear', 'parabolic'])
+    case%shape = merge(parabolic, linear, shape == 'parabolic')
+    call reader%get('relief', 'length_mm', case%length, error, given=has_length, above=0.0_dp, scale=1e-3_dp)
+    call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, given=has_roll(1), above=0.0_dp, scale=pi/180)
+    call reader%get('relief', 'gear_roll_deg', case%roll(2), error, given=has_roll(2), above=0.0_dp, scale=pi/180)
+    case%start = 'hpstc'
+    if (has_length) case%start = 'length'
+    if (any(has_roll)) case%start = 'roll'
+    call reader%get('relief', 'start', case%start, error, allowed=[character(6) :: 'hpstc', 'pitch', 'length', 'roll'])
+    if (allocated(error)) return
+
+    if (all(case%fraction <= 0)) call fail(error, code_input, &
+      '&relief gear_fraction = 0: with pinion_fraction = 0 no member is relieved')
+    if (has_length .neqv. case%start == 'length') call fail(error, code_input, &
+      '&relief length_mm: goes with start = ''length'' and only with it')
+    if (any(has_roll .neqv. (case%start == 'roll' .and. case%fraction > 0))) call fail(error, code_input, &
+      '&relief pinion_roll_deg, gear_roll_deg: go with start = ''roll'', one for each relieved member')
+    if (case%prescribed .and. case%start == 'roll') call fail(error, code_input, &
+      '&relief start = ''roll'': a prescribed mesh has no roll angles; use length_mm')
+    if (case%prescribed .and. has_length .and. case%base_pitch <= 0) call fail(error, code_input, &
+      '&mesh base_pitch_mm: missing; &relief length_mm needs it; must be above 0')
+  end subroutine read_relief
+
+  subroutine read_dynamics(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: only_friction = 'a prescribed mesh uses it with friction only; remove it'
+
+    call reader%get('dynamics', 'damping_ratio', case%damping_ratio, error, at_least=0.0_dp, at_most=1000.0_dp)
+    call reader%get('dynamics', 'friction', case%friction, error, at_least=0.0_dp, below=1.0_dp)
+    if (allocated(error) .or. .not. case%prescribed) return
+    if (case%friction > 0) then
+      if (case%spec(2)%teeth == 0) call fail(error, code_input, &
+        '&gear teeth: missing; friction needs it; must be at least 5')
+    else
+      call reader%refuse('gear', 'teeth', only_friction, error)
+      call reader%refuse('pair', 'pressure_angle_deg', only_friction, error)
+      if (case%start /= 'pitch') call reader%refuse('mesh', 'pitch_point', &
+        'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it', error)
+    end if
+  end subroutine read_dynamics
+
+  subroutine read_sweep(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: direction
+    logical :: needed
+
+    needed = case%asks('sweep') .or. case%asks('optimum')
+    call reader%get('sweep', 'rpm_first', case%rpm_first, error, required=needed, above=0.0_dp, at_most=1e9_dp)
+    call reader%get('sweep', 'rpm_last', case%rpm_last, error, required=needed, above=0.0_dp, at_most=1e9_dp)
+    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=needed, above=0.0_dp)
+    direction = 'up'
+    call reader%get('sweep', 'direction', direction, error, allowed=[character(4) :: 'up', 'down', 'each'])
+    call reader%get('sweep', 'load_rpm', case%load_rpm, error, required=case%asks('load'), above=0.0_dp, &
+                    at_most=1e9_dp, max_size=1000)
+    if (allocated(error)) return
+    select case (direction)
+    case ('down')
+      case%direction = down
+    case ('each')
+      case%direction = each
+    case default
+      case%direction = up
+    end select
+    if (case%rpm_last < case%rpm_first) call fail(error, code_input, '&sweep rpm_last = '//str(case%rpm_last)// &
+      ': must not lie below rpm_first = '//str(case%rpm_first)//'; to sweep downwards, direction = ''down''')
+    if (case%rpm_step > 0) then
+      if ((case%rpm_last - case%rpm_first)/case%rpm_step*size(case%amount) > most_points) call fail(error, code_input, &
+        '&sweep rpm_step = '//str(case%rpm_step)//': more than '//str(most_points)//' operating points')
+    end if
+  end subroutine read_sweep
+
+  subroutine read_numerics(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: method
+
+    associate (accuracy => case%accuracy)
+      call reader%get('numerics', 'steps_per_period', accuracy%steps, error, at_least=0, at_most=accuracy%most_steps)
+      call reader%get('numerics', 'tolerance', accuracy%steady%tolerance, error, at_least=1e-11_dp, at_most=0.1_dp)
+      method = 'shooting'
+      call reader%get('numerics', 'steady_state', method, error, allowed=[character(8) :: 'shooting', 'march'])
+      accuracy%steady%method = merge(by_marching, by_shooting, method == 'march')
+    end associate
+  end subroutine read_numerics
+
+  !> The pinion speeds of the sweep (1/min), ascending.
+  pure function speeds(case) result(rpm)
+    type(case_t), intent(in) :: case
+    real(dp), allocatable :: rpm(:)
+    integer :: i, n
+
+    ! A hair of slack keeps the last speed where the step divides the range.
+    n = 1 + int((case%rpm_last - case%rpm_first)/case%rpm_step + 1e-9_dp)
+    allocate (rpm(n))
+    do i = 1, n
+      rpm(i) = case%rpm_first + case%rpm_step*(i - 1)
+    end do
+  end function speeds
+end module gearsweep_case

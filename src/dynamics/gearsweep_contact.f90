@@ -1,0 +1,227 @@
+!> Changes of contact within a step: whether there is one, where, and what the
+!> motion and its map do there.
+module gearsweep_contact
+  use gearsweep_kinds, only: dp
+  use gearsweep_motion, only: oscillator_t, table_t, evaluate, pair_slopes
+  use gearsweep_step, only: period_t, walk_t, step_t, advance, advance_map, blend, note_contact, &
+                            may_change, turning_point, track
+  use gearsweep_trace, only: trace_t, record
+  implicit none
+  private
+  public :: contact_changes, cross
+
+  integer, parameter :: most_events = 40         ! within one step; beyond, contact chatters
+
+contains
+
+  !> Does a member touch or leave during step i, which ends at x, y?
+  pure logical function contact_changes(osc, table, i, walk, x, y) result(changes)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    type(walk_t), intent(in) :: walk
+    real(dp), intent(in) :: x, y
+    integer :: j
+
+    changes = .false.
+    do j = 1, table%pairs(i)
+      changes = changes .or. may_change(walk%contact(j), walk%x - table%error(j, 1, i), x - table%error(j, 3, i), &
+                                        table%width(i)*(walk%y - table%error_slope(j, 1, i)), &
+                                        table%width(i)*(y - table%error_slope(j, 2, i)))
+    end do
+    if (osc%has_backlash) changes = changes .or. &
+      may_change(walk%contact(table%members), -walk%x - osc%backlash, -x - osc%backlash, &
+                 -table%width(i)*walk%y, -table%width(i)*y)
+  end function contact_changes
+
+  !> Goes through step i from one change of contact to the next.
+  pure subroutine cross(osc, table, i, duration, walk, out, trace)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    real(dp), intent(in) :: duration
+    type(walk_t), intent(inout) :: walk
+    type(period_t), intent(inout) :: out
+    type(trace_t), intent(inout), optional :: trace
+    real(dp) :: left, rest, part
+    integer :: count, member
+
+    left = table%left(i)
+    rest = table%width(i)
+    do count = 1, most_events
+      call next_event(osc, table, i, duration, walk, left, rest, part, member)
+      call accept(osc, table, i, duration, left, part*rest, walk, out, trace)
+      if (member == 0) return
+      left = left + part*rest
+      rest = (1 - part)*rest
+      call switch_contact(osc, table, i, duration, left, member, walk)
+      out%events = out%events + 1
+      call note_contact(osc, walk%contact, out)
+      if (rest <= 0) return
+    end do
+    out%failed = .true.
+  end subroutine cross
+
+  !> The first change of contact in the stretch: its place as a part of the
+  !> stretch and the member; 1 and 0 where there is none.
+  pure subroutine next_event(osc, table, i, duration, walk, left, width, part, member)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    real(dp), intent(in) :: duration, left, width
+    type(walk_t), intent(in) :: walk
+    real(dp), intent(out) :: part
+    integer, intent(out) :: member
+    real(dp) :: overlap(2), slope(2), until
+    integer :: j
+
+    part = 1
+    member = 0
+    do j = 1, table%members
+      if (j > table%pairs(i) .and. .not. (osc%has_backlash .and. j == table%members)) cycle
+      call probe(osc, table, i, duration, walk, left, width, j, 0.0_dp, overlap(1), slope(1))
+      call probe(osc, table, i, duration, walk, left, width, j, part, overlap(2), slope(2))
+      until = part
+      if (walk%contact(j) .eqv. overlap(2) > 0) then
+        if (.not. may_change(walk%contact(j), overlap(1), overlap(2), part*slope(1), part*slope(2))) cycle
+        until = turning_point(overlap, part*slope)*part
+        call probe(osc, table, i, duration, walk, left, width, j, until, overlap(2), slope(2))
+        if (walk%contact(j) .eqv. overlap(2) > 0) cycle
+      end if
+      part = first_crossing(j, until)
+      member = j
+    end do
+
+  contains
+
+    !> Newton's method kept within a bracket; ends on the far side of the
+    !> change, so that the switched state is consistent.
+    pure real(dp) function first_crossing(j, until) result(high)
+      integer, intent(in) :: j
+      real(dp), intent(in) :: until
+      real(dp), parameter :: tight = 4*epsilon(1.0_dp)
+      real(dp) :: low, trial, value, slope
+      integer :: iteration
+
+      low = 0
+      high = until
+      trial = high
+      do iteration = 1, 60
+        call probe(osc, table, i, duration, walk, left, width, j, trial, value, slope)
+        if (walk%contact(j) .eqv. value > 0) then
+          low = trial
+        else
+          high = trial
+        end if
+        if (high - low <= tight) exit
+        if (abs(slope) > 0) trial = trial - value/slope
+        ! A hair beyond the root, as the root itself is on neither side.
+        if (trial > low .and. trial < high) trial = min(trial + tight, high - tight/2)
+        if (.not. (trial > low .and. trial < high)) trial = (low + high)/2
+      end do
+    end function first_crossing
+  end subroutine next_event
+
+  !> Overlap of member j and its slope over the stretch after a part of it.
+  pure subroutine probe(osc, table, i, duration, walk, left, width, j, part, overlap, slope)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, j
+    real(dp), intent(in) :: duration, left, width, part
+    type(walk_t), intent(in) :: walk
+    real(dp), intent(out) :: overlap, slope
+    real(dp), dimension(table%members, 3) :: rate, error, stiffness
+    real(dp), dimension(table%members) :: stiffness_slope, error_slope
+    type(step_t) :: step
+    real(dp) :: x, y
+
+    call stretch(osc, table, i, duration, walk, left, part*width, step, rate, error, stiffness)
+    x = walk%x
+    y = walk%y
+    call advance(step, x, y)
+    call pair_slopes(osc, table%zones(table%zone(i)), left + part*width, stiffness_slope, error_slope)
+    overlap = x - error(j, 3)
+    slope = width*(y - error_slope(j))
+    if (osc%has_backlash .and. j == table%members) then
+      overlap = -overlap
+      slope = -width*y
+    end if
+  end subroutine probe
+
+  !> Coefficients of a stretch within step i.
+  pure subroutine stretch(osc, table, i, duration, walk, left, width, step, rate, error, stiffness)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    real(dp), intent(in) :: duration, left, width
+    type(walk_t), intent(in) :: walk
+    type(step_t), intent(out) :: step
+    real(dp), dimension(table%members, 3), intent(out) :: rate, error, stiffness
+    integer :: place
+
+    do place = 1, 3
+      call evaluate(osc, table%zones(table%zone(i)), left + width*(place - 1)/2, &
+                    rate(:, place), error(:, place), stiffness(:, place))
+    end do
+    step%width = width
+    call blend(osc, rate, error, walk%contact, duration, step)
+  end subroutine stretch
+
+  !> Moves the walk over a stretch within step i.
+  pure subroutine accept(osc, table, i, duration, left, width, walk, out, trace)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    real(dp), intent(in) :: duration, left, width
+    type(walk_t), intent(inout) :: walk
+    type(period_t), intent(inout) :: out
+    type(trace_t), intent(inout), optional :: trace
+    real(dp), dimension(table%members, 3) :: rate, error, stiffness
+    real(dp), dimension(table%members, 2) :: stiffness_slope, error_slope
+    type(step_t) :: step
+    real(dp) :: x, y
+    integer :: j
+
+    call stretch(osc, table, i, duration, walk, left, width, step, rate, error, stiffness)
+    x = walk%x
+    y = walk%y
+    call advance(step, x, y)
+    associate (zone => table%zones(table%zone(i)))
+      call pair_slopes(osc, zone, left, stiffness_slope(:, 1), error_slope(:, 1))
+      call pair_slopes(osc, zone, left + width, stiffness_slope(:, 2), error_slope(:, 2))
+    end associate
+    do j = 1, table%pairs(i)
+      if (walk%contact(j)) call track(width, stiffness(j, ::2), stiffness_slope(j, :), &
+                                      [walk%x, x] - error(j, ::2), [walk%y, y] - error_slope(j, :), out%peak)
+    end do
+    if (present(trace)) call record(trace, table%pairs(i), left + [0.0_dp, width], [walk%x, x], &
+                                    stiffness(:, ::2), error(:, ::2), walk%contact)
+    call advance_map(step, walk%map)
+    walk%x = x
+    walk%y = y
+  end subroutine accept
+
+  !> Switches a member's contact; only damping jumps there, which the map feels
+  !> through the moment of the change (saltation).
+  pure subroutine switch_contact(osc, table, i, duration, phase, member, walk)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, member
+    real(dp), intent(in) :: duration, phase
+    type(walk_t), intent(inout) :: walk
+    real(dp), dimension(table%members) :: rate, error, stiffness, stiffness_slope, error_slope
+    real(dp) :: before, after, approach
+
+    associate (zone => table%zones(table%zone(i)))
+      call evaluate(osc, zone, phase, rate, error, stiffness)
+      call pair_slopes(osc, zone, phase, stiffness_slope, error_slope)
+    end associate
+    if (osc%has_backlash .and. member == table%members) error_slope(member) = 0
+    before = sqrt(sum(rate, mask=walk%contact))
+    walk%contact(member) = .not. walk%contact(member)
+    after = sqrt(sum(rate, mask=walk%contact))
+    approach = walk%y - error_slope(member)
+    if (abs(approach) > 0) walk%map(2, :) = walk%map(2, :) &
+      - 2*osc%damping_ratio*duration*(after - before)*walk%y/approach*walk%map(1, :)
+  end subroutine switch_contact
+end module gearsweep_contact

@@ -1,0 +1,162 @@
+!> What a designer reads off a sweep: the resonances, the worst dynamic factor
+!> over the speeds, and the relief that makes it least.
+module gearsweep_optimum
+  use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t
+  use gearsweep_motion, only: oscillator_t
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep
+  implicit none
+  private
+  public :: peak_t, find_resonances, worst_of, optimum_t, find_optimum, build_motion
+
+  type :: peak_t
+    real(dp) :: rpm = 0
+    real(dp) :: dynamic_factor = 0
+  end type peak_t
+
+  !> The curve of the worst dynamic factor over the relief (ascending), and its least.
+  type :: optimum_t
+    real(dp), allocatable :: amount(:)           !< m
+    real(dp), allocatable :: dynamic_factor(:)   !< largest over the speeds
+    real(dp), allocatable :: rpm(:)              !< where that is
+    integer, allocatable :: failed(:)            !< speeds without an answer
+    integer :: best = 0                          !< index of the least; 0 where every one failed
+    real(dp) :: resolution = 0                   !< the best lies within so much of the true optimum, m
+  end type optimum_t
+
+  abstract interface
+    !> Builds the oscillator for one relief (m).
+    subroutine build_motion(amount, motion, error)
+      import :: dp, oscillator_t, error_t
+      real(dp), intent(in) :: amount
+      type(oscillator_t), intent(out) :: motion
+      type(error_t), allocatable, intent(out) :: error
+    end subroutine build_motion
+  end interface
+
+contains
+
+  !> Maxima of a curve that stand out by at least 0.01 on both sides, at most
+  !> five of the largest, by speed; a parabola through three points refines each.
+  pure function find_resonances(rpm, dynamic_factor) result(peaks)
+    real(dp), intent(in) :: rpm(:), dynamic_factor(:)
+    type(peak_t), allocatable :: peaks(:)
+    real(dp), parameter :: prominence = 0.01_dp
+    integer, parameter :: most = 5
+    integer :: i, lowest
+
+    allocate (peaks(0))
+    do i = 2, size(rpm) - 1
+      if (.not. (dynamic_factor(i) > dynamic_factor(i - 1) .and. dynamic_factor(i) >= dynamic_factor(i + 1))) cycle
+      if (min(rise(dynamic_factor(i:1:-1)), rise(dynamic_factor(i:))) < prominence) cycle
+      peaks = [peaks, vertex(rpm(i - 1:i + 1), dynamic_factor(i - 1:i + 1))]
+    end do
+    do while (size(peaks) > most)
+      lowest = minloc(peaks%dynamic_factor, 1)
+      peaks = [peaks(:lowest - 1), peaks(lowest + 1:)]
+    end do
+  end function find_resonances
+
+  !> How far the curve falls from its first value before it exceeds it or ends.
+  pure real(dp) function rise(curve)
+    real(dp), intent(in) :: curve(:)
+    integer :: i
+
+    rise = 0
+    do i = 2, size(curve)
+      if (curve(i) > curve(1)) exit
+      rise = max(rise, curve(1) - curve(i))
+    end do
+  end function rise
+
+  pure type(peak_t) function vertex(x, y)
+    real(dp), intent(in) :: x(3), y(3)
+    real(dp) :: left, right, shift
+
+    left = (y(2) - y(1))/(x(2) - x(1))
+    right = (y(3) - y(2))/(x(3) - x(2))
+    shift = 0
+    if (right < left) shift = (left + right)/2*(x(3) - x(1))/2/(left - right)
+    vertex%rpm = x(2) + shift
+    vertex%dynamic_factor = y(2) + (left + right)/4*shift
+  end function vertex
+
+  !> Largest dynamic factor of a curve and its speed; NaN is passed over.
+  pure type(peak_t) function worst_of(rpm, dynamic_factor)
+    real(dp), intent(in) :: rpm(:), dynamic_factor(:)
+    integer :: i
+
+    worst_of = peak_t(0, -huge(1.0_dp))
+    do i = 1, size(rpm)
+      if (dynamic_factor(i) > worst_of%dynamic_factor) worst_of = peak_t(rpm(i), dynamic_factor(i))
+    end do
+  end function worst_of
+
+  !> The relief between 0 and `largest` (m) whose worst dynamic factor over
+  !> `rpm` is least: a scan, then ever finer scans around the best one, which
+  !> ask nothing of the curve's smoothness.
+  subroutine find_optimum(build, largest, rpm, options, optimum, error)
+    procedure(build_motion) :: build
+    real(dp), intent(in) :: largest, rpm(:)
+    type(sweep_options_t), intent(in) :: options
+    type(optimum_t), intent(out) :: optimum
+    type(error_t), allocatable, intent(out) :: error
+    integer, parameter :: scan = 16, inner = 6, rounds = 4
+    type(sweep_options_t) :: rough
+    real(dp) :: low, high
+    integer :: round, i
+
+    ! A dynamic factor to 1e-5 places the optimum far better than it can be made.
+    rough = options
+    rough%accuracy%steady%tolerance = max(options%accuracy%steady%tolerance, 1e-5_dp)
+    allocate (optimum%amount(0), optimum%dynamic_factor(0), optimum%rpm(0), optimum%failed(0))
+    call add_reliefs([(largest*i/scan, i=0, scan)])
+    do round = 1, rounds
+      if (allocated(error) .or. optimum%best == 0) return
+      low = optimum%amount(max(1, optimum%best - 1))
+      high = optimum%amount(min(size(optimum%amount), optimum%best + 1))
+      call add_reliefs([(low + (high - low)*i/(inner + 1.0_dp), i=1, inner)])
+      optimum%resolution = (high - low)/(inner + 1)
+    end do
+
+  contains
+
+    subroutine add_reliefs(amount)
+      real(dp), intent(in) :: amount(:)
+      type(oscillator_t), allocatable :: motion(:)
+      type(sweep_t) :: sweep
+      type(peak_t) :: worst
+      integer :: i
+
+      if (allocated(error)) return
+      allocate (motion(size(amount)))
+      do i = 1, size(amount)
+        call build(amount(i), motion(i), error)
+        if (allocated(error)) return
+      end do
+      call run_sweep(motion, rpm, rough, sweep, error)
+      if (allocated(error)) return
+      do i = 1, size(amount)
+        worst = worst_of(rpm, sweep%dynamic_factor(:, i))
+        call insert(optimum, amount(i), worst, count(.not. sweep%dynamic_factor(:, i) > 0))
+      end do
+      optimum%best = minloc(optimum%dynamic_factor, 1, mask=optimum%dynamic_factor > 0)
+    end subroutine add_reliefs
+  end subroutine find_optimum
+
+  !> Keeps the reliefs ascending; one that is there already is passed over.
+  pure subroutine insert(optimum, amount, worst, failed)
+    type(optimum_t), intent(inout) :: optimum
+    real(dp), intent(in) :: amount
+    type(peak_t), intent(in) :: worst
+    integer, intent(in) :: failed
+    integer :: n
+
+    n = count(optimum%amount < amount)
+    if (any(abs(optimum%amount - amount) <= 1e-12_dp*amount)) return
+    optimum%amount = [optimum%amount(:n), amount, optimum%amount(n + 1:)]
+    optimum%dynamic_factor = [optimum%dynamic_factor(:n), worst%dynamic_factor, optimum%dynamic_factor(n + 1:)]
+    optimum%rpm = [optimum%rpm(:n), worst%rpm, optimum%rpm(n + 1:)]
+    optimum%failed = [optimum%failed(:n), failed, optimum%failed(n + 1:)]
+  end subroutine insert
+end module gearsweep_optimum

@@ -1,0 +1,77 @@
+!> The motion over one period, kept for tables and pictures.
+module gearsweep_trace
+  use gearsweep_kinds, only: dp
+  implicit none
+  private
+  public :: trace_t, record, pair_path
+
+  !> Rows come in pairs, the two ends of a step; only the first `rows` count.
+  type :: trace_t
+    integer :: rows = 0
+    integer, allocatable :: pairs(:)             !< between A and E
+    real(dp), allocatable :: phase(:)
+    real(dp), allocatable :: x(:)                !< dynamic transmission error, m
+    real(dp), allocatable :: load(:, :)          !< of each pair, N; (pair, row)
+  end type trace_t
+
+contains
+
+  !> Adds the two ends of a step; stiffness and error are (member, end).
+  pure subroutine record(trace, pairs, phase, x, stiffness, error, contact)
+    type(trace_t), intent(inout) :: trace
+    integer, intent(in) :: pairs
+    real(dp), intent(in) :: phase(2), x(2), stiffness(:, :), error(:, :)
+    logical, intent(in) :: contact(:)
+    integer :: k
+
+    if (.not. allocated(trace%x)) call resize(trace, size(contact), 256)
+    if (trace%rows + 2 > size(trace%x)) call resize(trace, size(trace%load, 1), 2*size(trace%x))
+    do k = 1, 2
+      trace%rows = trace%rows + 1
+      trace%pairs(trace%rows) = pairs
+      trace%phase(trace%rows) = phase(k)
+      trace%x(trace%rows) = x(k)
+      trace%load(:, trace%rows) = 0
+      where (contact(:pairs)) trace%load(:pairs, trace%rows) = stiffness(:pairs, k)*max(0.0_dp, x(k) - error(:pairs, k))
+    end do
+  end subroutine record
+
+  pure subroutine resize(trace, pairs, rows)
+    type(trace_t), intent(inout) :: trace
+    integer, intent(in) :: pairs, rows
+    type(trace_t) :: larger
+
+    allocate (larger%pairs(rows), larger%phase(rows), larger%x(rows), larger%load(pairs, rows))
+    larger%rows = trace%rows
+    associate (n => trace%rows)
+      if (n > 0) then
+        larger%pairs(:n) = trace%pairs(:n)
+        larger%phase(:n) = trace%phase(:n)
+        larger%x(:n) = trace%x(:n)
+        larger%load(:, :n) = trace%load(:, :n)
+      end if
+    end associate
+    trace = larger
+  end subroutine resize
+
+  !> The load of one pair over its whole path: `s` in base pitches, `load` in N,
+  !> `x` in m.
+  pure subroutine pair_path(trace, s, load, x)
+    type(trace_t), intent(in) :: trace
+    real(dp), allocatable, intent(out) :: s(:), load(:), x(:)
+    integer :: j, k, n
+
+    n = sum(trace%pairs(:trace%rows))
+    allocate (s(n), load(n), x(n))
+    n = 0
+    do j = 1, maxval(trace%pairs(:trace%rows))
+      do k = 1, trace%rows
+        if (trace%pairs(k) < j) cycle
+        n = n + 1
+        s(n) = trace%phase(k) + j - 1
+        load(n) = trace%load(j, k)
+        x(n) = trace%x(k)
+      end do
+    end do
+  end subroutine pair_path
+end module gearsweep_trace

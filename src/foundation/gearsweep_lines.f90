@@ -1,0 +1,66 @@
+!> A text that grows line by line in linear time.
+module gearsweep_lines
+  use gearsweep_kinds, only: dp
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: lines_t, field
+
+  type :: lines_t
+    private
+    character(:), allocatable :: buffer
+    integer :: used = 0
+  contains
+    procedure :: add
+    procedure :: text
+  end type lines_t
+
+  !> A table field: integers plain, reals with 15 significant digits.
+  interface field
+    module procedure field_real, field_integer
+  end interface field
+
+contains
+
+  !> Appends `line` and a line end.
+  pure subroutine add(self, line)
+    class(lines_t), intent(inout) :: self
+    character(*), intent(in) :: line
+    character(:), allocatable :: larger
+    integer :: needed
+
+    needed = self%used + len(line) + 1
+    if (.not. allocated(self%buffer)) allocate (character(4096) :: self%buffer)
+    if (needed > len(self%buffer)) then
+      allocate (character(2*needed) :: larger)
+      larger(:self%used) = self%buffer(:self%used)
+      call move_alloc(larger, self%buffer)
+    end if
+    self%buffer(self%used + 1:needed) = line//new_line('a')
+    self%used = needed
+  end subroutine add
+
+  pure function text(self)
+    class(lines_t), intent(in) :: self
+    character(:), allocatable :: text
+
+    text = ''
+    if (self%used > 0) text = self%buffer(:self%used)
+  end function text
+
+  pure function field_real(x) result(word)
+    real(dp), intent(in) :: x
+    character(:), allocatable :: word
+    character(24) :: buffer
+
+    write (buffer, '(es23.14e3)') x
+    word = trim(adjustl(buffer))
+  end function field_real
+
+  pure function field_integer(n) result(word)
+    integer, intent(in) :: n
+    character(:), allocatable :: word
+
+    word = str(n)
+  end function field_integer
+end module gearsweep_lines

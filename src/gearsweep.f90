@@ -1,0 +1,36 @@
+!> gearsweep: how a spur-gear pair behaves. The public nouns and verbs.
+!>
+!>     use gearsweep, only: case_t, study_t, error_t, read_case, run_study, report
+!>     type(case_t) :: case
+!>     type(study_t) :: study
+!>     type(error_t), allocatable :: error
+!>     call read_case(text, case, error)                 ! text: the namelist case
+!>     if (.not. allocated(error)) call run_study(case, '', 0, study, error)
+!>     if (.not. allocated(error)) answer = report(study)
+!>
+!> Nothing here prints or stops; an allocated `error` means that a call failed.
+!> The modules behind it can be used by themselves, stage by stage.
+module gearsweep
+  use gearsweep_kinds, only: dp
+  use gearsweep_version, only: version
+  use gearsweep_error, only: error_t, code_ok, code_input, code_usage, code_file, code_partial, code_numerical, code_memory
+  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear, drive, coast
+  use gearsweep_pair, only: pair_t, make_pair, free_centre_distance, tip_alteration
+  use gearsweep_relief, only: relief_t, profile_error, linear, parabolic
+  use gearsweep_material, only: material_t
+  use gearsweep_stiffness, only: polynomial_stiffness, table_stiffness, iso_stiffness
+  use gearsweep_weber, only: weber_stiffness
+  use gearsweep_mesh, only: mesh_t
+  use gearsweep_sharing, only: sharing_t, share_load
+  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_accuracy, only: accuracy_t
+  use gearsweep_response, only: response_t, find_response
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down
+  use gearsweep_optimum, only: optimum_t, peak_t, find_optimum, find_resonances
+  use gearsweep_case, only: case_t, read_case
+  use gearsweep_study, only: study_t, run_study
+  use gearsweep_report, only: report, failed_points
+  use gearsweep_tables, only: sweep_table, mesh_table, load_table, optimum_table
+  implicit none
+  public
+end module gearsweep

@@ -1,0 +1,116 @@
+!> The gear mesh: how stiff and how far from the true involute each pair is, at
+!> every phase of the mesh period. It comes from a gear pair, or is prescribed
+!> with no geometry behind it.
+!>
+!> At mesh phase tau (0 to 1) the pairs j = 1, 2, ... stand at the path
+!> coordinates s = tau + j - 1, as long as s lies below the contact ratio.
+module gearsweep_mesh
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_piecewise, only: piecewise_t
+  implicit none
+  private
+  public :: mesh_t, zone_t, make_zones
+
+  type :: mesh_t
+    real(dp) :: contact_ratio = 0
+    type(piecewise_t) :: stiffness               !< K(s) of one pair, N/m
+    type(piecewise_t) :: profile_error           !< e(s) of one pair, m
+    !> For friction alone: teeth of both members, path coordinate of the pitch
+    !> point, tangent of the working pressure angle.
+    integer :: teeth(2) = 0
+    real(dp) :: pitch_point = 0
+    real(dp) :: tan_angle = 0
+  contains
+    procedure :: mean_stiffness
+    procedure :: curvature_ratio
+    procedure :: most_pairs
+  end type mesh_t
+
+  !> A stretch of the mesh period on which every coefficient is smooth.
+  type :: zone_t
+    real(dp) :: first = 0, last = 0              !< phases
+    integer :: pairs = 0
+    integer, allocatable :: piece(:)             !< of the profile error, for each pair
+    logical, allocatable :: recess(:)            !< the pair has passed the pitch point
+  end type zone_t
+
+  !> Breaks closer than this are one: no step could tell them apart.
+  real(dp), parameter :: same_phase = 1e-11_dp
+
+contains
+
+  !> Mean over the period of the sum of all pairs' stiffness without relief (N/m).
+  pure real(dp) function mean_stiffness(mesh)
+    class(mesh_t), intent(in) :: mesh
+
+    mean_stiffness = mesh%stiffness%integral(0.0_dp, mesh%contact_ratio)
+  end function mean_stiffness
+
+  pure integer function most_pairs(mesh)
+    class(mesh_t), intent(in) :: mesh
+
+    most_pairs = ceiling(mesh%contact_ratio - same_phase)
+  end function most_pairs
+
+  !> Radius of curvature over base radius of a member at s.
+  elemental real(dp) function curvature_ratio(mesh, member, s) result(ratio)
+    class(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: member
+    real(dp), intent(in) :: s
+    real(dp) :: past
+
+    past = (s - mesh%pitch_point)*2*pi/mesh%teeth(member)
+    if (member == 2) past = -past
+    ratio = mesh%tan_angle + past
+  end function curvature_ratio
+
+  !> Splits the period where a pair enters or leaves, where a relief begins and,
+  !> with friction, at the pitch point.
+  pure function make_zones(mesh, friction) result(zones)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: friction
+    type(zone_t), allocatable :: zones(:)
+    real(dp), allocatable :: breaks(:)
+    integer :: i, j
+
+    breaks = [0.0_dp, 1.0_dp, phase(mesh%contact_ratio)]
+    do i = 1, size(mesh%profile_error%breaks)
+      breaks = [breaks, phase(mesh%profile_error%breaks(i))]
+    end do
+    if (friction .and. mesh%pitch_point > 0 .and. mesh%pitch_point < mesh%contact_ratio) &
+      breaks = [breaks, phase(mesh%pitch_point)]
+    breaks = sorted(breaks)
+
+    allocate (zones(size(breaks) - 1))
+    do i = 1, size(zones)
+      zones(i)%first = breaks(i)
+      zones(i)%last = breaks(i + 1)
+      associate (middle => (breaks(i) + breaks(i + 1))/2)
+        zones(i)%pairs = ceiling(mesh%contact_ratio - middle)
+        zones(i)%piece = [(mesh%profile_error%locate(middle + j - 1), j=1, zones(i)%pairs)]
+        zones(i)%recess = [(middle + j - 1 > mesh%pitch_point, j=1, zones(i)%pairs)]
+      end associate
+    end do
+  end function make_zones
+
+  elemental real(dp) function phase(s)
+    real(dp), intent(in) :: s
+
+    phase = s - floor(s)
+  end function phase
+
+  !> Ascending, without what is the same; 0 and 1 stay exact.
+  pure function sorted(values) result(list)
+    real(dp), intent(in) :: values(:)
+    real(dp), allocatable :: list(:)
+    real(dp) :: next
+
+    list = [0.0_dp]
+    do
+      next = minval(values, mask=values > list(size(list)) + same_phase)
+      if (next > 1 - same_phase) exit
+      list = [list, next]
+    end do
+    list = [list, 1.0_dp]
+  end function sorted
+end module gearsweep_mesh

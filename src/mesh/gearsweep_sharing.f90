@@ -1,0 +1,105 @@
+!> Static load sharing: which pairs carry how much, and the static transmission error.
+module gearsweep_sharing
+  use gearsweep_kinds, only: dp
+  use gearsweep_mesh, only: mesh_t, zone_t, make_zones
+  implicit none
+  private
+  public :: sharing_t, share_load, static_deflection
+
+  !> The static state along the mesh period; one-sided at every break.
+  type :: sharing_t
+    real(dp), allocatable :: phase(:)            !< ascending, breaks twice
+    real(dp), allocatable :: error(:)            !< static transmission error, m
+    real(dp), allocatable :: stiffness(:)        !< of the pairs that carry load, N/m
+    real(dp), allocatable :: s(:, :)             !< path coordinate of each pair; 2nd index as phase
+    real(dp), allocatable :: load(:, :)          !< load of each pair, N; 0 where separated
+    integer, allocatable :: pairs(:)             !< pairs between A and E
+  contains
+    procedure :: peak_to_peak
+    procedure :: mean_error
+  end type sharing_t
+
+contains
+
+  !> Common deflection x that carries `load` (N): sum of K_j max(0, x - e_j) = load.
+  !> `stiffness` (N/m) and `error` (m) of the pairs, any number.
+  pure real(dp) function static_deflection(stiffness, error, load) result(x)
+    real(dp), intent(in) :: stiffness(:), error(:), load
+    logical :: carries(size(stiffness))
+    integer :: i, last
+
+    carries = .true.
+    x = 0
+    do i = 1, size(stiffness)
+      x = (load + sum(stiffness*error, mask=carries))/sum(stiffness, mask=carries)
+      ! One at a time: x rises as a pair drops out, which may keep the next one.
+      last = maxloc(error, 1, mask=carries)
+      if (x > error(last)) exit
+      carries(last) = .false.
+    end do
+  end function static_deflection
+
+  !> Samples the period with about `samples` points. Source: Dogan et al. 2021,
+  !> Eqs. 7, 8, with separation.
+  pure subroutine share_load(mesh, load, samples, sharing)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load
+    integer, intent(in) :: samples
+    type(sharing_t), intent(out) :: sharing
+    type(zone_t), allocatable :: zones(:)
+    integer, allocatable :: counts(:)
+    integer :: i, k, row
+
+    zones = make_zones(mesh, .false.)
+    counts = [(1 + max(1, nint(samples*(zones(i)%last - zones(i)%first))), i=1, size(zones))]
+    associate (n => sum(counts), most => mesh%most_pairs())
+      allocate (sharing%phase(n), sharing%error(n), sharing%stiffness(n), sharing%pairs(n))
+      allocate (sharing%s(most, n), sharing%load(most, n), source=0.0_dp)
+    end associate
+    row = 0
+    do i = 1, size(zones)
+      do k = 0, counts(i) - 1
+        row = row + 1
+        sharing%phase(row) = zones(i)%first + (zones(i)%last - zones(i)%first)*k/(counts(i) - 1)
+        call share_at(mesh, zones(i), load, row, sharing)
+      end do
+    end do
+  end subroutine share_load
+
+  pure subroutine share_at(mesh, zone, load, row, sharing)
+    type(mesh_t), intent(in) :: mesh
+    type(zone_t), intent(in) :: zone
+    real(dp), intent(in) :: load
+    integer, intent(in) :: row
+    type(sharing_t), intent(inout) :: sharing
+    real(dp), dimension(zone%pairs) :: stiffness, error, gap
+    integer :: j
+
+    do j = 1, zone%pairs
+      sharing%s(j, row) = sharing%phase(row) + j - 1
+      stiffness(j) = mesh%stiffness%value(sharing%s(j, row))
+      error(j) = mesh%profile_error%value(sharing%s(j, row), zone%piece(j))
+    end do
+    sharing%pairs(row) = zone%pairs
+    sharing%error(row) = static_deflection(stiffness, error, load)
+    gap = sharing%error(row) - error
+    sharing%load(:zone%pairs, row) = stiffness*max(0.0_dp, gap)
+    sharing%stiffness(row) = sum(stiffness, mask=gap > 0)
+  end subroutine share_at
+
+  !> Peak-to-peak static transmission error (m), over the samples.
+  pure real(dp) function peak_to_peak(sharing)
+    class(sharing_t), intent(in) :: sharing
+
+    peak_to_peak = maxval(sharing%error) - minval(sharing%error)
+  end function peak_to_peak
+
+  !> Mean static transmission error over the period (m), by the trapezoidal rule.
+  pure real(dp) function mean_error(sharing)
+    class(sharing_t), intent(in) :: sharing
+
+    associate (n => size(sharing%phase), x => sharing%error)
+      mean_error = sum((sharing%phase(2:) - sharing%phase(:n - 1))*(x(2:) + x(:n - 1)))/2
+    end associate
+  end function mean_error
+end module gearsweep_sharing

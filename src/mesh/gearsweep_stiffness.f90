@@ -1,0 +1,95 @@
+!> Stiffness K(s) of one pair of teeth along the path of contact, whole face
+!> width, in N/m. Every model ends in the same form, a positive piecewise
+!> polynomial over s = 0 (A) to the contact ratio (E), in base pitches.
+module gearsweep_stiffness
+  use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_piecewise, only: piecewise_t, polynomial, spline
+  use gearsweep_material, only: material_t
+  use gearsweep_pair, only: pair_t
+  use gearsweep_gear, only: drive
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: polynomial_stiffness, table_stiffness, iso_stiffness, check_positive
+
+contains
+
+  !> Coefficients (N/m) in ascending powers of u = 2 s/contact_ratio - 1.
+  pure subroutine polynomial_stiffness(contact_ratio, coefficients, curve, error)
+    real(dp), intent(in) :: contact_ratio, coefficients(:)
+    type(piecewise_t), intent(out) :: curve
+    type(error_t), allocatable, intent(out) :: error
+
+    curve = polynomial(0.0_dp, contact_ratio, coefficients)
+    call check_positive(curve, 'coefficients', error)
+  end subroutine polynomial_stiffness
+
+  !> Spline through a table: `s` in base pitches, ascending, from 0 or below to
+  !> the contact ratio or above; `stiffness` in N/m.
+  pure subroutine table_stiffness(contact_ratio, s, stiffness, curve, error)
+    real(dp), intent(in) :: contact_ratio, s(:), stiffness(:)
+    type(piecewise_t), intent(out) :: curve
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), parameter :: slack = 1e-6_dp
+
+    if (size(s) < 2 .or. size(s) /= size(stiffness)) then
+      call fail(error, code_input, '&mesh file: needs at least two rows of s and stiffness')
+    else if (any(s(2:) <= s(:size(s) - 1))) then
+      call fail(error, code_input, '&mesh file: s is not ascending at row '// &
+                str(findloc(s(2:) <= s(:size(s) - 1), .true., 1) + 1))
+    else if (s(1) > slack .or. s(size(s)) < contact_ratio - slack) then
+      call fail(error, code_input, '&mesh file: covers s = '//str(s(1))//' to '//str(s(size(s)))// &
+                ' base pitches; the path of contact is 0 to '//str(contact_ratio))
+    else
+      curve = spline(s, stiffness)
+      call check_positive(curve, 'file', error)
+    end if
+  end subroutine table_stiffness
+
+  pure subroutine check_positive(curve, key, error)
+    type(piecewise_t), intent(in) :: curve
+    character(*), intent(in) :: key
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: least
+
+    least = curve%minimum()
+    if (.not. least > 0) call fail(error, code_input, '&mesh '//key// &
+      ': the pair stiffness must be above 0 everywhere; it falls to '//str(least*1e-6_dp)//' N/um')
+  end subroutine check_positive
+
+  !> ISO 6336-1:2006 method B: the largest single stiffness c' and, over the
+  !> path, the parabola whose mean gives the mesh stiffness
+  !> c_gamma = c' (0.75 eps + 0.25); solid discs. `line_load` (N/m) below
+  !> 100 N/mm lowers c'. Source: ISO 6336-1:2006, clause 9, method B.
+  pure subroutine iso_stiffness(pair, material, line_load, curve, error)
+    type(pair_t), intent(in) :: pair
+    type(material_t), intent(in) :: material
+    real(dp), intent(in) :: line_load
+    type(piecewise_t), intent(out) :: curve
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), parameter :: steel = 206e9_dp, threshold = 100e3_dp, correction = 0.8_dp
+    real(dp) :: rack, largest, bend
+
+    associate (spec => pair%gear%spec)
+      rack = (1 + 0.5_dp*(1.2_dp - sum(spec%dedendum)/2)) &
+             *(1 - 0.02_dp*(20 - spec(1)%pressure_angle(drive)*57.29577951308232_dp))
+      largest = 1e9_dp/flexibility()*correction*rack*material%young/steel &
+                *min(1.0_dp, line_load/threshold)**0.25_dp*minval(spec%face_width)
+    end associate
+    bend = 0.75_dp*(1 - 1/pair%contact_ratio)
+    curve = polynomial(0.0_dp, pair%contact_ratio, largest*[1.0_dp, 0.0_dp, -bend])
+    call check_positive(curve, 'model', error)
+
+  contains
+
+    !> q', the flexibility of the standard's thin-slice teeth, mm um/N.
+    pure real(dp) function flexibility() result(q)
+      associate (x => pair%gear%spec%profile_shift, z => real(pair%gear%spec%teeth, dp))
+        q = 0.04723_dp + 0.15551_dp/z(1) + 0.25791_dp/z(2) &
+            - 0.00635_dp*x(1) - 0.11654_dp*x(1)/z(1) - 0.00193_dp*x(2) - 0.24188_dp*x(2)/z(2) &
+            + 0.00529_dp*x(1)**2 + 0.00182_dp*x(2)**2
+      end associate
+    end function flexibility
+  end subroutine iso_stiffness
+end module gearsweep_stiffness

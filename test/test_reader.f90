@@ -1,0 +1,457 @@
+!> Text helpers, namelist text and the reader: what is accepted, and each error.
+module test_reader
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_error, only: code_input, error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_namelist, only: namelist_t, parse_namelist
+  use gearsweep_reader, only: open_reader, reader_t
+  use gearsweep_text, only: closest_word, join, lower, shown, str, to_number
+  use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  character, parameter :: lf = achar(10), cr = achar(13), tab = achar(9)
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call test_str(t)
+    call test_words(t)
+    call test_to_number(t)
+    call test_layout(t)
+    call test_strings(t)
+    call test_counts(t)
+    call test_broken_text(t)
+    call test_absurd_sizes(t)
+    call test_numbers(t)
+    call test_lists(t)
+    call test_texts(t)
+    call test_defaults(t)
+    call test_wrong_values(t)
+    call test_unknown(t)
+    call test_random_text(t)
+  end subroutine run
+
+  subroutine test_str(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_equal(t, 'a short real', str(3.18_dp), '3.18')
+    call check_equal(t, 'a whole real', str(1600.0_dp), '1600')
+    call check_equal(t, 'a tiny real', str(1.2e-7_dp), '1.2e-7')
+    call check_equal(t, 'a small real', str(-0.00012345678_dp), '-0.000123457')
+    call check_equal(t, 'a large real', str(123456789.0_dp), '1.23457e8')
+    call check_equal(t, 'rounding up to a new digit', str(999999.7_dp), '1e6')
+    call check_equal(t, 'zero', str(0.0_dp), '0')
+    call check_equal(t, 'three digits', str(2.0_dp/3, 3), '0.667')
+    call check_equal(t, 'all digits', str(0.1_dp, 17), '0.10000000000000001')
+    call check_equal(t, 'no number', str(ieee_value(1.0_dp, ieee_quiet_nan)), 'NaN')
+    call check_equal(t, 'an integer', str(-42), '-42')
+    call check_equal(t, 'a logical', str(.true.)//str(.false.), 'truefalse')
+  end subroutine test_str
+
+  subroutine test_words(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_equal(t, 'lower case', lower('Module_MM [Z]'), 'module_mm [z]')
+    call check_equal(t, 'joined words', join(['up  ', 'down'], ', '), 'up, down')
+    call check_equal(t, 'a short text is shown', shown('a'//tab//'b'//char(200)), 'a?b?')
+    call check_equal(t, 'a long text is cut', shown(repeat('x', 100)), repeat('x', 57)//'...')
+    call check_equal(t, 'the closest word', closest_word('modul_mm', ['module_mm', 'bore_mm  ']), 'module_mm')
+    call check_equal(t, 'a forgotten unit', closest_word('face_width', ['face_width_mm']), 'face_width_mm')
+    call check_equal(t, 'no close word', closest_word('colour', ['module_mm', 'bore_mm  ']), '')
+  end subroutine test_words
+
+  subroutine test_to_number(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: good(*) = [character(8) :: '1', '1.', '.5', '1e3', '1d3', '+1', '-2.5E-3', '1e-999']
+    real(dp), parameter :: expected(*) = [1.0_dp, 1.0_dp, 0.5_dp, 1e3_dp, 1e3_dp, 1.0_dp, -2.5e-3_dp, 0.0_dp]
+    character(*), parameter :: bad(*) = [character(8) :: '', '.', '+', 'e5', '1e', '1e5.', '1.2.3', 'nan', &
+      & 'inf', 'Infinity', '0x10', '1e999', '-1e308', '1+3', '1 2', '1,5', '1_dp', '1e9e9', '--1']
+    real(dp) :: x
+    integer :: i, whole
+    logical :: ok
+
+    do i = 1, size(good)
+      call to_number(trim(good(i)), x, ok)
+      call check_true(t, 'number '//good(i), ok)
+      call check_close(t, 'value of '//good(i), x, expected(i), relative=1e-15_dp)
+    end do
+    do i = 1, size(bad)
+      call to_number(trim(bad(i)), x, ok)
+      call check_true(t, 'no number: '//bad(i), .not. ok)
+      call to_number(trim(bad(i)), whole, ok)
+      call check_true(t, 'no integer: '//bad(i), .not. ok)
+    end do
+    call to_number('-2147483647', whole, ok)
+    call check_true(t, 'a large integer', ok .and. whole == -huge(whole))
+    call to_number('2147483648', whole, ok)
+    call check_true(t, 'too large an integer', .not. ok)
+    call to_number('25.', whole, ok)
+    call check_true(t, 'a point is not for integers', .not. ok)
+  end subroutine test_to_number
+
+  subroutine test_layout(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_parsed(t, 'one line', '&pair a=1 b = 2/', 'pair:a=1;pair:b=2;')
+    call check_parsed(t, 'CRLF, tabs and case', '&Pair'//cr//lf//tab//'A'//tab//'= X'//cr//lf//'/'//cr//lf, &
+      & 'pair:a=X;')
+    call check_parsed(t, 'a byte order mark', char(239)//char(187)//char(191)//'&p a=1 /', 'p:a=1;')
+    call check_parsed(t, '&end', '&p a=1 &END'//lf//'&q &end', 'p:a=1;')
+    call check_parsed(t, 'values over lines', '&p a = 1,'//lf//' 2'//lf//' 3 ! 4'//lf//', 5, /', 'p:a=1|2|3|5;')
+    call check_parsed(t, 'nothing given', '&p a =   b = 5 c = / ! x', 'p:b=5;')
+    call check_parsed(t, 'nothing but a comma given', '&p a = , b = 5 /', 'p:b=5;')
+    call check_parsed(t, 'comments', '! &q'//lf//'&p ! a=1'//lf//'b!'//lf//'=2!/'//lf//'/! end', 'p:b=2;')
+    call check_parsed(t, 'equal keys in two groups', '&p a=1/ &q a=2/', 'p:a=1;q:a=2;')
+  end subroutine test_layout
+
+  subroutine test_strings(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_parsed(t, 'both quotes', '&p a=''it''''s'', "say ""yes""", '''', "it''s" /', &
+      & 'p:a="it''s"|"say "yes""|""|"it''s";')
+    call check_parsed(t, 'signs in strings', '&p a="! / & = ,"/', 'p:a="! / & = ,";')
+    call check_parsed(t, 'other alphabets', '&p a="Z'//char(195)//char(164)//'hne"/', &
+      & 'p:a="Z'//char(195)//char(164)//'hne";')
+  end subroutine test_strings
+
+  subroutine test_counts(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_parsed(t, 'repeated values', '&p a = 3*0.5, 1 2*''x y'' /', 'p:a=0.5|0.5|0.5|1|"x y"|"x y";')
+    call check_parsed(t, 'a star alone', '&p a = *, x*2 /', 'p:a=*|x*2;')
+    call check_broken(t, 'count 0', '&p a = 0*1 /', 'line 1: a repeat count must be 1 to 100000')
+    call check_broken(t, 'count too large', '&p a = 100001*1 /', 'a repeat count must be')
+    call check_broken(t, 'count beyond integers', '&p a = 99999999999999999999*1 /', 'a repeat count must be')
+    call check_broken(t, 'null values', '&p'//lf//' a = 3* /', 'line 2: a repeat count without a value')
+  end subroutine test_counts
+
+  subroutine test_broken_text(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_broken(t, 'empty', '', 'line 1: there is no group')
+    call check_broken(t, 'only comments', '! x'//lf//'! y', 'there is no group')
+    call check_broken(t, 'outside', '&p /'//lf//'a = 1', 'line 2: text outside a group: a = 1')
+    call check_broken(t, 'never closed', lf//'&p a = 1'//lf//lf, 'line 2: group &p is never closed')
+    call check_broken(t, 'next without end', '&p a = 1'//lf//'&q /', 'line 1: group &p is never closed')
+    call check_broken(t, 'a group twice', '&p /'//lf//'&P /', 'line 2: group &p is given twice')
+    call check_broken(t, 'a key twice', '&p a = 1'//lf//'A = 2 /', 'line 2: key a is given twice in &p')
+    call check_broken(t, 'no group name', '& p /', 'no group can be called')
+    call check_broken(t, 'a wrong group name', '&2p /', 'no group can be called &2p')
+    call check_broken(t, 'only an end', '&end', 'no group can be called &end')
+    call check_broken(t, 'no key', '&p'//lf//'1, 2 /', 'line 2: a value without a key: 1')
+    call check_broken(t, 'no =', '&p a 1 /', 'a value without a key: a')
+    call check_broken(t, 'no key at all', '&p = 1 /', 'no key in front of =')
+    call check_broken(t, 'two =', '&p a == 1 /', 'no key in front of =')
+    call check_broken(t, 'a string as key', '&p ''a'' = 1 /', 'a value without a key')
+    call check_broken(t, 'an index', '&p a(2) = 1 /', 'line 1: keys with an index are not supported: a(2)')
+    call check_broken(t, 'a distant index', '&p a (2) = 1 /', 'a value without a key')
+    call check_broken(t, 'a part', '&p a%b = 1 /', 'keys with parts are not supported: a%b')
+    call check_broken(t, 'a number as key', '&p 5 = 1 /', 'this is no key: 5')
+    call check_broken(t, 'an open string', '&p a = "x'//lf//' " /', 'line 1: a string is never closed: "x')
+    call check_broken(t, 'an open string at the end', '&p a = "', 'a string is never closed')
+    call check_broken(t, 'a quote in a word', '&p a = it''s /', 'a quote inside it''')
+    call check_broken(t, 'a word at a string', '&p a = "x"y /', 'no blank or comma behind "x"')
+    call check_broken(t, 'null between', '&p a = 1,,2 /', 'no value between two commas')
+    call check_broken(t, 'null first', '&p a = ,2 /', 'no value in front of a comma')
+    call check_broken(t, 'a comma first', '&p , a = 2 /', 'a comma without a key')
+    call check_broken(t, 'a NUL byte', '&p'//lf//'a = 1'//achar(0)//' /', 'line 2: a control character (code 0)')
+    call check_broken(t, 'an escape byte', '&p a = "'//achar(27)//'" /', 'a control character (code 27)')
+    call check_broken(t, 'a lone CR', '&p'//cr//'a = 1 /', 'a control character (code 13)')
+  end subroutine test_broken_text
+
+  !> None of these takes long, or much memory.
+  subroutine test_absurd_sizes(t)
+    type(tally_t), intent(inout) :: t
+    type(namelist_t) :: namelist
+    type(error_t), allocatable :: error
+    character(*), parameter :: long_name = repeat('x', 64)
+    integer, parameter :: million = 1000000
+
+    call check_broken(t, 'a long text', repeat(' ', 10*million + 1), 'the text is longer than 10 MB')
+    call check_broken(t, 'many keys', '&p '//repeat('a= ', million), 'more than 1000 keys')
+    call check_broken(t, 'many repeated values', '&p a='//repeat('100000*"abcdefghi" ', 20)//'/', &
+      & 'the repeated values are too many')
+    call check_broken(t, 'a long key', '&p '//long_name//' = 1 /', 'this is no key')
+    call check_broken(t, 'a long group', '&'//long_name//' /', 'no group can be called')
+    call parse_namelist('&p a='//repeat('1 ', million)//' b='//repeat('''''''''', million)//'/', namelist, error)
+    call check_no_error(t, 'many values', error)
+    if (allocated(error)) return
+    call check_equal(t, 'all of the values', size(namelist%entries(1)%values), million)
+    call check_equal(t, 'a long string', len(namelist%entries(2)%values(1)%text), 2*million - 1)
+  end subroutine test_absurd_sizes
+
+  subroutine test_numbers(t)
+    type(tally_t), intent(inout) :: t
+    type(reader_t) :: reader
+    type(error_t), allocatable :: error
+    real(dp) :: module, angle
+    integer :: teeth
+    logical :: flag, other, given
+
+    call open_reader('&Pair Module_mm=3d0 angle=-.5 teeth = +25 flag=T other=.FALSE./', reader, error)
+    call reader%get('pair', 'module_mm', module, error, given, scale=1e-3_dp, above=0.0_dp)
+    call reader%get('pair', 'angle', angle, error, at_least=-0.5_dp, below=1.0_dp)
+    call reader%get('pair', 'teeth', teeth, error, required=.true., at_least=25, at_most=25)
+    call reader%get('pair', 'flag', flag, error)
+    call reader%get('pair', 'other', other, error)
+    call reader%finish(error)
+    call check_no_error(t, 'single values', error)
+    call check_close(t, 'a scaled number', module, 0.003_dp)
+    call check_close(t, 'a number', angle, -0.5_dp)
+    call check_equal(t, 'an integer', teeth, 25)
+    call check_true(t, 'logicals', flag .and. .not. other)
+    call check_true(t, 'given', given)
+    call check_true(t, 'has', reader%has('PAIR', 'teeth') .and. .not. reader%has('pair', 'bore'))
+    call check_true(t, 'has group', reader%has_group('Pair') .and. .not. reader%has_group('gear'))
+  end subroutine test_numbers
+
+  subroutine test_lists(t)
+    type(tally_t), intent(inout) :: t
+    type(reader_t) :: reader
+    type(error_t), allocatable :: error
+    real(dp), allocatable :: amounts(:), one(:), none(:)
+
+    call open_reader('&relief amount_um = 0, 5 2*10  one = 7 /', reader, error)
+    call reader%get('relief', 'amount_um', amounts, error, scale=1e-6_dp, at_least=0.0_dp, max_size=4)
+    call reader%get('relief', 'one', one, error, min_size=1)
+    call reader%get('relief', 'none', none, error, min_size=1)
+    call reader%finish(error)
+    call check_no_error(t, 'lists', error)
+    if (allocated(error)) return
+    call check_equal(t, 'length of a list', size(amounts), 4)
+    call check_close(t, 'sum of a list', sum(amounts), 25e-6_dp)
+    call check_close(t, 'a list of one', one(1), 7.0_dp)
+    call check_true(t, 'an absent list', .not. allocated(none))
+  end subroutine test_lists
+
+  subroutine test_texts(t)
+    type(tally_t), intent(inout) :: t
+    type(reader_t) :: reader
+    type(error_t), allocatable :: error
+    character(:), allocatable :: title, model, tasks(:), names(:)
+    character(*), parameter :: models(*) = [character(5) :: 'fe', 'weber']
+
+    call open_reader('&case title = "A & B"  model = Weber  tasks="FE", ''weber''  names = "ab", "c" /', reader, error)
+    call reader%get('case', 'title', title, error)
+    call reader%get('case', 'model', model, error, allowed=models)
+    call reader%get('case', 'tasks', tasks, error, allowed=models, max_size=2)
+    call reader%get('case', 'names', names, error)
+    call reader%finish(error)
+    call check_no_error(t, 'texts', error)
+    if (allocated(error)) return
+    call check_equal(t, 'free text', title, 'A & B')
+    call check_equal(t, 'a word', model, 'weber')
+    call check_equal(t, 'words', join(tasks, '+'), 'fe+weber')
+    call check_equal(t, 'free texts', join(names, '+'), 'ab+c')
+  end subroutine test_texts
+
+  subroutine test_defaults(t)
+    type(tally_t), intent(inout) :: t
+    type(reader_t) :: reader
+    type(error_t), allocatable :: error
+    character(:), allocatable :: text
+    real(dp) :: x
+    integer :: i
+    logical :: given
+
+    x = 2.5_dp
+    i = 3
+    text = 'up'
+    call open_reader('&p x = /', reader, error)
+    call reader%get('p', 'x', x, error, given, scale=10.0_dp)
+    call reader%get('p', 'i', i, error)
+    call reader%get('p', 'text', text, error, allowed=['up'])
+    call reader%refuse('p', 'x', 'is refused', error)
+    call reader%finish(error)
+    call check_no_error(t, 'nothing given', error)
+    call check_true(t, 'not given', .not. given)
+    call check_close(t, 'a default number', x, 2.5_dp)
+    call check_equal(t, 'a default integer', i, 3)
+    call check_equal(t, 'a default text', text, 'up')
+  end subroutine test_defaults
+
+  subroutine test_wrong_values(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_refused(t, 'x = -3', '&p x = -3: must be above 0 and at most 1000000')
+    call check_refused(t, 'x = 0', '&p x = 0: must be above 0 and at most 1000000')
+    call check_refused(t, 'x = 1000001', '&p x = 1000001: must be above 0 and at most 1000000')
+    call check_refused(t, 'x = 1, 2', '&p x = 1, 2: must be a single number')
+    call check_refused(t, 'x = abc', '&p x = abc: must be a number')
+    call check_refused(t, 'x = ''3''', '&p x = ''3'': must be a number')
+    call check_refused(t, 'x = ''''', '&p x = '''': must be a number')
+    call check_refused(t, 'x = nan', '&p x = nan: must be a number')
+    call check_refused(t, 'x = 1e999', '&p x = 1e999: must be a number')
+    call check_refused(t, 'x = (1,2)', '&p x = (1, 2): must be a single number')
+    call check_refused(t, '', '&p x: missing; must be above 0 and at most 1000000')
+    call check_refused(t, 'x=1 big = 1e307', '&p big = 1e307: is too large')
+    call check_refused(t, 'x=1 i = 2.5', '&p i = 2.5: must be an integer')
+    call check_refused(t, 'x=1 i = ''abc''', '&p i = ''abc'': must be an integer')
+    call check_refused(t, 'x=1 i = 4', '&p i = 4: must be at least 5')
+    call check_refused(t, 'x=1 i = 5 6', '&p i = 5, 6: must be a single integer')
+    call check_refused(t, 'x=1 list = 1 2 3 4', '&p list = 1, 2, 3, 4: must be at most 3 numbers')
+    call check_refused(t, 'x=1 list = 1', '&p list = 1: must be at least 2 numbers')
+    call check_refused(t, 'x=1 list = 1, 2, 9', '&p list = 1, 2, 9: must be below 9')
+    call check_refused(t, 'x=1 flag = yes', '&p flag = yes: must be .true. or .false.')
+    call check_refused(t, 'x=1 flag = ''T''', '&p flag = ''T'': must be .true. or .false.')
+    call check_refused(t, 'x=1 word = ''left''', '&p word = ''left'': must be one of ''up'', ''down''')
+    call check_refused(t, 'x=1 word = ''up'' ''up''', '&p word = ''up'', ''up'': must be a single text')
+    call check_refused(t, 'x=1 free = table', '&p free = table: must be a text in quotes')
+    call check_refused(t, 'x=1 never = 1', '&p never = 1: cannot be given')
+    call check_refused(t, 'x = '''//repeat('z', 100)//'''', &
+      & '&p x = '''//repeat('z', 56)//'...: must be a number')
+  end subroutine test_wrong_values
+
+  subroutine test_unknown(t)
+    type(tally_t), intent(inout) :: t
+
+    call check_refused(t, 'x=1 lsit = 1', '&p lsit = 1: unknown key (did you mean list?); ' &
+      & //'the keys of &p are x, big, i, list, flag, word, free, never')
+    call check_refused(t, 'x=1 colour = 1', '&p colour = 1: unknown key; the keys of &p are x, big')
+    call check_refused(t, 'x=1 only_q = 1', '&p only_q = 1: unknown key; it belongs to &q; the keys of &p are x')
+    call check_refused(t, 'x=1 / &r', '&r: unknown group; the groups are p, q')
+    call check_refused(t, 'x=1 / &qq', '&qq: unknown group (did you mean &q?); the groups are p, q')
+  end subroutine test_unknown
+
+  !> Random text, plain and out of the words of the format: an error, or groups with full entries.
+  subroutine test_random_text(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: words(*) = [character(8) :: '&p', '&q', '&end', '/', 'key', 'x', '=', '=', ',', &
+      & '''', '"', '3*', '99999*', '1e999', '-.5', '!', 'a(1)', 'b%c', lf, cr, tab, '&', '*', 'nan', &
+      & char(0), char(255), '=''s''', '= 1']
+    character(:), allocatable :: text
+    integer(int64) :: seed
+    integer :: i, j, broken
+
+    seed = 20240229
+    broken = 0
+    do i = 1, 4000
+      text = ''
+      if (mod(i, 2) == 0) text = '&p '
+      do j = 1, random(60)
+        if (mod(i, 4) == 0) then
+          text = text//char(random(256) - 1)
+        else
+          text = text//trim(words(random(size(words) - merge(2, 0, random(9) > 1))))//repeat(' ', random(2) - 1)
+        end if
+      end do
+      if (.not. is_sound(text//' /')) broken = broken + 1
+    end do
+    call check_equal(t, 'random texts neither refused nor read', broken, 0)
+
+  contains
+
+    !> 1 to n, from a small generator with a fixed seed.
+    integer function random(n)
+      integer, intent(in) :: n
+
+      seed = mod(seed*48271_int64, 2147483647_int64)
+      random = 1 + int(mod(seed/8, int(n, int64)))
+    end function random
+  end subroutine test_random_text
+
+  !> Parsing and reading give an error with a one-line message, or what the type promises.
+  logical function is_sound(text)
+    character(*), intent(in) :: text
+    type(namelist_t) :: namelist
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call parse_namelist(text, namelist, error)
+    if (allocated(error)) then
+      is_sound = error%code == code_input .and. verify(error%message, printable()) == 0
+    else
+      is_sound = size(namelist%groups) > 0
+      do i = 1, size(namelist%entries)
+        is_sound = is_sound .and. size(namelist%entries(i)%values) > 0 .and. len(namelist%entries(i)%key) > 0
+      end do
+    end if
+    call read_all(text, error)
+    is_sound = is_sound .and. allocated(error)
+    if (is_sound) is_sound = verify(error%message, printable()) == 0
+  end function is_sound
+
+  pure function printable() result(set)
+    character(95) :: set
+    integer :: i
+
+    do i = 1, 95
+      set(i:i) = achar(31 + i)
+    end do
+  end function printable
+
+  !> Compares all that was parsed: `group:key=value|value;`, with strings in "".
+  subroutine check_parsed(t, name, text, expected)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name, text, expected
+    type(namelist_t) :: namelist
+    type(error_t), allocatable :: error
+    character(:), allocatable :: found, mark
+    integer :: i, j
+
+    call parse_namelist(text, namelist, error)
+    call check_no_error(t, name, error)
+    if (allocated(error)) return
+    found = ''
+    do i = 1, size(namelist%entries)
+      associate (entry => namelist%entries(i))
+        found = found//entry%group//':'//entry%key//'='
+        do j = 1, size(entry%values)
+          mark = trim(merge('"', ' ', entry%values(j)%quoted))
+          found = found//mark//entry%values(j)%text//mark//'|'
+        end do
+      end associate
+      found(len(found):) = ';'
+    end do
+    call check_equal(t, name, found, expected)
+  end subroutine check_parsed
+
+  subroutine check_broken(t, name, text, message)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name, text, message
+    type(namelist_t) :: namelist
+    type(error_t), allocatable :: error
+
+    call parse_namelist(text, namelist, error)
+    call check_error(t, name, error, message)
+    if (allocated(error)) call check_equal(t, name, error%code, code_input)
+  end subroutine check_broken
+
+  subroutine check_refused(t, keys, message)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: keys, message
+    type(error_t), allocatable :: error
+
+    call read_all('&p '//keys//' /', error)
+    call check_error(t, keys, error, message)
+  end subroutine check_refused
+
+  !> A small format with a key of every kind.
+  subroutine read_all(text, error)
+    character(*), intent(in) :: text
+    type(error_t), allocatable, intent(inout) :: error
+    type(reader_t) :: reader
+    real(dp) :: x
+    real(dp), allocatable :: list(:)
+    character(:), allocatable :: word, free
+    integer :: i
+    logical :: flag
+
+    call open_reader(text, reader, error)
+    call reader%get('p', 'x', x, error, required=.true., above=0.0_dp, at_most=1e6_dp)
+    call reader%get('p', 'big', x, error, scale=1e9_dp)
+    call reader%get('p', 'i', i, error, at_least=5)
+    call reader%get('p', 'list', list, error, below=9.0_dp, min_size=2, max_size=3)
+    call reader%get('p', 'flag', flag, error)
+    call reader%get('p', 'word', word, error, allowed=[character(4) :: 'up', 'down'])
+    call reader%get('p', 'free', free, error)
+    call reader%refuse('p', 'never', 'cannot be given', error)
+    call reader%get('q', 'only_q', free, error)
+    call reader%finish(error)
+  end subroutine read_all
+end module test_reader
