@@ -4,7 +4,7 @@ module gearsweep_fe_stiffness
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t, make_body
   use gearsweep_compliance, only: deflection_at_depth
-  use gearsweep_contact, only: contact_half_width, surface_to_depth
+  use gearsweep_flattening, only: contact_half_width, surface_to_depth
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_gear, only: gear_t, drive
   use gearsweep_material, only: material_t

@@ -18,16 +18,16 @@ module gearsweep_stress
   use gearsweep_text, only: str
   implicit none
   private
-  public :: root_stress_t, peak_t, find_root_stress, root_stress, nodal_stress
+  public :: root_stress_t, stress_peak_t, find_root_stress, root_stress, nodal_stress
 
   !> A largest value: how much, where and under which of the loads.
-  type :: peak_t
+  type :: stress_peak_t
     real(dp) :: stress = 0                       !< Pa
     real(dp) :: point(2) = 0                     !< in the tooth's frame, axis along y, m
     real(dp) :: tangent = 0                      !< angle of the surface to the tooth axis, rad
     integer :: load = 0
     integer :: side = 0                          !< drive or coast
-  end type peak_t
+  end type stress_peak_t
 
   !> Stress along one side's fillet and half its root land, upwards.
   type :: fillet_stress_t
@@ -40,7 +40,7 @@ module gearsweep_stress
   type :: root_stress_t
     type(gear_t) :: gear
     type(fillet_stress_t) :: side(2)             !< drive, coast
-    type(peak_t) :: tension, compression         !< the largest over both sides and all loads
+    type(stress_peak_t) :: tension, compression         !< the largest over both sides and all loads
     real(dp) :: error_estimate = 0               !< of the larger, relative; 0: not estimated
   contains
     procedure :: at_tangent
@@ -216,7 +216,7 @@ contains
   contains
 
     pure subroutine note(peak)
-      type(peak_t), intent(inout) :: peak
+      type(stress_peak_t), intent(inout) :: peak
       type(piecewise_t) :: part
 
       associate (fillet => product%side(side))

@@ -1,5 +1,5 @@
 !> Hertz's line contact, and how far a flank yields between its surface and a depth.
-module gearsweep_contact
+module gearsweep_flattening
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
   implicit none
@@ -42,4 +42,4 @@ contains
     end associate
     yield = yield/(pi*material%young)
   end function surface_to_depth
-end module gearsweep_contact
+end module gearsweep_flattening
