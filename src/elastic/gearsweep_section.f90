@@ -1,7 +1,7 @@
 !> A section of a gear, from one tooth to the whole gear, as a grid.
 !>
 !> Each tooth is a block that begins between its fillets, where their tangents
-!> make 45 degrees with the tooth axis; below lies the rim, whose column lines
+!> make 60 degrees with the tooth axis; below lies the rim, whose column lines
 !> are radial. The tooth's own axis is y, angles grow towards x, and the drive
 !> flank is on the side of x. The loaded tooth is the middle one.
 module gearsweep_section
@@ -58,7 +58,7 @@ contains
     type(section_options_t), intent(in) :: options
     type(section_t), intent(out) :: section
     type(error_t), allocatable, intent(out) :: error
-    type(tooth_block_t) :: block(options%teeth)
+    type(tooth_block_t), allocatable :: block(:)
     real(dp), allocatable :: top(:, :), points(:, :, :)
     integer, allocatable :: part(:, :)
 
@@ -68,6 +68,7 @@ contains
     section%options = options
     call set_extent(section, error)
     if (allocated(error)) return
+    allocate (block(options%teeth))
     call make_tooth_block(gear, options%elements_across, block(section%loaded))
     call fill_others(section, block)
     call lay_columns(section, block, top)

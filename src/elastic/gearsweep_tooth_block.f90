@@ -1,4 +1,4 @@
-!> One tooth above its fillets' 45 degree points, as a block of a mapped grid.
+!> One tooth above its fillets' 60 degree points, as a block of a mapped grid.
 module gearsweep_tooth_block
   use gearsweep_kinds, only: dp, pi
   use gearsweep_gear, only: gear_t, drive, coast
@@ -8,7 +8,7 @@ module gearsweep_tooth_block
   public :: tooth_block_t, make_tooth_block, turned
 
   !> Where the block begins: the fillet's tangent to the tooth axis, rad.
-  real(dp), parameter, public :: split_angle = pi/4
+  real(dp), parameter, public :: split_angle = pi/3
 
   type :: tooth_block_t
     integer :: across = 0                        !< elements across the tooth
@@ -24,7 +24,7 @@ module gearsweep_tooth_block
   !> Steps across the tooth shrink towards the flanks by about this share.
   real(dp), parameter :: side_grading = 0.3_dp
   !> The lower edge leaves the fillets so that three even angles meet there.
-  real(dp), parameter :: sag = 0.12_dp
+  real(dp), parameter :: sag = 0.17_dp
 
 contains
 
@@ -37,8 +37,8 @@ contains
     integer :: side
 
     block%across = across
-    block%fillet = max(2, nint(0.35_dp*across))
-    block%lower = block%fillet
+    block%fillet = max(3, nint(0.5_dp*across))
+    block%lower = max(2, nint(0.25_dp*across))
     block%upper = block%fillet + max(2, across)
     do side = drive, coast
       block%split(side) = fillet_parameter(gear, side, split_angle)
