@@ -1,6 +1,10 @@
 !> Runs the test suites, or only those named as arguments.
 program check
   use, intrinsic :: iso_fortran_env, only: int64
+  use test_elastic_body, only: run_elastic_body => run
+  use test_elastic_modes, only: run_elastic_modes => run
+  use test_elastic_stiffness, only: run_elastic_stiffness => run
+  use test_elastic_stress, only: run_elastic_stress => run
   use test_reader, only: run_reader => run
   use testing, only: suite_t, tally_t
   implicit none
@@ -9,7 +13,11 @@ program check
   integer :: i
 
   allocate (suites, source=[ &
-    & suite_t('reader', run_reader)])
+    & suite_t('reader', run_reader), &
+    & suite_t('elastic_body', run_elastic_body), &
+    & suite_t('elastic_modes', run_elastic_modes), &
+    & suite_t('elastic_stiffness', run_elastic_stiffness), &
+    & suite_t('elastic_stress', run_elastic_stress)])
 
   do i = 1, size(suites)
     if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)

@@ -274,6 +274,7 @@ contains
     call refuse('teeth cut', section_options_t(half_angle=0.25_dp))
     call refuse('the section is not held', section_options_t(fixed_sides=.false., fixed_rim=.false.))
     call refuse('GB; at most', section_options_t(elements_across=40, most_memory=1e7_dp))
+    call refuse('GB; at most', section_options_t(teeth=25, elements_across=200))
 
   contains
 

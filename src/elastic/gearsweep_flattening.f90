@@ -26,8 +26,8 @@ contains
   !> contact under Hertz's pressure over the half width `a` (m), relative to the
   !> point at `depth` (m) below a point load. This, not the depth under the same
   !> pressure, completes what a grid gives for a point load; the two differ by (a/h)**2/4.
-  !> Source: Weber, Banaschek 1953; Johnson 1985, Eq. 5.57; plane stress by
-  !> E -> E (1 - nu**2) and nu -> nu (1 - nu), so to speak.
+  !> Source: Weber, Banaschek 1953; Johnson 1985, Eq. 5.57; for plane stress
+  !> with E and nu in place of E/(1 - nu**2) and nu/(1 - nu).
   elemental real(dp) function surface_to_depth(material, plane_strain, a, depth) result(yield)
     type(material_t), intent(in) :: material
     logical, intent(in) :: plane_strain

@@ -6,10 +6,11 @@
 !> flank is on the side of x. The loaded tooth is the middle one.
 module gearsweep_section
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_error, only: error_t, fail, code_input, code_memory
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_grid, only: grid_t, make_grid, no_element
   use gearsweep_outline, only: fillet_point, fillet_parameter, root_angle
+  use gearsweep_root_run, only: append, fillet_run
   use gearsweep_text, only: str
   use gearsweep_tooth_block, only: tooth_block_t, make_tooth_block, turned, split_angle
   implicit none
@@ -72,6 +73,8 @@ contains
     call make_tooth_block(gear, options%elements_across, block(section%loaded))
     call fill_others(section, block)
     call lay_columns(section, block, top)
+    call check_size(section, block, (size(top, 2) - 1)/2, error)
+    if (allocated(error)) return
     call fill_lattice(section, block, top, points, part)
     call make_grid(points, part, is_closed(section), section%grid, error)
   end subroutine make_section
@@ -182,78 +185,32 @@ contains
     if (is_closed(section)) call append(top, fillet_run(section%gear, block(1), coast, section%axis(1) + 2*pi, from))
   end subroutine lay_columns
 
-  !> Adds a run of points that begins where the last one ended.
-  pure subroutine append(top, run)
-    real(dp), allocatable, intent(inout) :: top(:, :)
-    real(dp), intent(in) :: run(:, :)
-    real(dp), allocatable :: joined(:, :)
-    integer :: n
+  !> Refuses a grid whose stiffness matrix would not fit, before it is made.
+  pure subroutine check_size(section, block, columns, error)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(in) :: block(:)
+    integer, intent(in) :: columns
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: elements, unknowns, width, reach
 
-    n = size(top, 2)
-    if (n == 0) then
-      top = run
-    else
-      allocate (joined(2, n + size(run, 2) - 1))
-      joined(:, :n) = top
-      joined(:, n + 1:) = run(:, 2:)
-      call move_alloc(joined, top)
-    end if
-  end subroutine append
+    reach = rim_reach(section, block)
+    elements = columns*block(section%loaded)%across*reach/growth + sum(real(block%across, dp)*block%upper)
+    unknowns = 6*elements
+    width = 6*(block(section%loaded)%across*reach/growth + block(section%loaded)%upper)
+    if (is_closed(section)) width = 2*width
+    if (8*unknowns*width > section%options%most_memory) call fail(error, code_memory, &
+      '&section elements_across = '//str(section%options%elements_across)//': the grid has some '// &
+      str(unknowns, 2)//' unknowns and needs '//str(8e-9_dp*unknowns*width, 2)//' GB; at most '// &
+      str(section%options%most_memory*1e-9_dp, 3)//' GB')
+  end subroutine check_size
 
-  !> The lower fillet and the root land of one side of the tooth with this
-  !> `axis`, between the tooth's block and the ray at angle `ray`; left to right.
-  pure function fillet_run(gear, block, side, axis, ray) result(run)
-    type(gear_t), intent(in) :: gear
-    type(tooth_block_t), intent(in) :: block
-    integer, intent(in) :: side
-    real(dp), intent(in) :: axis, ray
-    real(dp), allocatable :: run(:, :)
-    real(dp) :: reach, first, last, angle
-    integer :: land, i, n
+  !> Depth of the rim as a logarithm: its rows grow inwards in proportion to the depth.
+  pure real(dp) function rim_reach(section, block)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(in) :: block(:)
 
-    reach = abs(ray - axis)
-    first = block%split(side)
-    last = pi/2
-    land = 0
-    if (reach < root_angle(gear, side)*(1 - 1e-9_dp)) then
-      last = parameter_at(gear, side, first, reach)
-    else if (reach > root_angle(gear, side)*(1 + 1e-9_dp)) then
-      land = max(1, nint(block%across*gear%root_radius*(reach - root_angle(gear, side))/block%width))
-    end if
-    n = 2*block%lower
-    allocate (run(2, 0:n + 2*land))
-    do i = 0, n
-      run(:, i) = fillet_point(gear, side, first + (last - first)*i/n)
-    end do
-    do i = n + 1, n + 2*land
-      angle = root_angle(gear, side) + (reach - root_angle(gear, side))*(i - n)/(2*land)
-      run(:, i) = gear%root_radius*[sin(angle), cos(angle)]
-    end do
-    if (side == coast) run(1, :) = -run(1, :)
-    if (side == coast) run = run(:, ubound(run, 2):0:-1)
-    run = turned(run, axis)
-  end function fillet_run
-
-  !> The fillet's parameter at the angle `reach` from the tooth axis, by bisection.
-  pure real(dp) function parameter_at(gear, side, first, reach) result(beta)
-    type(gear_t), intent(in) :: gear
-    integer, intent(in) :: side
-    real(dp), intent(in) :: first, reach
-    real(dp) :: low, high, p(2)
-    integer :: i
-
-    low = first
-    high = pi/2
-    do i = 1, 60
-      beta = (low + high)/2
-      p = fillet_point(gear, side, beta)
-      if (atan2(p(1), p(2)) < reach) then
-        low = beta
-      else
-        high = beta
-      end if
-    end do
-  end function parameter_at
+    rim_reach = log(1 + growth*(section%gear%root_radius - section%inner_radius)/block(section%loaded)%width)
+  end function rim_reach
 
   !> Rim below, teeth above.
   subroutine fill_lattice(section, block, top, points, part)
@@ -266,10 +223,8 @@ contains
     integer :: i, j, k, c, rows, rim, columns
 
     columns = ubound(top, 2)/2
-    associate (loaded => block(section%loaded))
-      reach = log(1 + growth*(section%gear%root_radius - section%inner_radius)/loaded%width)
-      rim = max(1, nint(loaded%across*reach/growth))
-    end associate
+    reach = rim_reach(section, block)
+    rim = max(1, nint(block(section%loaded)%across*reach/growth))
     section%rim_rows = rim
     rows = rim + maxval(block%upper)
     allocate (points(2, 0:2*columns, 0:2*rows), source=0.0_dp)
