@@ -23,6 +23,8 @@ module gearsweep_tooth_block
 
   !> Steps across the tooth shrink towards the flanks by about this share.
   real(dp), parameter :: side_grading = 0.3_dp
+  !> Steps along the involute shrink towards the tip as the tooth does, down to this share.
+  real(dp), parameter :: least_taper = 0.15_dp, tapering = 0.7_dp
   !> The lower edge leaves the fillets so that three even angles meet there.
   real(dp), parameter :: sag = 0.17_dp
 
@@ -43,10 +45,10 @@ contains
     do side = drive, coast
       block%split(side) = fillet_parameter(gear, side, split_angle)
     end do
+    block%width = sum([(abs(first_x(gear, block, side)), side=drive, coast)])
     right = flank(gear, block, drive)
     left = flank(gear, block, coast)
     left(1, :) = -left(1, :)
-    block%width = norm2(right(:, 1) - left(:, 1))
     share = shares(across)
     up = heights(right)
     block%bottom = lower_edge(left(:, 1), right(:, 1), share)
@@ -54,14 +56,25 @@ contains
     call transfinite(left, right, block%bottom, top, share, up, block%points)
   end subroutine make_tooth_block
 
+  !> Half the width where the block begins, on one side (m).
+  pure real(dp) function first_x(gear, block, side)
+    type(gear_t), intent(in) :: gear
+    type(tooth_block_t), intent(in) :: block
+    integer, intent(in) :: side
+    real(dp) :: p(2)
+
+    p = fillet_point(gear, side, block%split(side))
+    first_x = p(1)
+  end function first_x
+
   !> One side from where the block begins to the tip (2, 1 + 2 upper), on
-  !> positive x: fillet in equal steps of its parameter, involute in equal lengths.
+  !> positive x: fillet in equal steps of its parameter, involute in shrinking lengths.
   pure function flank(gear, block, side) result(points)
     type(gear_t), intent(in) :: gear
     type(tooth_block_t), intent(in) :: block
     integer, intent(in) :: side
     real(dp) :: points(2, 2*block%upper + 1)
-    real(dp) :: share, radius
+    real(dp) :: share, radius, taper
     integer :: i, n, m
 
     n = 2*block%fillet
@@ -71,8 +84,9 @@ contains
       points(:, i + 1) = fillet_point(gear, side, &
         (1 - share)*block%split(side) + share*gear%spec%pressure_angle(side))
     end do
+    taper = max(least_taper, min(0.99_dp, (gear%thickness(gear%tip_radius)/block%width)**tapering))
     do i = 0, m
-      share = real(i, dp)/m
+      share = (1 - taper**(real(i, dp)/m))/(1 - taper)
       radius = sqrt((1 - share)*gear%form_radius(side)**2 + share*gear%tip_radius**2)
       points(:, n + 1 + i) = involute_point(gear, side, radius)
     end do
