@@ -1,6 +1,7 @@
 !> Runs the test suites, or only those named as arguments.
 program check
   use, intrinsic :: iso_fortran_env, only: int64
+  use test_band, only: run_band => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
@@ -14,6 +15,7 @@ program check
 
   allocate (suites, source=[ &
     & suite_t('reader', run_reader), &
+    & suite_t('band', run_band), &
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &
     & suite_t('elastic_stiffness', run_elastic_stiffness), &

@@ -9,7 +9,7 @@ module test_elastic_body
   use gearsweep_material, only: material_t
   use gearsweep_outline, only: root_angle
   use gearsweep_section, only: section_t, section_options_t, make_section
-  use gearsweep_stress, only: nodal_stress
+  use gearsweep_nodal_stress, only: nodal_stress
   use gearsweep_text, only: str
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none

@@ -8,7 +8,7 @@ module gearsweep_grid
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_text, only: str
-  use gearsweep_q8, only: shape_functions, jacobian, nodes_per_element
+  use gearsweep_q8, only: shape_functions, jacobian, nodes_per_element, gauss_place, gauss_weight
   implicit none
   private
   public :: grid_t, make_grid, rectangle_grid
@@ -241,7 +241,6 @@ contains
 
   !> Area (m2) of the elements.
   pure real(dp) function area(grid)
-    use gearsweep_q8, only: gauss_place, gauss_weight
     class(grid_t), intent(in) :: grid
     real(dp) :: j(2, 2)
     integer :: e, a, b

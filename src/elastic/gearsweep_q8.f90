@@ -4,7 +4,7 @@ module gearsweep_q8
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: shape_functions, shape_slopes, jacobian, edge_functions
+  public :: shape_functions, shape_slopes, jacobian, edge_functions, edge_slopes
   public :: element_gradients, element_stiffness, element_mass
 
   integer, parameter, public :: nodes_per_element = 8
@@ -54,6 +54,14 @@ contains
 
     f = [t*(t - 1)/2, 1 - t**2, t*(t + 1)/2]
   end function edge_functions
+
+  !> Their derivatives.
+  pure function edge_slopes(t) result(d)
+    real(dp), intent(in) :: t
+    real(dp) :: d(3)
+
+    d = [t - 0.5_dp, -2*t, t + 0.5_dp]
+  end function edge_slopes
 
   !> Stiffness (16, 16), unknowns u1 v1 u2 v2 ..., per unit thickness.
   !>

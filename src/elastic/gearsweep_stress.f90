@@ -13,12 +13,12 @@ module gearsweep_stress
   use gearsweep_material, only: material_t
   use gearsweep_outline, only: fillet_point, fillet_parameter
   use gearsweep_piecewise, only: piecewise_t, spline
-  use gearsweep_q8, only: nodes_per_element, element_gradients
+  use gearsweep_q8, only: edge_functions, edge_slopes
   use gearsweep_section, only: section_t, section_options_t, make_section
   use gearsweep_text, only: str
   implicit none
   private
-  public :: root_stress_t, stress_peak_t, find_root_stress, root_stress, nodal_stress
+  public :: root_stress_t, stress_peak_t, find_root_stress, root_stress
 
   !> A largest value: how much, where and under which of the loads.
   type :: stress_peak_t
@@ -169,12 +169,12 @@ contains
       do g = 1, 2
         n = 2*(e - 1) + g
         associate (t => merge(-best, best, g == 1), on => nodes(2*e - 1:2*e + 1))
-          fillet%point(:, n) = in_tooth_frame(matmul(section%grid%x(:, on), shares(t)))
-          tangent = matmul(section%grid%x(:, on), slopes(t))
+          fillet%point(:, n) = in_tooth_frame(matmul(section%grid%x(:, on), edge_functions(t)))
+          tangent = matmul(section%grid%x(:, on), edge_slopes(t))
           rise = in_tooth_frame(tangent)
           fillet%tangent(n) = atan2(abs(rise(1)), rise(2))
           do load = 1, size(u, 3)
-            fillet%stress(n, load) = modulus*dot_product(tangent, matmul(u(:, on, load), slopes(t)))/sum(tangent**2)
+            fillet%stress(n, load) = modulus*dot_product(tangent, matmul(u(:, on, load), edge_slopes(t)))/sum(tangent**2)
           end do
         end associate
       end do
@@ -195,20 +195,6 @@ contains
       end associate
     end function in_tooth_frame
   end subroutine along_fillet
-
-  pure function shares(t) result(f)
-    real(dp), intent(in) :: t
-    real(dp) :: f(3)
-
-    f = [t*(t - 1)/2, 1 - t**2, t*(t + 1)/2]
-  end function shares
-
-  pure function slopes(t) result(d)
-    real(dp), intent(in) :: t
-    real(dp) :: d(3)
-
-    d = [t - 0.5_dp, -2*t, t + 0.5_dp]
-  end function slopes
 
   !> Peaks of the splines, on a fine scan.
   pure subroutine find_peaks(product)
@@ -285,32 +271,4 @@ contains
       end do
     end associate
   end subroutine at_tangent
-
-  !> Stress components sigma_x, sigma_y, tau_xy (3, nodes) of displacements `u`
-  !> (2, nodes) at the nodes, averaged over the elements that meet there; for pictures.
-  pure function nodal_stress(body, u) result(stress)
-    type(body_t), intent(in) :: body
-    real(dp), intent(in) :: u(:, :)
-    real(dp) :: stress(3, size(body%grid%x, 2))
-    real(dp), parameter :: place(2, nodes_per_element) = reshape([real(dp) :: &
-      -1, -1, 1, -1, 1, 1, -1, 1, 0, -1, 1, 0, 0, 1, -1, 0], [2, nodes_per_element])
-    real(dp) :: law(3), g(nodes_per_element, 2), h(2, 2), det
-    integer :: meeting(size(body%grid%x, 2)), e, i
-
-    law = elastic_law(body%material, body%plane_strain)
-    stress = 0
-    meeting = 0
-    do e = 1, size(body%grid%element, 2)
-      associate (list => body%grid%element(:, e))
-        do i = 1, nodes_per_element
-          call element_gradients(body%grid%x(:, list), place(:, i), g, det)
-          h = matmul(u(:, list), g)
-          stress(:, list(i)) = stress(:, list(i)) + [law(1)*h(1, 1) + law(2)*h(2, 2), &
-            law(2)*h(1, 1) + law(1)*h(2, 2), law(3)*(h(1, 2) + h(2, 1))]
-          meeting(list(i)) = meeting(list(i)) + 1
-        end do
-      end associate
-    end do
-    stress = stress/spread(meeting, 1, 3)
-  end function nodal_stress
 end module gearsweep_stress
