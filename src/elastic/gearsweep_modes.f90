@@ -60,7 +60,7 @@ contains
     logical, allocatable :: chosen(:)
 
     n = body%unknowns
-    basis = min(n, max(2*count + 1, count + 10))
+    basis = min(n, max(2*count + 1, count + 12))
     lwork = basis*(basis + 8)
     allocate (start(n), v(n, basis), work(3*n), small(lwork), chosen(basis), values(count))
     call fill_start(start)
