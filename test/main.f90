@@ -1,6 +1,11 @@
 !> Runs the test suites, or only those named as arguments.
 program check
   use, intrinsic :: iso_fortran_env, only: int64
+  use test_band, only: run_band => run
+  use test_elastic_body, only: run_elastic_body => run
+  use test_elastic_modes, only: run_elastic_modes => run
+  use test_elastic_stiffness, only: run_elastic_stiffness => run
+  use test_elastic_stress, only: run_elastic_stress => run
   use test_geometry, only: run_geometry => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
@@ -17,7 +22,12 @@ program check
     & suite_t('geometry', run_geometry), &
     & suite_t('mesh', run_mesh), &
     & suite_t('motion', run_motion), &
-    & suite_t('sweep', run_sweep)])
+    & suite_t('sweep', run_sweep), &
+    & suite_t('band', run_band), &
+    & suite_t('elastic_body', run_elastic_body), &
+    & suite_t('elastic_modes', run_elastic_modes), &
+    & suite_t('elastic_stiffness', run_elastic_stiffness), &
+    & suite_t('elastic_stress', run_elastic_stress)])
 
   do i = 1, size(suites)
     if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)

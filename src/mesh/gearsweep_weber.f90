@@ -7,6 +7,7 @@ module gearsweep_weber
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_piecewise, only: piecewise_t, spline
+  use gearsweep_flattening, only: contact_half_width, surface_to_depth
   use gearsweep_material, only: material_t
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_outline, only: involute_point, fillet_point, fillet_parameter
@@ -52,13 +53,14 @@ contains
     !> Deflection of the pair per line load (m^2/N) at path coordinate s.
     pure real(dp) function compliance(s)
       real(dp), intent(in) :: s
-      real(dp) :: tooth(2), depth(2)
+      real(dp) :: tooth(2), depth(2), width
       integer :: i
 
       do i = 1, 2
         call load_tooth(pair%gear(i), beam(i), material, pair%radius(i, s), tooth(i), depth(i))
       end do
-      compliance = sum(tooth) + flattening(material, line_load, [pair%curvature(1, s), pair%curvature(2, s)], depth)
+      width = contact_half_width(material, .true., line_load, pair%curvature(1, s), pair%curvature(2, s))
+      compliance = sum(tooth) + sum(surface_to_depth(material, .true., width, depth))
     end function compliance
   end subroutine weber_stiffness
 
@@ -140,17 +142,4 @@ contains
 
     width = beam%half_width(drive)%value(y) + beam%half_width(coast)%value(y)
   end function width
-
-  !> Approach of the flanks per line load (m^2/N): Hertz's contact of half width
-  !> b_H, seen from the depths of both tooth axes.
-  pure real(dp) function flattening(material, line_load, curvature, depth)
-    type(material_t), intent(in) :: material
-    real(dp), intent(in) :: line_load, curvature(2), depth(2)
-    real(dp) :: modulus, half_width
-
-    modulus = material%young/(1 - material%poisson**2)
-    half_width = sqrt(8*line_load*product(curvature)/sum(curvature)/(pi*modulus))
-    flattening = 2/(pi*modulus)*(log(2*depth(1)/half_width) + log(2*depth(2)/half_width) &
-                                 - material%poisson/(1 - material%poisson))
-  end function flattening
 end module gearsweep_weber

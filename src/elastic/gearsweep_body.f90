@@ -1,0 +1,224 @@
+!> An elastic body: a grid with its material, supports and factored stiffness.
+module gearsweep_body
+  use gearsweep_kinds, only: dp
+  use gearsweep_band, only: band_t, make_band
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_grid, only: grid_t
+  use gearsweep_material, only: material_t
+  use gearsweep_q8, only: element_stiffness, element_mass, nodes_per_element
+  implicit none
+  private
+  public :: body_t, make_body, elastic_law
+
+  type :: body_t
+    type(grid_t) :: grid
+    type(material_t) :: material
+    logical :: plane_strain = .false.
+    real(dp) :: thickness = 0                    !< m
+    integer, allocatable :: equation(:, :)       !< of each node's two unknowns, 0 where held (2, nodes)
+    integer :: unknowns = 0
+    type(band_t) :: stiffness                    !< factored
+  contains
+    procedure :: spread_out
+    procedure :: gather
+    procedure :: stiffness_times
+    procedure :: mass_matrices
+    procedure :: mass
+  end type body_t
+
+contains
+
+  !> Assembles and factors the stiffness of `grid`.
+  !>
+  !> `held(2, nodes)` tells which displacements are zero; together they must
+  !> exclude every rigid motion. `thickness` in m, `most_bytes` for the matrix.
+  subroutine make_body(grid, material, plane_strain, thickness, held, most_bytes, body, error)
+    type(grid_t), intent(in) :: grid
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain, held(:, :)
+    real(dp), intent(in) :: thickness, most_bytes
+    type(body_t), intent(out) :: body
+    type(error_t), allocatable, intent(out) :: error
+
+    call check(grid, material, thickness, held, error)
+    if (allocated(error)) return
+    body%grid = grid
+    body%material = material
+    body%plane_strain = plane_strain
+    body%thickness = thickness
+    call number_unknowns(held, body%equation, body%unknowns)
+    call make_band(body%unknowns, band_width(grid%element, body%equation), most_bytes, body%stiffness, error)
+    if (allocated(error)) return
+    call assemble(body)
+    call body%stiffness%factor(error)
+  end subroutine make_body
+
+  subroutine check(grid, material, thickness, held, error)
+    type(grid_t), intent(in) :: grid
+    type(material_t), intent(in) :: material
+    real(dp), intent(in) :: thickness
+    logical, intent(in) :: held(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (.not. material%young > 0) call fail(error, code_input, '&material young_gpa: must be above 0')
+    if (.not. (material%poisson > -1 .and. material%poisson < 0.5_dp)) &
+      call fail(error, code_input, '&material poisson: must lie between -1 and 0.5')
+    if (.not. thickness > 0) call fail(error, code_input, '&pair face_width_mm: must be above 0')
+    if (.not. excludes_rigid_motion(grid%x, held)) call fail(error, code_input, &
+      '&section fixed: the section is not held; fix its sides, its rim or its bore')
+  end subroutine check
+
+  !> The held displacements, seen by two translations and a rotation, have rank 3.
+  pure logical function excludes_rigid_motion(x, held) result(safe)
+    real(dp), intent(in) :: x(:, :)
+    logical, intent(in) :: held(:, :)
+    real(dp) :: gram(3, 3), row(3), centre(2), size_squared
+    integer :: n, d
+
+    centre = sum(x, 2)/size(x, 2)
+    size_squared = sum((x(1, :) - centre(1))**2 + (x(2, :) - centre(2))**2)/size(x, 2)
+    gram = 0
+    do n = 1, size(x, 2)
+      do d = 1, 2
+        if (.not. held(d, n)) cycle
+        row(d) = 1
+        row(3 - d) = 0
+        row(3) = merge(-(x(2, n) - centre(2)), x(1, n) - centre(1), d == 1)/sqrt(size_squared)
+        gram = gram + spread(row, 1, 3)*spread(row, 2, 3)
+      end do
+    end do
+    associate (g => gram)
+      safe = g(1, 1)*(g(2, 2)*g(3, 3) - g(2, 3)**2) - g(1, 2)*(g(1, 2)*g(3, 3) - g(2, 3)*g(1, 3)) &
+             + g(1, 3)*(g(1, 2)*g(2, 3) - g(2, 2)*g(1, 3)) > 1e-9_dp
+    end associate
+  end function excludes_rigid_motion
+
+  pure subroutine number_unknowns(held, equation, unknowns)
+    logical, intent(in) :: held(:, :)
+    integer, allocatable, intent(out) :: equation(:, :)
+    integer, intent(out) :: unknowns
+    integer :: n, d
+
+    allocate (equation(2, size(held, 2)), source=0)
+    unknowns = 0
+    do n = 1, size(held, 2)
+      do d = 1, 2
+        if (held(d, n)) cycle
+        unknowns = unknowns + 1
+        equation(d, n) = unknowns
+      end do
+    end do
+  end subroutine number_unknowns
+
+  pure integer function band_width(element, equation) result(width)
+    integer, intent(in) :: element(:, :), equation(:, :)
+    integer :: list(2, nodes_per_element), e
+
+    width = 1
+    do e = 1, size(element, 2)
+      list = equation(:, element(:, e))
+      if (any(list > 0)) width = max(width, maxval(list) - minval(list, mask=list > 0))
+    end do
+  end function band_width
+
+  !> c11, c12 and c33 of the plane law (Pa).
+  pure function elastic_law(material, plane_strain) result(c)
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain
+    real(dp) :: c(3)
+
+    associate (e => material%young, nu => material%poisson)
+      if (plane_strain) then
+        c(1:2) = e/((1 + nu)*(1 - 2*nu))*[1 - nu, nu]
+      else
+        c(1:2) = e/(1 - nu**2)*[1.0_dp, nu]
+      end if
+      c(3) = e/(2*(1 + nu))
+    end associate
+  end function elastic_law
+
+  pure subroutine assemble(body)
+    type(body_t), intent(inout) :: body
+    real(dp) :: k(2*nodes_per_element, 2*nodes_per_element), law(3)
+    integer :: at(2*nodes_per_element), e, i, j
+
+    law = body%thickness*elastic_law(body%material, body%plane_strain)
+    do e = 1, size(body%grid%element, 2)
+      k = element_stiffness(body%grid%x(:, body%grid%element(:, e)), law)
+      at = reshape(body%equation(:, body%grid%element(:, e)), [2*nodes_per_element])
+      do j = 1, size(at)
+        if (at(j) == 0) cycle
+        do i = 1, size(at)
+          if (at(i) < at(j)) cycle
+          body%stiffness%a(1 + at(i) - at(j), at(j)) = body%stiffness%a(1 + at(i) - at(j), at(j)) + k(i, j)
+        end do
+      end do
+    end do
+  end subroutine assemble
+
+  !> Unknowns as displacements of all nodes (2, nodes).
+  pure function spread_out(body, x) result(u)
+    class(body_t), intent(in) :: body
+    real(dp), intent(in) :: x(:)
+    real(dp) :: u(2, size(body%equation, 2))
+    integer :: n, d
+
+    u = 0
+    do n = 1, size(u, 2)
+      do d = 1, 2
+        if (body%equation(d, n) > 0) u(d, n) = x(body%equation(d, n))
+      end do
+    end do
+  end function spread_out
+
+  !> Nodal values (2, nodes) as unknowns; what is held is dropped.
+  pure function gather(body, u) result(x)
+    class(body_t), intent(in) :: body
+    real(dp), intent(in) :: u(:, :)
+    real(dp) :: x(body%unknowns)
+    integer :: n, d
+
+    do n = 1, size(u, 2)
+      do d = 1, 2
+        if (body%equation(d, n) > 0) x(body%equation(d, n)) = u(d, n)
+      end do
+    end do
+  end function gather
+
+  !> Nodal forces (2 x nodes, N) of displacements (2 x nodes, m), column by column.
+  pure function stiffness_times(body, u) result(f)
+    class(body_t), intent(in) :: body
+    real(dp), intent(in) :: u(:, :)
+    real(dp) :: f(size(u, 1), size(u, 2))
+    real(dp) :: k(2*nodes_per_element, 2*nodes_per_element), law(3)
+    integer :: at(2, nodes_per_element), list(2*nodes_per_element), e
+
+    law = body%thickness*elastic_law(body%material, body%plane_strain)
+    f = 0
+    do e = 1, size(body%grid%element, 2)
+      k = element_stiffness(body%grid%x(:, body%grid%element(:, e)), law)
+      at(1, :) = 2*body%grid%element(:, e) - 1
+      at(2, :) = at(1, :) + 1
+      list = reshape(at, [2*nodes_per_element])
+      f(list, :) = f(list, :) + matmul(k, u(list, :))
+    end do
+  end function stiffness_times
+
+  !> Consistent mass matrices of all elements, the same for both directions (8, 8, elements), kg.
+  pure function mass_matrices(body) result(m)
+    class(body_t), intent(in) :: body
+    real(dp) :: m(nodes_per_element, nodes_per_element, size(body%grid%element, 2))
+    integer :: e
+
+    do e = 1, size(m, 3)
+      m(:, :, e) = body%material%density*body%thickness*element_mass(body%grid%x(:, body%grid%element(:, e)))
+    end do
+  end function mass_matrices
+
+  !> Mass (kg).
+  pure real(dp) function mass(body)
+    class(body_t), intent(in) :: body
+
+    mass = body%material%density*body%thickness*body%grid%area()
+  end function mass
+end module gearsweep_body

@@ -1,0 +1,45 @@
+!> Hertz's line contact, and how far a flank yields between its surface and a depth.
+module gearsweep_flattening
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_material, only: material_t
+  implicit none
+  private
+  public :: contact_half_width, surface_to_depth
+
+contains
+
+  !> Half width (m) of the contact of two bodies of one material under
+  !> `line_load` (N/m), with the radii of curvature `r1`, `r2` (m).
+  !> Source: Johnson 1985, Contact Mechanics, Eq. 4.43.
+  elemental real(dp) function contact_half_width(material, plane_strain, line_load, r1, r2) result(a)
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain
+    real(dp), intent(in) :: line_load, r1, r2
+    real(dp) :: modulus
+
+    modulus = material%young/2
+    if (plane_strain) modulus = modulus/(1 - material%poisson**2)
+    a = sqrt(4*line_load*r1*r2/((r1 + r2)*pi*modulus))
+  end function contact_half_width
+
+  !> Displacement (m2/N, per line load) in a half plane of the middle of the
+  !> contact under Hertz's pressure over the half width `a` (m), relative to the
+  !> point at `depth` (m) below a point load. This, not the depth under the same
+  !> pressure, completes what a grid gives for a point load; the two differ by (a/h)**2/4.
+  !> Source: Weber, Banaschek 1953; Johnson 1985, Eq. 5.57; for plane stress
+  !> with E and nu in place of E/(1 - nu**2) and nu/(1 - nu).
+  elemental real(dp) function surface_to_depth(material, plane_strain, a, depth) result(yield)
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain
+    real(dp), intent(in) :: a, depth
+
+    associate (nu => material%poisson)
+      if (plane_strain) then
+        yield = (1 + nu)*((1 - nu)*2*log(2*depth/a) - nu)
+      else
+        yield = 2*log(2*depth/a) - nu
+      end if
+    end associate
+    yield = yield/(pi*material%young)
+  end function surface_to_depth
+end module gearsweep_flattening

@@ -1,0 +1,128 @@
+!> The eight-node quadrilateral of the serendipity family: shape functions,
+!> stiffness and mass. Corners first, then midsides, anticlockwise, as in VTK.
+module gearsweep_q8
+  use gearsweep_kinds, only: dp
+  implicit none
+  private
+  public :: shape_functions, shape_slopes, jacobian, edge_functions, edge_slopes
+  public :: element_gradients, element_stiffness, element_mass
+
+  integer, parameter, public :: nodes_per_element = 8
+  !> Three-point Gauss rule.
+  real(dp), parameter, public :: gauss_place(3) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
+  real(dp), parameter, public :: gauss_weight(3) = [5, 8, 5]/9.0_dp
+
+  real(dp), parameter :: corner_x(4) = [-1, 1, 1, -1], corner_y(4) = [-1, -1, 1, 1]
+
+contains
+
+  !> The eight functions at local coordinates `p` in [-1, 1]^2.
+  pure function shape_functions(p) result(f)
+    real(dp), intent(in) :: p(2)
+    real(dp) :: f(nodes_per_element)
+
+    f(1:4) = (1 + corner_x*p(1))*(1 + corner_y*p(2))*(corner_x*p(1) + corner_y*p(2) - 1)/4
+    f(5) = (1 - p(1)**2)*(1 - p(2))/2
+    f(6) = (1 + p(1))*(1 - p(2)**2)/2
+    f(7) = (1 - p(1)**2)*(1 + p(2))/2
+    f(8) = (1 - p(1))*(1 - p(2)**2)/2
+  end function shape_functions
+
+  !> Their derivatives by the local coordinates (8, 2).
+  pure function shape_slopes(p) result(d)
+    real(dp), intent(in) :: p(2)
+    real(dp) :: d(nodes_per_element, 2)
+
+    d(1:4, 1) = corner_x*(1 + corner_y*p(2))*(2*corner_x*p(1) + corner_y*p(2))/4
+    d(1:4, 2) = corner_y*(1 + corner_x*p(1))*(2*corner_y*p(2) + corner_x*p(1))/4
+    d(5:8, 1) = [-p(1)*(1 - p(2)), (1 - p(2)**2)/2, -p(1)*(1 + p(2)), -(1 - p(2)**2)/2]
+    d(5:8, 2) = [-(1 - p(1)**2)/2, -p(2)*(1 + p(1)), (1 - p(1)**2)/2, -p(2)*(1 - p(1))]
+  end function shape_slopes
+
+  !> d(x, y)/d(local), for element nodes at `x` (2, 8).
+  pure function jacobian(x, p) result(j)
+    real(dp), intent(in) :: x(2, nodes_per_element), p(2)
+    real(dp) :: j(2, 2)
+
+    j = matmul(x, shape_slopes(p))
+  end function jacobian
+
+  !> The three functions of an edge: first end, middle, second end; t in [-1, 1].
+  pure function edge_functions(t) result(f)
+    real(dp), intent(in) :: t
+    real(dp) :: f(3)
+
+    f = [t*(t - 1)/2, 1 - t**2, t*(t + 1)/2]
+  end function edge_functions
+
+  !> Their derivatives.
+  pure function edge_slopes(t) result(d)
+    real(dp), intent(in) :: t
+    real(dp) :: d(3)
+
+    d = [t - 0.5_dp, -2*t, t + 0.5_dp]
+  end function edge_slopes
+
+  !> Stiffness (16, 16), unknowns u1 v1 u2 v2 ..., per unit thickness.
+  !>
+  !> `elastic` holds c11, c12 and c33 of the isotropic plane law (Pa).
+  pure function element_stiffness(x, elastic) result(k)
+    real(dp), intent(in) :: x(2, nodes_per_element), elastic(3)
+    real(dp) :: k(2*nodes_per_element, 2*nodes_per_element)
+    real(dp), dimension(nodes_per_element, nodes_per_element) :: xx, xy, yy
+    real(dp) :: g(nodes_per_element, 2), weight
+    integer :: a, b, n
+
+    xx = 0
+    xy = 0
+    yy = 0
+    do a = 1, 3
+      do b = 1, 3
+        call element_gradients(x, [gauss_place(a), gauss_place(b)], g, weight)
+        weight = weight*gauss_weight(a)*gauss_weight(b)
+        do n = 1, nodes_per_element
+          xx(:, n) = xx(:, n) + g(:, 1)*(weight*g(n, 1))
+          xy(:, n) = xy(:, n) + g(:, 1)*(weight*g(n, 2))
+          yy(:, n) = yy(:, n) + g(:, 2)*(weight*g(n, 2))
+        end do
+      end do
+    end do
+    k(1::2, 1::2) = elastic(1)*xx + elastic(3)*yy
+    k(1::2, 2::2) = elastic(2)*xy + elastic(3)*transpose(xy)
+    k(2::2, 1::2) = elastic(2)*transpose(xy) + elastic(3)*xy
+    k(2::2, 2::2) = elastic(1)*yy + elastic(3)*xx
+  end function element_stiffness
+
+  !> Derivatives of the shape functions by x and y (8, 2), and the Jacobian's determinant.
+  pure subroutine element_gradients(x, p, g, det)
+    real(dp), intent(in) :: x(2, nodes_per_element), p(2)
+    real(dp), intent(out) :: g(nodes_per_element, 2), det
+    real(dp) :: d(nodes_per_element, 2), j(2, 2)
+
+    d = shape_slopes(p)
+    j = matmul(x, d)
+    det = j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1)
+    g(:, 1) = (d(:, 1)*j(2, 2) - d(:, 2)*j(2, 1))/det
+    g(:, 2) = (d(:, 2)*j(1, 1) - d(:, 1)*j(1, 2))/det
+  end subroutine element_gradients
+
+  !> Consistent mass (8, 8), the same for both directions, per unit thickness and density.
+  pure function element_mass(x) result(m)
+    real(dp), intent(in) :: x(2, nodes_per_element)
+    real(dp) :: m(nodes_per_element, nodes_per_element)
+    real(dp) :: f(nodes_per_element), j(2, 2), weight
+    integer :: a, b, n
+
+    m = 0
+    do a = 1, 3
+      do b = 1, 3
+        f = shape_functions([gauss_place(a), gauss_place(b)])
+        j = jacobian(x, [gauss_place(a), gauss_place(b)])
+        weight = gauss_weight(a)*gauss_weight(b)*(j(1, 1)*j(2, 2) - j(1, 2)*j(2, 1))
+        do n = 1, nodes_per_element
+          m(:, n) = m(:, n) + f*(weight*f(n))
+        end do
+      end do
+    end do
+  end function element_mass
+end module gearsweep_q8

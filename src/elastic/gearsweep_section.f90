@@ -1,0 +1,302 @@
+!> A section of a gear, from one tooth to the whole gear, as a grid.
+!>
+!> Each tooth is a block that begins between its fillets, where their tangents
+!> make 60 degrees with the tooth axis; below lies the rim, whose column lines
+!> are radial. The tooth's own axis is y, angles grow towards x, and the drive
+!> flank is on the side of x. The loaded tooth is the middle one.
+module gearsweep_section
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t, fail, code_input, code_memory
+  use gearsweep_gear, only: gear_t, drive, coast
+  use gearsweep_grid, only: grid_t, make_grid, no_element
+  use gearsweep_outline, only: fillet_point, fillet_parameter, root_angle
+  use gearsweep_root_run, only: append, fillet_run
+  use gearsweep_text, only: str
+  use gearsweep_tooth_block, only: tooth_block_t, make_tooth_block, turned, split_angle
+  implicit none
+  private
+  public :: section_options_t, section_t, make_section
+
+  type :: section_options_t
+    integer :: teeth = 3
+    real(dp) :: half_angle = 0                   !< of the sector, rad; 0: up to the middle of the next spaces
+    !> Thickness below the root circle, m; 0: down to the gear's bore or, when it
+    !> has none, 2.5 tooth heights (the backup ratio of Hassan et al. 2009).
+    real(dp) :: rim = 0
+    logical :: fixed_sides = .true., fixed_rim = .true.
+    logical :: plane_strain = .false.
+    integer :: elements_across = 8               !< the tooth; everything else follows
+    integer :: others_across = 0                 !< the unloaded teeth; 0: as the loaded one
+    real(dp) :: most_memory = 8e9_dp             !< for the stiffness matrix, bytes
+  end type section_options_t
+
+  type :: section_t
+    type(gear_t) :: gear
+    type(section_options_t) :: options
+    type(grid_t) :: grid
+    real(dp) :: inner_radius = 0                 !< m
+    real(dp) :: half_angle = 0                   !< rad; pi for a whole gear
+    real(dp), allocatable :: axis(:)             !< angle of each tooth's axis, rad
+    integer, allocatable :: first_column(:)      !< columns before each tooth
+    integer, allocatable :: across(:)            !< columns of each tooth
+    integer :: rim_rows = 0
+    integer :: loaded = 0                        !< the middle tooth
+  contains
+    procedure :: flank_line
+    procedure :: surface
+    procedure :: is_held
+  end type section_t
+
+  !> How the element size grows from the root inwards, per tooth width of depth.
+  real(dp), parameter :: growth = 1.6_dp
+  integer, parameter :: most_across = 200
+
+contains
+
+  !> Makes the grid of a section of `gear`.
+  subroutine make_section(gear, options, section, error)
+    type(gear_t), intent(in) :: gear
+    type(section_options_t), intent(in) :: options
+    type(section_t), intent(out) :: section
+    type(error_t), allocatable, intent(out) :: error
+    type(tooth_block_t), allocatable :: block(:)
+    real(dp), allocatable :: top(:, :), points(:, :, :)
+    integer, allocatable :: part(:, :)
+
+    call check_options(gear, options, error)
+    if (allocated(error)) return
+    section%gear = gear
+    section%options = options
+    call set_extent(section, error)
+    if (allocated(error)) return
+    allocate (block(options%teeth))
+    call make_tooth_block(gear, options%elements_across, block(section%loaded))
+    call fill_others(section, block)
+    call lay_columns(section, block, top)
+    call check_size(section, block, (size(top, 2) - 1)/2, error)
+    if (allocated(error)) return
+    call fill_lattice(section, block, top, points, part)
+    call make_grid(points, part, is_closed(section), section%grid, error)
+  end subroutine make_section
+
+  !> The unloaded teeth are equal to the loaded one, or coarser.
+  pure subroutine fill_others(section, block)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(inout) :: block(:)
+    type(tooth_block_t) :: other
+    integer :: k
+
+    other = block(section%loaded)
+    if (section%options%others_across > 0) call make_tooth_block(section%gear, section%options%others_across, other)
+    do k = 1, size(block)
+      if (k /= section%loaded) block(k) = other
+    end do
+  end subroutine fill_others
+
+  subroutine check_options(gear, options, error)
+    type(gear_t), intent(in) :: gear
+    type(section_options_t), intent(in) :: options
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (options%teeth < 1 .or. options%teeth > gear%spec%teeth) call fail(error, code_input, &
+      '&section teeth = '//str(options%teeth)//': must lie between 1 and the gear''s '//str(gear%spec%teeth))
+    if (options%elements_across < 3 .or. options%elements_across > most_across) call fail(error, code_input, &
+      '&section elements_across = '//str(options%elements_across)//': must lie between 3 and '//str(most_across))
+    if (options%others_across /= 0 .and. (options%others_across < 3 .or. &
+                                          options%others_across > options%elements_across)) &
+      call fail(error, code_input, '&section others_across = '//str(options%others_across)// &
+      ': must be 0 or lie between 3 and '//str(options%elements_across))
+    if (.not. options%rim >= 0 .or. options%rim >= gear%root_radius) call fail(error, code_input, &
+      '&section rim_mm = '//str(1000*options%rim)//': must be above 0 and below the root radius '// &
+      str(1000*gear%root_radius)//' mm')
+    if (.not. (options%half_angle >= 0 .and. options%half_angle < pi)) call fail(error, code_input, &
+      '&section half_angle_deg = '//str(options%half_angle*180/pi)//': must lie between 0 and 180')
+  end subroutine check_options
+
+  !> Inner radius, tooth axes and half angle.
+  subroutine set_extent(section, error)
+    type(section_t), intent(inout) :: section
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: pitch, least, most
+    integer :: i
+
+    associate (gear => section%gear, options => section%options)
+      section%inner_radius = gear%root_radius - options%rim
+      if (options%rim <= 0) section%inner_radius = gear%spec%bore_radius
+      if (section%inner_radius <= 0) section%inner_radius = &
+        max(gear%root_radius - 2.5_dp*(gear%tip_radius - gear%root_radius), gear%root_radius/10)
+      pitch = 2*pi/gear%spec%teeth
+      section%axis = [((i - (options%teeth + 1)/2.0_dp)*pitch, i=1, options%teeth)]
+      section%loaded = (options%teeth + 1)/2
+      section%half_angle = options%half_angle
+      if (options%half_angle <= 0) section%half_angle = options%teeth*pitch/2
+      if (is_closed(section)) return
+      least = section%axis(options%teeth) + maxval([(edge_angle(gear, i), i=drive, coast)])
+      most = min(pi, section%axis(options%teeth) + pitch - max(root_angle(gear, drive), root_angle(gear, coast)))
+      if (section%half_angle <= least .or. section%half_angle > most*(1 + 1e-12_dp)) call fail(error, code_input, &
+        '&section half_angle_deg = '//str(section%half_angle*180/pi)//': with '//str(options%teeth)// &
+        ' teeth it must lie between '//str(least*180/pi)//' (teeth cut) and '//str(most*180/pi)// &
+        ' (overlaps the next tooth)')
+    end associate
+  end subroutine set_extent
+
+  !> Angle from the tooth axis to where the tooth's block begins, with a little room.
+  pure real(dp) function edge_angle(gear, side)
+    type(gear_t), intent(in) :: gear
+    integer, intent(in) :: side
+    real(dp) :: p(2)
+
+    p = fillet_point(gear, side, fillet_parameter(gear, side, split_angle))
+    edge_angle = atan2(p(1), p(2)) + 0.05_dp*(root_angle(gear, side) - atan2(p(1), p(2)))
+  end function edge_angle
+
+  pure logical function is_closed(section)
+    type(section_t), intent(in) :: section
+
+    is_closed = section%options%teeth == section%gear%spec%teeth .and. section%options%half_angle <= 0
+  end function is_closed
+
+  !> Points along the top of the rim at all column half steps, from left to right.
+  subroutine lay_columns(section, block, top)
+    type(section_t), intent(inout) :: section
+    type(tooth_block_t), intent(in) :: block(:)
+    real(dp), allocatable, intent(out) :: top(:, :)
+    real(dp) :: pitch, from, to
+    integer :: k, teeth
+
+    teeth = section%options%teeth
+    pitch = 2*pi/section%gear%spec%teeth
+    section%across = block%across
+    allocate (section%first_column(teeth))
+    from = -section%half_angle
+    if (is_closed(section)) from = section%axis(1)
+    allocate (top(2, 0))
+    do k = 1, teeth
+      if (.not. (is_closed(section) .and. k == 1)) &
+        call append(top, fillet_run(section%gear, block(k), coast, section%axis(k), from))
+      section%first_column(k) = max(0, size(top, 2) - 1)/2
+      call append(top, turned(block(k)%bottom, section%axis(k)))
+      to = merge(section%half_angle, section%axis(k) + pitch/2, k == teeth)
+      if (k < teeth .or. is_closed(section)) to = &
+        section%axis(k) + (pitch + root_angle(section%gear, drive) - root_angle(section%gear, coast))/2
+      call append(top, fillet_run(section%gear, block(k), drive, section%axis(k), to))
+      from = to
+    end do
+    if (is_closed(section)) call append(top, fillet_run(section%gear, block(1), coast, section%axis(1) + 2*pi, from))
+  end subroutine lay_columns
+
+  !> Refuses a grid whose stiffness matrix would not fit, before it is made.
+  pure subroutine check_size(section, block, columns, error)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(in) :: block(:)
+    integer, intent(in) :: columns
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: elements, unknowns, width, reach
+
+    reach = rim_reach(section, block)
+    elements = columns*block(section%loaded)%across*reach/growth + sum(real(block%across, dp)*block%upper)
+    unknowns = 6*elements
+    width = 6*(block(section%loaded)%across*reach/growth + block(section%loaded)%upper)
+    if (is_closed(section)) width = 2*width
+    if (8*unknowns*width > section%options%most_memory) call fail(error, code_memory, &
+      '&section elements_across = '//str(section%options%elements_across)//': the grid has some '// &
+      str(unknowns, 2)//' unknowns and needs '//str(8e-9_dp*unknowns*width, 2)//' GB; at most '// &
+      str(section%options%most_memory*1e-9_dp, 3)//' GB')
+  end subroutine check_size
+
+  !> Depth of the rim as a logarithm: its rows grow inwards in proportion to the depth.
+  pure real(dp) function rim_reach(section, block)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(in) :: block(:)
+
+    rim_reach = log(1 + growth*(section%gear%root_radius - section%inner_radius)/block(section%loaded)%width)
+  end function rim_reach
+
+  !> Rim below, teeth above.
+  subroutine fill_lattice(section, block, top, points, part)
+    type(section_t), intent(inout) :: section
+    type(tooth_block_t), intent(in) :: block(:)
+    real(dp), intent(in) :: top(:, 0:)
+    real(dp), allocatable, intent(out) :: points(:, :, :)
+    integer, allocatable, intent(out) :: part(:, :)
+    real(dp) :: reach, share, radius
+    integer :: i, j, k, c, rows, rim, columns
+
+    columns = ubound(top, 2)/2
+    reach = rim_reach(section, block)
+    rim = max(1, nint(block(section%loaded)%across*reach/growth))
+    section%rim_rows = rim
+    rows = rim + maxval(block%upper)
+    allocate (points(2, 0:2*columns, 0:2*rows), source=0.0_dp)
+    allocate (part(columns, rows), source=no_element)
+    part(:, :rim) = 0
+    do j = 0, 2*rim
+      share = (exp(reach*(2*rim - j)/(2.0_dp*rim)) - 1)/(exp(reach) - 1)
+      do i = 0, 2*columns
+        radius = norm2(top(:, i))
+        points(:, i, j) = top(:, i)*(radius + (section%inner_radius - radius)*share)/radius
+      end do
+    end do
+    do k = 1, section%options%teeth
+      c = section%first_column(k)
+      associate (tooth => block(k))
+        part(c + 1:c + tooth%across, rim + 1:rim + tooth%upper) = k
+        do j = 1, 2*tooth%upper
+          points(:, 2*c:2*(c + tooth%across), 2*rim + j) = turned(tooth%points(:, :, j), section%axis(k))
+        end do
+      end associate
+    end do
+    if (is_closed(section)) points(:, 2*columns, :) = points(:, 0, :)
+  end subroutine fill_lattice
+
+  !> Lattice column line that is a flank of tooth `k`.
+  pure integer function flank_line(section, k, side) result(line)
+    class(section_t), intent(in) :: section
+    integer, intent(in) :: k, side
+
+    line = 2*section%first_column(k)
+    if (side == drive) line = line + 2*section%across(k)
+  end function flank_line
+
+  !> Nodes along one side of tooth `k`, from the middle of the next space, or the
+  !> cut, up to the tip.
+  pure function surface(section, k, side) result(nodes)
+    class(section_t), intent(in) :: section
+    integer, intent(in) :: k, side
+    integer, allocatable :: nodes(:)
+    integer :: line, last, far, from
+    logical :: is_cut
+
+    line = section%flank_line(k, side)
+    last = ubound(section%grid%node, 1)
+    if (side == drive) then
+      is_cut = k == section%options%teeth .and. .not. section%grid%closed
+      far = last
+      if (k < section%options%teeth) far = section%flank_line(k + 1, coast)
+    else
+      is_cut = k == 1 .and. .not. section%grid%closed
+      far = 0
+      if (k == 1 .and. section%grid%closed) line = last
+      if (k > 1) far = section%flank_line(k - 1, drive)
+      if (k == 1 .and. section%grid%closed) far = section%flank_line(section%options%teeth, drive)
+    end if
+    from = merge(far, line + 2*((far - line)/4), is_cut)
+    nodes = [section%grid%node(from:line:merge(-1, 1, side == drive), 2*section%rim_rows), &
+             section%grid%node(line, 2*section%rim_rows + 1:)]
+  end function surface
+
+  !> Which nodes the supports hold.
+  pure function is_held(section) result(held)
+    class(section_t), intent(in) :: section
+    logical :: held(size(section%grid%x, 2))
+    integer :: last
+
+    held = .false.
+    last = ubound(section%grid%node, 1)
+    if (section%options%fixed_rim) held(section%grid%row_nodes(0)) = .true.
+    if (section%options%fixed_sides .and. .not. section%grid%closed) then
+      held(section%grid%column_nodes(0)) = .true.
+      held(section%grid%column_nodes(last)) = .true.
+    end if
+  end function is_held
+end module gearsweep_section

@@ -1,0 +1,274 @@
+!> Stress at the tooth root while the load moves over the flank.
+!>
+!> The fillet carries no load, so the stress there acts along the surface alone
+!> and follows from the surface strain. It is read at two points of each edge
+!> where the strain of a quadratic edge is one order better than elsewhere, and
+!> a spline joins them.
+module gearsweep_stress
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_body, only: body_t, make_body, elastic_law
+  use gearsweep_compliance, only: flank_load
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_gear, only: gear_t, drive, coast
+  use gearsweep_material, only: material_t
+  use gearsweep_outline, only: fillet_point, fillet_parameter
+  use gearsweep_piecewise, only: piecewise_t, spline
+  use gearsweep_q8, only: edge_functions, edge_slopes
+  use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: root_stress_t, stress_peak_t, find_root_stress, root_stress
+
+  !> A largest value: how much, where and under which of the loads.
+  type :: stress_peak_t
+    real(dp) :: stress = 0                       !< Pa
+    real(dp) :: point(2) = 0                     !< in the tooth's frame, axis along y, m
+    real(dp) :: tangent = 0                      !< angle of the surface to the tooth axis, rad
+    integer :: load = 0
+    integer :: side = 0                          !< drive or coast
+  end type stress_peak_t
+
+  !> Stress along one side's fillet and half its root land, upwards.
+  type :: fillet_stress_t
+    real(dp), allocatable :: along(:)            !< length from the lowest point, m
+    real(dp), allocatable :: point(:, :)         !< in the tooth's frame (2, points), m
+    real(dp), allocatable :: tangent(:)          !< angle to the tooth axis, rad
+    real(dp), allocatable :: stress(:, :)        !< along the surface (points, loads), Pa
+  end type fillet_stress_t
+
+  type :: root_stress_t
+    type(gear_t) :: gear
+    type(fillet_stress_t) :: side(2)             !< drive, coast
+    type(stress_peak_t) :: tension, compression         !< the largest over both sides and all loads
+    real(dp) :: error_estimate = 0               !< of the larger, relative; 0: not estimated
+  contains
+    procedure :: at_tangent
+  end type root_stress_t
+
+  !> Where the derivative of a quadratic is exact for a cubic.
+  real(dp), parameter :: best = 1/sqrt(3.0_dp)
+
+contains
+
+  !> Root stress of the loaded tooth on grids of the wanted and of half the
+  !> fineness; their largest difference around the peaks gives the error estimate,
+  !> for second order.
+  !>
+  !> `radius(:)` (m) and `line_load(:)` (N/m) are where and how much this tooth
+  !> carries at each position, that is with its share of the load.
+  subroutine root_stress(gear, material, options, radius, line_load, product, error)
+    type(gear_t), intent(in) :: gear
+    type(material_t), intent(in) :: material
+    type(section_options_t), intent(in) :: options
+    real(dp), intent(in) :: radius(:), line_load(:)
+    type(root_stress_t), intent(out) :: product
+    type(error_t), allocatable, intent(out) :: error
+    type(section_options_t) :: coarser
+    type(root_stress_t) :: coarse
+    real(dp) :: ratio
+
+    coarser = options
+    coarser%elements_across = max(3, options%elements_across/2)
+    if (coarser%elements_across == options%elements_across) coarser%elements_across = options%elements_across + 1
+    coarser%others_across = merge(0, max(3, options%others_across/2), options%others_across == 0)
+    call on_one_grid(options, product)
+    if (allocated(error)) return
+    call on_one_grid(coarser, coarse)
+    if (allocated(error)) return
+    product%error_estimate = max(difference(product, coarse, product%tension), &
+                                 difference(product, coarse, product%compression))
+    ratio = real(options%elements_across, dp)/coarser%elements_across
+    product%error_estimate = product%error_estimate/abs(ratio**2 - 1)
+
+  contains
+
+    subroutine on_one_grid(grid_options, stress)
+      type(section_options_t), intent(in) :: grid_options
+      type(root_stress_t), intent(out) :: stress
+      type(section_t) :: section
+      type(body_t) :: body
+
+      call make_section(gear, grid_options, section, error)
+      if (allocated(error)) return
+      call make_body(section%grid, material, options%plane_strain, 1.0_dp, spread(section%is_held(), 1, 2), &
+                     options%most_memory, body, error)
+      if (allocated(error)) return
+      call find_root_stress(section, body, radius, line_load, stress, error)
+    end subroutine on_one_grid
+  end subroutine root_stress
+
+  !> Largest relative difference of two grids where the stress is within a tenth
+  !> of the peak: the peaks alone may agree by chance.
+  pure real(dp) function difference(fine, coarse, peak) result(most)
+    type(root_stress_t), intent(in) :: fine, coarse
+    type(stress_peak_t), intent(in) :: peak
+    type(piecewise_t) :: curve
+    integer :: i
+
+    most = 0
+    if (peak%load == 0) return
+    associate (f => fine%side(peak%side), c => coarse%side(peak%side))
+      curve = spline(c%point(2, :), c%stress(:, peak%load))
+      do i = 1, size(f%along)
+        if (f%stress(i, peak%load)/peak%stress < 0.9_dp) cycle
+        most = max(most, abs((f%stress(i, peak%load) - curve%value(f%point(2, i)))/peak%stress))
+      end do
+    end associate
+  end function difference
+
+  !> Root stress of the loaded tooth on a given grid; arguments as above.
+  subroutine find_root_stress(section, body, radius, line_load, product, error)
+    type(section_t), intent(in) :: section
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: radius(:), line_load(:)
+    type(root_stress_t), intent(out) :: product
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: x(:, :), u(:, :, :)
+    integer :: i
+
+    if (size(radius) < 1 .or. size(radius) /= size(line_load)) then
+      call fail(error, code_input, '&load: as many line loads as positions are needed, and at least one')
+      return
+    end if
+    allocate (x(body%unknowns, size(radius)), source=0.0_dp)
+    do i = 1, size(radius)
+      call flank_load(section, body, radius(i), x(:, i), error)
+      if (allocated(error)) return
+      x(:, i) = x(:, i)*line_load(i)*body%thickness
+    end do
+    call body%stiffness%solve(x)
+    allocate (u(2, size(section%grid%x, 2), size(radius)))
+    do i = 1, size(radius)
+      u(:, :, i) = body%spread_out(x(:, i))
+    end do
+    product%gear = section%gear
+    call along_fillet(section, body, u, drive, product%side(drive))
+    call along_fillet(section, body, u, coast, product%side(coast))
+    call find_peaks(product)
+  end subroutine find_root_stress
+
+  !> Stress at the best points of each edge below the form circle.
+  pure subroutine along_fillet(section, body, u, side, fillet)
+    type(section_t), intent(in) :: section
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: u(:, :, :)
+    integer, intent(in) :: side
+    type(fillet_stress_t), intent(out) :: fillet
+    integer, allocatable :: nodes(:)
+    integer :: e, edges, n, g, load
+    real(dp) :: law(3), modulus, tangent(2), rise(2)
+
+    law = elastic_law(body%material, body%plane_strain)
+    modulus = law(1) - law(2)**2/law(1)
+    nodes = section%surface(section%loaded, side)
+    edges = count(norm2(section%grid%x(:, nodes(2::2)), 1) < section%gear%form_radius(side))
+    allocate (fillet%along(2*edges), fillet%point(2, 2*edges), fillet%tangent(2*edges))
+    allocate (fillet%stress(2*edges, size(u, 3)))
+    do e = 1, edges
+      do g = 1, 2
+        n = 2*(e - 1) + g
+        associate (t => merge(-best, best, g == 1), on => nodes(2*e - 1:2*e + 1))
+          fillet%point(:, n) = in_tooth_frame(matmul(section%grid%x(:, on), edge_functions(t)))
+          tangent = matmul(section%grid%x(:, on), edge_slopes(t))
+          rise = in_tooth_frame(tangent)
+          fillet%tangent(n) = atan2(abs(rise(1)), rise(2))
+          do load = 1, size(u, 3)
+            fillet%stress(n, load) = modulus*dot_product(tangent, matmul(u(:, on, load), edge_slopes(t)))/sum(tangent**2)
+          end do
+        end associate
+      end do
+    end do
+    fillet%along(1) = 0
+    do n = 2, 2*edges
+      fillet%along(n) = fillet%along(n - 1) + norm2(fillet%point(:, n) - fillet%point(:, n - 1))
+    end do
+
+  contains
+
+    pure function in_tooth_frame(v) result(w)
+      real(dp), intent(in) :: v(2)
+      real(dp) :: w(2)
+
+      associate (a => section%axis(section%loaded))
+        w = [v(1)*cos(a) - v(2)*sin(a), v(1)*sin(a) + v(2)*cos(a)]
+      end associate
+    end function in_tooth_frame
+  end subroutine along_fillet
+
+  !> Peaks of the splines, on a fine scan.
+  pure subroutine find_peaks(product)
+    type(root_stress_t), intent(inout) :: product
+    integer, parameter :: scan = 16
+    type(piecewise_t) :: curve
+    real(dp) :: s, value
+    integer :: side, load, i, k
+
+    do side = drive, coast
+      associate (fillet => product%side(side))
+        do load = 1, size(fillet%stress, 2)
+          curve = spline(fillet%along, fillet%stress(:, load))
+          do i = 1, size(fillet%along) - 1
+            do k = 0, scan
+              s = fillet%along(i) + (fillet%along(i + 1) - fillet%along(i))*k/scan
+              value = curve%value(s, i)
+              if (value > product%tension%stress) call note(product%tension)
+              if (value < product%compression%stress) call note(product%compression)
+            end do
+          end do
+        end do
+      end associate
+    end do
+
+  contains
+
+    pure subroutine note(peak)
+      type(stress_peak_t), intent(inout) :: peak
+      type(piecewise_t) :: part
+
+      associate (fillet => product%side(side))
+        peak%stress = value
+        peak%side = side
+        peak%load = load
+        part = spline(fillet%along, fillet%point(1, :))
+        peak%point(1) = part%value(s)
+        part = spline(fillet%along, fillet%point(2, :))
+        peak%point(2) = part%value(s)
+        part = spline(fillet%along, fillet%tangent)
+        peak%tangent = part%value(s)
+      end associate
+    end subroutine note
+  end subroutine find_peaks
+
+  !> Stress where the fillet's tangent makes `tangent` (rad) with the tooth axis,
+  !> for all loads: along the surface (Pa), and its components sigma_x, sigma_y,
+  !> tau_xy (3, loads) with y along the tooth axis and x towards the drive side.
+  subroutine at_tangent(product, side, tangent, along, components, error)
+    class(root_stress_t), intent(in) :: product
+    integer, intent(in) :: side
+    real(dp), intent(in) :: tangent
+    real(dp), allocatable, intent(out) :: along(:), components(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    type(piecewise_t) :: place, curve
+    real(dp) :: point(2), s, direction(2)
+    integer :: load
+
+    associate (fillet => product%side(side))
+      if (.not. (tangent >= minval(fillet%tangent) .and. tangent <= maxval(fillet%tangent))) then
+        call fail(error, code_input, 'stress at the fillet tangent '//str(tangent*180/pi)// &
+          ' deg: must lie between '//str(minval(fillet%tangent)*180/pi)//' and '//str(maxval(fillet%tangent)*180/pi))
+        return
+      end if
+      point = fillet_point(product%gear, side, fillet_parameter(product%gear, side, tangent))
+      place = spline(fillet%point(2, :), fillet%along)
+      s = place%value(point(2))
+      direction = [sin(tangent)*merge(-1, 1, side == drive), cos(tangent)]
+      allocate (along(size(fillet%stress, 2)), components(3, size(fillet%stress, 2)))
+      do load = 1, size(along)
+        curve = spline(fillet%along, fillet%stress(:, load))
+        along(load) = curve%value(s)
+        components(:, load) = along(load)*[direction(1)**2, direction(2)**2, direction(1)*direction(2)]
+      end do
+    end associate
+  end subroutine at_tangent
+end module gearsweep_stress

@@ -1,0 +1,124 @@
+!> Form factors of the tooth root from its true shape: Lewis's parabola and
+!> ISO 6336-3's 30 degree tangent. The load acts on the drive flank.
+module gearsweep_form
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_gear, only: gear_t, drive, coast
+  use gearsweep_pair, only: pair_t
+  use gearsweep_outline, only: fillet_point, fillet_parameter
+  implicit none
+  private
+  public :: lewis_factor, iso_form_t, iso_form, outer_single_contact
+
+  !> Root section and factors of ISO 6336-3:2006, method B.
+  type :: iso_form_t
+    real(dp) :: lever = 0                        !< h_Fe, m
+    real(dp) :: thickness = 0                    !< s_Fn, m
+    real(dp) :: radius = 0                       !< rho_F, m
+    real(dp) :: load_angle = 0                   !< alpha_Fen, rad
+    real(dp) :: form_factor = 0                  !< Y_F
+    real(dp) :: correction = 0                   !< Y_S
+  end type iso_form_t
+
+contains
+
+  !> Lewis form factor Y = s^2/(6 h m) for a load at `radius` (m) on the drive
+  !> flank: the weakest section s at the distance h below the point where the
+  !> line of action meets the tooth axis, sought over the fillet.
+  !> The bending stress is F_n cos(load angle)/(b m Y).
+  !> Source: Lewis 1892; Norton, Machine Design, section 12.
+  pure real(dp) function lewis_factor(gear, radius) result(factor)
+    type(gear_t), intent(in) :: gear
+    real(dp), intent(in) :: radius
+    real(dp), parameter :: golden = 0.6180339887498949_dp
+    real(dp) :: low, high, apex
+    integer :: i
+
+    apex = gear%base_radius(drive)/cos(load_angle(gear, radius))
+    low = gear%spec%pressure_angle(drive)
+    high = pi/2
+    do i = 1, 80
+      if (section_factor(high - golden*(high - low)) < section_factor(low + golden*(high - low))) then
+        high = low + golden*(high - low)
+      else
+        low = high - golden*(high - low)
+      end if
+    end do
+    factor = section_factor((low + high)/2)
+
+  contains
+
+    !> The factor at the section through a point of the drive fillet.
+    pure real(dp) function section_factor(beta)
+      real(dp), intent(in) :: beta
+      real(dp) :: p(2)
+
+      p = fillet_point(gear, drive, beta)
+      section_factor = (p(1) + coast_half_width(gear, p(2)))**2/(6*(apex - p(2))*gear%spec%module)
+    end function section_factor
+  end function lewis_factor
+
+  !> Distance (m) from the tooth axis to the coast fillet at the height `y`, by bisection.
+  pure real(dp) function coast_half_width(gear, y) result(x)
+    type(gear_t), intent(in) :: gear
+    real(dp), intent(in) :: y
+    real(dp) :: low, high, p(2)
+    integer :: i
+
+    low = gear%spec%pressure_angle(coast)
+    high = pi/2
+    do i = 1, 60
+      p = fillet_point(gear, coast, (low + high)/2)
+      if (p(2) > y) then
+        low = (low + high)/2
+      else
+        high = (low + high)/2
+      end if
+    end do
+    x = p(1)
+  end function coast_half_width
+
+  !> Angle (rad) between the load at `radius` (m) and the normal of the tooth axis.
+  pure real(dp) function load_angle(gear, radius)
+    type(gear_t), intent(in) :: gear
+    real(dp), intent(in) :: radius
+
+    load_angle = acos(min(1.0_dp, gear%base_radius(drive)/radius)) - gear%half_angle(drive, radius)
+  end function load_angle
+
+  !> Section at the 30 degree tangents and its factors, for a load at `radius`
+  !> (m), which the standard takes at the outer point of single pair contact.
+  !> Unequal flanks share the drive side's height. sigma_F0 = F_t/(b m) Y_F Y_S.
+  !> Source: ISO 6336-3:2006, Eqs. 9 and 19; rho_F by Euler and Savary.
+  pure function iso_form(gear, radius) result(form)
+    type(gear_t), intent(in) :: gear
+    real(dp), intent(in) :: radius
+    type(iso_form_t) :: form
+    real(dp) :: p(2), q(2), beta, depth, way, ratio, notch
+
+    beta = fillet_parameter(gear, drive, pi/6)
+    p = fillet_point(gear, drive, beta)
+    q = fillet_point(gear, coast, fillet_parameter(gear, coast, pi/6))
+    form%load_angle = load_angle(gear, radius)
+    form%lever = gear%base_radius(drive)/cos(form%load_angle) - p(2)
+    form%thickness = p(1) + q(1)
+    associate (spec => gear%spec)
+      depth = (spec%dedendum - spec%rack_tip_radius - spec%profile_shift)*spec%module
+      way = depth/sin(beta)
+      form%radius = spec%rack_tip_radius*spec%module + way**2/(way + gear%reference_radius*sin(beta))
+      form%form_factor = 6*form%lever/spec%module*cos(form%load_angle) &
+        /((form%thickness/spec%module)**2*cos(spec%pressure_angle(drive)))
+    end associate
+    ratio = form%thickness/form%lever
+    notch = form%thickness/(2*form%radius)
+    form%correction = (1.2_dp + 0.13_dp*ratio)*notch**(1/(1.21_dp + 2.3_dp/ratio))
+  end function iso_form
+
+  !> Radius (m) at which a member carries the whole load farthest out: point D
+  !> on the pinion, B on the gear; contact ratios between 1 and 2.
+  pure real(dp) function outer_single_contact(pair, member) result(radius)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: member
+
+    radius = pair%radius(member, merge(1.0_dp, pair%contact_ratio - 1, member == 1))
+  end function outer_single_contact
+end module gearsweep_form

@@ -1,0 +1,131 @@
+!> Natural frequencies against exact, benchmark and published ones.
+module test_elastic_modes
+  use gearsweep_body, only: body_t, make_body
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
+  use gearsweep_grid, only: grid_t, rectangle_grid
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_material, only: material_t
+  use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_modes, only: modes_t, find_modes
+  use gearsweep_section, only: section_options_t
+  use gearsweep_text, only: str
+  use testing, only: tally_t, check_true, check_close, check_error, check_no_error
+  implicit none
+  private
+  public :: run
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call rod(t)
+    call tapered_cantilever(t)
+    call hassan_section(t)
+    call refusals(t)
+  end subroutine run
+
+  !> Modes of a rectangle or trapezoid held at its left end.
+  subroutine held_left(corners, columns, rows, material, thickness, count, modes, error)
+    real(dp), intent(in) :: corners(2, 4), thickness
+    integer, intent(in) :: columns, rows, count
+    type(material_t), intent(in) :: material
+    type(modes_t), intent(out) :: modes
+    type(error_t), allocatable, intent(out) :: error
+    type(grid_t) :: grid
+    type(body_t) :: body
+
+    call rectangle_grid(corners, columns, rows, grid, error)
+    if (.not. allocated(error)) call make_body(grid, material, .false., thickness, &
+      spread(grid%x(1, :) <= 0, 1, 2), 1e9_dp, body, error)
+    if (.not. allocated(error)) call find_modes(body, count, modes, error)
+  end subroutine held_left
+
+  !> With nu = 0 a block's axial motion is a rod's: f = c/(4 l), approached in fourth order.
+  subroutine rod(t)
+    type(tally_t), intent(inout) :: t
+    type(modes_t) :: modes
+    type(error_t), allocatable :: error
+    real(dp) :: off(2)
+    integer :: k
+
+    do k = 1, 2
+      call held_left(reshape([0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 1.0_dp, 2.0_dp, 0.0_dp, 2.0_dp], [2, 4]), 2*k, 4*k, &
+                     material_t(1.0_dp, 0.0_dp, 1.0_dp), 1.0_dp, 6, modes, error)
+      call check_no_error(t, 'rod', error)
+      off(k) = minval(abs(modes%frequency - 0.25_dp))
+    end do
+    call check_close(t, 'frequency of a rod', off(2), 0.0_dp, absolute=1e-5_dp)
+    call check_true(t, 'order of the frequency', log(off(1)/off(2))/log(2.0_dp) > 3.8_dp, str(log(off(1)/off(2))/log(2.0_dp)))
+  end subroutine rod
+
+  !> NAFEMS FV32: cantilevered tapered membrane. The reference itself is a grid's answer,
+  !> printed to some 4 digits.
+  subroutine tapered_cantilever(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: reference(6) = [44.623_dp, 130.03_dp, 162.70_dp, 246.05_dp, 379.90_dp, 391.44_dp]
+    type(modes_t) :: modes
+    type(error_t), allocatable :: error
+    integer :: k
+
+    call held_left(reshape([0.0_dp, 0.0_dp, 10.0_dp, 2.0_dp, 10.0_dp, 3.0_dp, 0.0_dp, 5.0_dp], [2, 4]), 32, 16, &
+                   material_t(200e9_dp, 0.3_dp, 8000.0_dp), 0.05_dp, 6, modes, error)
+    call check_no_error(t, 'FV32', error)
+    do k = 1, 6
+      call check_close(t, 'FV32, mode '//str(k), modes%frequency(k), reference(k), relative=1e-3_dp)
+    end do
+  end subroutine tapered_cantilever
+
+  type(gear_t) function hassan_gear() result(gear)
+    type(error_t), allocatable :: error
+
+    call make_gear(gear_spec_t('pinion', 30, 0.025_dp, face_width=0.125_dp, rack_tip_radius=0.30_dp), gear, error)
+  end function hassan_gear
+
+  !> Hassan et al. 2009, Table 1; the rack tip radius is inferred.
+  subroutine hassan_section(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: table(5) = [7342, 7647, 7947, 10497, 12662]
+    type(modal_t) :: coarse, fine
+    type(error_t), allocatable :: error
+    integer :: k
+
+    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(12), 5, fine, error)
+    call check_no_error(t, 'Hassan', error)
+    do k = 1, 5
+      call check_close(t, 'Hassan, Table 1, mode '//str(k), fine%modes%frequency(k), table(k), relative=5e-3_dp)
+      call check_close(t, 'energy shares', sum(fine%modes%participation(:, k)), 1.0_dp)
+    end do
+    call check_true(t, 'residuals', maxval(fine%modes%residual) < 1e-8_dp, str(maxval(fine%modes%residual)))
+    call check_true(t, 'error estimates', all(fine%error_estimate < 1.5e-3_dp .and. fine%error_estimate > 0), &
+                    str(maxval(fine%error_estimate)))
+    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(24), 5, coarse, error)
+    call check_true(t, 'error estimates cover the error', all(abs(fine%modes%frequency/coarse%modes%frequency - 1) &
+      < fine%error_estimate))
+    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(5), 5, coarse, error)
+    do k = 1, 5
+      call check_close(t, 'Hassan, coarse grid, mode '//str(k), coarse%modes%frequency(k), table(k), relative=3e-3_dp)
+    end do
+    call check_true(t, 'mode 1 lives in the middle tooth', fine%modes%participation(2, 1) > 0.8_dp)
+  end subroutine hassan_section
+
+  type(section_options_t) function hassan_options(across) result(options)
+    integer, intent(in) :: across
+
+    options%half_angle = 17.5_dp*pi/180
+    options%rim = 0.140625_dp
+    options%elements_across = across
+  end function hassan_options
+
+  subroutine refusals(t)
+    type(tally_t), intent(inout) :: t
+    type(modal_t) :: modal
+    type(error_t), allocatable :: error
+
+    call section_modes(hassan_gear(), material_t(), hassan_options(4), 0, modal, error)
+    call check_error(t, 'no modes wanted', error, '&modal modes = 0')
+    call section_modes(hassan_gear(), material_t(density=0.0_dp), hassan_options(4), 1, modal, error)
+    call check_error(t, 'no mass', error, '&material density_kgm3')
+  end subroutine refusals
+end module test_elastic_modes

@@ -1,0 +1,190 @@
+!> Tooth compliance and pair stiffness: convergence with the grid, the depth
+!> that must not matter, supports, equal and unequal gears.
+module test_elastic_stiffness
+  use gearsweep_error, only: error_t
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness, tooth_compliance
+  use gearsweep_flattening, only: contact_half_width, surface_to_depth
+  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_material, only: material_t
+  use gearsweep_pair, only: pair_t, make_pair
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_text, only: str
+  use testing, only: tally_t, check_true, check_close, check_error, check_no_error
+  implicit none
+  private
+  public :: run
+
+  real(dp), parameter :: load = 280e3_dp
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call flattening(t)
+    call convergence(t)
+    call depth(t)
+    call supports(t)
+    call exchange(t)
+    call refusals(t)
+  end subroutine run
+
+  type(pair_t) function dogan_pair(teeth, bore, angles) result(pair)
+    integer, intent(in) :: teeth(2)
+    real(dp), intent(in) :: bore
+    real(dp), intent(in), optional :: angles(2)
+    type(gear_t) :: gear(2)
+    type(gear_spec_t) :: spec
+    type(error_t), allocatable :: error
+    integer :: i
+
+    do i = 1, 2
+      spec = gear_spec_t('pinion', teeth(i), 0.00318_dp, face_width=0.0254_dp, bore_radius=bore)
+      if (present(angles)) spec%pressure_angle = angles*pi/180
+      if (present(angles)) spec%rack_tip_radius = 0.1_dp
+      call make_gear(spec, gear(i), error)
+    end do
+    call make_pair(gear(1), gear(2), gear(1)%reference_radius + gear(2)%reference_radius, pair, error)
+  end function dogan_pair
+
+  !> Largest relative difference of two curves over the path.
+  real(dp) function apart(a, b, last) result(most)
+    type(piecewise_t), intent(in) :: a, b
+    real(dp), intent(in) :: last
+    integer :: i
+
+    most = 0
+    do i = 0, 200
+      most = max(most, abs(a%value(last*i/200)/b%value(last*i/200) - 1))
+    end do
+  end function apart
+
+  !> Johnson's numbers in two lines.
+  subroutine flattening(t)
+    type(tally_t), intent(inout) :: t
+    type(material_t) :: steel
+    real(dp) :: a
+
+    a = contact_half_width(steel, .true., 1e5_dp, 0.01_dp, 0.02_dp)
+    call check_close(t, 'half width', a, sqrt(4*1e5_dp*(0.02_dp/3)/(pi*206e9_dp/2/0.91_dp)))
+    call check_close(t, 'approach', surface_to_depth(steel, .true., a, 50*a), &
+                     0.91_dp/(pi*206e9_dp)*(2*log(100.0_dp) - 0.3_dp/0.7_dp))
+    call check_close(t, 'approach, plane stress', surface_to_depth(steel, .false., a, 50*a), &
+                     (2*log(100.0_dp) - 0.3_dp)/(pi*206e9_dp))
+  end subroutine flattening
+
+  !> The default grid against one three times as fine.
+  subroutine convergence(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair
+    type(fe_options_t) :: options
+    type(piecewise_t) :: rough, usual, fine
+    type(error_t), allocatable :: error
+
+    pair = dogan_pair([25, 25], 0.0_dp)
+    call fe_stiffness(pair, material_t(), options, load, usual, error)
+    call check_no_error(t, 'fe stiffness', error)
+    options%section%elements_across = 7
+    call fe_stiffness(pair, material_t(), options, load, rough, error)
+    options%section%elements_across = 40
+    options%section%others_across = 10
+    options%positions = 33
+    call fe_stiffness(pair, material_t(), options, load, fine, error)
+    call check_close(t, 'pair stiffness, default grid', apart(usual, fine, pair%contact_ratio), 0.0_dp, absolute=1e-3_dp)
+    call check_close(t, 'pair stiffness, rough grid', apart(rough, fine, pair%contact_ratio), 0.0_dp, absolute=1e-2_dp)
+    call check_close(t, 'same at both ends', usual%value(0.0_dp), usual%value(pair%contact_ratio), relative=1e-12_dp)
+    call check_close(t, 'single tooth at the pitch point near 34 N/(um mm)', &
+                     2*usual%value(pair%contact_ratio/2)/0.0254_dp, 34e9_dp, relative=0.03_dp)
+  end subroutine convergence
+
+  !> Where the grid ends and Hertz begins is ours to choose.
+  subroutine depth(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair
+    type(fe_options_t) :: options
+    type(piecewise_t) :: near, far
+    type(error_t), allocatable :: error
+
+    pair = dogan_pair([25, 25], 0.0_dp)
+    options%section%elements_across = 24
+    options%depth = 0.25_dp
+    call fe_stiffness(pair, material_t(), options, load, near, error)
+    options%depth = 0.4_dp
+    call fe_stiffness(pair, material_t(), options, load, far, error)
+    call check_close(t, 'depth of the cut', apart(near, far, pair%contact_ratio), 0.0_dp, absolute=5e-3_dp)
+  end subroutine depth
+
+  !> More body is softer; the whole gear is what a very wide section tends to.
+  subroutine supports(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: teeth(5) = [1, 2, 3, 7, 25]
+    type(pair_t) :: pair
+    type(fe_options_t) :: options
+    type(piecewise_t) :: curve, wide
+    type(error_t), allocatable :: error
+    real(dp) :: last, now
+    integer :: i
+
+    pair = dogan_pair([25, 25], 0.0_dp)
+    options%section%elements_across = 8
+    last = huge(last)
+    do i = 1, size(teeth)
+      options%section%teeth = teeth(i)
+      call fe_stiffness(pair, material_t(), options, load, curve, error)
+      call check_no_error(t, 'support with '//str(teeth(i))//' teeth', error)
+      now = curve%integral(0.0_dp, pair%contact_ratio)
+      call check_true(t, 'wider is softer', now < last, str(now)//' after '//str(last))
+      last = now
+    end do
+    options%section%half_angle = pi - 1e-9_dp
+    call fe_stiffness(pair, material_t(), options, load, wide, error)
+    call check_close(t, 'whole gear and slit gear', apart(wide, curve, pair%contact_ratio), 0.0_dp, absolute=3e-3_dp)
+  end subroutine supports
+
+  !> Exchanging unequal members mirrors the curve; flanks of unequal angle work.
+  subroutine exchange(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair
+    type(fe_options_t) :: options
+    type(piecewise_t) :: one, other
+    type(error_t), allocatable :: error
+    integer :: i
+
+    options%section%elements_across = 8
+    pair = dogan_pair([25, 40], 0.0_dp)
+    call fe_stiffness(pair, material_t(), options, load, one, error)
+    call check_no_error(t, 'unequal gears', error)
+    pair = dogan_pair([40, 25], 0.0_dp)
+    call fe_stiffness(pair, material_t(), options, load, other, error)
+    do i = 0, 8
+      call check_close(t, 'mirrored', one%value(pair%contact_ratio*i/8), other%value(pair%contact_ratio*(8 - i)/8), &
+                       relative=1e-9_dp)
+    end do
+    pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 30.0_dp])
+    call fe_stiffness(pair, material_t(), options, load, one, error)
+    pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 20.0_dp])
+    call fe_stiffness(pair, material_t(), options, load, other, error)
+    call check_true(t, 'a steeper coast flank stiffens', one%integral(0.0_dp, 1.0_dp) > 1.02_dp*other%integral(0.0_dp, 1.0_dp))
+  end subroutine exchange
+
+  subroutine refusals(t)
+    type(tally_t), intent(inout) :: t
+    type(fe_options_t) :: options
+    type(piecewise_t) :: curve
+    type(error_t), allocatable :: error
+    type(pair_t) :: pair
+
+    pair = dogan_pair([25, 25], 0.0_dp)
+    call fe_stiffness(pair, material_t(), options, 0.0_dp, curve, error)
+    call check_error(t, 'no load', error, '&load line_load_n_mm = 0')
+    call fe_stiffness(pair, material_t(poisson=0.5_dp), options, load, curve, error)
+    call check_error(t, 'incompressible', error, '&material poisson')
+    call tooth_compliance(pair%gear(1), material_t(), options, 0.001_dp, 0.03_dp, curve, error)
+    call check_error(t, 'load off the path', error, 'off the flank')
+    options%section%fixed_sides = .false.
+    options%section%fixed_rim = .false.
+    call fe_stiffness(pair, material_t(), options, load, curve, error)
+    call check_error(t, 'nothing fixed', error, '&section fixed')
+  end subroutine refusals
+end module test_elastic_stiffness
