@@ -4,7 +4,7 @@ program gearsweep_program
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
   use gearsweep
-  use gearsweep_files, only: folder_of, make_folder, read_text, write_text
+  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder, write_text
   use gearsweep_text, only: str, to_number
   implicit none
 
@@ -31,6 +31,7 @@ program gearsweep_program
   type(study_t) :: study
   type(error_t), allocatable :: error
   character(:), allocatable :: text
+  logical :: made = .false.
   integer(int64) :: began, ended, rate
 
   call system_clock(began, rate)
@@ -39,7 +40,7 @@ program gearsweep_program
   call check(error)
   call read_case(text, case, error)
   call check(error)
-  call make_folder(arguments%out, error)
+  call make_folder(arguments%out, made, error)
   call check(error)
   if (progress_wanted()) then
     call run_study(case, folder_of(arguments%case), arguments%threads, study, error, show_progress)
@@ -189,6 +190,7 @@ contains
     type(error_t), allocatable, intent(in) :: error
 
     if (.not. allocated(error)) return
+    if (made) call remove_folder(arguments%out)
     write (error_unit, '(a)') 'gearsweep: '//error%message
     call finish(error%code)
   end subroutine check

@@ -489,17 +489,17 @@ for value in three "'3.18'" NaN nan -NaN 'NaN(1)' Inf Infinity -infinity 1e999 1
 done
 refuses 'outside a group: 3' 1 's|module_mm = 3.18|module_mm = 1/3|'
 refuses '&pair module_mm = 3, 18: must be a single number' 1 's/module_mm = 3.18/module_mm = 3,18/'
-refuses '&pair module_mm: missing; must be above 0' 1 's/module_mm = .*/module_mm =/'
-refuses '&pair module_mm: missing; must be above 0' 1 '/module_mm/d'
+refuses '&pair module_mm: missing; must be at least 0.001 and at most 1000' 1 's/module_mm = .*/module_mm =/'
+refuses '&pair module_mm: missing; must be at least 0.001 and at most 1000' 1 '/module_mm/d'
 for value in 0 -3.18 -0 1e-400; do
-  refuses ": must be above 0" 1 "s/module_mm = .*/module_mm = $value/"
-  refuses ": must be above 0" 1 "s/face_width_mm = .*/face_width_mm = $value/"
+  refuses ": must be at least" 1 "s/module_mm = .*/module_mm = $value/"
+  refuses ": must be at least" 1 "s/face_width_mm = .*/face_width_mm = $value/"
   refuses ": must be above 0" 1 "s/line_load_n_mm = .*/line_load_n_mm = $value/"
   refuses ": must be above 0" 1 "s/line_load_n_mm = .*/torque_nm = $value/"
   refuses ": must be above 0" 1 "s/line_load_n_mm = .*/normal_force_n = $value/"
-  refuses ": must be above 0" 1 "s/effective_mass_kg = .*/effective_mass_kg = $value/"
-  refuses ": must be above 0" 1 "s/effective_mass_kg = .*/inertia_kgm2 = $value/"
-  refuses ": must be above 0" 1 "s/young_gpa = .*/young_gpa = $value/"
+  refuses ": must be at least" 1 "s/effective_mass_kg = .*/effective_mass_kg = $value/"
+  refuses ": must be at least" 1 "s/effective_mass_kg = .*/inertia_kgm2 = $value/"
+  refuses ": must be at least" 1 "s/young_gpa = .*/young_gpa = $value/"
   refuses ": must be above 0" 1 "s/rpm_first = .*/rpm_first = $value/"
   refuses ": must be above 0" 1 "s/rpm_step = .*/rpm_step = $value/"
   refuses ": must be above 0" 1 "s/load_rpm = .*/load_rpm = 1600, $value/"
@@ -509,7 +509,7 @@ for key in face_width_mm line_load_n_mm effective_mass_kg damping_ratio rpm_firs
     refuses "$key = $value: must be" 1 "s/$key = .*/$key = $value/"
   done
 done
-refuses '&pair module_mm = 1001: must be above 0 and at most 1000' 1 's/module_mm = .*/module_mm = 1001/'
+refuses '&pair module_mm = 1001: must be at least 0.001 and at most 1000' 1 's/module_mm = .*/module_mm = 1001/'
 refuses '&dynamics damping_ratio = -0.01: must be at least 0' 1 's/damping_ratio = .*/damping_ratio = -0.01/'
 refuses '&dynamics friction = -0.1: must be at least 0' 1 's/friction = 0/friction = -0.1/'
 refuses '&dynamics friction = 1: must be at least 0 and below 1' 1 's/friction = 0/friction = 1/'

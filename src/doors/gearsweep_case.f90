@@ -18,6 +18,9 @@ module gearsweep_case
   character(*), parameter, public :: task_names(5) = &
     [character(8) :: 'geometry', 'mesh', 'load', 'sweep', 'optimum']
 
+  !> Speeds times reliefs whose pair loads are followed over the path.
+  integer, parameter :: most_paths = 10000
+
   type :: case_t
     character(:), allocatable :: text            !< as read
     character(:), allocatable :: title
@@ -127,6 +130,7 @@ contains
     case%prescribed = reader%has('mesh', 'contact_ratio')
     case%model = 'weber'
     if (case%prescribed) then
+      case%model = ''
       call reader%get('mesh', 'model', case%model, error, required=.true., &
                       allowed=[character(10) :: 'polynomial', 'table'])
       call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp)
@@ -144,6 +148,12 @@ contains
       call reader%refuse('mesh', 'pitch_point', by_hand, error)
     end if
     if (allocated(error)) return
+    if (case%model == '') then
+      ! The missing model is told later; what belongs to either is no error of its own.
+      call reader%get('mesh', 'coefficients', case%coefficients, error)
+      call reader%get('mesh', 'file', case%file, error)
+      return
+    end if
     if (case%model == 'polynomial') then
       call reader%get('mesh', 'coefficients', case%coefficients, error, required=.true., scale=1e6_dp, max_size=20)
     else
@@ -176,8 +186,8 @@ contains
       call reader%get('pair', 'face_width_mm', width, error, above=0.0_dp, scale=1e-3_dp)
       call reader%get('pair', 'pressure_angle_deg', drive_angle, error, above=3.0_dp, below=45.0_dp, scale=degree)
     else
-      call reader%get('pair', 'module_mm', module, error, required=.true., above=0.0_dp, at_most=1000.0_dp, scale=1e-3_dp)
-      call reader%get('pair', 'face_width_mm', width, error, required=.true., above=0.0_dp, scale=1e-3_dp)
+      call reader%get('pair', 'module_mm', module, error, required=.true., at_least=1e-3_dp, at_most=1000.0_dp, scale=1e-3_dp)
+      call reader%get('pair', 'face_width_mm', width, error, required=.true., at_least=1e-3_dp, at_most=1e5_dp, scale=1e-3_dp)
       call reader%get('pair', 'pressure_angle_deg', drive_angle, error, above=3.0_dp, below=45.0_dp, scale=degree)
       coast_angle = drive_angle
       call reader%get('pair', 'coast_angle_deg', coast_angle, error, above=3.0_dp, below=45.0_dp, scale=degree)
@@ -219,8 +229,8 @@ contains
         call reader%get(group, 'bore_mm', spec%bore_radius, error, at_least=0.0_dp, scale=0.5e-3_dp)
       end if
     end associate
-    call reader%get(group, 'effective_mass_kg', case%mass(member), error, above=0.0_dp)
-    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, above=0.0_dp)
+    call reader%get(group, 'effective_mass_kg', case%mass(member), error, at_least=1e-12_dp, at_most=1e12_dp)
+    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, at_least=1e-15_dp, at_most=1e15_dp)
     if (case%mass(member) > 0 .and. case%inertia(member) > 0) call fail(error, code_input, &
       '&'//group//' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     if (case%prescribed .and. case%mass(member) <= 0 .and. case%inertia(member) <= 0) call fail(error, code_input, &
@@ -238,7 +248,7 @@ contains
       call reader%refuse('material', 'young_gpa', no_body, error)
       call reader%refuse('material', 'poisson', no_body, error)
     else
-      call reader%get('material', 'young_gpa', case%material%young, error, above=0.0_dp, scale=1e9_dp)
+      call reader%get('material', 'young_gpa', case%material%young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp)
       if (case%model == 'iso6336') then
         call reader%refuse('material', 'poisson', 'not used by model = ''iso6336''', error)
       else
@@ -248,7 +258,7 @@ contains
     if (all(case%mass > 0 .or. case%inertia > 0)) then
       call reader%refuse('material', 'density_kgm3', 'not used: both masses or inertias are stated', error)
     else
-      call reader%get('material', 'density_kgm3', case%material%density, error, above=0.0_dp)
+      call reader%get('material', 'density_kgm3', case%material%density, error, at_least=1.0_dp, at_most=1e5_dp)
     end if
   end subroutine read_material
 
@@ -258,9 +268,9 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     integer :: given
 
-    call reader%get('load', 'torque_nm', case%torque, error, above=0.0_dp)
-    call reader%get('load', 'normal_force_n', case%normal_force, error, above=0.0_dp)
-    call reader%get('load', 'line_load_n_mm', case%line_load, error, above=0.0_dp, scale=1e3_dp)
+    call reader%get('load', 'torque_nm', case%torque, error, above=0.0_dp, at_most=1e12_dp)
+    call reader%get('load', 'normal_force_n', case%normal_force, error, above=0.0_dp, at_most=1e12_dp)
+    call reader%get('load', 'line_load_n_mm', case%line_load, error, above=0.0_dp, at_most=1e7_dp, scale=1e3_dp)
     given = count([case%torque, case%normal_force, case%line_load] > 0)
     if (given > 1 .or. (given == 0 .and. case%needs_load())) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), normal_force_n and line_load_n_mm; '//str(given)//' are given')
@@ -357,8 +367,12 @@ contains
     end select
     if (case%rpm_last < case%rpm_first) call fail(error, code_input, '&sweep rpm_last = '//str(case%rpm_last)// &
       ': must not lie below rpm_first = '//str(case%rpm_first)//'; to sweep downwards, direction = ''down''')
+    if (allocated(case%load_rpm)) then
+      if (size(case%load_rpm)*size(case%amount) > most_paths) call fail(error, code_input, &
+        '&sweep load_rpm: with '//str(size(case%amount))//' reliefs more than '//str(most_paths)//' paths')
+    end if
     if (case%rpm_step > 0) then
-      if ((case%rpm_last - case%rpm_first)/case%rpm_step*size(case%amount) > most_points) call fail(error, code_input, &
+      if ((1 + (case%rpm_last - case%rpm_first)/case%rpm_step)*size(case%amount) > most_points) call fail(error, code_input, &
         '&sweep rpm_step = '//str(case%rpm_step)//': more than '//str(most_points)//' operating points')
     end if
   end subroutine read_sweep

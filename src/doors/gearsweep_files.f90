@@ -7,13 +7,18 @@ module gearsweep_files
   use gearsweep_text, only: str
   implicit none
   private
-  public :: read_text, write_text, make_folder, read_table, folder_of
+  public :: read_text, write_text, make_folder, remove_folder, read_table, folder_of
 
   interface
     integer(c_int) function c_rename(from, to) bind(c, name='rename')
       import :: c_char, c_int
       character(kind=c_char), intent(in) :: from(*), to(*)
     end function c_rename
+
+    integer(c_int) function c_rmdir(path) bind(c, name='rmdir')
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_rmdir
 
     integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
       import :: c_char, c_int
@@ -36,16 +41,33 @@ contains
           iostat=stat, iomsg=reason)
     if (stat == 0) then
       inquire (unit=unit, size=length)
-      if (length < 0) stat = 1
-      if (length < 0) reason = 'not a regular file'
-    end if
-    if (stat == 0) then
-      allocate (character(length) :: text)
-      read (unit, iostat=stat, iomsg=reason) text
+      if (length > 0) then
+        allocate (character(length) :: text)
+        read (unit, iostat=stat, iomsg=reason) text
+      else
+        call read_stream(unit, text, stat, reason)
+      end if
       close (unit)
     end if
     if (stat /= 0) call fail(error, code_file, 'cannot read '//path//': '//trim(reason))
   end subroutine read_text
+
+  !> A pipe has no size: byte by byte.
+  subroutine read_stream(unit, text, stat, reason)
+    integer, intent(in) :: unit
+    character(:), allocatable, intent(out) :: text
+    integer, intent(out) :: stat
+    character(*), intent(inout) :: reason
+    character(1) :: byte
+
+    text = ''
+    do
+      read (unit, iostat=stat, iomsg=reason) byte
+      if (stat /= 0) exit
+      text = text//byte
+    end do
+    if (is_iostat_end(stat)) stat = 0
+  end subroutine read_stream
 
   !> Writes `text` to `path`, all or nothing.
   subroutine write_text(path, text, error)
@@ -68,20 +90,37 @@ contains
     end if
     if (stat == 0) then
       stat = c_rename(temporary//c_null_char, path//c_null_char)
-      reason = 'cannot be renamed from '//temporary
+      reason = 'something else of that name is in the way'
+      if (stat /= 0) call remove(temporary)
     end if
     if (stat /= 0) call fail(error, code_file, 'cannot write '//path//': '//trim(reason))
   end subroutine write_text
 
-  !> Makes the last folder of `path` if it is missing, and tries whether it takes files.
-  subroutine make_folder(path, error)
+  subroutine remove(path)
     character(*), intent(in) :: path
+    integer :: unit, stat
+
+    open (newunit=unit, file=path, status='old', iostat=stat)
+    if (stat == 0) close (unit, status='delete', iostat=stat)
+  end subroutine remove
+
+  !> Removes a folder that `make_folder` made, if nothing is in it.
+  subroutine remove_folder(path)
+    character(*), intent(in) :: path
+    integer(c_int) :: ignored
+
+    ignored = c_rmdir(path//c_null_char)
+  end subroutine remove_folder
+
+  !> Makes the last folder of `path` if it is missing, and tries whether it takes files.
+  subroutine make_folder(path, made, error)
+    character(*), intent(in) :: path
+    logical, intent(out) :: made                 !< it was missing
     type(error_t), allocatable, intent(out) :: error
     character(256) :: reason
     integer :: unit, stat
-    integer(c_int) :: ignored
 
-    ignored = c_mkdir(path//c_null_char, int(o'777', c_int))
+    made = c_mkdir(path//c_null_char, int(o'777', c_int)) == 0
     open (newunit=unit, file=path//'/.gearsweep.part', status='replace', action='write', iostat=stat, iomsg=reason)
     if (stat == 0) close (unit, status='delete', iostat=stat, iomsg=reason)
     if (stat /= 0) call fail(error, code_file, 'cannot write to the folder '//path//': '//trim(reason))

@@ -20,6 +20,8 @@ module gearsweep_reader
     private
     type(namelist_t) :: list
     type(asked_t), allocatable :: asked(:)
+    !> The first key found missing; told last, as a misspelt key is missing too.
+    type(error_t), allocatable :: missing
   contains
     !> `call reader%get(group, key, value, error, [given], [required], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
@@ -219,7 +221,7 @@ contains
     if (allocated(self%list%groups)) has_group = any(self%list%groups == lower(group))
   end function has_group
 
-  !> Fails if the text has a group or a key that nobody asked for.
+  !> Fails if the text has a group or a key that nobody asked for, or lacks a required key.
   pure subroutine finish(self, error)
     class(reader_t), intent(in) :: self
     type(error_t), allocatable, intent(inout) :: error
@@ -239,6 +241,7 @@ contains
         if (.not. entry%used) call fail_entry(entry, unknown_key(self%asked, entry%group, entry%key), error)
       end associate
     end do
+    if (allocated(self%missing)) call fail(error, self%missing%code, self%missing%message)
   end subroutine finish
 
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
@@ -259,7 +262,7 @@ contains
     if (at > 0) then
       self%list%entries(at)%used = .true.
     else if (present(required)) then
-      if (required) call fail(error, code_input, '&'//group//' '//key//': missing; must be '//wanted)
+      if (required) call fail(self%missing, code_input, '&'//group//' '//key//': missing; must be '//wanted)
     end if
   end subroutine find
 

@@ -193,7 +193,7 @@ contains
     integer :: status, n
 
     associate (sweep => study%sweep)
-      n = failed_points(study)
+      n = count(.not. has_answer(sweep%status))
       call lines%add(row('Points', str(size(sweep%status))//', without an answer '//str(n)// &
                          '; estimated error of DF at most '//str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
                          ' (asked for '//str(study%case%accuracy%steady%tolerance)//')'))
@@ -259,12 +259,21 @@ contains
     if (worst%rpm > 0) words = fixed(worst%dynamic_factor, 4)
   end function near
 
-  !> Operating points of the sweep without an answer.
+  !> Operating points without an answer, in the sweep, at the chosen speeds and
+  !> at the optimum relief.
   pure integer function failed_points(study) result(n)
     type(study_t), intent(in) :: study
 
     n = 0
     if (allocated(study%sweep)) n = count(.not. has_answer(study%sweep%status))
+    if (allocated(study%response)) n = n + count(.not. has_answer(study%response%point%steady%status))
+    if (allocated(study%optimum)) then
+      if (study%optimum%best == 0) then
+        n = n + sum(study%optimum%failed)
+      else
+        n = n + study%optimum%failed(study%optimum%best)
+      end if
+    end if
   end function failed_points
 
   pure function right(words, width) result(column)

@@ -27,6 +27,7 @@ module gearsweep_study
     type(case_t) :: case
     type(pair_t), allocatable :: pair            !< none for a prescribed mesh
     type(mesh_t), allocatable :: mesh            !< without relief
+    real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses, kg
     type(oscillator_t), allocatable :: motion(:) !< one for each relief
@@ -77,7 +78,7 @@ contains
     options%threads = threads
     if (case%asks('load')) call respond(study)
     if (case%asks('sweep')) call sweep_all(study, options, error, progress)
-    if (case%asks('optimum') .and. .not. allocated(error)) call optimise(study, options, error)
+    if (case%asks('optimum') .and. .not. allocated(error)) call optimise(study, options, error, progress)
     call note_left_out(study)
   end subroutine run_study
 
@@ -137,10 +138,11 @@ contains
 
     associate (case => study%case)
       if (allocated(study%pair)) then
-        base_radius = study%pair%gear%base_radius(drive)
+        study%base_pitch = study%pair%base_pitch
       else
-        base_radius = case%base_pitch*case%spec%teeth/(2*pi)
+        study%base_pitch = case%base_pitch
       end if
+      base_radius = study%base_pitch*case%spec%teeth/(2*pi)
       if (case%torque > 0) study%load = case%torque/base_radius(1)
       if (case%normal_force > 0) study%load = case%normal_force
       if (case%line_load > 0) study%load = case%line_load*case%spec(1)%face_width
@@ -236,7 +238,11 @@ contains
     relief%start = relief_start(study)
     relief%shape = study%case%shape
     motion%mesh = study%mesh
-    if (amount > deepest_relief(study)) then
+    if (amount > 0 .and. study%case%start == 'hpstc' .and. &
+        .not. modulo(study%mesh%contact_ratio, 1.0_dp) > 0) then
+      call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
+                str(study%mesh%contact_ratio)//'; use start = ''pitch'' or length_mm')
+    else if (amount > deepest_relief(study)) then
       call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
         ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(study)))
     else
@@ -271,11 +277,8 @@ contains
   pure function relief_start(study) result(start)
     type(study_t), intent(in) :: study
     real(dp) :: start(2)
-    real(dp) :: pitch
 
-    associate (case => study%case, ratio => study%mesh%contact_ratio)
-      pitch = case%base_pitch
-      if (allocated(study%pair)) pitch = study%pair%base_pitch
+    associate (case => study%case, ratio => study%mesh%contact_ratio, pitch => study%base_pitch)
       select case (case%start)
       case ('pitch')
         start = study%mesh%pitch_point
@@ -330,10 +333,11 @@ contains
     call note(study, 'sweep: '//str(size(study%sweep%status))//' operating points')
   end subroutine sweep_all
 
-  subroutine optimise(study, options, error)
+  subroutine optimise(study, options, error, progress)
     type(study_t), intent(inout) :: study
     type(sweep_options_t), intent(in) :: options
     type(error_t), allocatable, intent(out) :: error
+    procedure(progress_of_sweep), optional :: progress
     real(dp) :: largest
 
     ! Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
@@ -341,7 +345,7 @@ contains
                   /study%mesh%stiffness%value(study%mesh%contact_ratio/2)/maxval(study%case%fraction))
     largest = min(largest, deepest_relief(study))
     allocate (study%optimum)
-    call find_optimum(build, largest, speeds(study%case), options, study%optimum, error)
+    call find_optimum(build, largest, speeds(study%case), options, study%optimum, error, progress)
     if (allocated(error)) return
     call note(study, 'optimum: '//str(size(study%optimum%amount))//' reliefs swept')
 

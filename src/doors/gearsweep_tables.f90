@@ -28,12 +28,25 @@ contains
       do while (from <= len(text))
         length = index(text(from:), new_line('a')) - 1
         if (length < 0) length = len(text) - from + 1
-        call lines%add('#   '//text(from:from + length - 1))
+        call lines%add('#   '//bare(text(from:from + length - 1)))
         from = from + length + 1
       end do
     end associate
     call lines%add(columns)
   end subroutine open_table
+
+  !> Without the carriage return that some editors leave.
+  pure function bare(line)
+    character(*), intent(in) :: line
+    character(:), allocatable :: bare
+    integer :: length
+
+    length = len(line)
+    if (length > 0) then
+      if (line(length:) == achar(13)) length = length - 1
+    end if
+    bare = line(:length)
+  end function bare
 
   !> One row an operating point. `contact`: full, partial (a pair was apart for
   !> a while), lost (all were), coast (the coast sides touched).
@@ -69,7 +82,8 @@ contains
     integer :: i, j, k
 
     columns = 'relief_um,s,pair_stiffness_n_um,mesh_stiffness_n_um,profile_error_um,load_share,ste_um'
-    if (allocated(study%pair)) columns = columns//',path_mm,pinion_radius_mm,pinion_curvature_mm,gear_curvature_mm'
+    if (study%base_pitch > 0) columns = columns//',path_mm'
+    if (allocated(study%pair)) columns = columns//',pinion_radius_mm,pinion_curvature_mm,gear_curvature_mm'
     call open_table(study, 'one pair along the path of contact, static; units: s in base pitches from A, '// &
                     'stiffness in N/um over the whole face width (mesh: of the pairs that carry), '// &
                     'load_share of the static load, ste: static transmission error in um', columns, lines)
@@ -97,8 +111,9 @@ contains
             field(sharing%stiffness(k)/micro)//','//field(micro*mesh%profile_error%value(s))//','// &
             field(sharing%load(j, k)/study%load)//','//field(micro*sharing%error(k))
     end associate
-    if (allocated(study%pair)) row = row//','//field(milli*s*study%pair%base_pitch)//','// &
-      field(milli*study%pair%radius(1, s))//','//field(milli*study%pair%curvature(1, s))//','// &
+    if (study%base_pitch > 0) row = row//','//field(milli*s*study%base_pitch)
+    if (allocated(study%pair)) row = row//','//field(milli*study%pair%radius(1, s))//','// &
+      field(milli*study%pair%curvature(1, s))//','// &
       field(milli*study%pair%curvature(2, s))
   end function mesh_row
 

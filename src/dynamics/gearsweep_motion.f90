@@ -57,6 +57,7 @@ contains
   subroutine make_oscillator(osc, error)
     type(oscillator_t), intent(inout) :: osc
     type(error_t), allocatable, intent(out) :: error
+    type(zone_t), allocatable :: zones(:)
 
     call demand(osc%mesh%contact_ratio > 1, 'contact ratio', osc%mesh%contact_ratio, 'must be above 1')
     call demand(all(osc%mass > 0), 'effective mass', minval(osc%mass), 'must be above 0')
@@ -68,7 +69,8 @@ contains
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
       osc%friction, 'needs the teeth of both members and the pressure angle')
     if (allocated(error)) return
-    osc%pairs = osc%mesh%most_pairs()
+    zones = make_zones(osc%mesh, osc%friction > 0)
+    osc%pairs = maxval(zones%pairs)
     osc%members = osc%pairs + merge(1, 0, osc%has_backlash)
     osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))

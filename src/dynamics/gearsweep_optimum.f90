@@ -2,10 +2,10 @@
 !> over the speeds, and the relief that makes it least.
 module gearsweep_optimum
   use gearsweep_kinds, only: dp
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_error, only: error_t
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
   implicit none
   private
   public :: peak_t, find_resonances, worst_of, optimum_t, find_optimum, build_motion
@@ -84,27 +84,30 @@ contains
     vertex%dynamic_factor = y(2) + (left + right)/4*shift
   end function vertex
 
-  !> Largest dynamic factor of a curve and its speed; NaN is passed over.
+  !> Largest dynamic factor of a curve and its speed; NaN is passed over, and
+  !> comes back with speed 0 where there is nothing else.
   pure type(peak_t) function worst_of(rpm, dynamic_factor)
     real(dp), intent(in) :: rpm(:), dynamic_factor(:)
     integer :: i
 
-    worst_of = peak_t(0, -huge(1.0_dp))
+    worst_of = peak_t(0, -1)
     do i = 1, size(rpm)
       if (ieee_is_nan(dynamic_factor(i))) cycle
       if (dynamic_factor(i) > worst_of%dynamic_factor) worst_of = peak_t(rpm(i), dynamic_factor(i))
     end do
+    if (worst_of%rpm <= 0) worst_of%dynamic_factor = ieee_value(1.0_dp, ieee_quiet_nan)
   end function worst_of
 
   !> The relief between 0 and `largest` (m) whose worst dynamic factor over
   !> `rpm` is least: a scan, then ever finer scans around the best one, which
   !> ask nothing of the curve's smoothness.
-  subroutine find_optimum(build, largest, rpm, options, optimum, error)
+  subroutine find_optimum(build, largest, rpm, options, optimum, error, progress)
     procedure(build_motion) :: build
     real(dp), intent(in) :: largest, rpm(:)
     type(sweep_options_t), intent(in) :: options
     type(optimum_t), intent(out) :: optimum
     type(error_t), allocatable, intent(out) :: error
+    procedure(progress_of_sweep), optional :: progress
     integer, parameter :: scan = 16, inner = 6, rounds = 4
     type(sweep_options_t) :: rough
     real(dp) :: low, high
@@ -138,13 +141,13 @@ contains
         call build(amount(i), motion(i), error)
         if (allocated(error)) return
       end do
-      call run_sweep(motion, rpm, rough, sweep, error)
+      call run_sweep(motion, rpm, rough, sweep, error, progress)
       if (allocated(error)) return
       do i = 1, size(amount)
         worst = worst_of(rpm, sweep%dynamic_factor(:, i))
         call insert(optimum, amount(i), worst, count(ieee_is_nan(sweep%dynamic_factor(:, i))))
       end do
-      optimum%best = minloc(optimum%dynamic_factor, 1, mask=optimum%dynamic_factor > 0)
+      optimum%best = minloc(optimum%dynamic_factor, 1, mask=optimum%rpm > 0)
     end subroutine add_reliefs
   end subroutine find_optimum
 

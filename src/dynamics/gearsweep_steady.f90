@@ -24,7 +24,7 @@ module gearsweep_steady
   type :: steady_options_t
     integer :: method = by_shooting
     real(dp) :: tolerance = 1e-6_dp              !< of the dynamic factor
-    integer :: most_cycles = 4000                !< mesh periods marched at most
+    integer :: most_cycles = 2000                !< mesh periods marched at most
     integer :: most_periods = 8                  !< longest subharmonic looked for
   end type steady_options_t
 
@@ -38,6 +38,10 @@ module gearsweep_steady
     integer :: periods = 1                       !< mesh periods until the motion repeats
     logical :: partial = .false., flight = .false., coast = .false.
   end type steady_t
+
+  !> A solution within so many static deflections of where Newton's method
+  !> started belongs to the motion it started from.
+  real(dp), parameter :: near = 0.5_dp
 
   !> Modulus above 1 by more than this means that a motion repels.
   real(dp), parameter :: neutral = 1e-7_dp
@@ -60,7 +64,8 @@ contains
   end function has_answer
 
   !> Steady motion for a mesh period of `duration` (s), on the branch that
-  !> `start` leads to; without `start`, from the motion with all pairs in contact.
+  !> `start` leads to; without `start`, the motion with all pairs in contact if
+  !> there is one, else what a start at rest under the static load leads to.
   pure subroutine find_steady(osc, table, duration, options, steady, start)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
@@ -68,19 +73,22 @@ contains
     type(steady_options_t), intent(in) :: options
     type(steady_t), intent(out) :: steady
     real(dp), intent(in), optional :: start(2)
-    real(dp) :: from(2)
+    real(dp) :: rest(2), from(2)
 
-    if (present(start)) then
-      from = start
-    else
+    rest = [osc%static_scale, 0.0_dp]
+    from = rest
+    if (options%method == by_shooting .and. .not. present(start)) then
       call solve_in_contact(osc, table, duration, from, steady)
-      if (options%method == by_marching) from = [osc%static_scale, 0.0_dp]
-      if (options%method == by_shooting .and. settled(steady)) return
+      if (settled(steady)) return
+      ! Far from rest Newton's method may find a motion that no start leads to.
+      if (distance(osc, duration, from - rest) > near) from = rest
     end if
+    if (present(start)) from = start
     if (options%method == by_shooting) then
       call shoot(osc, table, duration, 1, from, steady)
-      if (settled(steady)) return
+      if (settled(steady) .and. distance(osc, duration, steady%state - from) < near) return
     end if
+    if (.not. present(start)) from = rest
     call march(osc, table, duration, options, from, steady)
   end subroutine find_steady
 
@@ -160,7 +168,7 @@ contains
     real(dp), intent(in) :: duration, start(2)
     integer, intent(in) :: periods
     type(steady_t), intent(out) :: steady
-    integer, parameter :: most_iterations = 30, most_halvings = 6
+    integer, parameter :: most_iterations = 20, most_halvings = 4
     real(dp), parameter :: converged = 1e-12_dp, acceptable = 1e-9_dp
     type(period_t) :: run, trial_run
     real(dp) :: state(2), trial(2), step(2), residual, trial_residual
@@ -259,48 +267,53 @@ contains
     end if
   end function largest_multiplier
 
-  !> Follows the transient until it repeats; now and then Newton's method takes
-  !> it to the end. Keeps the status `unstable` of an earlier shot if nothing settles.
+  !> Follows the transient until it repeats. Now and then, where the motion
+  !> nearly recurs after some periods, Newton's method takes it to the end. If
+  !> nothing settles, an `unstable` motion met on the way is what is reported.
   pure subroutine march(osc, table, duration, options, start, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration, start(2)
+    real(dp), intent(in) :: duration
     type(steady_options_t), intent(in) :: options
+    real(dp), intent(in) :: start(2)
     type(steady_t), intent(inout) :: steady
     type(period_t) :: run
     type(steady_t) :: trial
-    real(dp) :: state(2), moved
-    integer :: cycle, periods, next_shot
+    real(dp) :: past(2, 0:options%most_periods), moved
+    integer :: period, next_shot, periods
 
-    state = start
-    next_shot = 30
-    do cycle = 1, options%most_cycles
-      call run_period(osc, table, duration, state, .false., run)
+    if (steady%status /= point_unstable) steady = steady_t()
+    past = huge(1.0_dp)
+    past(:, 0) = start
+    next_shot = 10
+    do period = 1, options%most_cycles
+      call run_period(osc, table, duration, past(:, 0), .false., run)
       if (run%failed) then
         steady%status = point_chatter
         return
       end if
-      moved = distance(osc, duration, run%state - state)
+      moved = distance(osc, duration, run%state - past(:, 0))
       if (.not. moved < huge(moved)) exit
       if (arrived(run, moved)) then
-        call judge(osc, duration, state, run, 1, trial)
-        if (trial%status /= point_unstable) then
+        call judge(osc, duration, past(:, 0), run, 1, trial)
+        if (settled(trial)) then
           steady = trial
           return
         end if
       end if
-      state = run%state
-      if (options%method == by_shooting .and. cycle == next_shot) then
-        next_shot = 2*next_shot
-        do periods = 1, merge(1, options%most_periods, cycle < 200)
-          call shoot(osc, table, duration, periods, state, trial)
-          if (trial%status <= point_subharmonic .and. distance(osc, duration, trial%state - state) < 1) then
-            steady = trial
-            return
-          end if
-          if (trial%status == point_unstable) steady = trial
-        end do
-      end if
+      past(:, 1:) = past(:, :options%most_periods - 1)
+      past(:, 0) = run%state
+      if (options%method == by_marching .or. period < next_shot) cycle
+      next_shot = 2*next_shot
+      do periods = 1, options%most_periods
+        if (distance(osc, duration, past(:, 0) - past(:, periods)) > near/2) cycle
+        call shoot(osc, table, duration, periods, past(:, 0), trial)
+        if (has_answer(trial%status) .and. distance(osc, duration, trial%state - past(:, 0)) < near) then
+          steady = trial
+          return
+        end if
+        if (trial%status == point_unstable) steady = trial
+      end do
     end do
 
   contains

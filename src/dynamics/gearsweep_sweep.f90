@@ -158,7 +158,6 @@ contains
       if (follow) then
         ! The same motion in time: the derivative over the phase scales with the period.
         call solve_point(osc, duration, options%accuracy, tables, point, [state(1), state(2)*duration/before])
-        if (.not. has_answer(point%steady%status)) call solve_point(osc, duration, options%accuracy, tables, point)
       else
         call solve_point(osc, duration, options%accuracy, tables, point)
       end if

@@ -2,6 +2,7 @@
 module gearsweep_lines
   use gearsweep_kinds, only: dp
   use gearsweep_text, only: str
+  use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
   public :: lines_t, field
@@ -9,7 +10,7 @@ module gearsweep_lines
   type :: lines_t
     private
     character(:), allocatable :: buffer
-    integer :: used = 0
+    integer(int64) :: used = 0
   contains
     procedure :: add
     procedure :: text
@@ -27,11 +28,11 @@ contains
     class(lines_t), intent(inout) :: self
     character(*), intent(in) :: line
     character(:), allocatable :: larger
-    integer :: needed
+    integer(int64) :: needed
 
-    needed = self%used + len(line) + 1
+    needed = self%used + len(line, int64) + 1
     if (.not. allocated(self%buffer)) allocate (character(4096) :: self%buffer)
-    if (needed > len(self%buffer)) then
+    if (needed > len(self%buffer, int64)) then
       allocate (character(2*needed) :: larger)
       larger(:self%used) = self%buffer(:self%used)
       call move_alloc(larger, self%buffer)

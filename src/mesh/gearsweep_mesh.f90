@@ -23,7 +23,6 @@ module gearsweep_mesh
   contains
     procedure :: mean_stiffness
     procedure :: curvature_ratio
-    procedure :: most_pairs
   end type mesh_t
 
   !> A stretch of the mesh period on which every coefficient is smooth.
@@ -45,12 +44,6 @@ contains
 
     mean_stiffness = mesh%stiffness%integral(0.0_dp, mesh%contact_ratio)
   end function mean_stiffness
-
-  pure integer function most_pairs(mesh)
-    class(mesh_t), intent(in) :: mesh
-
-    most_pairs = ceiling(mesh%contact_ratio - same_phase)
-  end function most_pairs
 
   !> Radius of curvature over base radius of a member at s.
   elemental real(dp) function curvature_ratio(mesh, member, s) result(ratio)

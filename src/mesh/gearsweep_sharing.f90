@@ -52,7 +52,7 @@ contains
 
     zones = make_zones(mesh, .false.)
     counts = [(1 + max(1, nint(samples*(zones(i)%last - zones(i)%first))), i=1, size(zones))]
-    associate (n => sum(counts), most => mesh%most_pairs())
+    associate (n => sum(counts), most => maxval(zones%pairs))
       allocate (sharing%phase(n), sharing%error(n), sharing%stiffness(n), sharing%pairs(n))
       allocate (sharing%s(most, n), sharing%load(most, n), source=0.0_dp)
     end associate
