@@ -372,7 +372,7 @@ awk_nan() { rows "$1" | awk -F, '($3 == "NaN") != ($5 ~ /^(unstable|aperiodic|un
 check 'no answer: NaN exactly where the status says so' awk_nan partial/case.sweep.csv
 # The same holds for the other tasks that follow the motion.
 for task in load optimum; do
-  edit "s/tasks = .*/tasks = '$task' \\//; s/&dynamics/\\&numerics steps_per_period = 4 \\/ \\&dynamics/"
+  edit "s/tasks = .*/tasks = '$task' \\//; s/&dynamics/\\&numerics steps_per_period = 4 \\/ \\&dynamics/; s/rpm_last = 16000/rpm_last = 3000/"
   run case.nml --out partial
   check "no answer in the task $task: exit code" exits 4
 done
