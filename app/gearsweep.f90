@@ -4,7 +4,7 @@ program gearsweep_program
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
   use gearsweep
-  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder, write_text
+  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder, write_grid, write_text
   use gearsweep_text, only: str, to_number
   implicit none
 
@@ -68,17 +68,57 @@ contains
     if (allocated(study%response)) call write_table('load', load_table(study))
     if (allocated(study%sweep)) call write_table('sweep', sweep_table(study))
     if (allocated(study%optimum)) call write_table('vcurve', optimum_table(study))
+    if (allocated(study%section)) call write_table('outline', outline_table(study))
+    if (allocated(study%root)) call write_table('root', root_table(study))
+    if (allocated(study%modal)) call write_table('modes', mode_table(study))
+    if (allocated(study%published)) call write_table('published', published_table(study))
+    call write_grids()
   end subroutine write_tables
+
+  !> For ParaView: the section, and its mode shapes.
+  subroutine write_grids()
+    type(vtu_field_t), allocatable :: shapes(:)
+    integer :: i
+
+    if (allocated(study%section)) then
+      call write_grid(path_of('section.vtu'), study%section%grid, [vtu_field_t ::], error)
+      call told(path_of('section.vtu'))
+    end if
+    if (allocated(study%modal)) then
+      associate (modes => study%modal%modes)
+        allocate (shapes(size(modes%frequency)))
+        do i = 1, size(shapes)
+          shapes(i)%name = 'mode_'//str(i)
+          shapes(i)%values = modes%shape(:, :, i)
+        end do
+      end associate
+      call write_grid(path_of('modes.vtu'), study%modal%section%grid, shapes, error)
+      call told(path_of('modes.vtu'))
+    end if
+  end subroutine write_grids
+
+  !> Ends if the last write failed, else says what was written.
+  subroutine told(path)
+    character(*), intent(in) :: path
+
+    call check(error)
+    if (.not. arguments%quiet) write (output_unit, '(a)') 'Wrote              '//path
+  end subroutine told
 
   subroutine write_table(kind, text)
     character(*), intent(in) :: kind, text
+
+    call write_text(path_of(kind//'.csv'), text, error)
+    call told(path_of(kind//'.csv'))
+  end subroutine write_table
+
+  !> The output file with this ending.
+  function path_of(ending) result(path)
+    character(*), intent(in) :: ending
     character(:), allocatable :: path
 
-    path = arguments%out//'/'//stem(arguments%case)//'.'//kind//'.csv'
-    call write_text(path, text, error)
-    call check(error)
-    if (.not. arguments%quiet) write (output_unit, '(a)') 'Wrote              '//path
-  end subroutine write_table
+    path = arguments%out//'/'//stem(arguments%case)//'.'//ending
+  end function path_of
 
   !> File name without folder and ending.
   pure function stem(path) result(name)

@@ -20,6 +20,14 @@ module gearsweep
   use gearsweep_material, only: material_t
   use gearsweep_stiffness, only: polynomial_stiffness, table_stiffness, iso_stiffness
   use gearsweep_weber, only: weber_stiffness
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_section, only: section_options_t, section_t, make_section
+  use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_stress, only: root_stress_t, root_stress
+  use gearsweep_root_rating, only: root_options_t, root_rating_t, rate_root
+  use gearsweep_beam, only: beam_t, hassan_shape
+  use gearsweep_form, only: iso_form_t, iso_form, lewis_factor
+  use gearsweep_vtu, only: vtu_field_t, write_vtu
   use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_motion, only: oscillator_t, make_oscillator
@@ -30,7 +38,8 @@ module gearsweep
   use gearsweep_case, only: case_t, read_case
   use gearsweep_study, only: study_t, run_study
   use gearsweep_report, only: report, failed_points
-  use gearsweep_tables, only: sweep_table, mesh_table, load_table, optimum_table
+  use gearsweep_tables, only: sweep_table, mesh_table, load_table, optimum_table, &
+                              outline_table, root_table, mode_table, published_table
   implicit none
   public
 end module gearsweep

@@ -6,6 +6,9 @@ module gearsweep_case
   use gearsweep_gear, only: gear_spec_t
   use gearsweep_material, only: material_t
   use gearsweep_reader, only: reader_t, open_reader
+  use gearsweep_root_rating, only: root_options_t, shared_by_mesh, shared_equally, shares_stated, &
+                                   spaced_on_flank, spaced_on_path
+  use gearsweep_section, only: section_options_t
   use gearsweep_relief, only: linear, parabolic
   use gearsweep_accuracy, only: accuracy_t
   use gearsweep_steady, only: by_shooting, by_marching
@@ -15,8 +18,8 @@ module gearsweep_case
   private
   public :: case_t, read_case, speeds
 
-  character(*), parameter, public :: task_names(5) = &
-    [character(8) :: 'geometry', 'mesh', 'load', 'sweep', 'optimum']
+  character(*), parameter, public :: task_names(8) = &
+    [character(8) :: 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum']
 
   !> Speeds times reliefs whose pair loads are followed over the path.
   integer, parameter :: most_paths = 10000
@@ -54,10 +57,16 @@ module gearsweep_case
     real(dp), allocatable :: load_rpm(:)
     integer :: direction = up
     type(accuracy_t) :: accuracy
+    ! &section, &static, &modal
+    type(section_options_t) :: section
+    type(root_options_t) :: root
+    integer :: modes = 10
+    character(:), allocatable :: published       !< file of printed values to set beside ours
   contains
     procedure :: asks
     procedure :: needs_load
     procedure :: needs_motion
+    procedure :: needs_section
   end type case_t
 
 contains
@@ -74,8 +83,15 @@ contains
   pure logical function needs_load(self)
     class(case_t), intent(in) :: self
 
-    needs_load = self%asks('mesh') .or. self%needs_motion()
+    needs_load = self%asks('mesh') .or. self%asks('static') .or. self%needs_motion()
   end function needs_load
+
+  !> Does a task look at one member's body by finite elements?
+  pure logical function needs_section(self)
+    class(case_t), intent(in) :: self
+
+    needs_section = self%asks('section') .or. self%asks('static') .or. self%asks('modal')
+  end function needs_section
 
   pure logical function needs_motion(self)
     class(case_t), intent(in) :: self
@@ -103,6 +119,7 @@ contains
     call read_dynamics(reader, case, error)
     call read_sweep(reader, case, error)
     call read_numerics(reader, case, error)
+    call read_section(reader, case, error)
     call reader%finish(error)
   end subroutine read_case
 
@@ -115,6 +132,7 @@ contains
 
     case%title = ''
     call reader%get('case', 'title', case%title, error)
+    call reader%get('case', 'published', case%published, error)
     allocate (tasks, source=[character(8) :: 'mesh', 'sweep'])
     call reader%get('case', 'tasks', tasks, error, allowed=task_names)
     case%wants = [(any(tasks == task_names(i)), i=1, size(task_names))]
@@ -138,11 +156,11 @@ contains
       call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp)
       if (case%pitch_point > case%contact_ratio) call fail(error, code_input, &
         '&mesh pitch_point = '//str(case%pitch_point)//': must be at most the contact ratio')
-      if (case%asks('geometry')) call fail(error, code_input, &
-        '&case tasks = ''geometry'': a prescribed mesh (&mesh contact_ratio) has no geometry')
+      if (case%asks('geometry') .or. case%needs_section()) call fail(error, code_input, &
+        '&case tasks: geometry, section, static and modal need a gear; a prescribed mesh (&mesh contact_ratio) has none')
     else
       call reader%get('mesh', 'model', case%model, error, &
-                      allowed=[character(10) :: 'weber', 'iso6336', 'polynomial', 'table'])
+                      allowed=[character(10) :: 'fe', 'weber', 'iso6336', 'polynomial', 'table'])
       call reader%get('mesh', 'contact_ratio', case%contact_ratio, error)
       call reader%refuse('mesh', 'base_pitch_mm', by_hand, error)
       call reader%refuse('mesh', 'pitch_point', by_hand, error)
@@ -242,24 +260,31 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: no_body = 'not used: the stiffness is stated'
+    logical :: elements
+    integer :: i
 
     if (allocated(error)) return
-    if (case%model == 'polynomial' .or. case%model == 'table') then
+    elements = case%model == 'fe' .or. case%needs_section()
+    if (.not. elements .and. (case%model == 'polynomial' .or. case%model == 'table')) then
       call reader%refuse('material', 'young_gpa', no_body, error)
       call reader%refuse('material', 'poisson', no_body, error)
     else
       call reader%get('material', 'young_gpa', case%material%young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp)
-      if (case%model == 'iso6336') then
+      if (case%model == 'iso6336' .and. .not. elements) then
         call reader%refuse('material', 'poisson', 'not used by model = ''iso6336''', error)
       else
         call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp)
       end if
     end if
-    if (all(case%mass > 0 .or. case%inertia > 0)) then
+    if (all(case%mass > 0 .or. case%inertia > 0) .and. .not. case%asks('modal')) then
       call reader%refuse('material', 'density_kgm3', 'not used: both masses or inertias are stated', error)
     else
       call reader%get('material', 'density_kgm3', case%material%density, error, at_least=1.0_dp, at_most=1e5_dp)
     end if
+    do i = 1, 2
+      if (.not. elements .and. (case%mass(i) > 0 .or. case%inertia(i) > 0)) call reader%refuse( &
+        case%spec(i)%name, 'bore_mm', 'not used: the mass or inertia is stated and no task looks at the body', error)
+    end do
   end subroutine read_material
 
   subroutine read_load(reader, case, error)
@@ -391,6 +416,55 @@ contains
       accuracy%steady%method = merge(by_marching, by_shooting, method == 'march')
     end associate
   end subroutine read_numerics
+
+  !> The body behind the teeth, the load positions at the root, and the modes.
+  subroutine read_section(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: fixed(:), plane, member, sharing, spacing
+    logical :: stated
+
+    associate (section => case%section, root => case%root)
+      section%elements_across = 16
+      section%others_across = 0
+      call reader%get('section', 'teeth', section%teeth, error, at_least=1, at_most=100000)
+      call reader%get('section', 'half_angle_deg', section%half_angle, error, above=0.0_dp, below=180.0_dp, scale=pi/180)
+      call reader%get('section', 'rim_mm', section%rim, error, above=0.0_dp, scale=1e-3_dp)
+      allocate (fixed, source=[character(5) :: 'sides', 'rim'])
+      call reader%get('section', 'fixed', fixed, error, allowed=[character(5) :: 'sides', 'rim'])
+      section%fixed_sides = any(fixed == 'sides')
+      section%fixed_rim = any(fixed == 'rim')
+      plane = 'strain'
+      call reader%get('section', 'plane', plane, error, allowed=[character(6) :: 'stress', 'strain'])
+      section%plane_strain = plane == 'strain'
+      call reader%get('section', 'elements_across', section%elements_across, error, at_least=3, at_most=200)
+      member = 'pinion'
+      call reader%get('section', 'member', member, error, allowed=[character(6) :: 'pinion', 'gear'])
+      root%member = merge(2, 1, member == 'gear')
+      if (.not. case%needs_section()) call reader%refuse('section', 'member', &
+        'not used: the stiffness takes both members', error)
+      call reader%get('static', 'positions', root%positions, error, at_least=2, at_most=1000)
+      spacing = 'path'
+      call reader%get('static', 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'])
+      root%spacing = merge(spaced_on_flank, spaced_on_path, spacing == 'flank')
+      sharing = 'mesh'
+      call reader%get('static', 'sharing', sharing, error, allowed=[character(5) :: 'mesh', 'equal'])
+      root%sharing = merge(shared_equally, shared_by_mesh, sharing == 'equal')
+      call reader%get('static', 'shares', root%shares, error, given=stated, at_least=0.0_dp, at_most=1.0_dp)
+      if (stated) then
+        root%sharing = shares_stated
+        call reader%refuse('static', 'sharing', 'the shares are stated; give one of the two', error)
+        call reader%refuse('static', 'positions', 'there are as many as shares; remove it', error)
+        if (root%spacing == spaced_on_path) call fail(error, code_input, &
+          '&static spacing = ''path'': stated shares go with spacing = ''flank''')
+        root%positions = size(root%shares)
+        if (root%positions < 2) call fail(error, code_input, '&static shares: must be at least 2 numbers')
+      end if
+      call reader%get('static', 'tangent_deg', root%tangent, error, above=0.0_dp, below=90.0_dp, scale=pi/180)
+    end associate
+    call reader%get('modal', 'modes', case%modes, error, at_least=1, at_most=1000)
+  end subroutine read_section
 
   !> The pinion speeds of the sweep (1/min), ascending.
   pure function speeds(case) result(rpm)

@@ -2,7 +2,8 @@
 module gearsweep_report
   use gearsweep_kinds, only: dp, pi
   use gearsweep_gear, only: coast, drive
-  use gearsweep_lines, only: lines_t
+  use gearsweep_body_report, only: add_modes, add_published, add_root, add_section
+  use gearsweep_lines, only: lines_t, right
   use gearsweep_optimum, only: peak_t, worst_of
   use gearsweep_steady, only: has_answer, name_of
   use gearsweep_study, only: study_t
@@ -24,10 +25,14 @@ contains
     if (len(study%case%title) > 0) call lines%add(study%case%title)
     if (allocated(study%pair)) call add_pair(study, lines)
     if (allocated(study%motion)) call add_mesh(study, lines)
+    if (allocated(study%section)) call add_section(study, lines)
+    if (allocated(study%modal)) call add_modes(study, lines)
+    if (allocated(study%root)) call add_root(study, lines)
     if (allocated(study%sharing)) call add_sharing(study, lines)
     if (allocated(study%response)) call add_responses(study, lines)
     if (allocated(study%sweep)) call add_sweep(study, lines)
     if (allocated(study%optimum)) call add_optimum(study, lines)
+    if (allocated(study%published)) call add_published(study, lines)
     text = lines%text()
   end function report
 
@@ -275,14 +280,6 @@ contains
       end if
     end if
   end function failed_points
-
-  pure function right(words, width) result(column)
-    character(*), intent(in) :: words
-    integer, intent(in) :: width
-    character(max(width, len(words))) :: column
-
-    column = adjustr(repeat(' ', max(0, width - len(words)))//words)
-  end function right
 
   pure function fixed(x, decimals) result(words)
     real(dp), intent(in) :: x

@@ -4,13 +4,18 @@ module gearsweep_study
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_case, only: case_t, speeds
-  use gearsweep_files, only: read_table
+  use gearsweep_files, only: read_table, read_text
+  use gearsweep_published, only: published_t, read_published
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive
   use gearsweep_pair, only: pair_t, make_pair, free_centre_distance, tip_alteration
   use gearsweep_relief, only: relief_t, profile_error
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
   use gearsweep_weber, only: weber_stiffness
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_root_rating, only: root_rating_t, rate_root
   use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_motion, only: oscillator_t, make_oscillator
@@ -33,9 +38,13 @@ module gearsweep_study
     type(oscillator_t), allocatable :: motion(:) !< one for each relief
     type(sharing_t), allocatable :: sharing(:)   !< one for each relief
     type(response_t), allocatable :: response(:, :)  !< one for each relief and load_rpm
+    type(section_t), allocatable :: section      !< of the member that is looked at
+    type(modal_t), allocatable :: modal          !< of that section
+    type(root_rating_t), allocatable :: root(:)  !< of that member, one for each relief
     type(sweep_t), allocatable :: sweep
     type(peak_t), allocatable :: resonance(:)    !< of the least relieved mesh
     type(optimum_t), allocatable :: optimum
+    type(published_t), allocatable :: published(:)  !< printed values to set beside ours
     character(:), allocatable :: log             !< stages run and left out, a line each
     integer :: threads = 0
   end type study_t
@@ -56,11 +65,15 @@ contains
     study%case = case
     study%threads = threads
     study%log = ''
+    if (allocated(case%published)) call find_published(study, folder, error)
+    if (allocated(error)) return
     if (case%prescribed) then
       call note(study, 'geometry left out: the mesh is prescribed')
     else
       call build_pair(study, error)
     end if
+    if (allocated(error)) return
+    call look_at_section(study, error)
     if (allocated(error)) return
     if (.not. case%needs_load()) then
       call note(study, 'mesh and motion left out: no task needs them')
@@ -72,6 +85,11 @@ contains
     call build_motion(study, error)
     if (allocated(error)) return
     if (case%asks('mesh')) call share_all(study)
+    if (case%asks('static')) then
+      call rate_root(study%pair, study%motion%mesh, study%load, case%material, case%section, case%root, study%root, error)
+      call note(study, 'static: root stress at '//str(case%root%positions)//' positions of the load')
+    end if
+    if (allocated(error)) return
 
     options%accuracy = case%accuracy
     options%direction = case%direction
@@ -101,6 +119,18 @@ contains
       if (case%needs_motion() .and. .not. case%has_backlash) call note(study, 'coast side left out: no backlash given')
     end associate
   end subroutine note_left_out
+
+  !> First of all, so that a wrong file costs no time.
+  subroutine find_published(study, folder, error)
+    type(study_t), intent(inout) :: study
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path, text
+
+    path = beside(folder, study%case%published)
+    call read_text(path, text, error)
+    if (.not. allocated(error)) call read_published(path, text, study%published, error)
+  end subroutine find_published
 
   !> Gears, centre distance and path of contact.
   subroutine build_pair(study, error)
@@ -190,6 +220,8 @@ contains
         line_load = study%load/case%spec(1)%face_width
       end if
       select case (case%model)
+      case ('fe')
+        call fe_stiffness(study%pair, case%material, fe_options_t(section=support(case)), line_load, mesh%stiffness, error)
       case ('weber')
         call weber_stiffness(study%pair, case%material, line_load, mesh%stiffness, error)
       case ('iso6336')
@@ -203,6 +235,35 @@ contains
       call note(study, 'mesh: pair stiffness by model '//case%model)
     end associate
   end subroutine build_mesh
+
+  !> The section behind the teeth for the stiffness: the unloaded teeth may be coarser.
+  pure function support(case) result(options)
+    type(case_t), intent(in) :: case
+    type(section_options_t) :: options
+
+    options = case%section
+    options%others_across = min(4, options%elements_across)
+  end function support
+
+  !> Grid and modes of the section of one member.
+  subroutine look_at_section(study, error)
+    type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(out) :: error
+
+    associate (case => study%case)
+      if (case%asks('section')) then
+        allocate (study%section)
+        call make_section(study%pair%gear(case%root%member), case%section, study%section, error)
+        call note(study, 'section: grid made')
+      end if
+      if (allocated(error)) return
+      if (case%asks('modal')) then
+        allocate (study%modal)
+        call section_modes(study%pair%gear(case%root%member), case%material, case%section, case%modes, study%modal, error)
+        call note(study, 'modal: '//str(case%modes)//' modes on two grids')
+      end if
+    end associate
+  end subroutine look_at_section
 
   !> A relative file lies in the case's folder.
   pure function beside(folder, file) result(path)

@@ -2,6 +2,7 @@
 !> the case; numbers have 15 significant digits.
 module gearsweep_tables
   use gearsweep_kinds, only: dp
+  use gearsweep_body_report, only: mode_rows, outline_rows, published_rows, root_rows
   use gearsweep_lines, only: lines_t, field
   use gearsweep_steady, only: name_of
   use gearsweep_study, only: study_t
@@ -9,6 +10,7 @@ module gearsweep_tables
   implicit none
   private
   public :: sweep_table, mesh_table, load_table, optimum_table
+  public :: outline_table, root_table, mode_table, published_table
 
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
   character(7), parameter :: contact_names(0:3) = [character(7) :: 'full', 'partial', 'lost', 'coast']
@@ -158,4 +160,53 @@ contains
     end associate
     text = lines%text()
   end function optimum_table
+
+  !> Outlines of both gears as points, clockwise, centres at the origin.
+  pure function outline_table(study) result(text)
+    type(study_t), intent(in) :: study
+    character(:), allocatable :: text
+    type(lines_t) :: lines
+
+    call open_table(study, 'outline of both gears, each about its own centre; units: mm', 'member,x_mm,y_mm', lines)
+    call outline_rows(study, lines)
+    text = lines%text()
+  end function outline_table
+
+  !> Root stress of one member under the moving load, at the fillet tangent of the case.
+  pure function root_table(study) result(text)
+    type(study_t), intent(in) :: study
+    character(:), allocatable :: text
+    type(lines_t) :: lines
+
+    call open_table(study, 'stress at the fillet tangent; units: s in base pitches from A, radius of the load in mm, '// &
+                    'share of the static load, stress in MPa (x across the tooth to the drive side, y along its axis)', &
+                    'relief_um,s,radius_mm,load_share,side,sigma_mpa,sigma_x_mpa,sigma_y_mpa,tau_xy_mpa', lines)
+    call root_rows(study, lines)
+    text = lines%text()
+  end function root_table
+
+  !> Natural frequencies of the section.
+  pure function mode_table(study) result(text)
+    type(study_t), intent(in) :: study
+    character(:), allocatable :: text
+    type(lines_t) :: lines
+
+    call open_table(study, 'natural frequencies of the section; units: Hz, relative error estimate, residual of the '// &
+                    'eigenvalue problem, share of the rim in the kinetic energy', &
+                    'mode,frequency_hz,error_estimate,residual,rim_share', lines)
+    call mode_rows(study, lines)
+    text = lines%text()
+  end function mode_table
+
+  !> Printed values beside ours; NaN where the tasks do not compute it.
+  pure function published_table(study) result(text)
+    type(study_t), intent(in) :: study
+    character(:), allocatable :: text
+    type(lines_t) :: lines
+
+    call open_table(study, 'printed values and ours; deviation relative to the printed value', &
+                    'quantity,place,printed,ours,deviation,unit,status,reason', lines)
+    call published_rows(study, lines)
+    text = lines%text()
+  end function published_table
 end module gearsweep_tables

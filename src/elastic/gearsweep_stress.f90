@@ -44,6 +44,7 @@ module gearsweep_stress
     real(dp) :: error_estimate = 0               !< of the larger, relative; 0: not estimated
   contains
     procedure :: at_tangent
+    procedure :: under_loads
   end type root_stress_t
 
   !> Where the derivative of a quadratic is exact for a cubic.
@@ -195,6 +196,22 @@ contains
       end associate
     end function in_tooth_frame
   end subroutine along_fillet
+
+  !> The same for the loads `first` to `last` alone, with their own peaks.
+  pure function under_loads(product, first, last) result(part)
+    class(root_stress_t), intent(in) :: product
+    integer, intent(in) :: first, last
+    type(root_stress_t) :: part
+    integer :: side
+
+    part%gear = product%gear
+    part%error_estimate = product%error_estimate
+    do side = drive, coast
+      part%side(side) = product%side(side)
+      part%side(side)%stress = product%side(side)%stress(:, first:last)
+    end do
+    call find_peaks(part)
+  end function under_loads
 
   !> Peaks of the splines, on a fine scan.
   pure subroutine find_peaks(product)

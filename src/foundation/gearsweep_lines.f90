@@ -5,7 +5,7 @@ module gearsweep_lines
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: lines_t, field
+  public :: lines_t, field, left, right
 
   type :: lines_t
     private
@@ -48,6 +48,24 @@ contains
     text = ''
     if (self%used > 0) text = self%buffer(:self%used)
   end function text
+
+  !> `words` at the right end of a column.
+  pure function right(words, width) result(column)
+    character(*), intent(in) :: words
+    integer, intent(in) :: width
+    character(max(width, len(words))) :: column
+
+    column = adjustr(repeat(' ', max(0, width - len(words)))//words)
+  end function right
+
+  !> `words` at the left end of a column.
+  pure function left(words, width) result(column)
+    character(*), intent(in) :: words
+    integer, intent(in) :: width
+    character(max(width, len(words))) :: column
+
+    column = words
+  end function left
 
   pure function field_real(x) result(word)
     real(dp), intent(in) :: x

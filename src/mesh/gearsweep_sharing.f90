@@ -4,7 +4,7 @@ module gearsweep_sharing
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
   implicit none
   private
-  public :: sharing_t, share_load, static_deflection
+  public :: sharing_t, share_load, load_share, static_deflection
 
   !> The static state along the mesh period; one-sided at every break.
   type :: sharing_t
@@ -86,6 +86,25 @@ contains
     sharing%load(:zone%pairs, row) = stiffness*max(0.0_dp, gap)
     sharing%stiffness(row) = sum(stiffness, mask=gap > 0)
   end subroutine share_at
+
+  !> Share of `load` (N) that the pair at path coordinate `s` carries.
+  pure real(dp) function load_share(mesh, load, s)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load, s
+    real(dp), allocatable :: stiffness(:), error(:)
+    real(dp) :: first
+    integer :: j, pairs
+
+    first = s - floor(s)
+    pairs = 1 + floor(s) + max(0, ceiling(mesh%contact_ratio - s) - 1)
+    allocate (stiffness(pairs), error(pairs))
+    do j = 1, pairs
+      stiffness(j) = mesh%stiffness%value(first + j - 1)
+      error(j) = mesh%profile_error%value(first + j - 1)
+    end do
+    j = 1 + floor(s)
+    load_share = stiffness(j)*max(0.0_dp, static_deflection(stiffness, error, load) - error(j))/load
+  end function load_share
 
   !> Peak-to-peak static transmission error (m), over the samples.
   pure real(dp) function peak_to_peak(sharing)

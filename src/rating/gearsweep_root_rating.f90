@@ -1,0 +1,189 @@
+!> Root stress over the path of contact under the load that each pair really carries.
+module gearsweep_root_rating
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: drive, coast
+  use gearsweep_form, only: iso_form_t, iso_form, lewis_factor
+  use gearsweep_material, only: material_t
+  use gearsweep_mesh, only: mesh_t
+  use gearsweep_pair, only: pair_t
+  use gearsweep_section, only: section_options_t
+  use gearsweep_sharing, only: load_share
+  use gearsweep_stress, only: root_stress_t, root_stress
+  implicit none
+  private
+  public :: root_options_t, root_rating_t, rate_root
+
+  integer, parameter, public :: shared_by_mesh = 0, shared_equally = 1, shares_stated = 2
+  integer, parameter, public :: spaced_on_path = 0, spaced_on_flank = 1
+
+  type :: root_options_t
+    integer :: member = 1                        !< 1 pinion, 2 gear
+    integer :: positions = 33                    !< of the load, from A to E
+    integer :: spacing = spaced_on_path          !< equal steps of s, or of the arc from tip to A
+    integer :: sharing = shared_by_mesh
+    real(dp), allocatable :: shares(:)           !< with `shares_stated`: of the load, one a position
+    real(dp) :: tangent = pi/6                   !< of the fillet where stress is told, rad
+  end type root_options_t
+
+  type :: root_rating_t
+    real(dp), allocatable :: s(:)                !< path coordinate of the load, base pitches
+    real(dp), allocatable :: radius(:)           !< where it acts on the member, m
+    real(dp), allocatable :: share(:)            !< of the static load
+    !> Stress at the fillet tangent, along the surface, drive and coast side, Pa (2, positions).
+    real(dp), allocatable :: along(:, :)
+    !> Its components across and along the tooth axis and in shear, Pa (3, 2, positions).
+    real(dp), allocatable :: components(:, :, :)
+    type(root_stress_t) :: stress                !< with the peaks and the error estimate
+    type(iso_form_t) :: iso                      !< at the outer point of single contact
+    real(dp) :: lewis = 0                        !< form factor there
+    real(dp) :: iso_stress = 0                   !< sigma_F0 = F_t/(b m) Y_F Y_S, Pa
+    real(dp) :: lewis_stress = 0                 !< Pa
+  end type root_rating_t
+
+contains
+
+  !> Rates the root of one member under `load` (N) on the line of action, for
+  !> each of the meshes, which differ in their relief; they share the solution.
+  subroutine rate_root(pair, mesh, load, material, section, options, rating, error)
+    type(pair_t), intent(in) :: pair
+    type(mesh_t), intent(in) :: mesh(:)
+    real(dp), intent(in) :: load
+    type(material_t), intent(in) :: material
+    type(section_options_t), intent(in) :: section
+    type(root_options_t), intent(in) :: options
+    type(root_rating_t), allocatable, intent(out) :: rating(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(root_stress_t) :: all
+    real(dp), allocatable :: radius(:), line_load(:)
+    integer :: i, n
+
+    allocate (rating(size(mesh)), radius(0), line_load(0))
+    do i = 1, size(mesh)
+      rating(i)%s = positions(pair, options)
+      rating(i)%radius = min(pair%radius(options%member, rating(i)%s), pair%gear(options%member)%tip_radius)
+      if (options%sharing == shares_stated) then
+        rating(i)%share = options%shares
+      else
+        rating(i)%share = shares(mesh(i), load, rating(i)%s, options%sharing)
+      end if
+      radius = [radius, rating(i)%radius]
+      line_load = [line_load, rating(i)%share*load/minval(pair%gear%spec%face_width)]
+    end do
+    call root_stress(pair%gear(options%member), material, section, radius, line_load, all, error)
+    if (allocated(error)) return
+    n = size(rating(1)%s)
+    do i = 1, size(mesh)
+      rating(i)%stress = all%under_loads((i - 1)*n + 1, i*n)
+      call read_off(options%tangent, rating(i), error)
+      if (allocated(error)) return
+      call compare(pair, load, options%member, rating(i))
+    end do
+  end subroutine rate_root
+
+  !> Stress at the fillet tangent on both sides.
+  subroutine read_off(tangent, rating, error)
+    real(dp), intent(in) :: tangent
+    type(root_rating_t), intent(inout) :: rating
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: along(:), components(:, :)
+    integer :: side
+
+    associate (n => size(rating%s))
+      allocate (rating%along(2, n), rating%components(3, 2, n))
+    end associate
+    do side = drive, coast
+      call rating%stress%at_tangent(side, tangent, along, components, error)
+      if (allocated(error)) return
+      rating%along(side, :) = along
+      rating%components(:, side, :) = components
+    end do
+  end subroutine read_off
+
+  !> Form factors for the whole load at the outermost point of single contact.
+  pure subroutine compare(pair, load, member, rating)
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: load
+    integer, intent(in) :: member
+    type(root_rating_t), intent(inout) :: rating
+    real(dp) :: nominal
+
+    associate (gear => pair%gear(member), width => minval(pair%gear%spec%face_width))
+      rating%iso = iso_form(gear, outer_point(pair, member))
+      rating%lewis = lewis_factor(gear, outer_point(pair, member))
+      nominal = load/(width*gear%spec%module)
+      rating%iso_stress = nominal*cos(gear%spec%pressure_angle(drive))*rating%iso%form_factor*rating%iso%correction
+      rating%lewis_stress = nominal*cos(rating%iso%load_angle)/rating%lewis
+    end associate
+  end subroutine compare
+
+  !> Outermost radius (m) at which the member carries with the fewest pairs.
+  pure real(dp) function outer_point(pair, member)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: member
+    real(dp) :: s(5)
+
+    s = pair%points()
+    outer_point = pair%radius(member, merge(s(4), s(2), member == 1))
+  end function outer_point
+
+  !> Path coordinates of the load. On the path, B and D are met from both
+  !> sides, as the share jumps there; on the flank, equal arcs lead from the tip down.
+  pure function positions(pair, options) result(s)
+    type(pair_t), intent(in) :: pair
+    type(root_options_t), intent(in) :: options
+    real(dp), allocatable :: s(:)
+    real(dp), parameter :: beside = 1e-9_dp
+    real(dp) :: point(5), curvature(2), base
+    integer :: i, n
+
+    n = max(2, options%positions)
+    if (options%spacing == spaced_on_path) then
+      point = pair%points()
+      s = [[(pair%contact_ratio*i/(n - 1), i=0, n - 1)], point(2) + [-beside, beside], point(4) + [-beside, beside]]
+      s = sorted(max(0.0_dp, min(pair%contact_ratio, s)))
+    else
+      ! The arc of an involute grows with the square of the radius of curvature.
+      base = pair%gear(options%member)%base_radius(drive)
+      curvature = pair%curvature(options%member, [0.0_dp, pair%contact_ratio])
+      curvature = [maxval(curvature), minval(curvature)]
+      s = [(sqrt(curvature(1)**2 + (curvature(2)**2 - curvature(1)**2)*i/(n - 1)), i=0, n - 1)]
+      s = (s - pair%curvature(options%member, 0.0_dp))/pair%base_pitch
+      if (options%member == 2) s = -s
+      s = max(0.0_dp, min(pair%contact_ratio, s))
+    end if
+  end function positions
+
+  pure function sorted(values) result(list)
+    real(dp), intent(in) :: values(:)
+    real(dp) :: list(size(values))
+    real(dp) :: key
+    integer :: i, j
+
+    list = values
+    do i = 2, size(list)
+      key = list(i)
+      do j = i - 1, 1, -1
+        if (list(j) <= key) exit
+        list(j + 1) = list(j)
+      end do
+      list(j + 1) = key
+    end do
+  end function sorted
+
+  pure function shares(mesh, load, s, sharing) result(share)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load, s(:)
+    integer, intent(in) :: sharing
+    real(dp) :: share(size(s))
+    integer :: i
+
+    do i = 1, size(s)
+      if (sharing == shared_by_mesh) then
+        share(i) = load_share(mesh, load, s(i))
+      else
+        share(i) = 1.0_dp/(1 + floor(s(i)) + max(0, ceiling(mesh%contact_ratio - s(i)) - 1))
+      end if
+    end do
+  end function shares
+end module gearsweep_root_rating
