@@ -9,6 +9,7 @@ program check
   use test_geometry, only: run_geometry => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
+  use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
@@ -23,6 +24,7 @@ program check
     & suite_t('mesh', run_mesh), &
     & suite_t('motion', run_motion), &
     & suite_t('sweep', run_sweep), &
+    & suite_t('rating', run_rating), &
     & suite_t('band', run_band), &
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &
