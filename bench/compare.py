@@ -127,7 +127,7 @@ def times(values):
 def compare_modes(folder):
     print('## Ten modes on the same grid\n\n'
           'Seconds, from the grid to frequencies and shapes; CalculiX includes reading its deck. Ratios of the\n'
-          'medians. SciPy's factor is within eigen: `eigsh` as it comes, then with SuperLU told of the symmetry.\n'
+          'medians. SciPy\'s factor is within eigen: `eigsh` as it comes, then with SuperLU told of the symmetry.\n'
           'Last column: largest relative difference of the ten frequencies from gearsweep\'s.\n')
     print('| unknowns | repeats | | assembly | factor | eigen | all | gearsweep is faster by | differs by |')
     print('|---|---|---|---|---|---|---|---|---|')
