@@ -107,7 +107,7 @@ contains
     eigen = seconds() - from
     call make_band(body%unknowns, body%stiffness%width, 8e9_dp, same_shape, error)
     call check(error)
-    same_shape%a = 1
+    where (abs(body%stiffness%a) > 0) same_shape%a = 1
     same_shape%a(1, :) = 2*same_shape%width + 1
     from = seconds()
     call same_shape%factor(error)
