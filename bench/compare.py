@@ -208,7 +208,7 @@ def head():
     print(f'# Finite elements: how fast\n\n{datetime.date.today()}, {cpu[1] if cpu else platform.processor()},'
           f' one thread. {first_line("gfortran", "--version")}; {blas}; {arpack}.\n'
           f'Python {platform.python_version()}, NumPy {np.__version__}, SciPy {scipy.__version__},'
-          f' scikit-fem {skfem.__version__}; {first_line("ccx", "-v")} of Debian.\n')
+          f' scikit-fem {skfem.__version__}; CalculiX {first_line("ccx", "-v").split()[-1]}.\n')
 
 
 with tempfile.TemporaryDirectory() as name:

@@ -21,6 +21,7 @@ program elastic
   implicit none
 
   type(material_t), parameter :: hassan_steel = material_t(2.15e11_dp, 0.3_dp, 8750.0_dp)
+  type(error_t), allocatable :: error
   character(*), parameter :: numbers = '(*(g0, 1x))'
 
   select case (word(1))
@@ -42,14 +43,12 @@ contains
   subroutine hassan(across, section)
     integer, intent(in) :: across
     type(section_t), intent(out) :: section
-    type(error_t), allocatable :: error
 
     call make_section(hassan_gear(), hassan_options(across), section, error)
     call check(error)
   end subroutine hassan
 
   type(gear_t) function hassan_gear() result(gear)
-    type(error_t), allocatable :: error
 
     call make_gear(gear_spec_t('pinion', 30, 0.025_dp, face_width=0.125_dp, rack_tip_radius=0.30_dp), gear, error)
     call check(error)
@@ -92,7 +91,6 @@ contains
     type(body_t) :: body
     type(modes_t) :: modes
     type(band_t) :: same_shape
-    type(error_t), allocatable :: error
     real(dp) :: from, whole, factor, eigen
 
     call hassan(across, section)
@@ -124,7 +122,6 @@ contains
     type(body_t) :: body
     type(modes_t) :: modes
     type(modal_t) :: modal
-    type(error_t), allocatable :: error
     real(dp) :: from, alone, estimated
 
     from = seconds()
@@ -150,7 +147,6 @@ contains
     type(pair_t) :: pair
     type(fe_options_t) :: options
     type(piecewise_t) :: curve
-    type(error_t), allocatable :: error
     real(dp) :: from, taken
     integer :: i
 
