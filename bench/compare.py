@@ -204,9 +204,8 @@ def first_line(*command):
 def head():
     cpu = re.search(r'model name\s*: (.*)', pathlib.Path('/proc/cpuinfo').read_text())
     blas = first_line('dpkg-query', '-W', '-f', '${Package} ${Version}', 'libopenblas0-pthread')
-    arpack = first_line('dpkg-query', '-W', '-f', '${Package} ${Version}', 'libarpack2')
     print(f'# Finite elements: how fast\n\n{datetime.date.today()}, {cpu[1] if cpu else platform.processor()},'
-          f' one thread. {first_line("gfortran", "--version")}; {blas}; {arpack}.\n'
+          f' one thread. {first_line("gfortran", "--version")}; {blas}.\n'
           f'Python {platform.python_version()}, NumPy {np.__version__}, SciPy {scipy.__version__},'
           f' scikit-fem {skfem.__version__}; CalculiX {first_line("ccx", "-v").split()[-1]}.\n')
 

@@ -811,15 +811,28 @@ for row in 'one two' '0.5' '0.5 NaN' '0.5 Inf' '0.5 400 1' '0.5 400 x' '0.5 1e99
 done
 
 base_changes=yes
+# Unequal flanks shift the middle of the root lands; the default section follows.
+cat >asymmetric.nml <<'END'
+&case tasks = 'section', 'modal' / &pair module_mm = 4 face_width_mm = 20 coast_angle_deg = 30 /
+&pinion teeth = 25 rack_tip_radius = 0.08 / &gear teeth = 40 rack_tip_radius = 0.08 /
+&section elements_across = 6 / &modal modes = 2 /
+END
+run asymmetric.nml --out asymmetric
+check 'unequal flanks: default section' exits 0
+sed 's/&section/\&section teeth = 0 member = "gear"/; s/, .modal.//; s/&modal.*//' asymmetric.nml >whole.nml
+run whole.nml --out asymmetric
+check 'teeth = 0: the whole gear' says stdout '40 of 40 teeth'
 # Sections, stress and modes
 cp coarse.nml base.nml
 refuses '&section teeth = 31: must lie between 1 and the gear' 1 's/^  teeth = 3$/teeth = 31/; /half_angle/d'
-refuses '&section teeth = 0: must be at least 1' 1 's/^  teeth = 3$/teeth = 0/'
+refuses '&section teeth = -1: must be at least 0' 1 's/^  teeth = 3$/teeth = -1/'
 refuses '&section half_angle_deg = 17.5: with 5 teeth it must lie between' 1 's/^  teeth = 3$/teeth = 5/'
 refuses '&section half_angle_deg = 19: with 3 teeth it must lie between' 1 's/half_angle_deg = .*/half_angle_deg = 19/'
 refuses '&section half_angle_deg = 15: with 3 teeth it must lie between' 1 's/half_angle_deg = .*/half_angle_deg = 15/'
 refuses '&section half_angle_deg = 180: must be above 0 and below 180' 1 's/half_angle_deg = .*/half_angle_deg = 180/'
 refuses '&section rim_mm = 0: must be above 0' 1 's/rim_mm = .*/rim_mm = 0/'
+refuses '&section rim_mm = 2: the rim below the root circle is too thin' 1 's/rim_mm = .*/rim_mm = 2/'
+refuses '&section rim_mm = 140.625: reaches into the bore; at most' 1 's/rack_tip_radius = .*/&  bore_mm = 500/'
 refuses '&section rim_mm = -5: must be above 0' 1 's/rim_mm = .*/rim_mm = -5/'
 refuses '&section rim_mm = NaN: must be' 1 's/rim_mm = .*/rim_mm = NaN/'
 refuses '&section rim_mm = 343.75: must be above 0 and below the root radius 343.75 mm' 1 's/rim_mm = .*/rim_mm = 343.75/'
@@ -840,11 +853,11 @@ refuses '&modal modes = 1001: must be at least 1 and at most 1000' 1 's/modes = 
 refuses '&modal modes = 900: ' 1 "s/modes = .*/modes = 900/; s/across = .*/across = 3/; s/tasks = .*/tasks = 'modal'/"
 refuses '&static shares = 3, 1: must be at least 0 and at most 1' 1 's/shares = .*/shares = 3, 1/'
 refuses '&static shares: must be at least 2 numbers' 1 's/shares = .*/shares = 1/'
-refuses "&static sharing = 'mesh': the shares are stated" 1 "s/spacing/sharing = 'mesh' spacing/"
-refuses '&static positions = 9: there are as many as shares' 1 's/spacing/positions = 9 spacing/'
-refuses "stated shares go with spacing = 'flank'" 1 "s/spacing = .*/spacing = 'path'/"
+refuses "&static sharing = 'mesh': the shares are stated" 1 "s/shares/sharing = 'mesh' shares/"
+refuses '&static positions = 9: there are as many as shares' 1 's/shares/positions = 9 shares/'
+refuses "&static spacing = 'path': stated shares stand at equal arcs" 1 "s/shares/spacing = 'path' shares/"
 refuses '&static positions = 1: must be at least 2' 1 's/shares = .*/positions = 1/'
-refuses "&static spacing = 'arc': must be one of 'path', 'flank'" 1 "s/spacing = .*/spacing = 'arc'/"
+refuses "&static spacing = 'arc': must be one of 'path', 'flank'" 1 "s/shares = .*/spacing = 'arc'/"
 refuses "&static sharing = 'some': must be one of 'mesh', 'equal'" 1 "s/shares = .*/sharing = 'some'/"
 refuses '&static tangent_deg = 90: must be above 0 and below 90' 1 's/tangent_deg = .*/tangent_deg = 90/'
 for value in 5 89; do
@@ -852,7 +865,7 @@ for value in 5 89; do
   refuses 'tangent' 1 "s/tangent_deg = .*/tangent_deg = $value/"
 done
 refuses '&load: give one of' 1 '/^&load/,/^\//d'
-refuses '&static colour = 1: unknown key' 1 's/spacing/colour = 1 spacing/'
+refuses '&static colour = 1: unknown key' 1 's/shares/colour = 1 shares/'
 refuses '&sections: unknown group (did you mean &section?)' 1 's/^&section/\&sections/'
 for group in section static modal; do
   case $group in section) key=rim_mm ;; static) key=tangent_deg ;; modal) key=modes ;; esac

@@ -4,7 +4,7 @@ module gearsweep_modes
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
-  use gearsweep_lapack, only: dgemm
+  use gearsweep_lapack, only: dgemm, dsyev
   use gearsweep_q8, only: nodes_per_element
   use gearsweep_text, only: str
   implicit none
@@ -21,17 +21,6 @@ module gearsweep_modes
 
   integer, parameter :: block = 2                !< vectors at a time; more read less and compute more
   real(dp), parameter :: tolerance = 1e-9_dp     !< of the shapes
-
-  interface
-    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
-      import :: dp
-      character, intent(in) :: jobz, uplo
-      integer, intent(in) :: n, lda, lwork
-      real(dp), intent(inout) :: a(lda, *)
-      real(dp), intent(out) :: w(*), work(*)
-      integer, intent(out) :: info
-    end subroutine dsyev
-  end interface
 
 contains
 

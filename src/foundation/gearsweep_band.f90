@@ -31,14 +31,17 @@ contains
     type(band_t), intent(out) :: matrix
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: bytes
+    character(:), allocatable :: limit
     integer :: status
 
     bytes = 8.0_dp*n*(width + 1.0_dp)
     status = 0
     if (bytes <= most_bytes) allocate (matrix%a(width + 1, n), stat=status)
     if (bytes > most_bytes .or. status /= 0) then
+      limit = 'at most '//str(most_bytes/1e9_dp, 3)//' GB'
+      if (status /= 0) limit = 'the machine does not have it'
       call fail(error, code_memory, '&section elements_across: the grid has '//str(n)//' unknowns and needs '// &
-        str(bytes/1e9_dp, 3)//' GB; at most '//str(most_bytes/1e9_dp, 3)//' GB')
+        str(bytes/1e9_dp, 3)//' GB; '//limit)
       return
     end if
     matrix%n = n
