@@ -25,6 +25,10 @@ module gearsweep_optimum
     real(dp) :: resolution = 0                   !< the best lies within so much of the true optimum, m
   end type optimum_t
 
+  integer, parameter :: scan = 16, inner = 6, rounds = 4
+  !> No more reliefs than these are tried.
+  integer, parameter, public :: most_tried = 1 + scan + rounds*inner
+
   abstract interface
     !> Builds the oscillator for one relief (m).
     subroutine build_motion(amount, motion, error)
@@ -108,7 +112,6 @@ contains
     type(optimum_t), intent(out) :: optimum
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
-    integer, parameter :: scan = 16, inner = 6, rounds = 4
     type(sweep_options_t) :: rough
     real(dp) :: low, high
     integer :: round, i

@@ -1,7 +1,7 @@
 !> Natural frequencies and mode shapes of a held body, by ARPACK in
 !> shift-invert mode about zero with the factored stiffness.
 !>
-!> ARPACK keeps saved state: one call at a time.
+!> ARPACK keeps saved state: calls from several threads wait for each other.
 module gearsweep_modes
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t
@@ -42,7 +42,9 @@ contains
       return
     end if
     allocate (masses, source=body%mass_matrices())
+    !$omp critical (gearsweep_arpack)
     call iterate(body, masses, count, values, vectors, error)
+    !$omp end critical (gearsweep_arpack)
     if (allocated(error)) return
     call describe(body, masses, values, vectors, modes)
   end subroutine find_modes
