@@ -13,8 +13,9 @@
 ! A call runs one task, which the case must name among its tasks. Arrays belong to the caller; they
 ! may be larger than gs_sizes says, and what lies beyond is not touched. Units are those of the case
 ! and the tables. Nothing prints, stops or keeps state: any number of callers at once (gs_modes, and
-! gs_report with task modal, wait for each other, as ARPACK keeps state). gearsweep_calls has the
-! interfaces for modern Fortran.
+! gs_report with task modal, wait for each other, as ARPACK keeps state). While a call computes,
+! OpenBLAS is kept to one thread; the number before comes back when the last call ends.
+! gearsweep_calls has the interfaces for modern Fortran.
 
 !> Version of the library, as 0.1.0.
 subroutine gs_version(version, info, message)
@@ -117,7 +118,7 @@ subroutine gs_geometry(text, radius_mm, point, point_radius_mm, distance_mm, wor
       working_angle_deg = pair%working_angle/(pi/180)
       contact_ratio = pair%contact_ratio
       base_pitch_mm = 1d3*pair%base_pitch
-      backlash_um = 1d6*max(0d0, pair%backlash)
+      backlash_um = 1d6*abs(max(0d0, pair%backlash))
     end associate
   end if
   call tell(error, info, message)

@@ -424,25 +424,29 @@ contains
     type(sweep_options_t), intent(in) :: options
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    type(optimum_t), allocatable :: optimum
     real(dp) :: largest
 
     ! Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
     largest = max(maxval(study%case%amount), 1.5_dp*study%load &
                   /study%mesh%stiffness%value(study%mesh%contact_ratio/2)/maxval(study%case%fraction))
     largest = min(largest, deepest_relief(study))
-    allocate (study%optimum)
-    call find_optimum(build, largest, speeds(study%case), options, study%optimum, error, progress)
+    allocate (optimum)
+    call find_optimum(relieved_study, study, largest, speeds(study%case), options, optimum, error, progress)
     if (allocated(error)) return
+    call move_alloc(optimum, study%optimum)
     call note(study, 'optimum: '//str(size(study%optimum%amount))//' reliefs swept')
-
-  contains
-
-    subroutine build(amount, motion, error)
-      real(dp), intent(in) :: amount
-      type(oscillator_t), intent(out) :: motion
-      type(error_t), allocatable, intent(out) :: error
-
-      call relieved(study, amount, motion, error)
-    end subroutine build
   end subroutine optimise
+
+  subroutine relieved_study(context, amount, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    select type (context)
+    type is (study_t)
+      call relieved(context, amount, motion, error)
+    end select
+  end subroutine relieved_study
 end module gearsweep_study
