@@ -536,7 +536,10 @@ subroutine gs_report(text, nwork, work, threads, answer, length, info, message)
   call open_case(text, 'all', threads, case, error)
   call run_case(case, nwork, work, threads, study, error)
   if (.not. allocated(error)) then
+    ! Its texts have lengths that gfortran keeps in static memory; see gearsweep_text.
+    !$omp critical (gearsweep_texts)
     words = report(study)
+    !$omp end critical (gearsweep_texts)
     length = len(words)
     call need_room('len(answer)', len(answer), length, error)
     if (.not. allocated(error)) answer = words

@@ -293,7 +293,7 @@ contains
   !> A relative file lies in the case's folder.
   pure function beside(folder, file) result(path)
     character(*), intent(in) :: folder, file
-    character(:), allocatable :: path
+    character(len(file) + merge(0, len(folder), index(file, '/') == 1)) :: path
 
     path = folder//file
     if (index(file, '/') == 1) path = file

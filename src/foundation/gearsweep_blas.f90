@@ -1,4 +1,4 @@
-!> Keeps OpenBLAS to one thread while the library computes; see `gearsweep_hold.c`.
+!> Keeps OpenBLAS to one thread while the library computes; see gearsweep_blas.c.
 module gearsweep_blas
   implicit none
   private

@@ -102,7 +102,7 @@ C
         WRITE (*, 200) 'vcurve', VREL(I), VDF(I), VRPM(I)
    40 CONTINUE
       WRITE (*, 200) 'best', BEST, BESTDF, BRPM, WITHIN
-  200 FORMAT (A, 7(',', 1PE25.16E3))
+  200 FORMAT (A, 7(:, ',', 1PE25.16E3))
       END
 C
       SUBROUTINE SHOW(NAME, X, N)
