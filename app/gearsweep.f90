@@ -4,7 +4,7 @@ program gearsweep_program
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
   use gearsweep
-  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder, write_grid, write_text
+  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder, write_text
   use gearsweep_text, only: str, to_number
   implicit none
 
@@ -81,7 +81,7 @@ contains
     integer :: i
 
     if (allocated(study%section)) then
-      call write_grid(path_of('section.vtu'), study%section%grid, [vtu_field_t ::], error)
+      call write_text(path_of('section.vtu'), vtu_text(study%section%grid, [vtu_field_t ::]), error)
       call told(path_of('section.vtu'))
     end if
     if (allocated(study%modal)) then
@@ -92,7 +92,7 @@ contains
           shapes(i)%values = modes%shape(:, :, i)
         end do
       end associate
-      call write_grid(path_of('modes.vtu'), study%modal%section%grid, shapes, error)
+      call write_text(path_of('modes.vtu'), vtu_text(study%modal%section%grid, shapes), error)
       call told(path_of('modes.vtu'))
     end if
   end subroutine write_grids

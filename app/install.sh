@@ -35,7 +35,7 @@ Name: gearsweep
 Description: $(sed -n 's/^description *= *"\(.*\)"/\1/p' "$root/fpm.toml")
 Version: $(sed -n 's/^version *= *"\(.*\)"/\1/p' "$root/fpm.toml")
 Cflags: -I\${includedir}
-Libs: -L\${libdir} -lgearsweep -larpack -lopenblas -lgomp -lgfortran -lm -lpthread
+Libs: -L\${libdir} -lgearsweep -lopenblas -lgomp -lgfortran -lm -lpthread
 END
 }
 

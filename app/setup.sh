@@ -41,7 +41,6 @@ install_packages() {
   missing=
   links || missing="gfortran libc6-dev"
   links -lopenblas || missing="$missing libopenblas-dev"
-  links -larpack || missing="$missing libarpack2-dev"
   command -v pkg-config >/dev/null || missing="$missing pkg-config"
   find_python || missing="$missing python3 python3-venv python3-dev"
   [ -n "$missing" ] || return 0

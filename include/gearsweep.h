@@ -14,8 +14,7 @@
  * be larger than gsc_sizes says, and what lies beyond is not touched. The first index runs fastest, as
  * in Fortran: x(i, j) with sizes (n, m) is x[i + n*j], counted from 0. Units are those of the case.
  *
- * Nothing prints, exits or keeps state. Any number of threads may call at once; gsc_modes, and
- * gsc_report with task modal, wait for each other, as ARPACK keeps state. While a call computes,
+ * Nothing prints, exits or keeps state. Any number of threads may call at once. While a call computes,
  * OpenBLAS is kept to one thread; the number before comes back when the last call ends.
  */
 #ifndef GEARSWEEP_H

@@ -27,7 +27,7 @@ module gearsweep
   use gearsweep_root_rating, only: root_options_t, root_rating_t, rate_root
   use gearsweep_beam, only: beam_t, hassan_shape
   use gearsweep_form, only: iso_form_t, iso_form, lewis_factor
-  use gearsweep_vtu, only: vtu_field_t, write_vtu
+  use gearsweep_vtu, only: vtu_field_t, vtu_text
   use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_motion, only: oscillator_t, make_oscillator

@@ -8,12 +8,23 @@ module test_elastic_modes
   use gearsweep_material, only: material_t
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_modes, only: modes_t, find_modes
-  use gearsweep_section, only: section_options_t
+  use gearsweep_section, only: section_options_t, section_t, make_section
   use gearsweep_text, only: str
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
   public :: run
+
+  interface
+    subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
+      import :: dp
+      character, intent(in) :: jobz, uplo
+      integer, intent(in) :: itype, n, lda, ldb, lwork
+      real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+      real(dp), intent(out) :: w(*), work(*)
+      integer, intent(out) :: info
+    end subroutine dsygv
+  end interface
 
 contains
 
@@ -23,6 +34,7 @@ contains
     call rod(t)
     call tapered_cantilever(t)
     call hassan_section(t)
+    call whole_gear_densely(t)
     call refusals(t)
   end subroutine run
 
@@ -76,6 +88,53 @@ contains
       call check_close(t, 'FV32, mode '//str(k), modes%frequency(k), reference(k), relative=1e-3_dp)
     end do
   end subroutine tapered_cantilever
+
+  !> A whole gear, whose frequencies come in pairs and clusters, against LAPACK's
+  !> dense solver for the same matrices: all of the lowest are found.
+  subroutine whole_gear_densely(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: wanted = 16
+    type(section_t) :: section
+    type(body_t) :: body
+    type(modes_t) :: modes
+    type(error_t), allocatable :: error
+    real(dp), allocatable :: k(:, :), m(:, :), masses(:, :, :), u(:, :), forces(:, :), w(:), work(:)
+    integer :: e, i, j, d, n, info
+
+    call make_section(hassan_gear(), section_options_t(teeth=0, rim=0.05_dp, elements_across=3), section, error)
+    call check_no_error(t, 'whole gear', error)
+    call make_body(section%grid, material_t(), .true., 0.06_dp, spread(section%is_held(), 1, 2), 1e9_dp, body, error)
+    call check_no_error(t, 'its body', error)
+    call find_modes(body, wanted, modes, error)
+    call check_no_error(t, 'its modes', error)
+    n = body%unknowns
+    allocate (k(n, n), m(n, n), w(n), work(40*n), u(2*size(section%grid%x, 2), 1))
+    do i = 1, n
+      w = 0
+      w(i) = 1
+      u(:, 1) = reshape(body%spread_out(w), [size(u, 1)])
+      forces = body%stiffness_times(u)
+      k(:, i) = body%gather(reshape(forces(:, 1), [2, size(u, 1)/2]))
+    end do
+    m = 0
+    masses = body%mass_matrices()
+    do e = 1, size(masses, 3)
+      do d = 1, 2
+        associate (at => body%equation(d, section%grid%element(:, e)))
+          do i = 1, size(at)
+            do j = 1, size(at)
+              if (at(i) > 0 .and. at(j) > 0) m(at(i), at(j)) = m(at(i), at(j)) + masses(i, j, e)
+            end do
+          end do
+        end associate
+      end do
+    end do
+    call dsygv(1, 'N', 'U', n, k, n, m, n, w, work, size(work), info)
+    call check_true(t, 'dense solver', info == 0)
+    do i = 1, wanted
+      call check_close(t, 'mode '//str(i)//' of the whole gear', modes%frequency(i), sqrt(w(i))/(2*pi), 1e-8_dp)
+    end do
+  end subroutine whole_gear_densely
 
   type(gear_t) function hassan_gear() result(gear)
     type(error_t), allocatable :: error

@@ -32,6 +32,7 @@ contains
     call backlash_out_of_reach(t)
     call meissner_boundaries(t)
     call meissner_closing(t)
+    call subharmonic(t)
     call refused_steps(t)
     call path_of_a_pair(t)
   end subroutine run
@@ -341,6 +342,26 @@ contains
     call solve(osc, rpm, options, point)
     call check_true(t, 'open', .not. has_answer(point%steady%status))
   end subroutine meissner_closing
+
+  !> In the main parametric tongue the motion settles over two mesh periods with
+  !> loss of contact: independent value by test/reference/make_subharmonic.py.
+  !> Beside the tongue it is periodic with the mesh.
+  subroutine subharmonic(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+
+    osc = mesh_of(1.6_dp, [400.0_dp, 0.0_dp, -110.0_dp], [0.0_dp, 0.0_dp], 0.03_dp)
+    options%steady%tolerance = 1e-9_dp
+    call solve(osc, 29000.0_dp, options, point)
+    call check_equal(t, 'status in the tongue', name_of(point%steady%status), 'subharmonic')
+    call check_equal(t, 'two periods', point%steady%periods, 2)
+    call check_close(t, 'its dynamic factor', point%dynamic_factor, 1.5806300622426337_dp, absolute=2e-9_dp)
+    call check_true(t, 'it loses contact and attracts', point%steady%flight .and. point%steady%multiplier < 1)
+    call solve(osc, 32000.0_dp, options, point)
+    call check_equal(t, 'status beside it', name_of(point%steady%status), 'ok')
+  end subroutine subharmonic
 
   !> Steps beyond Runge-Kutta's stability are refused, not answered.
   subroutine refused_steps(t)

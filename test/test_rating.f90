@@ -153,17 +153,19 @@ contains
     type(published_t), allocatable :: rows(:)
     type(error_t), allocatable :: error
 
-    call read_published('p.csv', '# remark'//new_line('a')//header//'a,b,1.5,mm,stated,because, and so'//new_line('a'), &
-                        rows, error)
+    call read_published('p.csv', '# remark'//new_line('a')//header// &
+                        'contact_ratio,b,1.5,mm,stated,because, and so'//new_line('a'), rows, error)
     call check_no_error(t, 'published', error)
     call check_equal(t, 'rows', size(rows), 1)
     call check_equal(t, 'reason keeps its commas', rows(1)%reason, 'because, and so')
     call read_published('p.csv', 'a,b'//new_line('a'), rows, error)
     call check_error(t, 'no header', error, 'must be quantity,place')
-    call read_published('p.csv', header//'a,b,x,mm,stated,r', rows, error)
+    call read_published('p.csv', header//'contact_ratio,b,x,mm,stated,r', rows, error)
     call check_error(t, 'no number', error, 'p.csv line 2: printed = x: must be a number')
-    call read_published('p.csv', header//'a,b,1,mm,guessed,r', rows, error)
+    call read_published('p.csv', header//'mode_3_hz,b,1,mm,guessed,r', rows, error)
     call check_error(t, 'no status', error, 'status = guessed')
+    call read_published('p.csv', header//'mode_3_rad_s,b,1,mm,stated,r', rows, error)
+    call check_error(t, 'no such quantity', error, 'quantity = mode_3_rad_s: must be one of contact_ratio')
     call read_published('p.csv', '', rows, error)
     call check_error(t, 'empty', error, 'lacks the line')
   end subroutine malformed_tables

@@ -1,7 +1,7 @@
 !> The answers of the tasks that look at one member's body, for screen and tables.
 module gearsweep_body_report
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_contour, only: gear_contour
+  use gearsweep_contour, only: gear_contour, tooth_contour
   use gearsweep_gear, only: coast, drive
   use gearsweep_lines, only: lines_t, field, left, right
   use gearsweep_quantities, only: our_value
@@ -49,7 +49,7 @@ contains
     associate (root => study%root(1))
       call lines%add('   ISO 6336-3: sigma_F0 '//str(mega*root%iso_stress, 5)//' MPa (Y_F '//str(root%iso%form_factor, 4)// &
                      ', Y_S '//str(root%iso%correction, 4)//'); Lewis '//str(mega*root%lewis_stress, 5)//' MPa (Y '// &
-                     str(root%lewis, 4)//'); whole load at the outer point of single contact')
+                     str(root%lewis, 4)//'); for the whole load at point '//trim(merge('D', 'B', study%case%root%member == 1))//'')
     end associate
   end subroutine add_root
 
@@ -94,16 +94,16 @@ contains
 
     call lines%add('')
     call lines%add('Printed values and ours')
-    call lines%add('   quantity                    place           printed        ours  deviation   status')
+    call lines%add('   quantity                    place           printed        ours   deviation   status')
     do i = 1, size(study%published)
       associate (row => study%published(i))
         call our_value(study, row%quantity, value, known)
         if (known) then
           call lines%add('   '//left(row%quantity, 28)//left(row%place, 12)//right(str(row%printed), 11)// &
-                         right(str(value), 12)//right(percent(value/row%printed - 1), 11)//'   '//row%status)
+                         right(str(value), 12)//right(percent(value/row%printed - 1), 12)//'   '//row%status)
         else
           call lines%add('   '//left(row%quantity, 28)//left(row%place, 12)//right(str(row%printed), 11)// &
-                         right('-', 12)//right('-', 11)//'   not computed by these tasks')
+                         right('-', 12)//right('-', 12)//'   not computed by these tasks')
         end if
       end associate
     end do
@@ -124,12 +124,25 @@ contains
         ours = 'NaN,NaN'
         if (known) ours = field(value)//','//field(value/row%printed - 1)
         call lines%add(row%quantity//','//row%place//','//field(row%printed)//','//ours//','//row%unit//','// &
-                       row%status//',"'//row%reason//'"')
+                       row%status//',"'//quoted(row%reason)//'"')
       end associate
     end do
   end subroutine published_rows
 
-  !> Outline of both gears, centres at 0.
+  !> Quotation marks doubled, as CSV wants them.
+  pure function quoted(words) result(text)
+    character(*), intent(in) :: words
+    character(:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, len(words)
+      text = text//words(i:i)
+      if (words(i:i) == '"') text = text//'"'
+    end do
+  end function quoted
+
+  !> Outline of both gears, centres at 0; of one tooth where there are more than 500.
   pure subroutine outline_rows(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
@@ -138,7 +151,11 @@ contains
     integer :: i, k
 
     do i = 1, 2
-      points = gear_contour(study%pair%gear(i), steps)
+      if (study%pair%gear(i)%spec%teeth > 500) then
+        points = tooth_contour(study%pair%gear(i), steps)
+      else
+        points = gear_contour(study%pair%gear(i), steps)
+      end if
       do k = 1, size(points, 2)
         call lines%add(trim(members(i))//','//field(milli*points(1, k))//','//field(milli*points(2, k)))
       end do

@@ -359,7 +359,7 @@ contains
     associate (section => case%section, root => case%root)
       section%elements_across = 16
       section%others_across = 0
-      call reader%get('section', 'teeth', section%teeth, error, at_least=1, at_most=100000)
+      call reader%get('section', 'teeth', section%teeth, error, at_least=0, at_most=100000)
       call reader%get('section', 'half_angle_deg', section%half_angle, error, above=0.0_dp, below=180.0_dp, scale=pi/180)
       call reader%get('section', 'rim_mm', section%rim, error, above=0.0_dp, scale=1e-3_dp)
       allocate (fixed, source=[character(5) :: 'sides', 'rim'])
@@ -375,6 +375,10 @@ contains
       root%member = merge(2, 1, member == 'gear')
       if (.not. case%needs_section()) call reader%refuse('section', 'member', &
         'not used: the stiffness takes both members', error)
+      if (case%prescribed .and. .not. allocated(error)) then
+        if (reader%has_group('section') .or. reader%has_group('static') .or. reader%has_group('modal')) &
+          call fail(error, code_input, '&section, &static, &modal: not used by a prescribed mesh (&mesh contact_ratio)')
+      end if
       call reader%get('static', 'positions', root%positions, error, at_least=2, at_most=1000)
       spacing = 'path'
       call reader%get('static', 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'])
@@ -387,8 +391,8 @@ contains
         root%sharing = shares_stated
         call reader%refuse('static', 'sharing', 'the shares are stated; give one of the two', error)
         call reader%refuse('static', 'positions', 'there are as many as shares; remove it', error)
-        if (root%spacing == spaced_on_path) call fail(error, code_input, &
-          '&static spacing = ''path'': stated shares go with spacing = ''flank''')
+        call reader%refuse('static', 'spacing', 'stated shares stand at equal arcs of the flank; remove it', error)
+        root%spacing = spaced_on_flank
         root%positions = size(root%shares)
         if (root%positions < 2) call fail(error, code_input, '&static shares: must be at least 2 numbers')
       end if

@@ -4,12 +4,10 @@ module gearsweep_files
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_file, code_input
-  use gearsweep_grid, only: grid_t
   use gearsweep_text, only: str
-  use gearsweep_vtu, only: vtu_field_t, write_vtu
   implicit none
   private
-  public :: write_grid, read_text, write_text, make_folder, remove_folder, read_table, folder_of
+  public :: read_text, write_text, make_folder, remove_folder, read_table, folder_of
 
   interface
     integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -97,28 +95,6 @@ contains
     end if
     if (stat /= 0) call fail(error, code_file, 'cannot write '//path//': '//trim(reason))
   end subroutine write_text
-
-  !> A grid with fields at its nodes for ParaView, all or nothing.
-  subroutine write_grid(path, grid, fields, error)
-    character(*), intent(in) :: path
-    type(grid_t), intent(in) :: grid
-    type(vtu_field_t), intent(in) :: fields(:)
-    type(error_t), allocatable, intent(out) :: error
-    character(256) :: reason
-    integer :: unit, stat
-
-    open (newunit=unit, file=path//'.part', status='replace', action='write', iostat=stat, iomsg=reason)
-    if (stat == 0) then
-      call write_vtu(unit, grid, fields, error)
-      close (unit, iostat=stat, iomsg=reason)
-    end if
-    if (stat == 0 .and. .not. allocated(error)) then
-      stat = c_rename(path//'.part'//c_null_char, path//c_null_char)
-      reason = 'something else of that name is in the way'
-    end if
-    if (stat /= 0 .or. allocated(error)) call remove(path//'.part')
-    if (stat /= 0) call fail(error, code_file, 'cannot write '//path//': '//trim(reason))
-  end subroutine write_grid
 
   subroutine remove(path)
     character(*), intent(in) :: path

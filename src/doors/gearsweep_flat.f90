@@ -12,9 +12,8 @@
 !
 ! A call runs one task, which the case must name among its tasks. Arrays belong to the caller; they
 ! may be larger than gs_sizes says, and what lies beyond is not touched. Units are those of the case
-! and the tables. Nothing prints, stops or keeps state: any number of callers at once (gs_modes, and
-! gs_report with task modal, wait for each other, as ARPACK keeps state). While a call computes,
-! OpenBLAS is kept to one thread; the number before comes back when the last call ends.
+! and the tables. Nothing prints, stops or keeps state: any number of callers at once. While a call
+! computes, OpenBLAS is kept to one thread; the number before comes back when the last call ends.
 ! gearsweep_calls has the interfaces for modern Fortran.
 
 !> Version of the library, as 0.1.0.

@@ -3,16 +3,21 @@
 module gearsweep_published
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_text, only: str, to_number
+  use gearsweep_lines, only: bare
+  use gearsweep_text, only: join, str, to_number
   implicit none
   private
-  public :: published_t, read_published
+  public :: published_t, read_published, split_quantity
 
   type :: published_t
     character(:), allocatable :: quantity, place, unit, status, reason
     real(dp) :: printed = 0
   end type published_t
 
+  !> What we can set beside a printed value; # stands for a number from 1.
+  character(*), parameter :: quantities(*) = [character(24) :: 'contact_ratio', 'tangential_force_n', 'radial_force_n', &
+    'beam_frequency_rad_s', 'rayleigh_frequency_rad_s', 'beam_sigma_x_mpa', 'beam_sigma_y_mpa', 'mode_#_hz', &
+    'step_#_sigma_x_mpa', 'step_#_sigma_y_mpa', 'step_#_tau_xy_mpa']
   character(*), parameter :: header = 'quantity,place,printed,unit,status,reason'
 
 contains
@@ -34,7 +39,7 @@ contains
       until = index(text(from:), new_line('a')) + from - 1
       if (until < from) until = len(text) + 1
       line = line + 1
-      call take(trim(text(from:until - 1)))
+      call take(bare(text(from:until - 1)))
       if (allocated(error)) return
       from = until + 1
     end do
@@ -58,7 +63,9 @@ contains
     type(published_t) function row_of(row) result(entry)
       character(*), intent(in) :: row
       character(:), allocatable :: rest, number
+      character(:), allocatable :: name
       logical :: ok
+      integer :: n
 
       rest = row
       call cut(rest, entry%quantity)
@@ -67,13 +74,35 @@ contains
       call cut(rest, entry%unit)
       call cut(rest, entry%status)
       entry%reason = rest
-      call to_number(number, entry%printed, ok)
-      if (.not. ok) call fail(error, code_input, path//' line '//str(line)//': printed = '//number//': must be a number')
+      call to_number(trim(adjustl(number)), entry%printed, ok)
+      if (ok) ok = abs(entry%printed) > 0
+      if (.not. ok) call fail(error, code_input, path//' line '//str(line)//': printed = '//number// &
+                              ': must be a number other than 0')
+      call split_quantity(entry%quantity, name, n)
+      if (all(quantities /= name)) call fail(error, code_input, path//' line '//str(line)//': quantity = '// &
+        entry%quantity//': must be one of '//join(quantities, ', '))
       if (all(entry%status /= [character(16) :: 'stated', 'inferred', 'not reproducible'])) &
         call fail(error, code_input, path//' line '//str(line)//': status = '//entry%status// &
         ': must be stated, inferred or not reproducible')
     end function row_of
   end subroutine read_published
+
+  !> Replaces the number in a quantity's name by #, and tells it; 0 for none.
+  pure subroutine split_quantity(quantity, name, n)
+    character(*), intent(in) :: quantity
+    character(:), allocatable, intent(out) :: name
+    integer, intent(out) :: n
+    integer :: from, until
+    logical :: ok
+
+    name = quantity
+    n = 0
+    from = scan(quantity, '0123456789')
+    if (from == 0) return
+    until = from + verify(quantity(from:)//' ', '0123456789') - 2
+    call to_number(quantity(from:until), n, ok)
+    if (ok .and. n > 0) name = quantity(:from - 1)//'#'//quantity(until + 1:)
+  end subroutine split_quantity
 
   !> Takes the first field off a row.
   pure subroutine cut(rest, field)

@@ -4,8 +4,8 @@ module gearsweep_quantities
   use gearsweep_beam, only: beam_t, hassan_shape
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: coast, drive
+  use gearsweep_published, only: split_quantity
   use gearsweep_study, only: study_t
-  use gearsweep_text, only: to_number
   implicit none
   private
   public :: our_value
@@ -18,29 +18,35 @@ contains
     character(*), intent(in) :: quantity
     real(dp), intent(out) :: value
     logical, intent(out) :: known
+    character(:), allocatable :: name
     integer :: n
 
     value = 0
     known = allocated(study%pair)
     if (.not. known) return
+    call split_quantity(quantity, name, n)
     associate (angle => study%pair%gear(1)%spec%pressure_angle(drive))
-      if (quantity == 'contact_ratio') then
+      select case (name)
+      case ('contact_ratio')
         value = study%pair%contact_ratio
-      else if (quantity == 'tangential_force_n') then
+      case ('tangential_force_n')
+        known = study%load > 0
         value = study%load*cos(angle)
-      else if (quantity == 'radial_force_n') then
+      case ('radial_force_n')
+        known = study%load > 0
         value = study%load*sin(angle)
-      else if (index(quantity, 'beam_') == 1 .or. index(quantity, 'rayleigh_') == 1) then
-        call beam_value(study, quantity, value, known)
-      else if (index(quantity, 'mode_') == 1) then
-        n = number_in(quantity)
-        known = allocated(study%modal) .and. n > 0 .and. n <= study%case%modes
+      case ('mode_#_hz')
+        known = allocated(study%modal) .and. n <= study%case%modes
         if (known) value = study%modal%modes%frequency(n)
-      else if (index(quantity, 'step_') == 1) then
-        call step_value(study, quantity, value, known)
-      else
-        known = .false.
-      end if
+      case ('step_#_sigma_x_mpa')
+        call step_value(study, n, 1, value, known)
+      case ('step_#_sigma_y_mpa')
+        call step_value(study, n, 2, value, known)
+      case ('step_#_tau_xy_mpa')
+        call step_value(study, n, 3, value, known)
+      case default
+        call beam_value(study, name, value, known)
+      end select
     end associate
   end subroutine our_value
 
@@ -66,6 +72,7 @@ contains
         call beam%rayleigh_frequency(study%case%material, hassan_shape, value, error)
         known = .not. allocated(error)
       case ('beam_sigma_x_mpa', 'beam_sigma_y_mpa')
+        known = study%load > 0
         beam%length = gear%reference_radius - gear%root_radius
         stress = beam%stress(study%load, gear%spec%pressure_angle(drive))
         value = 1e-6_dp*merge(stress(1), stress(2), quantity == 'beam_sigma_x_mpa')
@@ -75,34 +82,16 @@ contains
     end associate
   end subroutine beam_value
 
-  !> Size of the stress components on the coast side, under one position of the load.
-  pure subroutine step_value(study, quantity, value, known)
+  !> Size of a stress component on the coast side, under one position of the load.
+  pure subroutine step_value(study, n, component, value, known)
     type(study_t), intent(in) :: study
-    character(*), intent(in) :: quantity
+    integer, intent(in) :: n, component
     real(dp), intent(out) :: value
     logical, intent(out) :: known
-    integer :: n, component
 
     value = 0
-    n = number_in(quantity)
-    component = 0
-    if (index(quantity, '_sigma_x_mpa') > 0) component = 1
-    if (index(quantity, '_sigma_y_mpa') > 0) component = 2
-    if (index(quantity, '_tau_xy_mpa') > 0) component = 3
-    known = allocated(study%root) .and. n > 0 .and. component > 0
+    known = allocated(study%root)
     if (known) known = n <= size(study%root(1)%s)
     if (known) value = 1e-6_dp*abs(study%root(1)%components(component, coast, n))
   end subroutine step_value
-
-  !> The number between the first two underscores; 0 for none.
-  pure integer function number_in(quantity) result(n)
-    character(*), intent(in) :: quantity
-    integer :: from, length
-    logical :: ok
-
-    from = index(quantity, '_') + 1
-    length = index(quantity(from:), '_') - 1
-    n = 0
-    if (length > 0) call to_number(quantity(from:from + length - 1), n, ok)
-  end function number_in
 end module gearsweep_quantities

@@ -3,7 +3,7 @@
 module gearsweep_tables
   use gearsweep_kinds, only: dp
   use gearsweep_body_report, only: mode_rows, outline_rows, published_rows, root_rows
-  use gearsweep_lines, only: lines_t, field
+  use gearsweep_lines, only: bare, lines_t, field
   use gearsweep_steady, only: name_of
   use gearsweep_study, only: study_t
   use gearsweep_version, only: version
@@ -36,19 +36,6 @@ contains
     end associate
     call lines%add(columns)
   end subroutine open_table
-
-  !> Without the carriage return that some editors leave.
-  pure function bare(line)
-    character(*), intent(in) :: line
-    character(:), allocatable :: bare
-    integer :: length
-
-    length = len(line)
-    if (length > 0) then
-      if (line(length:) == achar(13)) length = length - 1
-    end if
-    bare = line(:length)
-  end function bare
 
   !> One row an operating point. `contact`: full, partial (a pair was apart for
   !> a while), lost (all were), coast (the coast sides touched).

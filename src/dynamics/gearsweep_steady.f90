@@ -267,6 +267,27 @@ contains
     end if
   end function largest_multiplier
 
+  !> A motion found over several periods may repeat after fewer.
+  pure subroutine shorten(osc, table, duration, steady)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration
+    type(steady_t), intent(inout) :: steady
+    real(dp), parameter :: same = 1e-7_dp
+    type(steady_t) :: trial
+    type(period_t) :: run
+    integer :: periods
+
+    do periods = 1, steady%periods/2
+      if (modulo(steady%periods, periods) /= 0) cycle
+      call run_periods(osc, table, duration, steady%state, periods, run)
+      if (distance(osc, duration, run%state - steady%state) > same) cycle
+      call shoot(osc, table, duration, periods, steady%state, trial)
+      if (has_answer(trial%status)) steady = trial
+      return
+    end do
+  end subroutine shorten
+
   !> Follows the transient until it repeats. Now and then, where the motion
   !> nearly recurs after some periods, Newton's method takes it to the end. If
   !> nothing settles, an `unstable` motion met on the way is what is reported.
@@ -310,6 +331,7 @@ contains
         call shoot(osc, table, duration, periods, past(:, 0), trial)
         if (has_answer(trial%status) .and. distance(osc, duration, trial%state - past(:, 0)) < near) then
           steady = trial
+          if (periods > 1) call shorten(osc, table, duration, steady)
           return
         end if
         if (trial%status == point_unstable) steady = trial

@@ -65,7 +65,7 @@ contains
       call fail(error, code_input, '&material poisson: must lie between -1 and 0.5')
     if (.not. thickness > 0) call fail(error, code_input, '&pair face_width_mm: must be above 0')
     if (.not. excludes_rigid_motion(grid%x, held)) call fail(error, code_input, &
-      '&section fixed: the section is not held; fix its sides, its rim or its bore')
+      '&section fixed: the section is not held; must have ''sides'' (of a sector) or ''rim'' (or bore)')
   end subroutine check
 
   !> The held displacements, seen by two translations and a rotation, have rank 3.

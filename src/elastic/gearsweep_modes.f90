@@ -1,12 +1,10 @@
-!> Natural frequencies and mode shapes of a held body, by ARPACK in
-!> shift-invert mode about zero with the factored stiffness.
-!>
-!> ARPACK keeps saved state: calls from several threads wait for each other.
+!> Natural frequencies and mode shapes of a held body, by block Lanczos
+!> in shift-invert mode about zero with the factored stiffness.
 module gearsweep_modes
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
-  use gearsweep_lapack, only: dsaupd, dseupd
+  use gearsweep_lapack, only: dgemm, dsyev
   use gearsweep_q8, only: nodes_per_element
   use gearsweep_text, only: str
   implicit none
@@ -21,16 +19,19 @@ module gearsweep_modes
     real(dp), allocatable :: participation(:, :)
   end type modes_t
 
+  integer, parameter :: block = 2                !< vectors at a time; more read less and compute more
+  real(dp), parameter :: tolerance = 1e-9_dp     !< of the shapes
+
 contains
 
   !> The lowest `count` modes of `body`.
-  !> Source: Lehoucq, Sorensen, Yang 1998, ARPACK Users' Guide, mode 3.
   subroutine find_modes(body, count, modes, error)
     type(body_t), intent(in) :: body
     integer, intent(in) :: count
     type(modes_t), intent(out) :: modes
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: masses(:, :, :), values(:), vectors(:, :)
+    integer, allocatable :: dof(:, :, :)
 
     if (count < 1 .or. 2*count + 2 > body%unknowns) then
       call fail(error, code_input, '&modal modes = '//str(count)//': must lie between 1 and '// &
@@ -42,109 +43,185 @@ contains
       return
     end if
     allocate (masses, source=body%mass_matrices())
-    !$omp critical (gearsweep_arpack)
-    call iterate(body, masses, count, values, vectors, error)
-    !$omp end critical (gearsweep_arpack)
+    dof = reshape(body%equation(:, reshape(body%grid%element, [size(body%grid%element)])), &
+                  [2, nodes_per_element, size(masses, 3)])
+    call iterate(body, masses, dof, count, values, vectors, error)
     if (allocated(error)) return
-    call describe(body, masses, values, vectors, modes)
+    call describe(body, masses, dof, values, vectors, modes)
   end subroutine find_modes
 
-  !> ARPACK's reverse communication; eigenvalues w^2 ascending.
-  subroutine iterate(body, masses, count, values, vectors, error)
+  !> Block Lanczos on K^-1 M without restart, every vector made M-orthogonal to
+  !> all before; eigenvalues w^2 ascending.
+  !>
+  !> The factor is larger than the cache, so that reading it is what takes time:
+  !> a block of vectors reads it once. Untouched columns of the basis cost no memory.
+  !> Source: Golub, Van Loan 2013, Matrix Computations, section 10.3.
+  subroutine iterate(body, masses, dof, count, values, vectors, error)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: masses(:, :, :)
-    integer, intent(in) :: count
+    integer, intent(in) :: dof(:, :, :), count
     real(dp), allocatable, intent(out) :: values(:), vectors(:, :)
     type(error_t), allocatable, intent(inout) :: error
-    integer :: n, basis, lwork, ido, info, param(11), at(11), dof(2, nodes_per_element, size(masses, 3))
-    real(dp) :: tolerance, shift
-    real(dp), allocatable :: start(:), v(:, :), work(:), small(:)
-    logical, allocatable :: chosen(:)
+    real(dp), allocatable :: v(:, :), mv(:, :), w(:, :), mw(:, :), t(:, :), ritz(:, :), theta(:), share(:, :)
+    integer :: n, most, before, k, info
+    logical :: done
 
     n = body%unknowns
-    basis = min(n, max(2*count + 1, count + 12))
-    lwork = basis*(basis + 8)
-    allocate (start(n), v(n, basis), work(3*n), small(lwork), chosen(basis), values(count))
-    call fill_start(start)
-    dof = reshape(body%equation(:, reshape(body%grid%element, [size(body%grid%element)])), shape(dof))
-    param = 0
-    param([1, 3, 7]) = [1, 300, 3]
-    at = 0
-    ido = 0
-    info = 1
-    tolerance = 1e-8_dp
-    shift = 0
-    do
-      call dsaupd(ido, 'G', n, 'LM', count, tolerance, start, basis, v, n, param, at, work, small, lwork, info)
-      associate (x => work(at(1):at(1) + n - 1), y => work(at(2):at(2) + n - 1))
-        select case (ido)
-        case (-1)
-          call mass_times(masses, dof, x, y)
-          call body%stiffness%solve_one(y)
-        case (1)
-          y = work(at(3):at(3) + n - 1)
-          call body%stiffness%solve_one(y)
-        case (2)
-          call mass_times(masses, dof, x, y)
-        case default
-          exit
-        end select
-      end associate
+    most = min(n, 10*count + 300)
+    allocate (v(n, most), mv(n, most), t(most, most), w(n, min(block, count + 1)))
+    call fill_start(w)
+    mw = mass_times(masses, dof, w)
+    call orthonormalise(w, mw)
+    k = 0
+    done = .false.
+    do while (k < most .and. size(w, 2) > 0)
+      before = k
+      k = min(most, k + size(w, 2))
+      v(:, before + 1:k) = w(:, :k - before)
+      mv(:, before + 1:k) = mw(:, :k - before)
+      w = mv(:, before + 1:k)
+      call body%stiffness%solve(w)
+      call subtract_basis(share)
+      t(:k, before + 1:k) = share
+      if (k >= count) then
+        call eigenvectors(t(:k, :k), theta, ritz, info)
+        if (info /= 0) exit
+        done = is_converged(inner(w, mw), theta(k - count + 1:), ritz(before + 1:, k - count + 1:))
+        if (done) exit
+      end if
+      ! Twice is enough.
+      call orthonormalise(w, mw)
+      call subtract_basis(share)
+      call orthonormalise(w, mw)
     end do
-    if (info == 0) call dseupd(.true., 'A', chosen, values, v, n, shift, 'G', n, 'LM', count, tolerance, start, &
-                               basis, v, n, param(1:7), at, work, small, lwork, info)
-    if (info /= 0 .or. any(.not. values > 0)) then
-      call fail(error, code_numerical, 'no convergence of the modes (ARPACK '//str(info)//')')
+    if (.not. done) then
+      call fail(error, code_numerical, 'no convergence of the modes with '//str(k)//' vectors')
       return
     end if
-    vectors = v(:, :count)
+    values = 1/theta(k:k - count + 1:-1)
+    allocate (vectors(n, count))
+    ! One more step of the iteration, K^-1 M x/theta, is at hand: its rough part is much smaller.
+    ritz = ritz(:, k:k - count + 1:-1)
+    call dgemm('N', 'N', n, count, k, 1.0_dp, v, n, ritz, k, 0.0_dp, vectors, n)
+    vectors = vectors + matmul(w, ritz(before + 1:, :)*spread(values, 1, k - before))
+
+  contains
+
+    !> Takes from `w` its share in the basis, as components of that.
+    subroutine subtract_basis(share)
+      real(dp), allocatable, intent(out) :: share(:, :)
+
+      share = inner(mv(:, :k), w)
+      call dgemm('N', 'N', n, size(w, 2), k, -1.0_dp, v, n, share, k, 1.0_dp, w, n)
+      mw = mass_times(masses, dof, w)
+    end subroutine subtract_basis
   end subroutine iterate
 
   !> The same start for every run, with a part in every mode.
   pure subroutine fill_start(x)
-    real(dp), intent(out) :: x(:)
-    integer :: i
+    real(dp), intent(out) :: x(:, :)
+    integer :: i, j
 
-    do i = 1, size(x)
-      x(i) = 0.1_dp + modulo(i*0.6180339887498949_dp, 1.0_dp)
+    do j = 1, size(x, 2)
+      do i = 1, size(x, 1)
+        x(i, j) = 0.1_dp + modulo(i*sqrt(real(j, dp))*0.6180339887498949_dp, 1.0_dp)
+      end do
     end do
   end subroutine fill_start
 
+  !> Makes the columns of `w` M-orthonormal; one that depends on the others is left out.
+  pure subroutine orthonormalise(w, mw)
+    real(dp), allocatable, intent(inout) :: w(:, :), mw(:, :)
+    real(dp) :: length, was, share
+    integer :: i, j, k
+
+    k = 0
+    do j = 1, size(w, 2)
+      was = dot_product(w(:, j), mw(:, j))
+      do i = 1, k
+        share = dot_product(mw(:, i), w(:, j))
+        w(:, j) = w(:, j) - share*w(:, i)
+        mw(:, j) = mw(:, j) - share*mw(:, i)
+      end do
+      length = dot_product(w(:, j), mw(:, j))
+      if (.not. length > 1e-20_dp*was) cycle
+      k = k + 1
+      w(:, k) = w(:, j)/sqrt(length)
+      mw(:, k) = mw(:, j)/sqrt(length)
+    end do
+    w = w(:, :k)
+    mw = mw(:, :k)
+  end subroutine orthonormalise
+
+  !> |K^-1 M x - theta x| <= tolerance theta in the norm of M, from what the newest
+  !> block leaves outside the basis: its Gram matrix, and the last rows of the Ritz vectors.
+  pure logical function is_converged(gram, theta, last)
+    real(dp), intent(in) :: gram(:, :), theta(:), last(:, :)
+
+    is_converged = all(theta > 0 .and. sum(last*matmul(gram, last), 1) <= (tolerance*theta)**2)
+  end function is_converged
+
+  !> a' b
+  function inner(a, b) result(c)
+    real(dp), intent(in), contiguous :: a(:, :), b(:, :)
+    real(dp) :: c(size(a, 2), size(b, 2))
+
+    c = 0
+    call dgemm('T', 'N', size(a, 2), size(b, 2), size(a, 1), 1.0_dp, a, size(a, 1), b, size(b, 1), 0.0_dp, c, size(c, 1))
+  end function inner
+
+  !> Of a symmetric matrix, whose upper triangle counts; eigenvalues ascending.
+  subroutine eigenvectors(t, values, vectors, info)
+    real(dp), intent(in) :: t(:, :)
+    real(dp), allocatable, intent(out) :: values(:), vectors(:, :)
+    integer, intent(out) :: info
+    real(dp) :: work(34*size(t, 1))
+
+    allocate (values(size(t, 1)))
+    vectors = t
+    call dsyev('V', 'U', size(values), vectors, size(values), values, work, size(work), info)
+  end subroutine eigenvectors
+
   !> y = M x on the unknowns, element by element: less memory to stream than a band.
-  pure subroutine mass_times(masses, dof, x, y)
-    real(dp), intent(in) :: masses(:, :, :), x(:)
+  pure function mass_times(masses, dof, x) result(y)
+    real(dp), intent(in) :: masses(:, :, :), x(:, :)
     integer, intent(in) :: dof(:, :, :)
-    real(dp), intent(out) :: y(:)
+    real(dp) :: y(size(x, 1), size(x, 2))
     real(dp) :: xe(nodes_per_element), ye(nodes_per_element)
-    integer :: e, d, i
+    integer :: e, d, i, j
 
     y = 0
     do e = 1, size(masses, 3)
-      do d = 1, 2
-        do i = 1, nodes_per_element
-          xe(i) = 0
-          if (dof(d, i, e) > 0) xe(i) = x(dof(d, i, e))
-        end do
-        ye = matmul(masses(:, :, e), xe)
-        do i = 1, nodes_per_element
-          if (dof(d, i, e) > 0) y(dof(d, i, e)) = y(dof(d, i, e)) + ye(i)
+      do j = 1, size(x, 2)
+        do d = 1, 2
+          do i = 1, nodes_per_element
+            xe(i) = 0
+            if (dof(d, i, e) > 0) xe(i) = x(dof(d, i, e), j)
+          end do
+          ye = 0
+          do i = 1, nodes_per_element
+            ye = ye + masses(:, i, e)*xe(i)
+          end do
+          do i = 1, nodes_per_element
+            if (dof(d, i, e) > 0) y(dof(d, i, e), j) = y(dof(d, i, e), j) + ye(i)
+          end do
         end do
       end do
     end do
-  end subroutine mass_times
+  end function mass_times
 
   !> Frequencies, shapes, residuals and energy shares.
-  subroutine describe(body, masses, values, vectors, modes)
+  subroutine describe(body, masses, dof, values, vectors, modes)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: masses(:, :, :), values(:), vectors(:, :)
+    integer, intent(in) :: dof(:, :, :)
     type(modes_t), intent(out) :: modes
     real(dp), allocatable :: u(:, :), forces(:, :)
-    real(dp) :: pulled(body%unknowns), moved(body%unknowns), energy
-    integer :: count, nodes, k, e, d, dof(2, nodes_per_element, size(masses, 3))
+    real(dp) :: pulled(body%unknowns), moved(body%unknowns, size(values)), energy
+    integer :: count, nodes, k, e, d
 
     count = size(values)
     nodes = size(body%grid%x, 2)
-    dof = reshape(body%equation(:, reshape(body%grid%element, [size(body%grid%element)])), shape(dof))
     modes%frequency = sqrt(values)/(2*pi)
     allocate (modes%shape(2, nodes, count), modes%residual(count))
     allocate (modes%participation(0:maxval(body%grid%part), count), source=0.0_dp)
@@ -164,9 +241,12 @@ contains
     u = reshape(modes%shape, [2*nodes, count])
     forces = body%stiffness_times(u)
     do k = 1, count
+      moved(:, k) = body%gather(modes%shape(:, :, k))
+    end do
+    moved = mass_times(masses, dof, moved)
+    do k = 1, count
       pulled = body%gather(reshape(forces(:, k), [2, nodes]))
-      call mass_times(masses, dof, body%gather(modes%shape(:, :, k)), moved)
-      modes%residual(k) = norm2(pulled - values(k)*moved)/norm2(pulled)
+      modes%residual(k) = norm2(pulled - values(k)*moved(:, k))/norm2(pulled)
     end do
   end subroutine describe
 end module gearsweep_modes

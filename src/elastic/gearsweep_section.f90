@@ -18,7 +18,7 @@ module gearsweep_section
   public :: section_options_t, section_t, make_section
 
   type :: section_options_t
-    integer :: teeth = 3
+    integer :: teeth = 3                         !< 0: the whole gear
     real(dp) :: half_angle = 0                   !< of the sector, rad; 0: up to the middle of the next spaces
     !> Thickness below the root circle, m; 0: down to the gear's bore or, when it
     !> has none, 2.5 tooth heights (the backup ratio of Hassan et al. 2009).
@@ -36,6 +36,7 @@ module gearsweep_section
     type(grid_t) :: grid
     real(dp) :: inner_radius = 0                 !< m
     real(dp) :: half_angle = 0                   !< rad; pi for a whole gear
+    real(dp) :: middle = 0                       !< angle of the sector's middle: 0 between equal flanks
     real(dp), allocatable :: axis(:)             !< angle of each tooth's axis, rad
     integer, allocatable :: first_column(:)      !< columns before each tooth
     integer, allocatable :: across(:)            !< columns of each tooth
@@ -63,13 +64,14 @@ contains
     real(dp), allocatable :: top(:, :), points(:, :, :)
     integer, allocatable :: part(:, :)
 
-    call check_options(gear, options, error)
-    if (allocated(error)) return
     section%gear = gear
     section%options = options
+    if (options%teeth == 0) section%options%teeth = gear%spec%teeth
+    call check_options(gear, section%options, error)
+    if (allocated(error)) return
     call set_extent(section, error)
     if (allocated(error)) return
-    allocate (block(options%teeth))
+    allocate (block(section%options%teeth))
     call make_tooth_block(gear, options%elements_across, block(section%loaded))
     call fill_others(section, block)
     call lay_columns(section, block, top)
@@ -77,6 +79,11 @@ contains
     if (allocated(error)) return
     call fill_lattice(section, block, top, points, part)
     call make_grid(points, part, is_closed(section), section%grid, error)
+    if (allocated(error)) then
+      deallocate (error)
+      call fail(error, code_input, '&section rim_mm = '//str(1000*(gear%root_radius - section%inner_radius))// &
+                ': the rim below the root circle is too thin for a grid; must be thicker (or the bore smaller)')
+    end if
   end subroutine make_section
 
   !> The unloaded teeth are equal to the loaded one, or coarser.
@@ -130,9 +137,16 @@ contains
       section%loaded = (options%teeth + 1)/2
       section%half_angle = options%half_angle
       if (options%half_angle <= 0) section%half_angle = options%teeth*pitch/2
+      if (section%inner_radius < gear%spec%bore_radius*(1 - 1e-9_dp)) call fail(error, code_input, &
+        '&section rim_mm = '//str(1000*options%rim)//': reaches into the bore; at most '// &
+        str(1000*(gear%root_radius - gear%spec%bore_radius)))
       if (is_closed(section)) return
-      least = section%axis(options%teeth) + maxval([(edge_angle(gear, i), i=drive, coast)])
-      most = min(pi, section%axis(options%teeth) + pitch - max(root_angle(gear, drive), root_angle(gear, coast)))
+      ! Cut in the middle of the root lands, which unequal flanks shift.
+      section%middle = (root_angle(gear, drive) - root_angle(gear, coast))/2
+      least = section%axis(options%teeth) + max(edge_angle(gear, drive) - section%middle, &
+                                                edge_angle(gear, coast) + section%middle)
+      most = min(pi, section%axis(options%teeth) + pitch - max(root_angle(gear, coast) + section%middle, &
+                                                               root_angle(gear, drive) - section%middle))
       if (section%half_angle <= least .or. section%half_angle > most*(1 + 1e-12_dp)) call fail(error, code_input, &
         '&section half_angle_deg = '//str(section%half_angle*180/pi)//': with '//str(options%teeth)// &
         ' teeth it must lie between '//str(least*180/pi)//' (teeth cut) and '//str(most*180/pi)// &
@@ -168,7 +182,7 @@ contains
     pitch = 2*pi/section%gear%spec%teeth
     section%across = block%across
     allocate (section%first_column(teeth))
-    from = -section%half_angle
+    from = section%middle - section%half_angle
     if (is_closed(section)) from = section%axis(1)
     allocate (top(2, 0))
     do k = 1, teeth
@@ -176,7 +190,7 @@ contains
         call append(top, fillet_run(section%gear, block(k), coast, section%axis(k), from))
       section%first_column(k) = max(0, size(top, 2) - 1)/2
       call append(top, turned(block(k)%bottom, section%axis(k)))
-      to = merge(section%half_angle, section%axis(k) + pitch/2, k == teeth)
+      to = section%middle + section%half_angle
       if (k < teeth .or. is_closed(section)) to = &
         section%axis(k) + (pitch + root_angle(section%gear, drive) - root_angle(section%gear, coast))/2
       call append(top, fillet_run(section%gear, block(k), drive, section%axis(k), to))

@@ -8,7 +8,7 @@ module gearsweep_stress
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t, make_body, elastic_law
   use gearsweep_compliance, only: flank_load
-  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_error, only: error_t, fail, code_input, code_memory
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_material, only: material_t
   use gearsweep_outline, only: fillet_point, fillet_parameter
@@ -126,20 +126,24 @@ contains
     type(root_stress_t), intent(out) :: product
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: x(:, :), u(:, :, :)
-    integer :: i
+    integer :: i, status
 
     if (size(radius) < 1 .or. size(radius) /= size(line_load)) then
       call fail(error, code_input, '&load: as many line loads as positions are needed, and at least one')
       return
     end if
-    allocate (x(body%unknowns, size(radius)), source=0.0_dp)
+    allocate (x(body%unknowns, size(radius)), u(2, size(section%grid%x, 2), size(radius)), stat=status)
+    if (status /= 0) then
+      call fail(error, code_memory, '&static positions = '//str(size(radius))//': the memory does not hold their solutions')
+      return
+    end if
+    x = 0
     do i = 1, size(radius)
       call flank_load(section, body, radius(i), x(:, i), error)
       if (allocated(error)) return
       x(:, i) = x(:, i)*line_load(i)*body%thickness
     end do
     call body%stiffness%solve(x)
-    allocate (u(2, size(section%grid%x, 2), size(radius)))
     do i = 1, size(radius)
       u(:, :, i) = body%spread_out(x(:, i))
     end do
@@ -197,20 +201,22 @@ contains
     end function in_tooth_frame
   end subroutine along_fillet
 
-  !> The same for the loads `first` to `last` alone, with their own peaks.
-  pure function under_loads(product, first, last) result(part)
+  !> The same with each load times a factor, and the peaks that this gives.
+  pure function under_loads(product, factor) result(scaled)
     class(root_stress_t), intent(in) :: product
-    integer, intent(in) :: first, last
-    type(root_stress_t) :: part
-    integer :: side
+    real(dp), intent(in) :: factor(:)
+    type(root_stress_t) :: scaled
+    integer :: side, load
 
-    part%gear = product%gear
-    part%error_estimate = product%error_estimate
+    scaled%gear = product%gear
+    scaled%error_estimate = product%error_estimate
     do side = drive, coast
-      part%side(side) = product%side(side)
-      part%side(side)%stress = product%side(side)%stress(:, first:last)
+      scaled%side(side) = product%side(side)
+      do load = 1, size(factor)
+        scaled%side(side)%stress(:, load) = product%side(side)%stress(:, load)*factor(load)
+      end do
     end do
-    call find_peaks(part)
+    call find_peaks(scaled)
   end function under_loads
 
   !> Peaks of the splines, on a fine scan.
@@ -272,8 +278,8 @@ contains
 
     associate (fillet => product%side(side))
       if (.not. (tangent >= minval(fillet%tangent) .and. tangent <= maxval(fillet%tangent))) then
-        call fail(error, code_input, 'stress at the fillet tangent '//str(tangent*180/pi)// &
-          ' deg: must lie between '//str(minval(fillet%tangent)*180/pi)//' and '//str(maxval(fillet%tangent)*180/pi))
+        call fail(error, code_input, '&static tangent_deg = '//str(tangent*180/pi)// &
+          ': must lie between '//str(minval(fillet%tangent)*180/pi)//' and '//str(maxval(fillet%tangent)*180/pi))
         return
       end if
       point = fillet_point(product%gear, side, fillet_parameter(product%gear, side, tangent))

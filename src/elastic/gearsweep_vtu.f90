@@ -1,11 +1,11 @@
-!> Grids and fields for ParaView and its kin (VTK's unstructured XML format).
+!> Grids and fields for ParaView and its kin (VTK's unstructured XML format), as text.
 module gearsweep_vtu
   use gearsweep_kinds, only: dp
-  use gearsweep_error, only: error_t, fail, code_file
   use gearsweep_grid, only: grid_t
+  use gearsweep_lines, only: lines_t
   implicit none
   private
-  public :: vtu_field_t, write_vtu
+  public :: vtu_field_t, vtu_text
 
   !> Values at the nodes: one component, or two for vectors (components, nodes).
   type :: vtu_field_t
@@ -13,64 +13,75 @@ module gearsweep_vtu
     real(dp), allocatable :: values(:, :)
   end type vtu_field_t
 
-  integer, parameter :: quadratic_quadrilateral = 23
+  character(*), parameter :: quadratic_quadrilateral = '23'
 
 contains
 
-  !> Writes to `unit`, which the caller has opened for formatted output.
-  subroutine write_vtu(unit, grid, fields, error)
-    integer, intent(in) :: unit
+  !> The grid with its fields; lengths in m, cells carry the tooth they belong to.
+  pure function vtu_text(grid, fields) result(text)
     type(grid_t), intent(in) :: grid
     type(vtu_field_t), intent(in) :: fields(:)
-    type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: ints = '(8(i0, 1x))', reals = '(3(es16.8e3, 1x))'
-    integer :: nodes, elements, i, status
+    character(:), allocatable :: text
+    type(lines_t) :: lines
+    integer :: i
 
-    nodes = size(grid%x, 2)
-    elements = size(grid%element, 2)
-    call line('<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>')
-    write (unit, '(a, i0, a, i0, a)', iostat=status) '<Piece NumberOfPoints="', nodes, '" NumberOfCells="', elements, '">'
-    call line('<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">')
-    write (unit, reals, iostat=status) (grid%x(:, i), 0.0_dp, i=1, nodes)
-    call line('</DataArray></Points>')
-    call line('<Cells><DataArray type="Int32" Name="connectivity" format="ascii">')
-    write (unit, ints, iostat=status) grid%element - 1
-    call line('</DataArray><DataArray type="Int32" Name="offsets" format="ascii">')
-    write (unit, ints, iostat=status) (8*i, i=1, elements)
-    call line('</DataArray><DataArray type="UInt8" Name="types" format="ascii">')
-    write (unit, ints, iostat=status) (quadratic_quadrilateral, i=1, elements)
-    call line('</DataArray></Cells>')
-    call line('<CellData><DataArray type="Int32" Name="tooth" format="ascii">')
-    write (unit, ints, iostat=status) grid%part
-    call line('</DataArray></CellData><PointData>')
-    do i = 1, size(fields)
-      call write_field(fields(i))
+    call lines%add('<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>')
+    call lines%add('<Piece NumberOfPoints="'//whole([size(grid%x, 2)])//'" NumberOfCells="'// &
+                   whole([size(grid%element, 2)])//'">')
+    call lines%add('<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">')
+    call add_vectors(lines, grid%x)
+    call lines%add('</DataArray></Points>')
+    call lines%add('<Cells><DataArray type="Int32" Name="connectivity" format="ascii">')
+    do i = 1, size(grid%element, 2)
+      call lines%add(whole(grid%element(:, i) - 1))
     end do
-    call line('</PointData></Piece></UnstructuredGrid></VTKFile>')
-    if (status /= 0) call fail(error, code_file, 'cannot write the grid')
+    call lines%add('</DataArray><DataArray type="Int32" Name="offsets" format="ascii">')
+    do i = 1, size(grid%element, 2)
+      call lines%add(whole([8*i]))
+    end do
+    call lines%add('</DataArray><DataArray type="UInt8" Name="types" format="ascii">')
+    do i = 1, size(grid%element, 2)
+      call lines%add(quadratic_quadrilateral)
+    end do
+    call lines%add('</DataArray></Cells>')
+    call lines%add('<CellData><DataArray type="Int32" Name="tooth" format="ascii">')
+    do i = 1, size(grid%part)
+      call lines%add(whole([grid%part(i)]))
+    end do
+    call lines%add('</DataArray></CellData><PointData>')
+    do i = 1, size(fields)
+      call lines%add('<DataArray type="Float64" Name="'//fields(i)%name//'" NumberOfComponents="'// &
+                     trim(merge('3', '1', size(fields(i)%values, 1) == 2))//'" format="ascii">')
+      call add_vectors(lines, fields(i)%values)
+      call lines%add('</DataArray>')
+    end do
+    call lines%add('</PointData></Piece></UnstructuredGrid></VTKFile>')
+    text = lines%text()
+  end function vtu_text
 
-  contains
+  !> A row a node; vectors get the third component that the format's readers expect.
+  pure subroutine add_vectors(lines, values)
+    type(lines_t), intent(inout) :: lines
+    real(dp), intent(in) :: values(:, :)
+    character(72) :: row
+    integer :: i
 
-    subroutine line(text)
-      character(*), intent(in) :: text
-
-      write (unit, '(a)', iostat=status) text
-    end subroutine line
-
-    !> Vectors get the third component that the format's readers expect.
-    subroutine write_field(field)
-      type(vtu_field_t), intent(in) :: field
-      integer :: n
-
-      if (size(field%values, 1) == 2) then
-        call line('<DataArray type="Float64" Name="'//field%name//'" NumberOfComponents="3" format="ascii">')
-        write (unit, reals, iostat=status) (field%values(:, n), 0.0_dp, n=1, nodes)
+    do i = 1, size(values, 2)
+      if (size(values, 1) == 2) then
+        write (row, '(2(es16.8e3, 1x), a)') values(:, i), '0'
       else
-        write (unit, '(3a, i0, a)', iostat=status) '<DataArray type="Float64" Name="', field%name, &
-          '" NumberOfComponents="', size(field%values, 1), '" format="ascii">'
-        write (unit, reals, iostat=status) field%values
+        write (row, '(3(es16.8e3, 1x))') values(:, i)
       end if
-      call line('</DataArray>')
-    end subroutine write_field
-  end subroutine write_vtu
+      call lines%add(trim(adjustl(row)))
+    end do
+  end subroutine add_vectors
+
+  pure function whole(numbers) result(words)
+    integer, intent(in) :: numbers(:)
+    character(:), allocatable :: words
+    character(12*size(numbers)) :: row
+
+    write (row, '(*(i0, 1x))') numbers
+    words = trim(row)
+  end function whole
 end module gearsweep_vtu

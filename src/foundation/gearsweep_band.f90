@@ -3,7 +3,7 @@
 module gearsweep_band
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_memory, code_numerical
-  use gearsweep_lapack, only: dpbtrf, dtbsv, dtrsm, dgemm
+  use gearsweep_lapack, only: dpbtrf, dtrsm, dgemm
   use gearsweep_text, only: str
   implicit none
   private
@@ -14,6 +14,7 @@ module gearsweep_band
     integer :: n = 0
     integer :: width = 0                         !< sub-diagonals
     real(dp), allocatable :: a(:, :)             !< (width+1, n)
+    integer, allocatable :: last(:)              !< row that each column of the factor reaches down to
   contains
     procedure :: factor
     procedure :: solve
@@ -30,14 +31,17 @@ contains
     type(band_t), intent(out) :: matrix
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: bytes
+    character(:), allocatable :: limit
     integer :: status
 
     bytes = 8.0_dp*n*(width + 1.0_dp)
     status = 0
     if (bytes <= most_bytes) allocate (matrix%a(width + 1, n), stat=status)
     if (bytes > most_bytes .or. status /= 0) then
+      limit = 'at most '//str(most_bytes/1e9_dp, 3)//' GB'
+      if (status /= 0) limit = 'the machine does not have it'
       call fail(error, code_memory, '&section elements_across: the grid has '//str(n)//' unknowns and needs '// &
-        str(bytes/1e9_dp, 3)//' GB; at most '//str(most_bytes/1e9_dp, 3)//' GB')
+        str(bytes/1e9_dp, 3)//' GB; '//limit)
       return
     end if
     matrix%n = n
@@ -45,24 +49,111 @@ contains
     matrix%a = 0
   end subroutine make_band
 
-  !> Replaces the matrix by its Cholesky factor.
+  !> Replaces the matrix by its Cholesky factor, block of columns by block, as
+  !> LAPACK's dpbtrf does; but no further down than the matrix reaches there.
   subroutine factor(matrix, error)
     class(band_t), intent(inout) :: matrix
     type(error_t), allocatable, intent(out) :: error
-    integer :: info
+    real(dp), allocatable :: panel(:, :)
+    integer :: j, columns, rows, info
 
-    call dpbtrf('L', matrix%n, matrix%width, matrix%a, matrix%width + 1, info)
-    if (info /= 0) call fail(error, code_numerical, &
-      'the stiffness matrix is not positive definite at unknown '//str(info)//': the body is not held')
+    call find_reach(matrix)
+    do j = 1, matrix%n, block_size(matrix)
+      columns = min(block_size(matrix), matrix%n - j + 1)
+      call dpbtrf('L', columns, columns - 1, matrix%a(1, j), matrix%width + 1, info)
+      if (info /= 0) then
+        call fail(error, code_numerical, &
+          'the stiffness matrix is not positive definite at unknown '//str(j - 1 + info)//': the body is not held')
+        return
+      end if
+      rows = matrix%last(j + columns - 1) - (j + columns - 1)
+      if (rows == 0) cycle
+      call take_panel(matrix, j, columns, rows, panel)
+      call dtrsm('R', 'L', 'T', 'N', rows, columns, 1.0_dp, matrix%a(1, j), matrix%width, panel, rows)
+      call put_panel(matrix, j, columns, rows, panel)
+      call subtract_square(matrix, j + columns, columns, rows, panel)
+    end do
   end subroutine factor
+
+  !> Below row `last(j)` column j of the factor is zero.
+  subroutine find_reach(matrix)
+    type(band_t), intent(inout) :: matrix
+    integer :: i, j, last
+
+    allocate (matrix%last(matrix%n))
+    last = 0
+    do j = 1, matrix%n
+      do i = min(matrix%n, j + matrix%width), max(last, j) + 1, -1
+        if (abs(matrix%a(1 + i - j, j)) > 0) exit
+      end do
+      last = i
+      matrix%last(j) = last
+    end do
+  end subroutine find_reach
+
+  pure integer function block_size(matrix)
+    type(band_t), intent(in) :: matrix
+    integer, parameter :: most_columns = 32
+
+    block_size = max(1, min(most_columns, matrix%width))
+  end function block_size
+
+  !> The rows below the triangle of a block of columns, as a rectangle.
+  pure subroutine take_panel(matrix, j, columns, rows, panel)
+    type(band_t), intent(in) :: matrix
+    integer, intent(in) :: j, columns, rows
+    real(dp), allocatable, intent(out) :: panel(:, :)
+    integer :: c, m
+
+    allocate (panel(rows, columns))
+    do c = 1, columns
+      m = min(rows, matrix%width - columns + c)
+      panel(:m, c) = matrix%a(columns - c + 2:columns - c + 1 + m, j + c - 1)
+      panel(m + 1:, c) = 0
+    end do
+  end subroutine take_panel
+
+  pure subroutine put_panel(matrix, j, columns, rows, panel)
+    type(band_t), intent(inout) :: matrix
+    integer, intent(in) :: j, columns, rows
+    real(dp), intent(in) :: panel(:, :)
+    integer :: c, m
+
+    do c = 1, columns
+      m = min(rows, matrix%width - columns + c)
+      matrix%a(columns - c + 2:columns - c + 1 + m, j + c - 1) = panel(:m, c)
+    end do
+  end subroutine put_panel
+
+  !> Subtracts `panel` times its transpose from the triangle that begins at column j.
+  subroutine subtract_square(matrix, j, depth, rows, panel)
+    type(band_t), intent(inout) :: matrix
+    integer, intent(in) :: j, depth, rows
+    real(dp), intent(in) :: panel(rows, depth)
+    real(dp) :: square(depth, depth)
+    integer :: k, c, columns, left
+
+    do k = 1, rows, depth
+      columns = min(depth, rows - k + 1)
+      call dgemm('N', 'T', columns, columns, depth, 1.0_dp, panel(k, 1), rows, panel(k, 1), rows, 0.0_dp, square, depth)
+      do c = 1, columns
+        associate (column => matrix%a(:columns - c + 1, j + k + c - 2))
+          column = column - square(c:columns, c)
+        end associate
+      end do
+      left = rows - k - columns + 1
+      if (left > 0) call dgemm('N', 'T', left, columns, depth, -1.0_dp, panel(k + columns, 1), rows, &
+                               panel(k, 1), rows, 1.0_dp, matrix%a(columns + 1, j + k - 1), matrix%width)
+    end do
+  end subroutine subtract_square
 
   !> Solves for one right-hand side, in place, with the factor.
   subroutine solve_one(matrix, x)
     class(band_t), intent(in) :: matrix
     real(dp), intent(inout), contiguous :: x(:)
 
-    call dtbsv('L', 'N', 'N', matrix%n, matrix%width, matrix%a, matrix%width + 1, x, 1)
-    call dtbsv('L', 'T', 'N', matrix%n, matrix%width, matrix%a, matrix%width + 1, x, 1)
+    call sweep(matrix, 1, x, 1, .false.)
+    call sweep(matrix, 1, x, 1, .true.)
   end subroutine solve_one
 
   !> Solves for the columns of `x`, in place, with the factor.
@@ -92,10 +183,9 @@ contains
     integer, intent(in) :: sides, first
     real(dp), intent(inout) :: x(matrix%n, sides)
     logical, intent(in) :: backward
-    integer, parameter :: most_columns = 32
     integer :: b, blocks, block, j, columns
 
-    block = max(1, min(most_columns, matrix%width))
+    block = block_size(matrix)
     blocks = (matrix%n - first)/block + 1
     do b = 1, blocks
       j = first + merge(blocks - b, b - 1, backward)*block
@@ -116,9 +206,9 @@ contains
     real(dp) :: corner(columns, columns)
     integer :: left, full, tail, c, t
 
-    left = matrix%n - j - columns + 1
+    left = matrix%last(j + columns - 1) - j - columns + 1
     full = min(matrix%width + 1 - columns, left)
-    tail = min(columns - 1, left - full)
+    tail = left - full
     if (full > 0) call product(matrix%a(columns + 1, j), matrix%width, full, j + columns)
     if (tail <= 0) return
     corner = 0

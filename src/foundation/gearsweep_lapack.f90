@@ -1,9 +1,9 @@
-!> Explicit interfaces of the BLAS, LAPACK and ARPACK procedures in use.
+!> Explicit interfaces of the BLAS and LAPACK procedures in use.
 module gearsweep_lapack
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: dpbtrf, dtbsv, dtrsm, dgemm, dsaupd, dseupd
+  public :: dpbtrf, dtrsm, dgemm, dsyev
 
   interface
     subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
@@ -13,14 +13,6 @@ module gearsweep_lapack
       real(dp), intent(inout) :: ab(ldab, *)
       integer, intent(out) :: info
     end subroutine dpbtrf
-
-    subroutine dtbsv(uplo, trans, diag, n, k, a, lda, x, incx)
-      import :: dp
-      character, intent(in) :: uplo, trans, diag
-      integer, intent(in) :: n, k, lda, incx
-      real(dp), intent(in) :: a(lda, *)
-      real(dp), intent(inout) :: x(*)
-    end subroutine dtbsv
 
     subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
       import :: dp
@@ -38,27 +30,13 @@ module gearsweep_lapack
       real(dp), intent(inout) :: c(ldc, *)
     end subroutine dgemm
 
-    !> ARPACK writes to `tol`, and keeps saved state: one caller at a time.
-    subroutine dsaupd(ido, bmat, n, which, nev, tol, resid, ncv, v, ldv, iparam, ipntr, workd, workl, lworkl, info)
+    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
       import :: dp
-      character, intent(in) :: bmat
-      character(2), intent(in) :: which
-      integer, intent(in) :: n, nev, ncv, ldv, lworkl
-      integer, intent(inout) :: ido, iparam(11), ipntr(11), info
-      real(dp), intent(inout) :: tol, resid(n), v(ldv, ncv), workd(3*n), workl(lworkl)
-    end subroutine dsaupd
-
-    subroutine dseupd(rvec, howmny, select, d, z, ldz, sigma, bmat, n, which, nev, tol, resid, ncv, v, ldv, &
-                      iparam, ipntr, workd, workl, lworkl, info)
-      import :: dp
-      logical, intent(in) :: rvec
-      character, intent(in) :: howmny, bmat
-      character(2), intent(in) :: which
-      integer, intent(in) :: ldz, n, nev, ncv, ldv, lworkl
-      logical, intent(inout) :: select(ncv)
-      integer, intent(inout) :: iparam(7), ipntr(11), info
-      real(dp), intent(inout) :: d(nev), z(ldz, nev), tol, resid(n), v(ldv, ncv), workd(2*n), workl(lworkl)
-      real(dp), intent(in) :: sigma
-    end subroutine dseupd
+      character, intent(in) :: jobz, uplo
+      integer, intent(in) :: n, lda, lwork
+      real(dp), intent(inout) :: a(lda, *)
+      real(dp), intent(out) :: w(*), work(*)
+      integer, intent(out) :: info
+    end subroutine dsyev
   end interface
 end module gearsweep_lapack

@@ -5,7 +5,7 @@ module gearsweep_lines
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: lines_t, field, left, right
+  public :: lines_t, bare, field, left, right
 
   type :: lines_t
     private
@@ -48,6 +48,19 @@ contains
     text = ''
     if (self%used > 0) text = self%buffer(:self%used)
   end function text
+
+  !> Without the carriage return that some editors leave.
+  pure function bare(line)
+    character(*), intent(in) :: line
+    character(:), allocatable :: bare
+    integer :: length
+
+    length = len(line)
+    if (length > 0) then
+      if (line(length:) == achar(13)) length = length - 1
+    end if
+    bare = line(:length)
+  end function bare
 
   !> `words` at the right end of a column.
   pure function right(words, width) result(column)

@@ -44,7 +44,8 @@ module gearsweep_root_rating
 contains
 
   !> Rates the root of one member under `load` (N) on the line of action, for
-  !> each of the meshes, which differ in their relief; they share the solution.
+  !> each of the meshes, which differ in their relief: one solution for unit loads
+  !> serves all.
   subroutine rate_root(pair, mesh, load, material, section, options, rating, error)
     type(pair_t), intent(in) :: pair
     type(mesh_t), intent(in) :: mesh(:)
@@ -54,27 +55,24 @@ contains
     type(root_options_t), intent(in) :: options
     type(root_rating_t), allocatable, intent(out) :: rating(:)
     type(error_t), allocatable, intent(out) :: error
-    type(root_stress_t) :: all
-    real(dp), allocatable :: radius(:), line_load(:)
-    integer :: i, n
+    type(root_stress_t) :: unit
+    real(dp), allocatable :: s(:), radius(:)
+    integer :: i
 
-    allocate (rating(size(mesh)), radius(0), line_load(0))
+    allocate (rating(size(mesh)))
+    s = load_positions(pair, options)
+    allocate (radius, source=min(pair%radius(options%member, s), pair%gear(options%member)%tip_radius))
+    call root_stress(pair%gear(options%member), material, section, radius, spread(1.0_dp, 1, size(s)), unit, error)
+    if (allocated(error)) return
     do i = 1, size(mesh)
-      rating(i)%s = load_positions(pair, options)
-      rating(i)%radius = min(pair%radius(options%member, rating(i)%s), pair%gear(options%member)%tip_radius)
+      rating(i)%s = s
+      rating(i)%radius = radius
       if (options%sharing == shares_stated) then
         rating(i)%share = options%shares
       else
-        rating(i)%share = shares(mesh(i), load, rating(i)%s, options%sharing)
+        rating(i)%share = shares(mesh(i), load, s, options%sharing)
       end if
-      radius = [radius, rating(i)%radius]
-      line_load = [line_load, rating(i)%share*load/minval(pair%gear%spec%face_width)]
-    end do
-    call root_stress(pair%gear(options%member), material, section, radius, line_load, all, error)
-    if (allocated(error)) return
-    n = size(rating(1)%s)
-    do i = 1, size(mesh)
-      rating(i)%stress = all%under_loads((i - 1)*n + 1, i*n)
+      rating(i)%stress = unit%under_loads(rating(i)%share*load/minval(pair%gear%spec%face_width))
       call read_off(options%tangent, rating(i), error)
       if (allocated(error)) return
       call compare(pair, load, options%member, rating(i))
@@ -127,20 +125,23 @@ contains
     outer_point = pair%radius(member, merge(s(4), s(2), member == 1))
   end function outer_point
 
-  !> Path coordinates of the load. On the path, B and D are met from both
-  !> sides, as the share jumps there; on the flank, equal arcs lead from the tip down.
+  !> Path coordinates of the load. On the path, the jumps of the share are met from
+  !> both sides; on the flank, equal arcs lead from the tip down.
   pure function load_positions(pair, options) result(s)
     type(pair_t), intent(in) :: pair
     type(root_options_t), intent(in) :: options
     real(dp), allocatable :: s(:)
     real(dp), parameter :: beside = 1e-9_dp
-    real(dp) :: point(5), curvature(2), base
+    real(dp) :: curvature(2), base
     integer :: i, n
 
     n = max(2, options%positions)
     if (options%spacing == spaced_on_path) then
-      point = pair%points()
-      s = [[(pair%contact_ratio*i/(n - 1), i=0, n - 1)], point(2) + [-beside, beside], point(4) + [-beside, beside]]
+      ! A pair comes or goes at whole s and at whole s before E.
+      s = [(pair%contact_ratio*i/(n - 1), i=0, n - 1)]
+      do i = 1, int(pair%contact_ratio)
+        s = [s, i + [-beside, beside], pair%contact_ratio - i + [-beside, beside]]
+      end do
       s = sorted(max(0.0_dp, min(pair%contact_ratio, s)))
     else
       ! The arc of an involute grows with the square of the radius of curvature.
