@@ -148,7 +148,11 @@ contains
 
     path = beside(folder, study%case%published)
     call read_text(path, text, error)
-    if (.not. allocated(error)) call read_published(path, text, study%published, error)
+    if (allocated(error)) return
+    ! As in the case reader: one at a time.
+    !$omp critical (gearsweep_texts)
+    call read_published(path, text, study%published, error)
+    !$omp end critical (gearsweep_texts)
   end subroutine find_published
 
   !> Gears, centre distance and path of contact.

@@ -1,8 +1,9 @@
 !> Small text helpers for messages, tables and readers.
 !>
-!> The results have stated lengths, not `len=:`: where a function with such a
+!> Most results have stated lengths, not `len=:`: where a function with such a
 !> result is called, gfortran keeps its length in static memory (seen with GCC 12),
-!> so that callers at once would spoil each other's texts.
+!> so that callers at once would spoil each other's texts. `join` and
+!> `closest_word` are for readers, which one caller at a time enters.
 module gearsweep_text
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
@@ -146,13 +147,13 @@ contains
   !> The trimmed words with the separator between them.
   pure function join(words, separator) result(text)
     character(*), intent(in) :: words(:), separator
-    character(sum(len_trim(words)) + max(0, size(words) - 1)*len(separator)) :: text
-    integer :: i, used
+    character(:), allocatable :: text
+    integer :: i
 
-    used = 0
+    text = ''
     do i = 1, size(words)
-      text(used + 1:) = trim(words(i))//separator
-      used = used + len_trim(words(i)) + len(separator)
+      if (i > 1) text = text//separator
+      text = text//trim(words(i))
     end do
   end function join
 
