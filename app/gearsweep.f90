@@ -14,11 +14,6 @@ program gearsweep_program
       integer(c_int), value :: descriptor
     end function c_isatty
 
-    subroutine openblas_set_num_threads(threads) bind(c)
-      import :: c_int
-      integer(c_int), value :: threads
-    end subroutine openblas_set_num_threads
-
     subroutine c_exit(code) bind(c, name='exit')
       import :: c_int
       integer(c_int), value :: code
@@ -40,8 +35,6 @@ program gearsweep_program
   integer(int64) :: began, ended, rate
 
   call system_clock(began, rate)
-  ! Its threads would spin beside the sweep's and change the bits of sums.
-  call openblas_set_num_threads(1_c_int)
   call read_arguments(arguments)
   call read_text(arguments%case, text, error)
   call check(error)

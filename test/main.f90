@@ -6,6 +6,7 @@ program check
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
+  use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
@@ -29,7 +30,8 @@ program check
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &
     & suite_t('elastic_stiffness', run_elastic_stiffness), &
-    & suite_t('elastic_stress', run_elastic_stress)])
+    & suite_t('elastic_stress', run_elastic_stress), &
+    & suite_t('flat', run_flat)])
 
   do i = 1, size(suites)
     if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)

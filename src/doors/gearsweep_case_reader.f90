@@ -24,6 +24,17 @@ contains
     character(*), intent(in) :: text
     type(case_t), intent(out) :: case
     type(error_t), allocatable, intent(out) :: error
+
+    ! Its texts have lengths that gfortran keeps in static memory; see gearsweep_text.
+    !$omp critical (gearsweep_texts)
+    call read_all(text, case, error)
+    !$omp end critical (gearsweep_texts)
+  end subroutine read_case
+
+  subroutine read_all(text, case, error)
+    character(*), intent(in) :: text
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
     type(reader_t) :: reader
 
     case%text = text
@@ -41,7 +52,7 @@ contains
     call read_numerics(reader, case, error)
     call read_section(reader, case, error)
     call reader%finish(error)
-  end subroutine read_case
+  end subroutine read_all
 
   subroutine read_tasks(reader, case, error)
     type(reader_t), intent(inout) :: reader

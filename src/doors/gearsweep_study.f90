@@ -3,6 +3,7 @@
 module gearsweep_study
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_case, only: case_t, speeds
   use gearsweep_files, only: read_table, read_text
   use gearsweep_published, only: published_t, read_published
@@ -52,14 +53,32 @@ module gearsweep_study
 contains
 
   !> Runs what the case's tasks need. `folder` is where its files lie, with the
-  !> slash; `threads` 0 takes all.
-  subroutine run_study(case, folder, threads, study, error, progress)
+  !> slash; `threads` 0 takes all. `stiffness` is that of one pair (N/m over s)
+  !> where it is known already: of the same gears, material, section and load.
+  !> Any number of callers at once.
+  subroutine run_study(case, folder, threads, study, error, progress, stiffness)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     integer, intent(in) :: threads
     type(study_t), intent(out) :: study
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    type(piecewise_t), intent(in), optional :: stiffness
+
+    call hold_blas()
+    call run_stages(case, folder, threads, study, error, progress, stiffness)
+    call release_blas()
+  end subroutine run_study
+
+  !> The same, whatever BLAS does with threads.
+  subroutine run_stages(case, folder, threads, study, error, progress, stiffness)
+    type(case_t), intent(in) :: case
+    character(*), intent(in) :: folder
+    integer, intent(in) :: threads
+    type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    procedure(progress_of_sweep), optional :: progress
+    type(piecewise_t), intent(in), optional :: stiffness
     type(sweep_options_t) :: options
 
     study%case = case
@@ -80,7 +99,7 @@ contains
       return
     end if
     call find_load(study)
-    call build_mesh(study, folder, error)
+    call build_mesh(study, folder, error, stiffness)
     if (allocated(error)) return
     call build_motion(study, error)
     if (allocated(error)) return
@@ -98,7 +117,7 @@ contains
     if (case%asks('sweep')) call sweep_all(study, options, error, progress)
     if (case%asks('optimum') .and. .not. allocated(error)) call optimise(study, options, error, progress)
     call note_left_out(study)
-  end subroutine run_study
+  end subroutine run_stages
 
   subroutine note(study, line)
     type(study_t), intent(inout) :: study
@@ -129,7 +148,11 @@ contains
 
     path = beside(folder, study%case%published)
     call read_text(path, text, error)
-    if (.not. allocated(error)) call read_published(path, text, study%published, error)
+    if (allocated(error)) return
+    ! As in the case reader: one at a time.
+    !$omp critical (gearsweep_texts)
+    call read_published(path, text, study%published, error)
+    !$omp end critical (gearsweep_texts)
   end subroutine find_published
 
   !> Gears, centre distance and path of contact.
@@ -196,11 +219,12 @@ contains
     solid_inertia = pi/2*density*gear%spec%face_width*(gear%reference_radius**4 - gear%spec%bore_radius**4)
   end function solid_inertia
 
-  !> Stiffness by the chosen model, and the path's other data.
-  subroutine build_mesh(study, folder, error)
+  !> Stiffness by the chosen model unless it is known, and the path's other data.
+  subroutine build_mesh(study, folder, error, known)
     type(study_t), intent(inout) :: study
     character(*), intent(in) :: folder
     type(error_t), allocatable, intent(out) :: error
+    type(piecewise_t), intent(in), optional :: known
     real(dp), allocatable :: s(:), stiffness(:)
     real(dp) :: line_load, points(5)
 
@@ -218,6 +242,11 @@ contains
         mesh%pitch_point = points(3)
         mesh%tan_angle = tan(study%pair%working_angle(drive))
         line_load = study%load/case%spec(1)%face_width
+      end if
+      if (present(known)) then
+        mesh%stiffness = known
+        call note(study, 'mesh: pair stiffness as passed in')
+        return
       end if
       select case (case%model)
       case ('fe')
@@ -268,7 +297,7 @@ contains
   !> A relative file lies in the case's folder.
   pure function beside(folder, file) result(path)
     character(*), intent(in) :: folder, file
-    character(:), allocatable :: path
+    character(len(file) + merge(0, len(folder), index(file, '/') == 1)) :: path
 
     path = folder//file
     if (index(file, '/') == 1) path = file
@@ -399,25 +428,29 @@ contains
     type(sweep_options_t), intent(in) :: options
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    type(optimum_t), allocatable :: optimum
     real(dp) :: largest
 
     ! Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
     largest = max(maxval(study%case%amount), 1.5_dp*study%load &
                   /study%mesh%stiffness%value(study%mesh%contact_ratio/2)/maxval(study%case%fraction))
     largest = min(largest, deepest_relief(study))
-    allocate (study%optimum)
-    call find_optimum(build, largest, speeds(study%case), options, study%optimum, error, progress)
+    allocate (optimum)
+    call find_optimum(relieved_study, study, largest, speeds(study%case), options, optimum, error, progress)
     if (allocated(error)) return
+    call move_alloc(optimum, study%optimum)
     call note(study, 'optimum: '//str(size(study%optimum%amount))//' reliefs swept')
-
-  contains
-
-    subroutine build(amount, motion, error)
-      real(dp), intent(in) :: amount
-      type(oscillator_t), intent(out) :: motion
-      type(error_t), allocatable, intent(out) :: error
-
-      call relieved(study, amount, motion, error)
-    end subroutine build
   end subroutine optimise
+
+  subroutine relieved_study(context, amount, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    select type (context)
+    type is (study_t)
+      call relieved(context, amount, motion, error)
+    end select
+  end subroutine relieved_study
 end module gearsweep_study

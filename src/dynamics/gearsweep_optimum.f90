@@ -25,10 +25,17 @@ module gearsweep_optimum
     real(dp) :: resolution = 0                   !< the best lies within so much of the true optimum, m
   end type optimum_t
 
+  integer, parameter :: scan = 16, inner = 6, rounds = 4
+  !> No more reliefs than these are tried.
+  integer, parameter, public :: most_tried = 1 + scan + rounds*inner
+
   abstract interface
-    !> Builds the oscillator for one relief (m).
-    subroutine build_motion(amount, motion, error)
+    !> Builds the oscillator for one relief (m) from what the caller of
+    !> `find_optimum` handed over. A module procedure with this `context`, not an
+    !> internal one: those would make the stack of all who link executable.
+    subroutine build_motion(context, amount, motion, error)
       import :: dp, oscillator_t, error_t
+      class(*), intent(in) :: context
       real(dp), intent(in) :: amount
       type(oscillator_t), intent(out) :: motion
       type(error_t), allocatable, intent(out) :: error
@@ -101,14 +108,14 @@ contains
   !> The relief between 0 and `largest` (m) whose worst dynamic factor over
   !> `rpm` is least: a scan, then ever finer scans around the best one, which
   !> ask nothing of the curve's smoothness.
-  subroutine find_optimum(build, largest, rpm, options, optimum, error, progress)
+  subroutine find_optimum(build, context, largest, rpm, options, optimum, error, progress)
     procedure(build_motion) :: build
+    class(*), intent(in) :: context
     real(dp), intent(in) :: largest, rpm(:)
     type(sweep_options_t), intent(in) :: options
     type(optimum_t), intent(out) :: optimum
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
-    integer, parameter :: scan = 16, inner = 6, rounds = 4
     type(sweep_options_t) :: rough
     real(dp) :: low, high
     integer :: round, i
@@ -138,7 +145,7 @@ contains
       if (allocated(error)) return
       allocate (motion(size(amount)))
       do i = 1, size(amount)
-        call build(amount(i), motion(i), error)
+        call build(context, amount(i), motion(i), error)
         if (allocated(error)) return
       end do
       call run_sweep(motion, rpm, rough, sweep, error, progress)

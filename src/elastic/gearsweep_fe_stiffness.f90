@@ -16,6 +16,9 @@ module gearsweep_fe_stiffness
   private
   public :: fe_options_t, fe_stiffness, tooth_compliance
 
+  !> Knots of the stiffness over the path.
+  integer, parameter, public :: fe_knots = 49
+
   !> Teeth are wide, hence plane strain unless said. The default grid holds the
   !> pair stiffness of usual gears to 0.1 %, of narrow tips to 0.3 %.
   type :: fe_options_t
@@ -39,9 +42,8 @@ contains
     real(dp), intent(in) :: line_load
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
-    integer, parameter :: points = 49
     type(piecewise_t) :: tooth(2)
-    real(dp) :: s(points), flat(points), total(points)
+    real(dp) :: s(fe_knots), flat(fe_knots), total(fe_knots)
     integer :: i
 
     if (.not. line_load > 0) then
@@ -50,11 +52,11 @@ contains
     end if
     call both_teeth(pair, material, options, tooth, error)
     if (allocated(error)) return
-    s = [(pair%contact_ratio*i/(points - 1), i=0, points - 1)]
+    s = [(pair%contact_ratio*i/(fe_knots - 1), i=0, fe_knots - 1)]
     associate (r1 => pair%curvature(1, s), r2 => pair%curvature(2, s), strain => options%section%plane_strain)
       flat = surface_to_depth(material, strain, contact_half_width(material, strain, line_load, r1, r2), &
                               pair%gear(1)%spec%module)
-      do i = 1, points
+      do i = 1, fe_knots
         total(i) = tooth(1)%value(r1(i)) + tooth(2)%value(r2(i)) + 2*flat(i)
       end do
     end associate

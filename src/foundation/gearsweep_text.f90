@@ -1,4 +1,9 @@
 !> Small text helpers for messages, tables and readers.
+!>
+!> Most results have stated lengths, not `len=:`: where a function with such a
+!> result is called, gfortran keeps its length in static memory (seen with GCC 12),
+!> so that callers at once would spoil each other's texts. `join` and
+!> `closest_word` are for readers, which one caller at a time enters.
 module gearsweep_text
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
@@ -9,7 +14,7 @@ module gearsweep_text
 
   !> The shortest sensible text of a number or logical: `3.18`, `1600`, `1.2e-7`, `true`.
   interface str
-    module procedure str_integer, str_real, str_logical
+    module procedure str_integer, str_real, str_digits, str_logical
   end interface str
 
   !> Reads all of `text` as one plain decimal number; `ok` is false for anything else.
@@ -20,35 +25,70 @@ module gearsweep_text
   character(*), parameter :: figures = '0123456789'
   !> Longer numbers are no numbers that anyone wrote.
   integer, parameter :: longest_number = 100
+  integer, parameter :: longest_shown = 60
 
 contains
 
+  !> Digits and sign.
+  pure integer function integer_length(x) result(length)
+    integer, intent(in) :: x
+    integer :: rest
+
+    length = merge(2, 1, x < 0)
+    rest = x/10
+    do while (rest /= 0)
+      length = length + 1
+      rest = rest/10
+    end do
+  end function integer_length
+
+  pure integer function real_length(x, digits) result(length)
+    real(dp), intent(in) :: x
+    integer, intent(in) :: digits
+    character(:), allocatable :: words
+
+    call write_real(x, digits, words)
+    length = len(words)
+  end function real_length
+
   pure function str_integer(x) result(text)
     integer, intent(in) :: x
-    character(:), allocatable :: text
-    character(32) :: buffer
+    character(integer_length(x)) :: text
 
-    write (buffer, '(i0)') x
-    text = trim(buffer)
+    write (text, '(i0)') x
   end function str_integer
 
   pure function str_logical(x) result(text)
     logical, intent(in) :: x
-    character(:), allocatable :: text
+    character(merge(4, 5, x)) :: text
 
-    if (x) then
-      text = 'true'
-    else
-      text = 'false'
-    end if
+    text = merge('true ', 'false', x)
   end function str_logical
 
-  !> At most `digits` significant digits (6), and no zeros that say nothing.
-  pure function str_real(x, digits) result(text)
+  !> At most 6 significant digits, and no zeros that say nothing.
+  pure function str_real(x) result(text)
     real(dp), intent(in) :: x
-    integer, intent(in), optional :: digits
-    character(:), allocatable :: text
-    character(48) :: buffer
+    character(real_length(x, 6)) :: text
+
+    text = str_digits(x, 6)
+  end function str_real
+
+  !> At most `digits` significant digits (1 to 17).
+  pure function str_digits(x, digits) result(text)
+    real(dp), intent(in) :: x
+    integer, intent(in) :: digits
+    character(real_length(x, digits)) :: text
+    character(:), allocatable :: words
+
+    call write_real(x, digits, words)
+    text = words
+  end function str_digits
+
+  pure subroutine write_real(x, digits, text)
+    real(dp), intent(in) :: x
+    integer, intent(in) :: digits
+    character(:), allocatable, intent(out) :: text
+    character(48) :: buffer, form
     character(:), allocatable :: mantissa
     integer :: n, exponent
 
@@ -58,22 +98,22 @@ contains
       text = trim(merge('-Infinity', 'Infinity ', x < 0))
       return
     end if
-    n = 6
-    if (present(digits)) n = max(1, min(17, digits))
-    write (buffer, '(es40.'//str_integer(n - 1)//'e3)') abs(x)
+    n = max(1, min(17, digits))
+    write (form, '(a, i0, a)') '(es40.', n - 1, 'e3)'
+    write (buffer, form) abs(x)
     buffer = adjustl(buffer)
     read (buffer(index(buffer, 'E') + 1:), *) exponent
     mantissa = buffer(1:1)//buffer(3:n + 1)
     mantissa = mantissa(:max(1, verify(mantissa, '0', back=.true.)))
-    text = placed(mantissa, exponent, n)
+    call place(mantissa, exponent, n, text)
     if (x < 0) text = '-'//text
-  end function str_real
+  end subroutine write_real
 
   !> The digits d1 d2 d3.. mean d1.d2d3.. 10^exponent: written plainly where that is short.
-  pure function placed(digits, exponent, n) result(text)
+  pure subroutine place(digits, exponent, n, text)
     character(*), intent(in) :: digits
     integer, intent(in) :: exponent, n
-    character(:), allocatable :: text
+    character(:), allocatable, intent(out) :: text
 
     if (exponent < -4 .or. exponent >= max(n, len(digits))) then
       text = digits(1:1)
@@ -86,7 +126,7 @@ contains
     else
       text = digits(:exponent + 1)//'.'//digits(exponent + 2:)
     end if
-  end function placed
+  end subroutine place
 
   !> ASCII letters in lower case, all else as it is.
   pure function lower(text) result(small)
@@ -120,12 +160,11 @@ contains
   !> Text fit for a one-line message: at most 60 characters, `?` for what is not plain ASCII.
   pure function shown(text) result(clean)
     character(*), intent(in) :: text
-    character(:), allocatable :: clean
-    integer, parameter :: longest = 60
+    character(min(len(text), longest_shown)) :: clean
     integer :: i
 
-    clean = text(:min(len(text), longest))
-    if (len(text) > longest) clean(longest - 2:) = '...'
+    clean = text(:len(clean))
+    if (len(text) > longest_shown) clean(longest_shown - 2:) = '...'
     do i = 1, len(clean)
       if (clean(i:i) < ' ' .or. clean(i:i) > '~') clean(i:i) = '?'
     end do

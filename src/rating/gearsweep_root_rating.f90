@@ -12,7 +12,7 @@ module gearsweep_root_rating
   use gearsweep_stress, only: root_stress_t, root_stress
   implicit none
   private
-  public :: root_options_t, root_rating_t, rate_root
+  public :: root_options_t, root_rating_t, rate_root, load_positions
 
   integer, parameter, public :: shared_by_mesh = 0, shared_equally = 1, shares_stated = 2
   integer, parameter, public :: spaced_on_path = 0, spaced_on_flank = 1
@@ -60,7 +60,7 @@ contains
     integer :: i
 
     allocate (rating(size(mesh)))
-    s = positions(pair, options)
+    s = load_positions(pair, options)
     allocate (radius, source=min(pair%radius(options%member, s), pair%gear(options%member)%tip_radius))
     call root_stress(pair%gear(options%member), material, section, radius, spread(1.0_dp, 1, size(s)), unit, error)
     if (allocated(error)) return
@@ -127,7 +127,7 @@ contains
 
   !> Path coordinates of the load. On the path, the jumps of the share are met from
   !> both sides; on the flank, equal arcs lead from the tip down.
-  pure function positions(pair, options) result(s)
+  pure function load_positions(pair, options) result(s)
     type(pair_t), intent(in) :: pair
     type(root_options_t), intent(in) :: options
     real(dp), allocatable :: s(:)
@@ -153,7 +153,7 @@ contains
       if (options%member == 2) s = -s
       s = max(0.0_dp, min(pair%contact_ratio, s))
     end if
-  end function positions
+  end function load_positions
 
   pure function sorted(values) result(list)
     real(dp), intent(in) :: values(:)

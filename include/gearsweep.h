@@ -1,0 +1,148 @@
+/* gearsweep for C and C++.
+ *
+ * Every call returns a code and leaves a message, which is empty where the code is 0.
+ *
+ *   text, text_length   the case, as the program reads it: text_length bytes, or up to the first NUL.
+ *                       Files that it names lie relative to the current folder.
+ *   nwork, work         the pair stiffness from gsc_prepare, for cases with the same gears, material,
+ *                       section and load; 0 and NULL: each call finds it itself.
+ *   threads             of the sweep; 0: all. The answer is the same for any number.
+ *   message, message_size  where the message goes, with its NUL; cut where it is too long.
+ *                       NULL and 0: no message is wanted.
+ *
+ * A call runs one task, which the case must name among its tasks. The caller owns all arrays; they may
+ * be larger than gsc_sizes says, and what lies beyond is not touched. The first index runs fastest, as
+ * in Fortran: x(i, j) with sizes (n, m) is x[i + n*j], counted from 0. Units are those of the case.
+ *
+ * Nothing prints, exits or keeps state. Any number of threads may call at once. While a call computes,
+ * OpenBLAS is kept to one thread; the number before comes back when the last call ends.
+ */
+#ifndef GEARSWEEP_H
+#define GEARSWEEP_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The codes, the same for the program (its exit code), Fortran, C and Python. Unless the code is
+   GSC_OK or GSC_PARTIAL, the results are as they were. */
+enum {
+  GSC_OK = 0,
+  GSC_INPUT = 1,     /* the case or an argument is not usable; an array too small: the message has the size */
+  GSC_USAGE = 2,     /* the command line is not usable (program only) */
+  GSC_FILE = 3,      /* a file cannot be read */
+  GSC_PARTIAL = 4,   /* some operating points have no answer (NaN); the others were computed */
+  GSC_NUMERICAL = 5, /* a numerical method did not deliver, although the input is valid */
+  GSC_MEMORY = 6     /* the work does not fit into the memory */
+};
+
+/* What status of gsc_sweep says. From GSC_UNSTABLE on there is no dynamic factor. */
+enum {
+  GSC_STABLE = 0,      /* stable and periodic with the mesh */
+  GSC_MARGINAL = 1,    /* periodic, but transients never die */
+  GSC_SUBHARMONIC = 2, /* periodic with several mesh periods */
+  GSC_INEXACT = 3,     /* the error estimate stays above the tolerance */
+  GSC_UNSTABLE = 4,    /* the periodic motion repels; no steady motion was reached */
+  GSC_APERIODIC = 5,   /* no periodic motion was found */
+  GSC_UNRESOLVED = 6,  /* the speed is too low for the steps given or allowed */
+  GSC_CHATTER = 7      /* contact changes without end */
+};
+
+/* What contact of gsc_sweep says: all pairs touch, one was apart for a while, all were, the coast
+   sides touched. */
+enum { GSC_CONTACT_FULL = 0, GSC_CONTACT_PARTIAL = 1, GSC_CONTACT_LOST = 2, GSC_CONTACT_COAST = 3 };
+
+/* Version of the library, as "0.1.0". */
+int gsc_version(char *version, size_t version_size, char *message, size_t message_size);
+
+/* Sizes of the results, 0 for tasks that the case does not name. No finite elements run.
+   rows: of gsc_mesh; tried: of gsc_optimum; positions: of gsc_root; modes: of gsc_modes;
+   nwork: of gsc_prepare. */
+int gsc_sizes(const char *text, size_t text_length, int *speeds, int *reliefs, int *rows, int *tried,
+              int *positions, int *modes, int *nwork, char *message, size_t message_size);
+
+/* Geometry of the pair. Last index of arrays: pinion, gear.
+   radius_mm[6*2]: tip, reference, drive base, coast base, root, start of the drive involute
+   point[5]: A, B, P, D, E along the path of contact, base pitches
+   point_radius_mm[5*2]: radius at which each member touches there
+   working_angle_deg[2]: drive, coast flanks; backlash_um: along the line of action */
+int gsc_geometry(const char *text, size_t text_length, double *radius_mm, double *point,
+                 double *point_radius_mm, double *distance_mm, double *working_angle_deg,
+                 double *contact_ratio, double *base_pitch_mm, double *backlash_um, char *message,
+                 size_t message_size);
+
+/* The pair stiffness, by finite elements where the case says so: the costly part of a mesh, for the
+   calls below. It holds for cases that differ in reliefs, speeds, masses, damping, friction,
+   backlash or tasks; another case is refused. */
+int gsc_prepare(const char *text, size_t text_length, int nwork, double *work, char *message,
+                size_t message_size);
+
+/* Static load on the line of action, effective masses[2] on it, mean mesh stiffness over the whole
+   width, natural frequency. */
+int gsc_motion(const char *text, size_t text_length, int nwork, const double *work, double *load_n,
+               double *mass_kg, double *stiffness_n_um, double *frequency_hz, char *message,
+               size_t message_size);
+
+/* Task mesh: one pair along the path of contact, static; arrays of rows, reliefs after each other.
+   s: base pitches from A; pair_n_um, mesh_n_um: stiffness of this pair, of all that carry;
+   error_um: profile error; share: of the static load; ste_um: static transmission error */
+int gsc_mesh(const char *text, size_t text_length, int nwork, const double *work, int rows,
+             double *relief_um, double *s, double *pair_n_um, double *mesh_n_um, double *error_um,
+             double *share, double *ste_um, char *message, size_t message_size);
+
+/* Task sweep. rpm[speeds]: of the pinion, ascending; relief_um[reliefs];
+   dynamic_factor, estimate (of its error), status, contact: [speeds*reliefs], speed first */
+int gsc_sweep(const char *text, size_t text_length, int nwork, const double *work, int threads,
+              int speeds, int reliefs, double *rpm, double *relief_um, double *dynamic_factor,
+              double *estimate, int *status, int *contact, char *message, size_t message_size);
+
+/* Task optimum: the relief with the least worst dynamic factor over the speeds. The curve has
+   `tried` reliefs, ascending; relief_um, worst_factor, rpm, failed: [room], room as gsc_sizes says.
+   best_...: its least, NaN where no relief has an answer; it lies within within_um of the true one. */
+int gsc_optimum(const char *text, size_t text_length, int nwork, const double *work, int threads,
+                int room, int *tried, double *relief_um, double *worst_factor, double *rpm,
+                int *failed, double *best_um, double *best_factor, double *best_rpm,
+                double *within_um, char *message, size_t message_size);
+
+/* Resonances of one curve of gsc_sweep; runs nothing. peak_rpm[5], peak_factor[5], of which `found`
+   are filled. */
+int gsc_resonances(int speeds, const double *rpm, const double *dynamic_factor, int *found,
+                   double *peak_rpm, double *peak_factor, char *message, size_t message_size);
+
+/* Task load: dynamic load of one pair along its path at the speeds load_rpm; arrays of room.
+   rows: that there are; also where room is too small (then GSC_INPUT).
+   s: base pitches from A; dte_um: dynamic transmission error */
+int gsc_load(const char *text, size_t text_length, int nwork, const double *work, int room, int *rows,
+             double *relief_um, double *rpm, double *s, double *pair_load_n, double *dte_um,
+             char *message, size_t message_size);
+
+/* Task modal: natural frequencies of the section; arrays of modes.
+   estimate: relative error; residual: of the eigenvalue problem; rim_share: of the kinetic energy */
+int gsc_modes(const char *text, size_t text_length, int modes, double *frequency_hz, double *estimate,
+              double *residual, double *rim_share, char *message, size_t message_size);
+
+/* Task static: root stress while the load moves over the path with its real share.
+   s, radius_mm: [positions] where the load acts; share[positions*reliefs]: of the static load
+   sigma_mpa[2*positions*reliefs]: along the surface at the fillet tangent; drive, coast side
+   parts_mpa[3*2*positions*reliefs]: its components across and along the tooth axis, and shear
+   tension_mpa, tension_deg, compression_mpa, compression_deg: [reliefs] largest over fillets and
+   path, and the tangent to the tooth axis there; estimate[reliefs]: relative error of the larger
+   iso_mpa, lewis_mpa: ISO 6336-3 sigma_F0 and Lewis, whole load at the outer point of single contact */
+int gsc_root(const char *text, size_t text_length, int nwork, const double *work, int positions,
+             int reliefs, double *relief_um, double *s, double *radius_mm, double *share,
+             double *sigma_mpa, double *parts_mpa, double *tension_mpa, double *tension_deg,
+             double *compression_mpa, double *compression_deg, double *estimate, double *iso_mpa,
+             double *lewis_mpa, char *message, size_t message_size);
+
+/* All tasks: the answer as the program prints it. length: without its NUL; also where answer_size is
+   too small (then GSC_INPUT). */
+int gsc_report(const char *text, size_t text_length, int nwork, const double *work, int threads,
+               char *answer, size_t answer_size, size_t *length, char *message, size_t message_size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

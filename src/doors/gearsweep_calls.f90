@@ -1,0 +1,135 @@
+!> Interfaces of the flat layer for modern Fortran, whose compiler then checks
+!> the arguments. What they mean is told in gearsweep_flat.f90.
+module gearsweep_calls
+  implicit none
+  private
+  public :: gs_version, gs_sizes, gs_geometry, gs_prepare, gs_motion, gs_mesh, gs_sweep
+  public :: gs_optimum, gs_resonances, gs_load, gs_modes, gs_root, gs_report
+
+  interface
+    subroutine gs_version(version, info, message)
+      character(*), intent(out) :: version
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_version
+
+    subroutine gs_sizes(text, speeds, reliefs, rows, tried, positions, modes, nwork, info, message)
+      character(*), intent(in) :: text
+      integer, intent(inout) :: speeds, reliefs, rows, tried, positions, modes, nwork
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_sizes
+
+    subroutine gs_geometry(text, radius_mm, point, point_radius_mm, distance_mm, working_angle_deg, &
+                           contact_ratio, base_pitch_mm, backlash_um, info, message)
+      character(*), intent(in) :: text
+      double precision, intent(inout) :: radius_mm(6, 2), point(5), point_radius_mm(5, 2), distance_mm
+      double precision, intent(inout) :: working_angle_deg(2), contact_ratio, base_pitch_mm, backlash_um
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_geometry
+
+    subroutine gs_prepare(text, nwork, work, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork
+      double precision, intent(inout) :: work(*)
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_prepare
+
+    subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork
+      double precision, intent(in) :: work(*)
+      double precision, intent(inout) :: load_n, mass_kg(2), stiffness_n_um, frequency_hz
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_motion
+
+    subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, error_um, share, ste_um, &
+                       info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, rows
+      double precision, intent(in) :: work(*)
+      double precision, intent(inout), dimension(rows) :: relief_um, s, pair_n_um, mesh_n_um, error_um, share, ste_um
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_mesh
+
+    subroutine gs_sweep(text, nwork, work, threads, speeds, reliefs, rpm, relief_um, dynamic_factor, estimate, &
+                        status, contact, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, threads, speeds, reliefs
+      double precision, intent(in) :: work(*)
+      double precision, intent(inout) :: rpm(speeds), relief_um(reliefs)
+      double precision, intent(inout), dimension(speeds, reliefs) :: dynamic_factor, estimate
+      integer, intent(inout), dimension(speeds, reliefs) :: status, contact
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_sweep
+
+    subroutine gs_optimum(text, nwork, work, threads, room, tried, relief_um, worst_factor, rpm, failed, &
+                          best_um, best_factor, best_rpm, within_um, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, threads, room
+      double precision, intent(in) :: work(*)
+      integer, intent(inout) :: tried, failed(room)
+      double precision, intent(inout), dimension(room) :: relief_um, worst_factor, rpm
+      double precision, intent(inout) :: best_um, best_factor, best_rpm, within_um
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_optimum
+
+    subroutine gs_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, info, message)
+      integer, intent(in) :: speeds
+      double precision, intent(in) :: rpm(speeds), dynamic_factor(speeds)
+      integer, intent(inout) :: found
+      double precision, intent(inout) :: peak_rpm(5), peak_factor(5)
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_resonances
+
+    subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, room
+      double precision, intent(in) :: work(*)
+      integer, intent(inout) :: rows
+      double precision, intent(inout), dimension(room) :: relief_um, rpm, s, pair_load_n, dte_um
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_load
+
+    subroutine gs_modes(text, modes, frequency_hz, estimate, residual, rim_share, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: modes
+      double precision, intent(inout), dimension(modes) :: frequency_hz, estimate, residual, rim_share
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_modes
+
+    subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_mm, share, sigma_mpa, &
+                       parts_mpa, tension_mpa, tension_deg, compression_mpa, compression_deg, estimate, &
+                       iso_mpa, lewis_mpa, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, positions, reliefs
+      double precision, intent(in) :: work(*)
+      double precision, intent(inout), dimension(positions) :: s, radius_mm
+      double precision, intent(inout) :: share(positions, reliefs), sigma_mpa(2, positions, reliefs)
+      double precision, intent(inout) :: parts_mpa(3, 2, positions, reliefs), iso_mpa, lewis_mpa
+      double precision, intent(inout), dimension(reliefs) :: relief_um, tension_mpa, tension_deg
+      double precision, intent(inout), dimension(reliefs) :: compression_mpa, compression_deg, estimate
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_root
+
+    subroutine gs_report(text, nwork, work, threads, answer, length, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, threads
+      double precision, intent(in) :: work(*)
+      character(*), intent(inout) :: answer
+      integer, intent(inout) :: length
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_report
+  end interface
+end module gearsweep_calls

@@ -1,0 +1,126 @@
+/* Designs a spur-gear pair with gearsweep in C: what legacy.f does, line by line the same output.
+
+     cc design.c $(pkg-config --cflags --libs gearsweep) */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <gearsweep.h>
+
+static char message[200];
+
+static void check(int info)
+{
+  if (info == GSC_OK) return;
+  printf("info%2d: %s\n", info, message);
+  if (info != GSC_PARTIAL) exit(1);
+}
+
+static double *numbers(int n)
+{
+  double *x = malloc(sizeof *x * (n > 0 ? n : 1));
+  if (!x) exit(1);
+  return x;
+}
+
+/* 17 digits, which no two numbers share, in the width and with the exponent of Fortran. */
+static void put(double x)
+{
+  char text[40];
+  sprintf(text, "%.16E", x);
+  char *power = strchr(text, 'E');
+  int exponent = power ? atoi(power + 1) : 0;
+  if (power) sprintf(power, "E%c%03d", exponent < 0 ? '-' : '+', abs(exponent));
+  printf(",%25s", text);
+}
+
+static void show(const char *name, const double *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    printf("%s", name);
+    put(x[i]);
+    putchar('\n');
+  }
+}
+
+int main(void)
+{
+  char text[1000];
+  sprintf(text,
+          "&case tasks = 'mesh', 'sweep', 'optimum' / &pair module_mm = %.3f face_width_mm = %.3f / "
+          "&pinion teeth = %d effective_mass_kg = 0.8 / &gear teeth = %d effective_mass_kg = 1.1 / "
+          "&load normal_force_n = %.2f / &relief amount_um = 0, 12.5, 20 / "
+          "&mesh model = 'fe' / &section elements_across = 6 / "
+          "&sweep rpm_first = 2000 rpm_last = 16000 rpm_step = 500 /", 3.18, 25.4, 25, 31, 7010.0);
+  size_t length = strlen(text);
+
+  int speeds, reliefs, rows, room, positions, modes, nwork;
+  check(gsc_sizes(text, length, &speeds, &reliefs, &rows, &room, &positions, &modes, &nwork, message,
+                  sizeof message));
+
+  double radius[12], point[5], point_radius[10], distance, angle[2], ratio, pitch, backlash;
+  check(gsc_geometry(text, length, radius, point, point_radius, &distance, angle, &ratio, &pitch, &backlash,
+                     message, sizeof message));
+  show("radius", radius, 12);
+  show("point", point, 5);
+  show("point_radius", point_radius, 10);
+  show("distance", &distance, 1);
+  show("angle", angle, 2);
+  show("ratio", &ratio, 1);
+  show("pitch", &pitch, 1);
+  show("backlash", &backlash, 1);
+
+  /* The finite elements run here, and in no call that is given work. */
+  double *work = numbers(nwork), load, mass[2], stiffness, frequency;
+  check(gsc_prepare(text, length, nwork, work, message, sizeof message));
+  check(gsc_motion(text, length, nwork, work, &load, mass, &stiffness, &frequency, message, sizeof message));
+  show("load", &load, 1);
+  show("mass", mass, 2);
+  show("stiffness", &stiffness, 1);
+  show("frequency", &frequency, 1);
+
+  double *mesh[7];
+  for (int k = 0; k < 7; k++) mesh[k] = numbers(rows);
+  check(gsc_mesh(text, length, nwork, work, rows, mesh[0], mesh[1], mesh[2], mesh[3], mesh[4], mesh[5], mesh[6],
+                 message, sizeof message));
+  for (int i = 0; i < rows; i++) {
+    printf("mesh");
+    for (int k = 0; k < 7; k++) put(mesh[k][i]);
+    putchar('\n');
+  }
+
+  int points = speeds * reliefs;
+  double *rpm = numbers(speeds), *relief = numbers(reliefs), *factor = numbers(points), *estimate = numbers(points);
+  int *status = malloc(points * sizeof *status), *contact = malloc(points * sizeof *contact);
+  if (!status || !contact) return 1;
+  check(gsc_sweep(text, length, nwork, work, 2, speeds, reliefs, rpm, relief, factor, estimate, status, contact,
+                  message, sizeof message));
+  for (int j = 0; j < reliefs; j++)
+    for (int i = 0; i < speeds; i++) {
+      printf("sweep");
+      put(relief[j]);
+      put(rpm[i]);
+      put(factor[i + speeds * j]);
+      put(estimate[i + speeds * j]);
+      printf("\nstatus,%2d,%2d\n", status[i + speeds * j], contact[i + speeds * j]);
+    }
+
+  int tried, *failed = malloc(room * sizeof *failed);
+  double *curve[3], best[4];
+  if (!failed) return 1;
+  for (int k = 0; k < 3; k++) curve[k] = numbers(room);
+  check(gsc_optimum(text, length, nwork, work, 2, room, &tried, curve[0], curve[1], curve[2], failed, &best[0],
+                    &best[1], &best[2], &best[3], message, sizeof message));
+  for (int i = 0; i < tried; i++) {
+    printf("vcurve");
+    for (int k = 0; k < 3; k++) put(curve[k][i]);
+    putchar('\n');
+  }
+  printf("best");
+  for (int k = 0; k < 4; k++) put(best[k]);
+  putchar('\n');
+
+  for (int k = 0; k < 7; k++) free(mesh[k]);
+  for (int k = 0; k < 3; k++) free(curve[k]);
+  free(work), free(rpm), free(relief), free(factor), free(estimate), free(status), free(contact), free(failed);
+  return 0;
+}

@@ -1,0 +1,140 @@
+!> The flat layer under run-time checks: sizes, what is refused, what is left alone, messages.
+module test_flat
+  use gearsweep_calls
+  use gearsweep_error, only: code_input, code_ok
+  use gearsweep_kinds, only: dp
+  use testing, only: check_close, check_equal, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  character(*), parameter :: pair = '&pair module_mm = 3 face_width_mm = 20 / '// &
+    '&pinion teeth = 21 effective_mass_kg = 0.5 / &gear teeth = 34 effective_mass_kg = 0.9 / '// &
+    '&load normal_force_n = 4000 / &relief amount_um = 0, 10 / &section elements_across = 4 / '
+  character(*), parameter :: text = '&case tasks = ''mesh'', ''load'', ''sweep'', ''optimum'', ''static'', ''modal'' / '// &
+    pair//'&mesh model = ''fe'' / &static positions = 5 / &modal modes = 3 / '// &
+    '&sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 load_rpm = 4000 /    '
+  real(dp), parameter :: mark = -7
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call test_messages(t)
+    call test_geometry_call(t)
+    call test_results(t)
+    call test_static_results(t)
+  end subroutine run
+
+  subroutine test_messages(t)
+    type(tally_t), intent(inout) :: t
+    character(200) :: message
+    character(6) :: short
+    character(5) :: version
+    integer :: n(7), info
+
+    n = -7
+    call gs_sizes('', n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call check_equal(t, 'an empty case is refused', info, code_input)
+    call check_true(t, 'it says why', index(message, '&') > 0)
+    call check_true(t, 'and leaves the results', all(n == -7))
+    call gs_sizes('&colour red = 1 /', n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, short)
+    call check_true(t, 'a short message is cut', info == code_input .and. len_trim(short) == 6)
+    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call check_equal(t, 'sizes', info, code_ok)
+    call check_true(t, 'no message', message == '')
+    call check_true(t, 'speeds, reliefs, modes', all(n([1, 2, 6]) == [4, 2, 3]))
+    call gs_version(version, info, message)
+    call check_true(t, 'version', info == code_ok .and. index(version, '.') > 0)
+  end subroutine test_messages
+
+  subroutine test_geometry_call(t)
+    type(tally_t), intent(inout) :: t
+    real(dp) :: radius(6, 2), point(5), at(5, 2), distance, angle(2), ratio, pitch, backlash
+    character(100) :: message
+    integer :: info
+
+    call gs_geometry('&case tasks = ''geometry'' / '//pair, radius, point, at, distance, angle, ratio, pitch, &
+                     backlash, info, message)
+    call check_equal(t, 'geometry', info, code_ok)
+    call check_close(t, 'centre distance', distance, 82.5_dp)
+    call check_close(t, 'tip radius of the gear', radius(1, 2), 54.0_dp)
+    call check_close(t, 'E ends the path', point(5), ratio)
+    call check_close(t, 'the pitch point lies on the pitch circle', at(3, 1), 31.5_dp)
+    call check_close(t, 'working angle', angle(1), 20.0_dp)
+  end subroutine test_geometry_call
+
+  !> Larger arrays than need be, with and without the stiffness passed in.
+  subroutine test_results(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: most = 6, room = 60
+    real(dp) :: rpm(most), relief(3), df(most, 3, 2), estimate(most, 3), none(1)
+    real(dp) :: curve(room, 3), best(4), peak(5, 2), rows(3000, 5)
+    real(dp), allocatable :: work(:)
+    integer :: n(7), status(most, 3), contact(most, 3), failed(room), tried, found, info
+    character(200) :: message
+
+    none = 0
+    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    allocate (work(n(7)), source=mark)
+    call gs_prepare(text, n(7) - 1, work, info, message)
+    call check_true(t, 'work too small', info == code_input .and. index(message, 'at least') > 0)
+    call check_true(t, 'work is as it was', all(.not. abs(work - mark) > 0))
+    call gs_prepare(text, n(7), work, info, message)
+    call check_equal(t, 'prepare', info, code_ok)
+    df = mark
+    call gs_sweep(text, n(7), work, 1, 3, 3, rpm, relief, df(:, :, 1), estimate, status, contact, info, message)
+    call check_true(t, 'too few speeds', info == code_input .and. all(.not. abs(df - mark) > 0))
+    call gs_sweep(text, n(7), work, 1, most, 3, rpm, relief, df(:, :, 1), estimate, status, contact, info, message)
+    call gs_sweep(text, 0, none, 2, most, 3, rpm, relief, df(:, :, 2), estimate, status, contact, info, message)
+    call check_equal(t, 'sweep', info, code_ok)
+    call check_true(t, 'the same bits with the stiffness passed in', all(.not. abs(df(:, :, 1) - df(:, :, 2)) > 0))
+    call check_true(t, 'dynamic factors', all(df(:4, :2, 1) > 0.5_dp))
+    call check_true(t, 'what lies beyond is not touched', all(.not. abs(df(5:, :, 1) - mark) > 0) .and. &
+                    all(.not. abs(df(:, 3, 1) - mark) > 0))
+    call gs_resonances(4, rpm, df(:4, 1, 1), found, peak(:, 1), peak(:, 2), info, message)
+    call check_true(t, 'resonances', info == code_ok .and. found >= 0)
+    call gs_optimum(text, n(7), work, 1, room, tried, curve(:, 1), curve(:, 2), curve(:, 3), failed, best(1), best(2), &
+                    best(3), best(4), info, message)
+    call check_true(t, 'optimum', info == code_ok .and. tried > 16 .and. tried <= n(4))
+    call check_close(t, 'the best is the least of the curve', best(2), minval(curve(:tried, 2)))
+    call gs_load(text, n(7), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call check_true(t, 'load: too little room', info == code_input .and. found > 10)
+    call gs_load(text, n(7), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call check_true(t, 'load', info == code_ok .and. maxval(rows(:found, 4)) > 4000*0.9_dp)
+    call gs_prepare('&case tasks = ''modal'' / '//pair, n(7), work, info, message)
+    call check_equal(t, 'no mesh to prepare', info, code_input)
+  end subroutine test_results
+
+  subroutine test_static_results(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), allocatable :: s(:), radius(:), share(:, :), sigma(:, :, :), parts(:, :, :, :), mesh(:, :)
+    real(dp) :: relief(2), peak(2, 5), iso, lewis, modes(3, 4), none(1), drive(5)
+    integer :: n(7), length, info
+    character(200) :: message
+    character(9000) :: answer
+
+    none = 0
+    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    allocate (s(n(5)), radius(n(5)), share(n(5), 2), sigma(2, n(5), 2), parts(3, 2, n(5), 2), mesh(n(3), 7))
+    call gs_root(text, 0, none, n(5), 2, relief, s, radius, share, sigma, parts, peak(:, 1), peak(:, 2), peak(:, 3), &
+                 peak(:, 4), peak(:, 5), iso, lewis, info, message)
+    call check_equal(t, 'root', info, code_ok)
+    call check_true(t, 'tension pulls, compression pushes', all(peak(:, 1) > 0 .and. peak(:, 3) < 0) .and. iso > 0)
+    call gs_modes(text, 3, modes(:, 1), modes(:, 2), modes(:, 3), modes(:, 4), info, message)
+    call check_true(t, 'modes', info == code_ok .and. modes(1, 1) > 0)
+    call gs_mesh(text, 0, none, n(3) - 1, mesh(:, 1), mesh(:, 2), mesh(:, 3), mesh(:, 4), mesh(:, 5), mesh(:, 6), &
+                 mesh(:, 7), info, message)
+    call check_equal(t, 'mesh: a row is missing', info, code_input)
+    call gs_mesh(text, 0, none, n(3), mesh(:, 1), mesh(:, 2), mesh(:, 3), mesh(:, 4), mesh(:, 5), mesh(:, 6), &
+                 mesh(:, 7), info, message)
+    call check_true(t, 'mesh', info == code_ok .and. maxval(mesh(:, 6)) <= 1 + 1e-12_dp)
+    call gs_motion(text, 0, none, drive(1), drive(2:3), drive(4), drive(5), info, message)
+    call check_close(t, 'load', drive(1), 4000.0_dp)
+    call gs_report(text, 0, none, 1, answer(:20), length, info, message)
+    call check_true(t, 'the answer needs room', info == code_input .and. length > 500)
+    call gs_report(text, 0, none, 1, answer, length, info, message)
+    call check_true(t, 'report', info == code_ok .and. len_trim(answer) >= length - 1)
+  end subroutine test_static_results
+end module test_flat
