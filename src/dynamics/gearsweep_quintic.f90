@@ -4,7 +4,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, top_of, first_zero, may_pass
+  public :: quintic, value_of, shape_of, top_of, first_zero, may_pass
 
 contains
 
@@ -32,6 +32,20 @@ contains
       value_of = value_of*t + c(k)
     end do
   end function value_of
+
+  !> Value, first and second derivative.
+  pure function shape_of(c, t) result(f)
+    real(dp), intent(in) :: c(0:), t
+    real(dp) :: f(0:2)
+    integer :: k
+
+    f = 0
+    do k = ubound(c, 1), 0, -1
+      f(2) = f(2)*t + 2*f(1)
+      f(1) = f(1)*t + f(0)
+      f(0) = f(0)*t + c(k)
+    end do
+  end function shape_of
 
   pure function derivative(c) result(d)
     real(dp), intent(in) :: c(0:)

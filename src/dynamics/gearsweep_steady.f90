@@ -3,10 +3,13 @@
 module gearsweep_steady
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
+  use gearsweep_gauss, only: lanes
+  use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
   use gearsweep_period, only: period_t, run_period
   implicit none
   private
-  public :: steady_t, steady_options_t, find_steady, shoot, distance, largest_multiplier, name_of, has_answer
+  public :: steady_t, steady_options_t, find_steady, hold_in_lanes, settled, shoot, distance, largest_multiplier
+  public :: name_of, has_answer
 
   !> What is known of an operating point. Up to `inexact` there is a dynamic factor.
   integer, parameter, public :: &
@@ -92,7 +95,7 @@ contains
     call march(osc, table, duration, options, from, steady)
   end subroutine find_steady
 
-  pure logical function settled(steady)
+  elemental logical function settled(steady)
     type(steady_t), intent(in) :: steady
 
     settled = steady%status == point_ok .or. steady%status == point_marginal
@@ -118,6 +121,28 @@ contains
     if (run%partial .or. run%failed) return
     call judge(osc, duration, state, run, 1, steady)
   end subroutine solve_in_contact
+
+  !> The same at several speeds at once; `settled` where all pairs stay in contact and the motion attracts.
+  pure subroutine hold_in_lanes(osc, table, duration, work, steady)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration(lanes)
+    type(lane_work_t), intent(inout) :: work
+    type(steady_t), intent(out) :: steady(lanes)
+    type(period_t) :: run(lanes)
+    real(dp) :: state(2, lanes)
+    logical :: solved(lanes)
+    integer :: l
+
+    call hold_maps(osc, table, duration, work, run)
+    do l = 1, lanes
+      call newton_step(run(l)%map, run(l)%state, state(:, l), solved(l))
+    end do
+    call hold_motion(osc, table, duration, state, work, run)
+    do l = 1, lanes
+      if (solved(l) .and. .not. run(l)%partial) call judge(osc, duration(l), state(:, l), run(l), 1, steady(l))
+    end do
+  end subroutine hold_in_lanes
 
   !> Solves (I - map) step = defect.
   pure subroutine newton_step(map, defect, step, solved)

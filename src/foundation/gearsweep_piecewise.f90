@@ -13,6 +13,7 @@ module gearsweep_piecewise
     real(dp), allocatable :: coef(:, :)
   contains
     procedure :: locate
+    procedure :: climb
     procedure :: value
     procedure :: slope
     procedure :: shape
@@ -128,6 +129,18 @@ contains
     end do
     piece = low
   end function locate
+
+  !> The same for x that ascends from call to call; `piece` is that of the last one.
+  pure subroutine climb(p, x, piece)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(inout) :: piece
+
+    do while (piece < size(p%breaks) - 1)
+      if (x < p%breaks(piece + 1)) return
+      piece = piece + 1
+    end do
+  end subroutine climb
 
   !> Value at x. At a jump, `piece` chooses the side.
   pure real(dp) function value(p, x, piece)
