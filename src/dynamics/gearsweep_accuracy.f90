@@ -5,7 +5,7 @@ module gearsweep_accuracy
   use gearsweep_gauss, only: order, lanes
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_hold, only: lane_work_t
-  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, hold_in_lanes, settled, shoot, distance, &
+  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, &
                               has_answer, point_inexact, point_unresolved, by_shooting
   implicit none
   private
@@ -116,8 +116,8 @@ contains
     call note_inexact(options, point)
   end subroutine solve_point
 
-  !> The same without `start` at several speeds at once, where all pairs stay in contact and the motion
-  !> attracts: `solved`. Wants the number of steps chosen.
+  !> The same without `start` at several speeds at once, where Newton's method settles: `solved`. Wants
+  !> the number of steps chosen.
   pure subroutine solve_lanes(osc, duration, options, tables, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration(lanes)
@@ -138,10 +138,10 @@ contains
       solved = .false.
       if (rung_steps(rung) > min(most_lane_steps, real(options%most_steps, dp)) .or. rung_steps(rung) < least) return
       call need_rungs(osc, rung, tables)
-      call hold_in_lanes(osc, tables%rung(rung), duration, tables%work, points%steady)
+      call find_in_lanes(osc, tables%rung(rung), duration, options%steady%tolerance, tables%work, points%steady)
       solved = settled(points%steady)
       if (.not. any(solved)) return
-      call hold_in_lanes(osc, tables%rung(rung - octave), duration, tables%work, half)
+      call find_in_lanes(osc, tables%rung(rung - octave), duration, options%steady%tolerance, tables%work, half, points%steady)
       solved = solved .and. settled(half)
       if (.not. any(solved)) return
       call compare(osc, duration, half, points)
@@ -218,7 +218,7 @@ contains
     point%steps = fine%steps
     if (.not. has_answer(point%steady%status)) return
     if (point%steady%partial) then
-      call shoot(osc, coarse, duration, point%steady%periods, point%steady%state, half)
+      call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, half)
     else
       alike = options%steady
       alike%method = by_shooting

@@ -95,28 +95,37 @@ contains
     end do
   end subroutine take_step
 
-  !> Rates and errors of the members at a place of step i.
-  pure subroutine evaluate(osc, table, i, walk, place, rate, error)
+  !> Sums over the members in contact at a place of step i: w^2 and sum of k e.
+  pure subroutine sum_up(osc, table, i, walk, place, square, push)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
     type(walk_t), intent(in) :: walk
     real(dp), intent(in) :: place
-    real(dp), intent(out) :: rate(osc%members), error(osc%members)
-    real(dp) :: stiffness, s
+    real(dp), intent(out) :: square, push
+    real(dp) :: stiffness, rate, s, coast
     integer :: j
 
-    rate = 0
-    error = 0
+    square = 0
+    push = 0
+    coast = 0
     s = table%left(i) + place*table%width(i)
-    do j = 1, table%pairs(i)
-      stiffness = value_of(walk%stiffness(:, j), place)
-      error(j) = value_of(walk%error(:, j), place)
-      rate(j) = stiffness*mobility(osc, s + j - 1, table%zones(table%zone(i))%recess(j))
-      if (osc%has_backlash) rate(osc%members) = rate(osc%members) + stiffness*sum(1/osc%mass)
-    end do
-    if (osc%has_backlash) error(osc%members) = -osc%backlash
-  end subroutine evaluate
+    associate (zone => table%zones(table%zone(i)))
+      do j = 1, zone%pairs
+        stiffness = value_of(walk%stiffness(:, j), place)
+        coast = coast + stiffness
+        if (.not. walk%contact(j)) cycle
+        rate = stiffness*mobility(osc, s + j - 1, zone%recess(j))
+        square = square + rate
+        push = push + rate*value_of(walk%error(:, j), place)
+      end do
+    end associate
+    if (.not. osc%has_backlash) return
+    if (.not. walk%contact(osc%members)) return
+    rate = coast*(1/osc%mass(1) + 1/osc%mass(2))
+    square = square + rate
+    push = push - rate*osc%backlash
+  end subroutine sum_up
 
   !> The motion over [left, left + width] of step i.
   pure subroutine make_stretch(osc, table, i, duration, walk, left, width, stretch)
@@ -126,18 +135,11 @@ contains
     real(dp), intent(in) :: duration, left, width
     type(walk_t), intent(in) :: walk
     type(stretch_t), intent(out) :: stretch
-    real(dp) :: rate(osc%members), error(osc%members), square(3), push(3), state(2)
-    integer :: k, j
+    real(dp) :: square(3), push(3), state(2)
+    integer :: k
 
-    square = 0
-    push = 0
     do k = 1, size(nodes)
-      call evaluate(osc, table, i, walk, left + width*nodes(k), rate, error)
-      do j = 1, osc%members
-        if (.not. walk%contact(j)) cycle
-        square(k) = square(k) + rate(j)
-        push(k) = push(k) + rate(j)*error(j)
-      end do
+      call sum_up(osc, table, i, walk, left + width*nodes(k), square(k), push(k))
     end do
     stretch%i = i
     stretch%left = left
@@ -148,24 +150,22 @@ contains
     stretch%y = [walk%y, state(2)]
   end subroutine make_stretch
 
-  !> The motion at both ends of the stretch: value, first and second derivative over it.
-  pure function motion_of(osc, table, duration, walk, stretch) result(motion)
+  !> Second derivative of the motion over the stretch at its ends.
+  pure function curvature(osc, table, duration, walk, stretch) result(c)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration
     type(walk_t), intent(in) :: walk
     type(stretch_t), intent(in) :: stretch
-    real(dp) :: motion(0:2, 2), rate(osc%members), error(osc%members), width
+    real(dp) :: c(2), square, push
     integer :: k
 
-    width = stretch%width*table%width(stretch%i)
-    motion(0, :) = stretch%x
-    motion(1, :) = width*stretch%y
     do k = 1, 2
-      call evaluate(osc, table, stretch%i, walk, stretch%left + (k - 1)*stretch%width, rate, error)
-      motion(2, k) = width**2*acceleration(osc, rate, error, walk%contact, duration, stretch%x(k), stretch%y(k))
+      call sum_up(osc, table, stretch%i, walk, stretch%left + (k - 1)*stretch%width, square, push)
+      c(k) = (stretch%width*table%width(stretch%i))**2 &
+             *acceleration(osc, square, push, duration, stretch%x(k), stretch%y(k))
     end do
-  end function motion_of
+  end function curvature
 
   !> Value, first and second derivative over the stretch, at both its ends, of a quintic over the step.
   pure function ends_of(stretch, c) result(f)
@@ -195,7 +195,9 @@ contains
 
     part = 1
     member = 0
-    motion = motion_of(osc, table, duration, walk, stretch)
+    motion(0, :) = stretch%x
+    motion(1, :) = stretch%width*table%width(stretch%i)*stretch%y
+    motion(2, :) = curvature(osc, table, duration, walk, stretch)
     do j = 1, osc%members
       if (j > table%pairs(stretch%i) .and. j <= osc%pairs) cycle
       overlap = motion - ends_of(stretch, walk%error(:, j))
@@ -254,20 +256,27 @@ contains
     type(trace_t), intent(inout), optional :: trace
     real(dp), dimension(0:2, 2) :: motion, stiffness, gap, load
     real(dp) :: ends(2)
-    logical :: more
+    logical :: more, known
     integer :: j, k
 
     associate (i => stretch%i, pairs => table%pairs(stretch%i))
-      motion = motion_of(osc, table, duration, walk, stretch)
+      motion(0, :) = stretch%x
+      motion(1, :) = stretch%width*table%width(i)*stretch%y
+      known = .false.
       do j = 1, pairs
         if (.not. walk%contact(j)) cycle
         stiffness = ends_of(stretch, walk%stiffness(:, j))
-        gap = motion - ends_of(stretch, walk%error(:, j))
+        gap = ends_of(stretch, walk%error(:, j))
+        gap(:1, :) = motion(:1, :) - gap(:1, :)
         load(0, :) = stiffness(0, :)*gap(0, :)
         load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
-        load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) + stiffness(0, :)*gap(2, :)
         call track(load, out%peak, more)
-        if (more) call track_top(load, out%peak)
+        if (.not. more) cycle
+        if (.not. known) motion(2, :) = curvature(osc, table, duration, walk, stretch)
+        known = .true.
+        gap(2, :) = motion(2, :) - gap(2, :)
+        load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) + stiffness(0, :)*gap(2, :)
+        call track_top(load, out%peak)
       end do
       if (present(trace)) then
         ends = stretch%left + [0.0_dp, stretch%width]
@@ -289,15 +298,14 @@ contains
     integer, intent(in) :: i, member
     real(dp), intent(in) :: duration, place
     type(walk_t), intent(inout) :: walk
-    real(dp) :: rate(osc%members), error(osc%members), shape(0:2), before, after, approach
+    real(dp) :: before, after, push, shape(0:2), approach
 
-    call evaluate(osc, table, i, walk, place, rate, error)
-    before = sqrt(sum(rate, mask=walk%contact))
+    call sum_up(osc, table, i, walk, place, before, push)
     walk%contact(member) = .not. walk%contact(member)
-    after = sqrt(sum(rate, mask=walk%contact))
+    call sum_up(osc, table, i, walk, place, after, push)
     shape = shape_of(walk%error(:, member), place)
     approach = walk%y - shape(1)/table%width(i)
     if (abs(approach) > 0) walk%map(2, :) = walk%map(2, :) &
-      - 2*osc%damping_ratio*duration*(after - before)*walk%y/approach*walk%map(1, :)
+      - 2*osc%damping_ratio*duration*(sqrt(after) - sqrt(before))*walk%y/approach*walk%map(1, :)
   end subroutine switch_contact
 end module gearsweep_contact

@@ -4,11 +4,11 @@
 module gearsweep_hold
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: collocate, lanes
-  use gearsweep_motion, only: oscillator_t, table_t, acceleration
+  use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
   use gearsweep_step, only: period_t, track_top
   implicit none
   private
-  public :: lane_work_t, hold_maps, hold_motion
+  public :: lane_work_t, hold_maps, hold_motion, append, begins_zone, any_above, move, unscale
 
   !> The steps of one period: what each makes of x, y and 1 (two elements each), and the states between.
   type :: lane_work_t
@@ -55,14 +55,17 @@ contains
     integer :: i, l
 
     call make_room(table%steps, work)
-    total = spread(real([1, 0, 0, 1, 0, 0], dp), 1, lanes)
+    total = 0
+    total(:, 1) = 1
+    total(:, 4) = 1
     do i = 1, table%steps
       call step_maps(osc, duration, table%width(i), table%square(:, i), table%omega(:, i), table%push(:, i), &
                      work%map(:, :, i))
       call append(work%map(:, :, i), total)
     end do
     do l = 1, lanes
-      out(l)%map = reshape(total(l, :4), [2, 2])
+      out(l)%map(:, 1) = total(l, 1:2)
+      out(l)%map(:, 2) = total(l, 3:4)
       out(l)%state = total(l, 5:)
     end do
   end subroutine hold_maps
@@ -84,10 +87,18 @@ contains
       push(:, k) = time**2*(push_sum(k) + load)
     end do
     call collocate(lanes, square, drag, push, map)
-    map(:, 2) = map(:, 2)/width
-    map(:, 3) = map(:, 3)*width
-    map(:, 6) = map(:, 6)/width
+    call unscale(width, map)
   end subroutine step_maps
+
+  !> From displacements over the step to derivatives over the phase.
+  pure subroutine unscale(width, map)
+    real(dp), intent(in) :: width
+    real(dp), intent(inout) :: map(lanes, 6)
+
+    map(:, 2) = map(:, 2)*(1/width)
+    map(:, 3) = map(:, 3)*width
+    map(:, 6) = map(:, 6)*(1/width)
+  end subroutine unscale
 
   !> Lets a step follow what was before.
   pure subroutine append(map, total)
@@ -278,7 +289,7 @@ contains
     gap(0, :) = x
     gap(1, :) = y
     do k = 1, 2
-      gap(2, k) = acceleration(osc, table%end_rate(:, k, i), table%end_error(0, :, k, i), contact, duration, x(k), y(k))
+      gap(2, k) = end_acceleration(osc, table, i, k, contact, duration, x(k), y(k))
     end do
     gap = gap - table%end_error(:, j, :, i)
     associate (stiffness => table%end_stiffness(:, j, :, i), width => table%width(i))

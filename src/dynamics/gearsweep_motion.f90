@@ -15,7 +15,7 @@ module gearsweep_motion
   use gearsweep_text, only: str
   implicit none
   private
-  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, mobility, acceleration
+  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, mobility, acceleration, end_acceleration
 
   !> What is stated, checked by `make_oscillator`, and what follows once for all speeds.
   type :: oscillator_t
@@ -109,23 +109,35 @@ contains
     mobility = mobility + sense*(osc%mesh%curvature_ratio(1, s)/osc%mass(1) + osc%mesh%curvature_ratio(2, s)/osc%mass(2))
   end function mobility
 
-  !> Acceleration over the phase (m) of the state x, y, driven by the members in contact.
-  pure real(dp) function acceleration(osc, rate, error, contact, duration, x, y)
+  !> Acceleration over the phase (m) of the state x, y; `square` and `push` are w^2 and the sum of k e of
+  !> the members in contact.
+  pure real(dp) function acceleration(osc, square, push, duration, x, y)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rate(:), error(:), duration, x, y
+    real(dp), intent(in) :: square, push, duration, x, y
+
+    acceleration = duration**2*(osc%load*(1/osc%mass(1) + 1/osc%mass(2)) + push - square*x) &
+                   - 2*osc%damping_ratio*duration*sqrt(square)*y
+  end function acceleration
+
+  !> The same at an end of step i.
+  pure real(dp) function end_acceleration(osc, table, i, end, contact, duration, x, y)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, end
+    real(dp), intent(in) :: duration, x, y
     logical, intent(in) :: contact(:)
     real(dp) :: square, push
     integer :: j
 
     square = 0
-    push = osc%load*(1/osc%mass(1) + 1/osc%mass(2))
+    push = 0
     do j = 1, size(contact)
       if (.not. contact(j)) cycle
-      square = square + rate(j)
-      push = push + rate(j)*(error(j) - x)
+      square = square + table%end_rate(j, end, i)
+      push = push + table%end_rate(j, end, i)*table%end_error(0, j, end, i)
     end do
-    acceleration = duration**2*push - 2*osc%damping_ratio*duration*sqrt(square)*y
-  end function acceleration
+    end_acceleration = acceleration(osc, square, push, duration, x, y)
+  end function end_acceleration
 
   !> Tabulates the period at a resolution.
   pure subroutine tabulate(osc, resolution, table)

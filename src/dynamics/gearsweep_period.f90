@@ -2,13 +2,13 @@
 !> a contact set that is frozen within a step, and changes of contact located inside it.
 module gearsweep_period
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t, table_t, acceleration
+  use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
   use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
   use gearsweep_contact, only: contact_changes, cross
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
-  public :: period_t, run_period
+  public :: period_t, run_period, track_step
 
 contains
 
@@ -120,8 +120,7 @@ contains
         call track(load, peak, more)
         if (.not. more) cycle
         do k = 1, 2
-          motion(2, k) = acceleration(osc, table%end_rate(:, k, i), table%end_error(0, :, k, i), walk%contact, duration, &
-                                      motion(0, k), motion(1, k))
+          motion(2, k) = end_acceleration(osc, table, i, k, walk%contact, duration, motion(0, k), motion(1, k))
         end do
         gap(2, :) = motion(2, :) - error(3, :)
         load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))

@@ -6,7 +6,7 @@ module gearsweep_sweep
   use gearsweep_error, only: error_t, fail, code_memory
   use gearsweep_motion, only: oscillator_t
   use gearsweep_gauss, only: lanes
-  use gearsweep_steady, only: has_answer, by_shooting
+  use gearsweep_steady, only: has_answer, distance, by_shooting
   use gearsweep_accuracy, only: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
   use gearsweep_text, only: str
   implicit none
@@ -191,7 +191,8 @@ contains
     solved(first:last) = ok(:last - first + 1)
   end subroutine solve_group
 
-  !> Goes through the speeds, up or down, and solves what is left, on the branch of the speed before.
+  !> Goes through the speeds, up or down, and solves what is left, or lies on another branch than that of
+  !> the speed before.
   subroutine follow_branch(osc, rpm, options, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
@@ -199,7 +200,9 @@ contains
     type(point_t), intent(inout) :: points(:)
     logical, intent(inout) :: solved(:)
     type(tables_t), allocatable :: tables
-    real(dp) :: duration, before
+    ! Motions of neighbouring speeds on one branch differ by less, in static deflections.
+    real(dp), parameter :: beside = 0.1_dp
+    real(dp) :: duration, before, from(2)
     integer :: i, k, last
     logical :: follow
 
@@ -212,8 +215,9 @@ contains
       duration = mesh_period(osc%mesh%teeth(1), rpm(k))
       if (follow) then
         ! The same motion in time: the derivative over the phase scales with the period.
-        call solve_point(osc, duration, options%accuracy, tables, points(k), &
-                         points(last)%steady%state*[1.0_dp, duration/before])
+        from = points(last)%steady%state*[1.0_dp, duration/before]
+        if (solved(k)) solved(k) = distance(osc, duration, points(k)%steady%state - from) < beside
+        if (.not. solved(k)) call solve_point(osc, duration, options%accuracy, tables, points(k), from)
       else if (.not. solved(k)) then
         call solve_point(osc, duration, options%accuracy, tables, points(k))
       end if
