@@ -207,8 +207,8 @@ contains
         do k = 1, size(nodes)
           s = left + table%width(i)*nodes(k)
           call stiffness%climb(s, piece)
-          table%rate(j, k, i) = stiffness%value(s, piece)*mobility(osc, s, recess)
-          table%error(j, k, i) = profile_error%value(s, own)
+          table%rate(j, k, i) = stiffness%value_on(piece, s)*mobility(osc, s, recess)
+          table%error(j, k, i) = profile_error%value_on(own, s)
         end do
         do k = 1, 2
           s = left + table%width(i)*(k - 1)

@@ -80,14 +80,8 @@ contains
     do i = 1, size(blocks)
       call solve_block(osc(blocks(i)%relief), rpm, blocks(i), options, points(:, blocks(i)%relief), &
                        solved(:, blocks(i)%relief))
-    end do
-    !$omp end do
-    !$omp do schedule(dynamic, 1)
-    do i = 1, size(osc)
-      if (options%direction /= each) call follow_branch(osc(i), rpm, options, points(:, i), solved(:, i))
-      call store(points(:, i), i, sweep)
       !$omp atomic capture
-      done = done + size(rpm)
+      done = done + blocks(i)%last - blocks(i)%first + 1
       now = done
       !$omp end atomic
       if (present(progress)) then
@@ -95,6 +89,12 @@ contains
         call progress(now, size(sweep%status))
         !$omp end critical (gearsweep_progress)
       end if
+    end do
+    !$omp end do
+    !$omp do schedule(dynamic, 1)
+    do i = 1, size(osc)
+      if (options%direction /= each) call follow_branch(osc(i), rpm, options, points(:, i), solved(:, i))
+      call store(points(:, i), i, sweep)
     end do
     !$omp end do
     !$omp end parallel
@@ -130,19 +130,21 @@ contains
     sweep%rpm = rpm
   end subroutine allocate_sweep
 
-  !> Speeds that share tables.
+  !> Speeds that share tables: blocks of growing length, as the slow ones need more steps and more
+  !> different tables. The costly ones come first.
   pure function make_blocks(speeds, reliefs) result(blocks)
     integer, intent(in) :: speeds, reliefs
     type(block_t), allocatable :: blocks(:)
-    integer, parameter :: length = 64
-    integer :: per_relief, i, r
+    integer, parameter :: shortest = 32, longest = 256
+    integer :: first, length, r
 
-    per_relief = (speeds + length - 1)/length
-    allocate (blocks(per_relief*reliefs))
-    do r = 1, reliefs
-      do i = 1, per_relief
-        blocks((r - 1)*per_relief + i) = block_t(r, (i - 1)*length + 1, min(i*length, speeds))
-      end do
+    allocate (blocks(0))
+    first = 1
+    length = shortest
+    do while (first <= speeds)
+      blocks = [blocks, (block_t(r, first, min(first + length - 1, speeds)), r=1, reliefs)]
+      first = first + length
+      length = min(2*length, longest)
     end do
   end function make_blocks
 
