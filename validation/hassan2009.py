@@ -102,9 +102,9 @@ def step(name, k, component, shift=0):
     return root.share[k - 1, 0] * np.interp(k - 1 + shift, np.arange(len(whole)), whole)
 
 
-def worst_step():
-    """Load step with the largest stress at the root."""
-    return 1 + np.argmax([step(CASE, k, 'y') for k in range(1, 10)])
+def worst_step(k):
+    """The stress at the root is largest under this load step."""
+    return k == 1 + np.argmax([step(CASE, other, 'y') for other in range(1, 10)])
 
 
 # Damping, time and stress from printed numbers

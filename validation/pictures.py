@@ -38,23 +38,25 @@ PICTURES = (
 
 
 def all_for(papers):
-    """(title, caption, PNG bytes) of each picture of these papers; none without the plot functions or matplotlib."""
-    if not all(map(importlib.util.find_spec, ('matplotlib', 'gearsweep.plots'))):
+    """(title, caption, PNG bytes) of each picture of these papers that gearsweep can draw; none without matplotlib."""
+    if not importlib.util.find_spec('matplotlib'):
         return []
-    return [(f'{ledger.PAPERS[p.paper]}, {p.title}', p.caption, _draw(p)) for p in PICTURES if p.paper in papers]
+    return [(f'{ledger.PAPERS[p.paper]}, {p.title}', p.caption, _draw(p)) for p in PICTURES
+            if p.paper in papers and hasattr(gearsweep, f'plot_{p.task}')]
 
 
 def _draw(picture):
     """The picture as PNG."""
-    drawn = getattr(gearsweep, f'plot_{picture.task}')(result(picture.task, picture.case))
-    axes = drawn if hasattr(drawn, 'figure') else drawn[0]
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(figsize=(7, 4.5))
+    axes = getattr(gearsweep, f'plot_{picture.task}')(result(picture.task, picture.case))
     points = [[_value(picture.paper, end) for end in point] for point in picture.points]
     if points:
-        axes.plot(*zip(*points), 'o', mfc='none', mec='black', ms=8, label='printed', zorder=5)
-        axes.legend()
+        axes.plot(*zip(*points), 'o', mfc='none', mec='black', ms=8, zorder=5)
     file = io.BytesIO()
-    axes.figure.savefig(file, format='png', dpi=110, bbox_inches='tight')
-    axes.figure.clear()
+    figure.savefig(file, format='png', dpi=110, bbox_inches='tight')
+    pyplot.close(figure)
     return file.getvalue()
 
 
