@@ -33,12 +33,14 @@ def main(arguments=None):
 
 def _options(arguments):
     parser = argparse.ArgumentParser(
-        prog='python -m validation', description='Sets every number printed in four papers beside ours and writes a report.',
+        prog='python -m validation',
+        description='Sets every number printed in four papers beside ours and writes a report.',
         epilog='Exit codes: 0 every row is within its tolerance, 1 one is not or its function failed, 2 wrong usage.')
     parser.add_argument('papers', nargs='*', metavar='PAPER', help=f'of {", ".join(ledger.PAPERS)}; all unless given')
     parser.add_argument('--out', type=pathlib.Path, default=pathlib.Path('results/validation'), metavar='FOLDER',
                         help='where report.html and report.csv go (default: %(default)s)')
-    parser.add_argument('--readme', action='store_true', help='also renew what README.md and data/ take from the ledger')
+    parser.add_argument('--readme', action='store_true',
+                        help='also renew what README.md and data/ take from the ledger')
     parser.add_argument('--spread', action='store_true', help='only print how far unstated inputs move our values')
     options = parser.parse_args(arguments)
     for paper in options.papers:
@@ -59,7 +61,8 @@ def _complaint(outcome):
     row = outcome.row
     if outcome.message:
         return f'{row.name}: {row.ours}: {outcome.message}'
-    return f'{row.name}: {row.quantity}: printed {row.printed}, ours {report.number(outcome.ours)}, allowed {row.allowed:.3g}'
+    ours = report.number(outcome.ours)
+    return f'{row.name}: {row.quantity}: printed {row.printed}, ours {ours}, allowed {row.allowed:.3g}'
 
 
 if __name__ == '__main__':

@@ -1,10 +1,19 @@
 """Our value beside each printed one, and what follows."""
 
-import importlib
 import math
 from dataclasses import dataclass
 
-from . import ledger
+from . import dogan2021, hassan2009, karpat2012, ledger, quantities, thamba2020
+
+# Where the functions of a file's rows are, besides those in quantities.
+FUNCTIONS = {
+    'dogan2021': dogan2021,
+    'karpat2012': karpat2012,
+    'hassan2009': hassan2009,
+    'thamba2020': thamba2020,
+    'independent': quantities,
+    'golden': dogan2021,
+}
 
 VERDICTS = ('within', 'deviates', 'failed', 'not reproducible', 'open', 'input', 'repeat')
 
@@ -31,9 +40,9 @@ class Outcome:
 
 
 def compute(row):
-    """Our value of a row, by the function of the paper's module that `ours` names with its arguments."""
+    """Our value of a row, by the function that `ours` names with its arguments."""
     name, *words = row.ours.split()
-    function = getattr(importlib.import_module(f'{__package__}.{row.paper}'), name)
+    function = getattr(FUNCTIONS[row.paper], name, None) or getattr(quantities, name)
     return function(*map(_argument, words))
 
 

@@ -8,7 +8,7 @@ import functools
 import gearsweep
 import numpy as np
 
-from .cases import case, given, result, work  # noqa: F401 (given is for the ledger)
+from .cases import case, result, work
 
 
 def factor(name, rpm, relief):
@@ -48,6 +48,11 @@ def v_form(name):
     least = np.nanargmin(curve.worst_factor)
     down, up = np.split(curve.worst_factor, [least + 1])
     return bool(len(down) > 2 and len(up) > 1 and np.all(np.diff(down) < 0) and np.all(np.diff(up) > 0))
+
+
+def best_relief(name):
+    """Relief of the least worst DF, not only among the listed."""
+    return result('optimum', name).best_um
 
 
 def peak_rpm(name, resonance):

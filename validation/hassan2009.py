@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from . import ledger
-from .cases import given, result  # noqa: F401 (given is for the ledger)
-from .quantities import contact_ratio, load, mode, radius  # noqa: F401
+from .cases import given, result
+from .quantities import load, mode, radius
 
 CASE = 'hassan'
 COAST = 1

@@ -116,7 +116,8 @@ def check_row(row, seen):
     need(row.by in BY + ('',), f'by = {row.by}')
     row.value, row.allowed
     if row.repeats:
-        need(row.repeats in seen and not seen[row.repeats].repeats, f'repeats {row.repeats}, which does not stand before it')
+        need(row.repeats in seen and not seen[row.repeats].repeats,
+             f'repeats {row.repeats}, which does not stand before it')
         need(row.value == seen[row.repeats].value, f'contradicts {row.repeats}')
         return
     need(bool(row.by) == bool(row.ours), 'by and ours go together')

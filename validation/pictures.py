@@ -12,7 +12,7 @@ from .cases import result
 
 @dataclass(frozen=True)
 class Picture:
-    """A plot function, the task and case whose result it draws, and printed points (x, y), each a number or a row's id."""
+    """The task and case whose result is drawn, and printed points (x, y), each a number or a row's id."""
 
     paper: str
     task: str
@@ -22,14 +22,16 @@ class Picture:
     points: tuple = ()
 
 
+CIRCLES = 'printed values as circles.'
 PICTURES = (
-    Picture('dogan2021', 'sweep', 'case1', 'Fig. 7a', 'Dynamic factor over speed, case 1; printed values as circles.',
-            (('rpm_1', 'df_1'), ('n1_1', 'df1_1'), ('n2_1', 'df2_1'), ('rpm_1', 'df_15'), ('n1_1', 'df1_15'), ('n2_1', 'df2_15'))),
-    Picture('dogan2021', 'sweep', 'case2', 'Fig. 7b', 'Dynamic factor over speed, case 2; printed values as circles.',
+    Picture('dogan2021', 'sweep', 'case1', 'Fig. 7a', f'Dynamic factor over speed, case 1; {CIRCLES}',
+            (('rpm_1', 'df_1'), ('n1_1', 'df1_1'), ('n2_1', 'df2_1'),
+             ('rpm_1', 'df_15'), ('n1_1', 'df1_15'), ('n2_1', 'df2_15'))),
+    Picture('dogan2021', 'sweep', 'case2', 'Fig. 7b', f'Dynamic factor over speed, case 2; {CIRCLES}',
             (('rpm_2', 'df_2'), ('n1_2', 'df1_2'), ('n1_2', 'df1_28'))),
-    Picture('dogan2021', 'optimum', 'case1', 'Fig. 8a', 'Worst dynamic factor over relief, case 1; printed values as circles.',
+    Picture('dogan2021', 'optimum', 'case1', 'Fig. 8a', f'Worst dynamic factor over relief, case 1; {CIRCLES}',
             ((0, 'df2_1'), ('best_1', 'df2_15'))),
-    Picture('dogan2021', 'optimum', 'case2', 'Fig. 8b', 'Worst dynamic factor over relief, case 2; printed values as circles.',
+    Picture('dogan2021', 'optimum', 'case2', 'Fig. 8b', f'Worst dynamic factor over relief, case 2; {CIRCLES}',
             ((0, 'df1_2'), ('best_2', 'df1_28'))),
     Picture('dogan2021', 'load', 'case1', 'Fig. 5', 'Load of one pair along its path at 1600 rpm, case 1.'),
     Picture('dogan2021', 'load', 'case2', 'Fig. 6', 'Load of one pair along its path at 1000 rpm, case 2.'),

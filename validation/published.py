@@ -13,7 +13,8 @@ HEAD = '''# Hassan, Thanigaiyarasu, Ramamurti 2009: printed values that the case
 quantity,place,printed,unit,status,reason
 '''
 # What the program computes, src/doors/gearsweep_published.f90, as far as the ledger has it.
-KNOWN = r'contact_ratio|(tangential|radial)_force_n|(beam|rayleigh)_frequency_rad_s|beam_sigma_[xy]_mpa|mode_\d_hz|step_\d_sigma_[xy]_mpa'
+KNOWN = (r'contact_ratio|(tangential|radial)_force_n|(beam|rayleigh)_frequency_rad_s'
+         r'|beam_sigma_[xy]_mpa|mode_\d_hz|step_\d_sigma_[xy]_mpa')
 
 
 def text():

@@ -10,7 +10,8 @@ from . import check, ledger
 
 TEMPLATE = pathlib.Path(__file__).with_name('report_template.html')
 TITLES = ledger.PAPERS | ledger.CHECKS
-COLUMNS = ('place', 'quantity', 'unit', 'printed', 'ours', 'deviation', 'verdict', 'inputs', 'tolerance', 'ours by', 'remarks')
+COLUMNS = ('place', 'quantity', 'unit', 'printed', 'ours', 'deviation', 'verdict', 'inputs', 'tolerance',
+           'ours by', 'remarks')
 
 
 def number(value):
@@ -77,7 +78,7 @@ def write_page(path, outcomes, pictures):
     text = string.Template(TEMPLATE.read_text(encoding='utf-8')).substitute(
         version=html.escape(_version()),
         summary=_table(*summary(outcomes), 'summary'),
-        pictures='\n'.join(map(_figure, pictures)) or '<p>None: the plot functions are not there, or matplotlib is not.</p>',
+        pictures='\n'.join(map(_figure, pictures)) or '<p>None: matplotlib is not installed.</p>',
         papers='\n'.join(_paper(paper, outcomes) for paper in TITLES if any(o.row.paper == paper for o in outcomes)))
     pathlib.Path(path).write_text(text, encoding='utf-8')
 

@@ -44,5 +44,5 @@ def text():
 def _with(row, word):
     """The row with an alternative; the case is the function's first argument."""
     name, case, *rest = row.ours.split()
-    words = [name, case + word, *rest] if word.startswith('+') else [name, case, *rest, word]
+    words = (name, case + word, *rest) if word.startswith('+') else (name, case, *rest, word)
     return ledger.Row(**{**vars(row), 'ours': ' '.join(words)})

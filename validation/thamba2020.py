@@ -4,7 +4,7 @@ import math
 
 from . import ledger, quantities
 from .cases import given
-from .quantities import contact_ratio, load, mode, pair_stiffness, radius  # noqa: F401
+from .quantities import load, pair_stiffness, radius
 
 CASE, WHOLE = 'thamba', 'thamba+whole'
 
