@@ -49,7 +49,7 @@ def test_defaults_of_the_reference():
     for part in keys.split('\n### ')[1:]:
         heading, *lines = part.splitlines()
         group = heading.split()[0]
-        rows = [[cell.strip(' `') for cell in re.split(r' \| ', line.strip('| '))] for line in lines if line[:3] == '| `']
+        rows = [[cell.strip(' `') for cell in line.strip('|').split('|')] for line in lines if line[:3] == '| `']
         for row in rows:
             default = row[-3].replace('`', '') if len(row) > 3 else ''
             if not re.fullmatch(r"\d[\d.e-]*|'[a-z0-9', ]+'|\.true\.|\.false\.", default):
