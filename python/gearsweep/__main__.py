@@ -50,7 +50,8 @@ def main(words: list[str] | None = None) -> int:
             answer(arguments(words))
     except Error as error:
         sys.stdout.flush()
-        print(f'gearsweep: {error}', file=sys.stderr)
+        if error.code != Code.PARTIAL:
+            print(f'gearsweep: {error}', file=sys.stderr)
         return error.code
     return Code.OK
 

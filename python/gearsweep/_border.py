@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import enum
 import warnings
+from operator import index
 
 import numpy as np
 
@@ -93,7 +94,7 @@ def load(text: str, work: np.ndarray) -> list:
 
 
 def sweep(text: str, work: np.ndarray, threads: int, speeds: int, reliefs: int) -> list:
-    return _call(_flat.gs_sweep, _bytes(text), _work(work), threads, speeds, reliefs)
+    return _call(_flat.gs_sweep, _bytes(text), _work(work), index(threads), speeds, reliefs)
 
 
 def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -102,7 +103,7 @@ def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray,
 
 
 def optimum(text: str, work: np.ndarray, threads: int, room: int) -> list:
-    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), threads, room)
+    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), index(threads), room)
     return [column[:tried].copy() for column in curve[:4]] + curve[4:]
 
 
@@ -121,7 +122,7 @@ def root(text: str, work: np.ndarray, positions: int, reliefs: int) -> list:
 
 
 def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:
-    return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), threads)
+    return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), index(threads))
 
 
 def complete(text: str) -> str:
@@ -140,7 +141,7 @@ def write(
     while True:
         answer = np.array(b' ' * room)
         length, stages, files, info, message = _flat.gs_write(
-            _bytes(text), _bytes(folder), _work(work), threads, _bytes(out), _bytes(name), answer
+            _bytes(text), _bytes(folder), _work(work), index(threads), _bytes(out), _bytes(name), answer
         )
         if length <= room:
             break
@@ -199,4 +200,7 @@ def _str(text: bytes) -> str:
 
 
 def _work(work: np.ndarray) -> np.ndarray:
+    work = np.asarray(work)
+    if work.ndim != 1 or work.dtype.kind not in 'fiu':
+        raise TypeError('work: must be the array that prepare gives')
     return np.ascontiguousarray(work, dtype=np.float64)

@@ -61,7 +61,8 @@ class Case:
         try:
             text = Path(path).read_bytes().decode('utf-8', 'surrogateescape')
         except OSError as error:
-            raise Error(f"cannot read {path}: Cannot open file '{path}': {error.strerror}", Code.FILE) from error
+            place = '' if isinstance(error, IsADirectoryError) else f"Cannot open file '{path}': "
+            raise Error(f'cannot read {path}: {place}{error.strerror}', Code.FILE) from error
         return cls(text, os.path.abspath(os.path.dirname(path)))
 
     @classmethod

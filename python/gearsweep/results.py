@@ -116,9 +116,9 @@ class Geometry(Result):
     ----------
     radius_mm : array (circle, member)
         Tip, reference, drive base, coast base and root circle, and start of the drive involute.
-    point : array (point)
+    point : array (place)
         Start of contact A, B, pitch point P, D and end E along the path of contact, base pitches.
-    point_radius_mm : array (point, member)
+    point_radius_mm : array (place, member)
         Radius at which each member touches there.
     distance_mm : float
         Centre distance.
@@ -134,8 +134,8 @@ class Geometry(Result):
     """
 
     radius_mm: Reals = _field('mm', 'circle', 'member')
-    point: Reals = _field('base pitch', 'point')
-    point_radius_mm: Reals = _field('mm', 'point', 'member')
+    point: Reals = _field('base pitch', 'place')
+    point_radius_mm: Reals = _field('mm', 'place', 'member')
     distance_mm: float = _field('mm')
     working_angle_deg: Reals = _field('deg', 'side')
     contact_ratio: float = _field('')
@@ -147,11 +147,11 @@ class Geometry(Result):
     labels = {
         'circle': ['tip', 'reference', 'drive base', 'coast base', 'root', 'form'],
         'member': ['pinion', 'gear'],
-        'point': ['A', 'B', 'P', 'D', 'E'],
+        'place': ['A', 'B', 'P', 'D', 'E'],
         'side': ['drive', 'coast'],
         'axis': ['x', 'y'],
     }
-    rows = ('point', 'member')
+    rows = ('place', 'member')
 
 
 @dataclass(frozen=True, eq=False, repr=False)

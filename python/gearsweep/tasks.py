@@ -57,7 +57,8 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
         'sweep': lambda: sweep(case, threads=threads, work=work),
         'optimum': lambda: optimum(case, threads=threads, work=work),
     }
-    found = {}
+    found: dict[str, results.Result] = {}
+    _check(case)
     if case.get('mesh', 'contact_ratio') is None:
         found['geometry'] = geometry(case)
     if not set(_MESH_TASKS).isdisjoint(case.tasks):
@@ -71,6 +72,7 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
 
 def report(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> str:
     """The whole answer as text, as the program prints it."""
+    _check(case)
     return _border.report(case.text, case.folder, _given(work), threads)
 
 
@@ -153,8 +155,14 @@ def modal(case: Case) -> results.Modal:
     return results.Modal(case, _VERSION, *grid, *_border.modes(named.text, n['modes'], n['nodes']))
 
 
+def _check(case: Case) -> None:
+    if not isinstance(case, Case):
+        raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
+
+
 def _naming(case: Case, task: str) -> Case:
     """The case with this task among its own, or alone where it lacks what its own need."""
+    _check(case)
     try:
         tasks = case.tasks
     except Error:
@@ -164,6 +172,7 @@ def _naming(case: Case, task: str) -> Case:
 
 def _with_mesh(case: Case) -> Case:
     """The case with at least one task that needs the mesh."""
+    _check(case)
     try:
         named = not set(_MESH_TASKS).isdisjoint(case.tasks)
     except Error:
