@@ -40,7 +40,7 @@ def point(name, letter):
 def point_radius(name, letter):
     """Radius at which the pinion touches there."""
     geometry = result('geometry', name)
-    return geometry.point_radius_mm[geometry.labels['point'].index(letter), 0]
+    return geometry.point_radius_mm[geometry.labels['place'].index(letter), 0]
 
 
 def line_of_action(name):
@@ -85,4 +85,4 @@ def mode(name, k):
 def _at(name, letter):
     """Path coordinate of a point, base pitches from A."""
     geometry = result('geometry', name)
-    return geometry.point[geometry.labels['point'].index(letter)]
+    return geometry.point[geometry.labels['place'].index(letter)]

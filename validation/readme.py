@@ -37,7 +37,8 @@ def update(outcomes):
 
 def _parts():
     """README.md up to the block, the block, and the rest; the marks stay with the neighbours."""
-    found = re.fullmatch(f'(.*{re.escape(BEGIN)}\n)(.*)({re.escape(END)}.*)', PATH.read_text(encoding='utf-8'), re.DOTALL)
+    pattern = f'(.*{re.escape(BEGIN)}\n)(.*)({re.escape(END)}.*)'
+    found = re.fullmatch(pattern, PATH.read_text(encoding='utf-8'), re.DOTALL)
     if not found:
         raise ValueError(f'{PATH} lacks {BEGIN} or {END}')
     return found.groups()

@@ -14,11 +14,11 @@ COLUMNS = ('place', 'quantity', 'unit', 'printed', 'ours', 'deviation', 'verdict
            'ours by', 'remarks')
 
 
-def number(value):
-    """A value for people: six digits, or true, false, or nothing."""
+def number(value, digits=6):
+    """A value as text: true or false, a number, or nothing."""
     if value is None:
         return ''
-    return str(value).lower() if isinstance(value, bool) else f'{value:.6g}'
+    return str(value).lower() if isinstance(value, bool) else f'{value:.{digits}g}'
 
 
 def deviation(outcome):
@@ -38,7 +38,8 @@ def summary(outcomes):
               'deviating', 'not reproducible', 'open', 'inputs', 'repeats')
     parts = [(title, [o for o in outcomes if o.row.paper == paper]) for paper, title in ledger.PAPERS.items()]
     parts = [(title, part) for title, part in parts if part]
-    return header, [(title, len(part)) + _counts(part) for title, part in parts + [('all', sum((p for _, p in parts), []))]]
+    parts.append(('all', [o for _, part in parts for o in part]))
+    return header, [(title, len(part)) + _counts(part) for title, part in parts]
 
 
 def _counts(outcomes):
@@ -63,14 +64,15 @@ def write_csv(path, outcomes):
     """All rows with our values to 15 digits."""
     with open(path, 'w', newline='', encoding='utf-8') as file:
         writer = csv.writer(file, lineterminator='\n')
-        writer.writerow(('paper', 'id', 'place', 'quantity', 'unit', 'printed', 'ours', 'deviation', 'verdict', 'message',
-                         'kind', 'inputs', 'reason', 'by', 'function', 'tolerance', 'allowed', 'origin', 'comment'))
+        writer.writerow(('paper', 'id', 'place', 'quantity', 'unit', 'printed', 'ours', 'deviation',
+                         'verdict', 'message', 'kind', 'inputs', 'reason', 'by', 'function', 'tolerance', 'allowed',
+                         'origin', 'comment'))
         for o in outcomes:
             r = o.row
-            ours = '' if o.ours is None else str(o.ours).lower() if isinstance(o.ours, bool) else f'{o.ours:.15g}'
-            writer.writerow((r.paper, r.id, r.place, r.quantity, r.unit, r.printed, ours, deviation(o), o.verdict, o.message,
-                             r.kind, r.inputs, r.reason, r.by, r.ours, r.tolerance,
-                             '' if r.allowed is None else f'{r.allowed:.3g}', r.origin, r.comment))
+            allowed = '' if r.allowed is None else f'{r.allowed:.3g}'
+            writer.writerow((r.paper, r.id, r.place, r.quantity, r.unit, r.printed, number(o.ours, 15), deviation(o),
+                             o.verdict, o.message, r.kind, r.inputs, r.reason, r.by, r.ours, r.tolerance, allowed,
+                             r.origin, r.comment))
 
 
 def write_page(path, outcomes, pictures):
@@ -116,4 +118,5 @@ def _line(outcome):
     cells = (row.place, row.quantity, row.unit, row.printed, number(outcome.ours), deviation(outcome), outcome.verdict,
              row.inputs or row.kind, tolerance, how, remarks)
     kind = outcome.verdict.replace(' ', '-')
-    return f'<tr class="{kind}" title="{row.id}">' + ''.join(f'<td>{html.escape(cell)}</td>' for cell in cells) + '</tr>'
+    body = ''.join(f'<td>{html.escape(cell)}</td>' for cell in cells)
+    return f'<tr class="{kind}" title="{row.id}">{body}</tr>'

@@ -35,8 +35,8 @@ def text():
     """A line for each of these rows."""
     lines = []
     for row in rows():
-        parts = '; '.join(', '.join(f'{word} {move:+.3g}' for word, move in by_input.items()) for by_input in moves(row))
-        lines.append(f'{row.name}: printed {row.printed}, ours {check.compute(row):.5g}; {parts}; '
+        found = '; '.join(', '.join(f'{word} {move:+.3g}' for word, move in part.items()) for part in moves(row))
+        lines.append(f'{row.name}: printed {row.printed}, ours {check.compute(row):.5g}; {found}; '
                      f'bears {most(row):.3g}, tolerance {row.allowed:.3g}')
     return '\n'.join(lines)
 
