@@ -166,7 +166,7 @@ contains
     push = 0
     coast = 0
     s = table%left(i) + place*table%width(i)
-    associate (zone => table%zones(table%zone(i)))
+    associate (zone => osc%zones(table%zone(i)))
       do j = 1, zone%pairs
         stiffness = value_of(walk%stiffness(:, j), place)
         coast = coast + stiffness
