@@ -65,6 +65,7 @@ contains
 
   subroutine write_tables()
     if (allocated(study%sharing)) call write_table('mesh', mesh_table(study))
+    if (allocated(study%harmonics)) call write_table('harmonics', harmonics_table(study))
     if (allocated(study%response)) call write_table('load', load_table(study))
     if (allocated(study%sweep)) call write_table('sweep', sweep_table(study))
     if (allocated(study%optimum)) call write_table('vcurve', optimum_table(study))
