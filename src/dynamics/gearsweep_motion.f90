@@ -10,11 +10,12 @@
 module gearsweep_motion
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_gauss, only: nodes
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
   use gearsweep_text, only: str
   implicit none
   private
-  public :: oscillator_t, make_oscillator, table_t, tabulate, evaluate, pair_slopes
+  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, evaluate, pair_shapes, acceleration
 
   !> What is stated, checked by `make_oscillator`, and what follows once for all speeds.
   type :: oscillator_t
@@ -32,21 +33,27 @@ module gearsweep_motion
     real(dp) :: static_scale = 0       !< deflection at mean stiffness, m: the unit of residuals
   end type oscillator_t
 
-  !> Coefficients at the left end, the middle and the right end of each step,
-  !> one-sided at the breaks.
+  !> How finely the period is cut: each zone gets `times` steps for each of its shares of `base` steps.
+  !> Tables of the same base nest.
+  type :: resolution_t
+    real(dp) :: base = 0
+    integer :: times = 1
+  end type resolution_t
+
+  !> Coefficients of each step: at the nodes of the integration and at both ends, one-sided at the breaks.
   type :: table_t
     integer :: steps = 0
     integer :: members = 0             !< pairs at most, and the coast side
     type(zone_t), allocatable :: zones(:)
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
-    real(dp), allocatable :: left(:), width(:)  !< phases
-    real(dp), allocatable :: rate(:, :, :)      !< (member, place, step)
-    real(dp), allocatable :: error(:, :, :)
-    real(dp), allocatable :: stiffness(:, :, :)
-    real(dp), allocatable :: error_slope(:, :, :)      !< (pair, end, step), per phase
-    real(dp), allocatable :: stiffness_slope(:, :, :)
-    !> Sums over all pairs: w^2, sum of k e, w.
+    real(dp), allocatable :: left(:), width(:)      !< phases
+    real(dp), allocatable :: rate(:, :, :)          !< (member, node, step)
+    real(dp), allocatable :: error(:, :, :)         !< (member, node, step)
+    real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
+    !> Value, first and second derivative over the phase, (0:2, pair, end, step).
+    real(dp), allocatable :: end_stiffness(:, :, :, :), end_error(:, :, :, :)
+    !> Sums over all pairs at the nodes: w^2, sum of k e, w.
     real(dp), allocatable :: square(:, :), push(:, :), omega(:, :)
   end type table_t
 
@@ -88,30 +95,25 @@ contains
   end subroutine make_oscillator
 
   !> Coefficients at `phase` within `zone`; arrays have osc%members elements,
-  !> pairs beyond A to E have rate and stiffness 0.
-  pure subroutine evaluate(osc, zone, phase, rate, error, stiffness)
+  !> pairs beyond A to E have rate 0.
+  pure subroutine evaluate(osc, zone, phase, rate, error)
     type(oscillator_t), intent(in) :: osc
     type(zone_t), intent(in) :: zone
     real(dp), intent(in) :: phase
-    real(dp), intent(out) :: rate(:), error(:), stiffness(:)
-    real(dp) :: s
-    integer :: j, coast
+    real(dp), intent(out) :: rate(:), error(:)
+    real(dp) :: s, stiffness
+    integer :: j
 
     rate = 0
     error = 0
-    stiffness = 0
     do j = 1, zone%pairs
       s = phase + j - 1
-      stiffness(j) = osc%mesh%stiffness%value(s)
+      stiffness = osc%mesh%stiffness%value(s)
       error(j) = osc%mesh%profile_error%value(s, zone%piece(j))
-      rate(j) = stiffness(j)*sum(factor(osc, s, zone%recess(j))/osc%mass)
+      rate(j) = stiffness*sum(factor(osc, s, zone%recess(j))/osc%mass)
+      if (osc%has_backlash) rate(osc%members) = rate(osc%members) + stiffness*sum(1/osc%mass)
     end do
-    if (osc%has_backlash) then
-      coast = size(rate)
-      error(coast) = -osc%backlash
-      stiffness(coast) = sum(stiffness(:zone%pairs))
-      rate(coast) = stiffness(coast)*sum(1/osc%mass)
-    end if
+    if (osc%has_backlash) error(osc%members) = -osc%backlash
   end subroutine evaluate
 
   !> Friction factors of pinion and gear: the driving pinion's tooth slides
@@ -127,36 +129,42 @@ contains
       *[osc%mesh%curvature_ratio(1, s), osc%mesh%curvature_ratio(2, s)]
   end function factor
 
-  !> Slopes of K_j and e_j over the phase at `phase` within `zone`.
-  pure subroutine pair_slopes(osc, zone, phase, stiffness, error)
+  !> K_j and e_j with their first and second derivatives over the phase, (0:2, pair).
+  pure subroutine pair_shapes(osc, zone, phase, stiffness, error)
     type(oscillator_t), intent(in) :: osc
     type(zone_t), intent(in) :: zone
     real(dp), intent(in) :: phase
-    real(dp), intent(out) :: stiffness(:), error(:)
+    real(dp), intent(out) :: stiffness(0:, :), error(0:, :)
     integer :: j
 
     stiffness = 0
     error = 0
     do j = 1, zone%pairs
-      stiffness(j) = osc%mesh%stiffness%slope(phase + j - 1)
-      error(j) = osc%mesh%profile_error%slope(phase + j - 1, zone%piece(j))
+      stiffness(:, j) = osc%mesh%stiffness%shape(phase + j - 1)
+      error(:, j) = osc%mesh%profile_error%shape(phase + j - 1, zone%piece(j))
     end do
-  end subroutine pair_slopes
+  end subroutine pair_shapes
 
-  !> Tabulates the period with about `steps` steps, `every` a divisor of the
-  !> number in each zone (2 gives tables that nest with their halves).
-  pure subroutine tabulate(osc, steps, every, table)
+  !> Acceleration over the phase (m) of the state x, y, driven by the members in contact.
+  pure real(dp) function acceleration(osc, rate, error, contact, duration, x, y)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: steps, every
+    real(dp), intent(in) :: rate(:), error(:), duration, x, y
+    logical, intent(in) :: contact(:)
+
+    acceleration = duration**2*(osc%load*sum(1/osc%mass) - sum(rate*(x - error), mask=contact)) &
+                   - 2*osc%damping_ratio*duration*sqrt(sum(rate, mask=contact))*y
+  end function acceleration
+
+  !> Tabulates the period at a resolution.
+  pure subroutine tabulate(osc, resolution, table)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
     type(table_t), intent(out) :: table
     integer, allocatable :: counts(:)
     integer :: i, k, step
 
     table%zones = make_zones(osc%mesh, osc%friction > 0)
-    allocate (counts(size(table%zones)))
-    do i = 1, size(counts)
-      counts(i) = every*max(1, ceiling(steps*(table%zones(i)%last - table%zones(i)%first)/every - 1e-6_dp))
-    end do
+    counts = resolution%times*max(1, ceiling(resolution%base*(table%zones%last - table%zones%first) - 1e-6_dp))
     call allocate_table(osc, sum(counts), table)
     step = 0
     do i = 1, size(table%zones)
@@ -182,8 +190,8 @@ contains
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
       allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
-      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%stiffness(m, 3, steps))
-      allocate (table%error_slope(p, 2, steps), table%stiffness_slope(p, 2, steps))
+      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
+      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, p, 2, steps))
       allocate (table%square(3, steps), table%push(3, steps), table%omega(3, steps))
     end associate
   end subroutine allocate_table
@@ -192,19 +200,21 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: step
     type(table_t), intent(inout) :: table
-    real(dp) :: phase
+    real(dp) :: error(osc%members)
     integer :: place
 
-    associate (zone => table%zones(table%zone(step)), pairs => table%pairs(step))
-      do place = 1, 3
-        phase = table%left(step) + table%width(step)*(place - 1)/2
-        call evaluate(osc, zone, phase, table%rate(:, place, step), table%error(:, place, step), &
-                      table%stiffness(:, place, step))
+    associate (zone => table%zones(table%zone(step)), pairs => table%pairs(step), &
+               left => table%left(step), width => table%width(step))
+      do place = 1, size(nodes)
+        call evaluate(osc, zone, left + width*nodes(place), table%rate(:, place, step), table%error(:, place, step))
         table%square(place, step) = sum(table%rate(:pairs, place, step))
         table%push(place, step) = sum(table%rate(:pairs, place, step)*table%error(:pairs, place, step))
         table%omega(place, step) = sqrt(table%square(place, step))
-        if (place /= 2) call pair_slopes(osc, zone, phase, table%stiffness_slope(:, (place + 1)/2, step), &
-                                         table%error_slope(:, (place + 1)/2, step))
+      end do
+      do place = 1, 2
+        call evaluate(osc, zone, left + width*(place - 1), table%end_rate(:, place, step), error)
+        call pair_shapes(osc, zone, left + width*(place - 1), table%end_stiffness(:, :, place, step), &
+                         table%end_error(:, :, place, step))
       end do
     end associate
   end subroutine fill_step

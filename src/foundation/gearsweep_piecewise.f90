@@ -15,6 +15,7 @@ module gearsweep_piecewise
     procedure :: locate
     procedure :: value
     procedure :: slope
+    procedure :: shape
     procedure :: integral
     procedure :: minimum
     procedure :: maximum
@@ -161,6 +162,26 @@ contains
     end do
     slope = slope*2/width
   end function slope
+
+  !> Value, first and second derivative at x. At a kink, `piece` chooses the side.
+  pure function shape(p, x, piece) result(f)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(in), optional :: piece
+    real(dp) :: f(0:2), v, scale
+    integer :: i, k
+
+    i = chosen(p, x, piece)
+    scale = 2/(p%breaks(i + 1) - p%breaks(i))
+    v = scale*(x - (p%breaks(i) + p%breaks(i + 1))/2)
+    f = 0
+    do k = ubound(p%coef, 1), lbound(p%coef, 1), -1
+      f(2) = f(2)*v + 2*f(1)
+      f(1) = f(1)*v + f(0)
+      f(0) = f(0)*v + p%coef(k, i)
+    end do
+    f = f*[1.0_dp, scale, scale**2]
+  end function shape
 
   pure integer function chosen(p, x, piece)
     type(piecewise_t), intent(in) :: p
