@@ -237,7 +237,7 @@ end subroutine gs_mesh
 !> dynamic_factor(speeds, reliefs)  NaN without an answer
 !> estimate(speeds, reliefs)        of its error
 !> status(speeds, reliefs)          0 ok, 1 marginal, 2 subharmonic, 3 inexact; without an answer:
-!>                                  4 unstable, 5 aperiodic, 6 unresolved, 7 chatter
+!>                                  4 unstable, 5 aperiodic, 6 unresolved, 7 chatter, 8 chaotic
 !> contact(speeds, reliefs)         0 full, 1 partial, 2 lost, 3 coast sides touched
 subroutine gs_sweep(text, nwork, work, threads, speeds, reliefs, rpm, relief_um, dynamic_factor, estimate, &
                     status, contact, info, message)

@@ -4,7 +4,7 @@ module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
   use gearsweep_motion, only: oscillator_t, table_t, tabulate
   use gearsweep_steady, only: steady_t, steady_options_t, find_steady, shoot, distance, has_answer, &
-                              point_ok, point_inexact, point_unresolved, by_shooting
+                              unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
   implicit none
   private
   public :: accuracy_t, tables_t, point_t, solve_point, mesh_period, most_rungs, rung_steps
@@ -22,6 +22,7 @@ module gearsweep_accuracy
     real(dp) :: estimate = 0                     !< of the error of the dynamic factor
     real(dp) :: step_error = 0                   !< its part that more steps reduce
     integer :: steps = 0                         !< of the period
+    real(dp) :: work = 0                         !< Runge-Kutta steps in all, on every table tried
     integer :: wanted_steps = 0                  !< the number that `tabulate` makes these from
   end type point_t
 
@@ -114,13 +115,14 @@ contains
     type(table_t), intent(in) :: fine, coarse
     real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
-    type(point_t), intent(out) :: point
+    type(point_t), intent(inout) :: point
     real(dp), intent(in), optional :: start(2)
     type(steady_options_t) :: alike
     type(steady_t) :: half
 
     call find_steady(osc, fine, duration, options%steady, point%steady, start)
     point%steps = fine%steps
+    point%work = point%work + real(point%steady%cycles, dp)*fine%steps
     point%dynamic_factor = point%steady%peak/osc%load
     if (.not. has_answer(point%steady%status)) return
 
@@ -131,10 +133,15 @@ contains
       alike%method = by_shooting
       call find_steady(osc, coarse, duration, alike, half)
     end if
-    point%step_error = huge(point%step_error)
-    if (has_answer(half%status)) point%step_error = &
-      doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
-                     distance(osc, duration, point%steady%state - half%state))
+    point%work = point%work + real(half%cycles, dp)*coarse%steps
+    point%step_error = unbounded
+    if (has_answer(half%status)) then
+      point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
+                                        distance(osc, duration, point%steady%state - half%state))
+      ! So near to 1 that the steps' error decides on which side.
+      if (abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) &
+        point%steady%status = point_marginal
+    end if
     point%estimate = point%step_error + point%steady%closure
   end subroutine solve_on
 

@@ -3,7 +3,7 @@
 module gearsweep_contact
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t, evaluate, pair_slopes
-  use gearsweep_step, only: period_t, walk_t, step_t, advance, advance_map, blend, note_contact, &
+  use gearsweep_step, only: period_t, walk_t, step_t, advance, advance_map, decay_over, blend, note_contact, &
                             may_change, turning_point, track
   use gearsweep_trace, only: trace_t, record
   implicit none
@@ -197,6 +197,7 @@ contains
     if (present(trace)) call record(trace, table%pairs(i), left + [0.0_dp, width], [walk%x, x], &
                                     stiffness(:, ::2), error(:, ::2), walk%contact)
     call advance_map(step, walk%map)
+    out%decay = out%decay + decay_over(step)
     walk%x = x
     walk%y = y
   end subroutine accept

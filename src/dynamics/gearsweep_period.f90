@@ -4,7 +4,8 @@
 module gearsweep_period
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
-  use gearsweep_step, only: period_t, walk_t, step_t, advance, advance_map, blend, note_contact, track
+  use gearsweep_step, only: period_t, walk_t, step_t, advance, advance_map, decay_over, blend, &
+                            note_contact, track
   use gearsweep_contact, only: contact_changes, cross
   use gearsweep_trace, only: trace_t, record
   implicit none
@@ -65,6 +66,7 @@ contains
       if (present(trace)) call record(trace, table%pairs(i), table%left(i) + [0.0_dp, table%width(i)], &
                                       [walk%x, x], table%stiffness(:, ::2, i), table%error(:, ::2, i), walk%contact)
       call advance_map(step, walk%map)
+      out%decay = out%decay + decay_over(step)
       walk%x = x
       walk%y = y
     end do

@@ -7,13 +7,14 @@ module gearsweep_step
   use gearsweep_motion, only: oscillator_t
   implicit none
   private
-  public :: period_t, walk_t, step_t, advance, advance_map, blend, note_contact
+  public :: period_t, walk_t, step_t, advance, advance_map, decay_over, blend, note_contact
   public :: may_change, turning_point, track
 
   !> What one period does.
   type :: period_t
     real(dp) :: state(2) = 0           !< at the end of the period
     real(dp) :: map(2, 2) = 0          !< derivative of that by the initial state
+    real(dp) :: decay = 0              !< -log of the map's determinant: the integral of the drag
     real(dp) :: peak = 0               !< largest load on one pair, N
     integer :: events = 0              !< changes of contact within the period
     logical :: partial = .false.       !< a pair between A and E was apart for a while
@@ -85,6 +86,13 @@ contains
     call advance(free, map(1, 1), map(2, 1))
     call advance(free, map(1, 2), map(2, 2))
   end subroutine advance_map
+
+  !> Integral of the drag over the step.
+  pure real(dp) function decay_over(step)
+    type(step_t), intent(in) :: step
+
+    decay_over = step%width/6*(step%drag(1) + 4*step%drag(2) + step%drag(3))
+  end function decay_over
 
   !> Notes that not every pair carries.
   pure subroutine note_contact(osc, contact, out)
