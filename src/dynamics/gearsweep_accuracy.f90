@@ -168,8 +168,8 @@ contains
       if (zeta > 1) fastest = fastest*(zeta + sqrt(zeta**2 - 1))
     end associate
     stable_steps = fastest*duration/bound
-    ! The half table must be stable too.
-    if (options%steps <= 0) stable_steps = 2*stable_steps
+    ! The half table must be stable too, and with a stiff damping it must converge.
+    if (options%steps <= 0) stable_steps = stable_steps*merge(4, 2, osc%damping_ratio > 1)
   end function stable_steps
 
   !> Steps for the tolerance, by the last point or by the phase that the

@@ -43,14 +43,17 @@ contains
     type(walk_t), intent(inout) :: walk
     type(period_t), intent(inout) :: out
     type(trace_t), intent(inout), optional :: trace
-    real(dp) :: left, rest, part
-    integer :: count, member
+    real(dp) :: left, rest, part, piece
+    integer :: count, member, k
 
     left = table%left(i)
     rest = table%width(i)
     do count = 1, most_events
       call next_event(osc, table, i, duration, walk, left, rest, part, member)
-      call accept(osc, table, i, duration, left, part*rest, walk, out, trace)
+      piece = part*rest/table%parts
+      do k = 0, merge(table%parts, 0, piece > 0) - 1
+        call accept(osc, table, i, duration, left + k*piece, piece, walk, out, trace)
+      end do
       if (member == 0) return
       left = left + part*rest
       rest = (1 - part)*rest
@@ -72,83 +75,118 @@ contains
     type(walk_t), intent(in) :: walk
     real(dp), intent(out) :: part
     integer, intent(out) :: member
-    real(dp) :: overlap(2), slope(2), until
+    real(dp), dimension(table%members) :: first, first_slope, last, last_slope
+    real(dp) :: until
     integer :: j
 
+    part = 0
+    call probe(osc, table, i, duration, walk, left, width, part, first, first_slope)
+    do member = 1, table%members
+      ! Pairs with the same profile error change together, one by one.
+      if (can_change(member) .and. .not. is_same_side(member, first)) return
+    end do
     part = 1
     member = 0
+    call probe(osc, table, i, duration, walk, left, width, part, last, last_slope)
     do j = 1, table%members
-      if (j > table%pairs(i) .and. .not. (osc%has_backlash .and. j == table%members)) cycle
-      call probe(osc, table, i, duration, walk, left, width, j, 0.0_dp, overlap(1), slope(1))
-      call probe(osc, table, i, duration, walk, left, width, j, part, overlap(2), slope(2))
+      if (.not. can_change(j)) cycle
+      if (member > 0) then
+        if (.not. abs(last(j) - last(member)) > 0) cycle
+      end if
       until = part
-      if (walk%contact(j) .eqv. overlap(2) > 0) then
-        if (.not. may_change(walk%contact(j), overlap(1), overlap(2), part*slope(1), part*slope(2))) cycle
-        until = turning_point(overlap, part*slope)*part
-        call probe(osc, table, i, duration, walk, left, width, j, until, overlap(2), slope(2))
-        if (walk%contact(j) .eqv. overlap(2) > 0) cycle
+      if (is_same_side(j, last)) then
+        if (.not. may_change(walk%contact(j), first(j), last(j), part*first_slope(j), part*last_slope(j))) cycle
+        until = turning_point([first(j), last(j)], part*[first_slope(j), last_slope(j)])*part
+        call probe(osc, table, i, duration, walk, left, width, until, last, last_slope)
+        if (is_same_side(j, last)) then
+          call probe(osc, table, i, duration, walk, left, width, part, last, last_slope)
+          cycle
+        end if
       end if
       part = first_crossing(j, until)
       member = j
+      call probe(osc, table, i, duration, walk, left, width, part, last, last_slope)
     end do
 
   contains
 
-    !> Newton's method kept within a bracket; ends on the far side of the
-    !> change, so that the switched state is consistent.
+    pure logical function can_change(j)
+      integer, intent(in) :: j
+
+      can_change = j <= table%pairs(i) .or. (osc%has_backlash .and. j == table%members)
+    end function can_change
+
+    pure logical function is_same_side(j, overlap)
+      integer, intent(in) :: j
+      real(dp), intent(in) :: overlap(:)
+
+      is_same_side = walk%contact(j) .eqv. overlap(j) > 0
+    end function is_same_side
+
+    !> Newton's method kept within a bracket, each time a hair beyond the root, so
+    !> that both ends close in; ends on the far side of the change, so that the
+    !> switched state is consistent.
     pure real(dp) function first_crossing(j, until) result(high)
       integer, intent(in) :: j
       real(dp), intent(in) :: until
-      real(dp), parameter :: tight = 4*epsilon(1.0_dp)
-      real(dp) :: low, trial, value, slope
+      real(dp), parameter :: hair = 1e-14_dp
+      real(dp), dimension(table%members) :: value, slope
+      real(dp) :: low, trial, beyond
       integer :: iteration
 
       low = 0
       high = until
       trial = high
       do iteration = 1, 60
-        call probe(osc, table, i, duration, walk, left, width, j, trial, value, slope)
-        if (walk%contact(j) .eqv. value > 0) then
+        call probe(osc, table, i, duration, walk, left, width, trial, value, slope)
+        if (is_same_side(j, value)) then
           low = trial
+          beyond = hair
         else
           high = trial
+          beyond = -hair
         end if
-        if (high - low <= tight) exit
-        if (abs(slope) > 0) trial = trial - value/slope
-        ! A hair beyond the root, as the root itself is on neither side.
-        if (trial > low .and. trial < high) trial = min(trial + tight, high - tight/2)
+        if (high - low <= 4*hair) exit
+        if (abs(slope(j)) > 0) trial = trial - value(j)/slope(j) + beyond
         if (.not. (trial > low .and. trial < high)) trial = (low + high)/2
       end do
     end function first_crossing
   end subroutine next_event
 
-  !> Overlap of member j and its slope over the stretch after a part of it.
-  pure subroutine probe(osc, table, i, duration, walk, left, width, j, part, overlap, slope)
+  !> Overlaps of all members and their slopes over the stretch, after a part of it.
+  pure subroutine probe(osc, table, i, duration, walk, left, width, part, overlap, slope)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, j
+    integer, intent(in) :: i
     real(dp), intent(in) :: duration, left, width, part
     type(walk_t), intent(in) :: walk
-    real(dp), intent(out) :: overlap, slope
+    real(dp), dimension(table%members), intent(out) :: overlap, slope
     real(dp), dimension(table%members, 3) :: rate, error, stiffness
     real(dp), dimension(table%members) :: stiffness_slope, error_slope
     type(step_t) :: step
-    real(dp) :: x, y
+    real(dp) :: x, y, piece
+    integer :: k
 
-    call stretch(osc, table, i, duration, walk, left, part*width, step, rate, error, stiffness)
     x = walk%x
     y = walk%y
-    call advance(step, x, y)
-    call pair_slopes(osc, table%zones(table%zone(i)), left + part*width, stiffness_slope, error_slope)
-    overlap = x - error(j, 3)
-    slope = width*(y - error_slope(j))
-    if (osc%has_backlash .and. j == table%members) then
-      overlap = -overlap
-      slope = -width*y
+    piece = part*width/table%parts
+    if (piece > 0) then
+      do k = 0, table%parts - 1
+        call stretch(osc, table, i, duration, walk, left + k*piece, piece, step, rate, error, stiffness)
+        call advance(step, x, y)
+      end do
+    else
+      call evaluate(osc, table%zones(table%zone(i)), left, rate(:, 3), error(:, 3), stiffness(:, 3))
     end if
+    call pair_slopes(osc, table%zones(table%zone(i)), left + part*width, stiffness_slope, error_slope)
+    overlap = x - error(:, 3)
+    slope = width*(y - error_slope)
+    if (.not. osc%has_backlash) return
+    overlap(table%members) = -overlap(table%members)
+    slope(table%members) = -width*y
   end subroutine probe
 
-  !> Coefficients of a stretch within step i.
+  !> Coefficients of a stretch within step i, at its ends and its middle.
   pure subroutine stretch(osc, table, i, duration, walk, left, width, step, rate, error, stiffness)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table

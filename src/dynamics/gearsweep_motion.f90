@@ -38,6 +38,7 @@ module gearsweep_motion
   type :: table_t
     integer :: steps = 0
     integer :: members = 0             !< pairs at most, and the coast side
+    integer :: parts = 1               !< steps between two changes of contact within a step
     type(zone_t), allocatable :: zones(:)
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
@@ -178,7 +179,8 @@ contains
   end subroutine pair_slopes
 
   !> Tabulates the period with about `steps` steps, `every` a divisor of the
-  !> number in each zone (2 gives tables that nest with their halves).
+  !> number in each zone. 2 gives tables that nest with their halves, also between
+  !> the changes of contact within a step, where more steps would change nothing.
   pure subroutine tabulate(osc, steps, every, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps, every
@@ -192,6 +194,7 @@ contains
       counts(i) = every*max(1, ceiling(steps*(table%zones(i)%last - table%zones(i)%first)/every - 1e-6_dp))
     end do
     call allocate_table(osc, sum(counts), table)
+    table%parts = every
     step = 0
     do i = 1, size(table%zones)
       do k = 0, counts(i) - 1

@@ -68,8 +68,7 @@ contains
     state = merge(step, [osc%rest, 0.0_dp], solved)
     if (.not. solved) return
     call run_period(osc, table, duration, state, .false., run)
+    if (.not. (run%partial .or. run%failed)) call judge(osc, duration, state, run, 1, steady)
     steady%cycles = 2
-    if (run%partial .or. run%failed) return
-    call judge(osc, duration, state, run, 1, steady)
   end subroutine solve_in_contact
 end module gearsweep_steady
