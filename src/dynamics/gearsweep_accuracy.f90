@@ -4,7 +4,7 @@ module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
   use gearsweep_motion, only: oscillator_t, table_t, tabulate
   use gearsweep_steady, only: steady_t, steady_options_t, find_steady, shoot, distance, has_answer, &
-                              unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
+                              near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
   implicit none
   private
   public :: accuracy_t, tables_t, point_t, solve_point, mesh_period, most_rungs, rung_steps
@@ -120,7 +120,7 @@ contains
     type(steady_options_t) :: alike
     type(steady_t) :: half
 
-    call find_steady(osc, fine, duration, options%steady, point%steady, start)
+    call follow_or_find(osc, fine, duration, options, point%steady, start)
     point%steps = fine%steps
     point%work = point%work + real(point%steady%cycles, dp)*fine%steps
     point%dynamic_factor = point%steady%peak/osc%load
@@ -144,6 +144,29 @@ contains
     end if
     point%estimate = point%step_error + point%steady%closure
   end subroutine solve_on
+
+  !> `steady` is known from fewer steps, or not yet; with changes of contact the
+  !> search is long, and Newton's method may go on from what was found.
+  pure subroutine follow_or_find(osc, table, duration, options, steady, start)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(steady_t), intent(inout) :: steady
+    real(dp), intent(in), optional :: start(2)
+    type(steady_t) :: before
+    integer :: cycles
+
+    cycles = 0
+    if (has_answer(steady%status) .and. steady%partial .and. options%steady%method == by_shooting) then
+      before = steady
+      call shoot(osc, table, duration, before%periods, before%state, steady)
+      if (has_answer(steady%status) .and. distance(osc, duration, steady%state - before%state) < near) return
+      cycles = steady%cycles
+    end if
+    call find_steady(osc, table, duration, options%steady, steady, start)
+    steady%cycles = steady%cycles + cycles
+  end subroutine follow_or_find
 
   !> Error of a fourth-order result from its difference to half the steps: a
   !> 15th, raised by a half; the state is asked too, as the peaks may differ

@@ -80,7 +80,7 @@ contains
       end if
       if (trail%length < enough) cycle
       ! Chaos, or damping that tells in none of the periods to come.
-      if (trail%growth > much .or. trail%decay*most_cycles < 2*trail%length) exit
+      if (trail%growth > much .or. trail%decay*most_cycles < 8*trail%length) exit
     end do
     if (.not. trail%growth > much) return
     steady = steady_t(status=point_chaotic, multiplier=exp(trail%growth/(trail%length - first_counted)), &
