@@ -12,7 +12,7 @@ module gearsweep_accuracy
   type :: accuracy_t
     type(steady_options_t) :: steady
     integer :: steps = 0                         !< a period; 0: chosen for the tolerance
-    integer :: most_steps = 2**18
+    integer :: most_steps = 2**18                !< a period; fewer where more than four pairs touch
   end type accuracy_t
 
   !> The answer at one speed.
@@ -61,6 +61,35 @@ contains
     end do
   end function rung_for
 
+  !> The last rung with at most `steps`.
+  pure integer function last_rung(steps)
+    integer, intent(in) :: steps
+
+    last_rung = rung_for(real(steps, dp))
+    if (rung_steps(last_rung) > steps) last_rung = last_rung - 1
+  end function last_rung
+
+  !> Tabulates the period for a rung, once. Of the large tables only one is kept:
+  !> with 2**18 steps it takes 0.2 GB.
+  pure subroutine make_tables(osc, rung, tables)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: rung
+    type(tables_t), intent(inout) :: tables
+    integer, parameter :: large = 2**15
+    integer :: i
+
+    if (tables%made(rung)) return
+    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large)
+      if (.not. tables%made(i) .or. rung_steps(i) <= large) cycle
+      tables%fine(i) = table_t()
+      tables%coarse(i) = table_t()
+      tables%made(i) = .false.
+    end do
+    call tabulate(osc, rung_steps(rung), 2, tables%fine(rung))
+    call tabulate(osc, rung_steps(rung)/2, 1, tables%coarse(rung))
+    tables%made(rung) = .true.
+  end subroutine make_tables
+
   !> Steady motion for a period of `duration` (s) on the branch `start` leads to.
   pure subroutine solve_point(osc, duration, options, tables, point, start)
     type(oscillator_t), intent(in) :: osc
@@ -72,7 +101,7 @@ contains
     integer, parameter :: most_trials = 12
     type(table_t) :: fine, coarse
     real(dp) :: least
-    integer :: rung, trial
+    integer :: rung, most, trial
 
     least = stable_steps(osc, duration, options)
     point%steady%status = point_unresolved
@@ -87,22 +116,20 @@ contains
       return
     end if
 
-    rung = rung_for(max(least, first_guess(osc, duration, options, tables)))
+    most = last_rung(options%most_steps/((osc%members + 3)/4))
+    rung = rung_for(least)
+    if (rung > most .or. rung_steps(rung) < least) return
+    rung = max(rung, min(most, rung_for(first_guess(osc, duration, options, tables))))
     do trial = 1, most_trials
-      if (rung_steps(rung) > options%most_steps .or. rung_steps(rung) < least) return
-      if (.not. tables%made(rung)) then
-        call tabulate(osc, rung_steps(rung), 2, tables%fine(rung))
-        call tabulate(osc, rung_steps(rung)/2, 1, tables%coarse(rung))
-        tables%made(rung) = .true.
-      end if
+      call make_tables(osc, rung, tables)
       call solve_on(osc, tables%fine(rung), tables%coarse(rung), duration, options, point, start)
       point%wanted_steps = rung_steps(rung)
       if (.not. has_answer(point%steady%status)) exit
       associate (excess => min(point%step_error/options%steady%tolerance, 1e8_dp))
         tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**0.25_dp, 0.5_dp), 2.0_dp)/duration
         if (excess <= 1) exit
-        if (rung_steps(rung + 1) > options%most_steps) exit
-        rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**0.25_dp, 4.0_dp)), rung_for(real(options%most_steps, dp)))
+        if (rung == most) exit
+        rung = min(most, rung_for(rung_steps(rung)*min(1.1_dp*excess**0.25_dp, 4.0_dp)))
       end associate
     end do
     if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &

@@ -12,6 +12,10 @@ module gearsweep_period
   private
   public :: period_t, run_period
 
+  !> A start of which less than this is left tells nothing; on its way to 0 it
+  !> would slow the processor down.
+  real(dp), parameter :: forgotten = 1e-150_dp
+
 contains
 
   !> Follows the motion from `start` over one period of duration `duration` (s).
@@ -66,6 +70,7 @@ contains
       if (present(trace)) call record(trace, table%pairs(i), table%left(i) + [0.0_dp, table%width(i)], &
                                       [walk%x, x], table%stiffness(:, ::2, i), table%error(:, ::2, i), walk%contact)
       call advance_map(step, walk%map)
+      if (modulo(i, 64) == 0 .and. all(abs(walk%map) < forgotten)) walk%map = 0
       out%decay = out%decay + decay_over(step)
       walk%x = x
       walk%y = y
