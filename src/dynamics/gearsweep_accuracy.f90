@@ -149,7 +149,7 @@ contains
 
     call follow_or_find(osc, fine, duration, options, point%steady, start)
     point%steps = fine%steps
-    point%work = point%work + real(point%steady%cycles, dp)*fine%steps
+    point%work = point%work + point%steady%work
     point%dynamic_factor = point%steady%peak/osc%load
     if (.not. has_answer(point%steady%status)) return
 
@@ -160,7 +160,7 @@ contains
       alike%method = by_shooting
       call find_steady(osc, coarse, duration, alike, half)
     end if
-    point%work = point%work + real(half%cycles, dp)*coarse%steps
+    point%work = point%work + half%work
     point%step_error = unbounded
     if (has_answer(half%status)) then
       point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
@@ -182,17 +182,17 @@ contains
     type(steady_t), intent(inout) :: steady
     real(dp), intent(in), optional :: start(2)
     type(steady_t) :: before
-    integer :: cycles
+    real(dp) :: work
 
-    cycles = 0
+    work = 0
     if (has_answer(steady%status) .and. steady%partial .and. options%steady%method == by_shooting) then
       before = steady
       call shoot(osc, table, duration, before%periods, before%state, steady)
       if (has_answer(steady%status) .and. distance(osc, duration, steady%state - before%state) < near) return
-      cycles = steady%cycles
+      work = steady%work
     end if
     call find_steady(osc, table, duration, options%steady, steady, start)
-    steady%cycles = steady%cycles + cycles
+    steady%work = steady%work + work
   end subroutine follow_or_find
 
   !> Error of a fourth-order result from its difference to half the steps: a

@@ -10,7 +10,12 @@ module gearsweep_contact
   private
   public :: contact_changes, cross
 
-  integer, parameter :: most_events = 40         ! within one step; beyond, contact chatters
+  !> Changes of contact within one step, and beyond those of free oscillation
+  !> within one period; with more, contact chatters.
+  integer, parameter :: most_events = 40, most_extra = 1000
+
+  !> What one change costs, in Runge-Kutta steps.
+  real(dp), parameter :: cost = 50
 
 contains
 
@@ -48,7 +53,8 @@ contains
 
     left = table%left(i)
     rest = table%width(i)
-    do count = 1, most_events
+    out%failed = out%events > most_extra + osc%members*osc%highest_frequency*duration
+    do count = 1, merge(0, most_events, out%failed)
       call next_event(osc, table, i, duration, walk, left, rest, part, member)
       piece = part*rest/table%parts
       do k = 0, merge(table%parts, 0, piece > 0) - 1
@@ -59,6 +65,7 @@ contains
       rest = (1 - part)*rest
       call switch_contact(osc, table, i, duration, left, member, walk)
       out%events = out%events + 1
+      out%work = out%work + cost
       call note_contact(osc, walk%contact, out)
       if (rest <= 0) return
     end do

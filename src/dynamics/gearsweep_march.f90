@@ -4,7 +4,7 @@ module gearsweep_march
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_period, only: period_t, run_period
-  use gearsweep_orbit, only: steady_t, near, has_answer, adopt, shoot, newton_step, run_periods, judge, distance, &
+  use gearsweep_orbit, only: steady_t, near, most_work, has_answer, adopt, shoot, newton_step, run_periods, judge, distance, &
                              largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic
   implicit none
   private
@@ -35,9 +35,6 @@ module gearsweep_march
   real(dp), parameter :: much = 40
   integer, parameter :: first_counted = 50, enough = 500
 
-  !> Runge-Kutta steps marched at most.
-  integer, parameter :: most_work = 2*10**7
-
 contains
 
   !> Follows the transient until it repeats after some periods. By shooting,
@@ -55,16 +52,18 @@ contains
     type(period_t) :: run
     type(steady_t) :: trial
     integer :: next_shot, periods, most_cycles
+    real(dp) :: before
 
-    if (steady%status /= point_unstable) steady = steady_t(cycles=steady%cycles)
+    if (steady%status /= point_unstable) steady = steady_t(work=steady%work)
     ! Without damping nothing settles.
     if (.not. osc%damping_ratio > 0) return
     call begin(trail, options%most_periods, start)
     next_shot = 1
-    most_cycles = min(options%most_cycles, max(1, most_work/table%steps))
-    do while (trail%length < most_cycles)
+    before = steady%work
+    most_cycles = min(options%most_cycles, max(1, int(most_work/table%steps)))
+    do while (trail%length < most_cycles .and. steady%work - before < most_work)
       call run_period(osc, table, duration, trail%state(:, 0), .false., run)
-      steady%cycles = steady%cycles + 1
+      steady%work = steady%work + run%work
       if (run%failed) steady%status = point_chatter
       if (run%failed .or. .not. distance(osc, duration, run%state) < huge(1.0_dp)) return
       call follow(trail, run, max(1.0_dp, osc%natural_frequency*duration))
@@ -75,7 +74,7 @@ contains
           if (periods > 1) call shorten(osc, table, duration, steady)
           return
         end if
-        steady%cycles = steady%cycles + trial%cycles
+        steady%work = steady%work + trial%work
         if (periods > 0) next_shot = trail%length + 5 + trail%length/5
       end if
       if (trail%length < enough) cycle
@@ -84,7 +83,7 @@ contains
     end do
     if (.not. trail%growth > much) return
     steady = steady_t(status=point_chaotic, multiplier=exp(trail%growth/(trail%length - first_counted)), &
-                      partial=run%partial, flight=run%flight, coast=run%coast, cycles=steady%cycles)
+                      partial=run%partial, flight=run%flight, coast=run%coast, work=steady%work)
   end subroutine march
 
   pure subroutine begin(trail, periods, start)
@@ -150,7 +149,7 @@ contains
     else if (options%method == by_marching) then
       call run_periods(osc, table, duration, trail%state(:, 0), periods, run)
       call judge(osc, duration, trail%state(:, 0), run, periods, found)
-      found%cycles = periods
+      found%work = run%work
     else
       call shoot(osc, table, duration, periods, trail%state(:, periods) + step, found)
       if (has_answer(found%status) .and. distance(osc, duration, found%state - trail%state(:, 0)) > near) &
@@ -172,7 +171,7 @@ contains
     do periods = 1, steady%periods/2
       if (modulo(steady%periods, periods) /= 0) cycle
       call run_periods(osc, table, duration, steady%state, periods, run)
-      steady%cycles = steady%cycles + periods
+      steady%work = steady%work + run%work
       if (distance(osc, duration, run%state - steady%state) > same) cycle
       call shoot(osc, table, duration, periods, steady%state, trial)
       if (has_answer(trial%status)) call adopt(trial, steady)

@@ -31,13 +31,16 @@ module gearsweep_orbit
     real(dp) :: residual = 0                     !< of x(T) = x(0), in static deflections
     real(dp) :: closure = 0                      !< error of the state that the residual leaves, the same unit
     integer :: periods = 1                       !< mesh periods until the motion repeats
-    integer :: cycles = 0                        !< mesh periods followed in all: the work
+    real(dp) :: work = 0                         !< to find it, in Runge-Kutta steps
     logical :: partial = .false., flight = .false., coast = .false.
   end type steady_t
 
   !> A solution within so many static deflections of where Newton's method
   !> started belongs to the motion it started from.
   real(dp), parameter, public :: near = 0.5_dp
+
+  !> Runge-Kutta steps spent at most on one search.
+  real(dp), parameter, public :: most_work = 5e6_dp
 
   !> An error of which nothing is known.
   real(dp), parameter, public :: unbounded = 1e30_dp
@@ -72,11 +75,11 @@ contains
   pure subroutine adopt(found, steady)
     type(steady_t), intent(in) :: found
     type(steady_t), intent(inout) :: steady
-    integer :: cycles
+    real(dp) :: work
 
-    cycles = steady%cycles
+    work = steady%work
     steady = found
-    steady%cycles = cycles + found%cycles
+    steady%work = work + found%work
   end subroutine adopt
 
   !> Solves (I - map) step = defect, unless rounding decides the answer: map is
@@ -114,6 +117,7 @@ contains
       run%state = next%state
       run%map = matmul(next%map, run%map)
       run%decay = run%decay + next%decay
+      run%work = run%work + next%work
       run%peak = max(run%peak, next%peak)
       run%partial = run%partial .or. next%partial
       run%flight = run%flight .or. next%flight
@@ -134,22 +138,22 @@ contains
     integer, parameter :: most_iterations = 20, most_halvings = 4
     real(dp), parameter :: converged = 1e-12_dp, acceptable = 1e-9_dp, near_enough = 1e-6_dp
     type(period_t) :: run, trial_run
-    real(dp) :: state(2), trial(2), step(2), residual, trial_residual
-    integer :: iteration, halving, cycles
+    real(dp) :: state(2), trial(2), step(2), residual, trial_residual, work
+    integer :: iteration, halving
     logical :: solved
 
     state = start
     call run_periods(osc, table, duration, state, periods, run)
-    cycles = periods
+    work = run%work
     residual = distance(osc, duration, run%state - state)
     do iteration = 0, most_iterations
-      if (run%failed) exit
+      if (run%failed .or. work > most_work) exit
       call newton_step(run%map, run%state - state, step, solved)
       if (.not. solved .or. distance(osc, duration, step) < converged) exit
       do halving = 0, most_halvings
         trial = state + step/2**halving
         call run_periods(osc, table, duration, trial, periods, trial_run)
-        cycles = cycles + periods
+        work = work + trial_run%work
         trial_residual = distance(osc, duration, trial_run%state - trial)
         if (trial_residual < residual .and. .not. trial_run%failed) exit
       end do
@@ -163,7 +167,7 @@ contains
     else if (residual < acceptable .and. distance(osc, duration, step) < near_enough) then
       call judge(osc, duration, state, run, periods, steady)
     end if
-    steady%cycles = cycles
+    steady%work = work
   end subroutine shoot
 
   !> Size of a difference of states, in static deflections.

@@ -33,6 +33,7 @@ contains
     logical :: all_hold
     integer :: i, zone
 
+    out%work = table%steps
     walk%x = start(1)
     walk%y = start(2)
     walk%map = reshape([1, 0, 0, 1], [2, 2])

@@ -28,22 +28,22 @@ contains
     type(steady_t), intent(out) :: steady
     real(dp), intent(in), optional :: start(2)
     real(dp) :: rest(2), from(2)
-    integer :: cycles
+    real(dp) :: work
 
     rest = [osc%rest, 0.0_dp]
     from = rest
-    cycles = 0
+    work = 0
     if (options%method == by_shooting .and. .not. present(start)) then
       call solve_in_contact(osc, table, duration, from, steady)
       if (settled(steady)) return
-      cycles = steady%cycles
+      work = steady%work
       ! Far from rest Newton's method may find a motion that no start leads to.
       if (distance(osc, duration, from - rest) > near) from = rest
     end if
     if (present(start)) from = start
     if (options%method == by_shooting) then
       call shoot(osc, table, duration, 1, from, steady)
-      steady%cycles = steady%cycles + cycles
+      steady%work = steady%work + work
       if (settled(steady) .and. distance(osc, duration, steady%state - from) < near) return
     end if
     if (.not. present(start)) from = rest
@@ -63,12 +63,12 @@ contains
     logical :: solved
 
     call run_period(osc, table, duration, [0.0_dp, 0.0_dp], .true., run)
-    steady%cycles = 1
     call newton_step(run%map, run%state, step, solved)
     state = merge(step, [osc%rest, 0.0_dp], solved)
+    steady%work = table%steps
     if (.not. solved) return
     call run_period(osc, table, duration, state, .false., run)
     if (.not. (run%partial .or. run%failed)) call judge(osc, duration, state, run, 1, steady)
-    steady%cycles = 2
+    steady%work = 2*table%steps
   end subroutine solve_in_contact
 end module gearsweep_steady
