@@ -1,7 +1,7 @@
 !> The flat layer under run-time checks: sizes, what is refused, what is left alone, messages.
 module test_flat
   use gearsweep_calls
-  use gearsweep_error, only: code_input, code_ok
+  use gearsweep_error, only: code_file, code_input, code_ok
   use gearsweep_kinds, only: dp
   use testing, only: check_close, check_equal, check_true, tally_t
   implicit none
@@ -14,6 +14,8 @@ module test_flat
   character(*), parameter :: text = '&case tasks = ''mesh'', ''load'', ''sweep'', ''optimum'', ''static'', ''modal'' / '// &
     pair//'&mesh model = ''fe'' / &static positions = 5 / &modal modes = 3 / '// &
     '&sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 load_rpm = 4000 /    '
+  character(*), parameter :: with_section = '&case tasks = ''section'', ''modal'', ''static'', ''sweep'' / '// &
+    text(index(text, '/') + 1:)
   real(dp), parameter :: mark = -7
 
 contains
@@ -25,6 +27,9 @@ contains
     call test_geometry_call(t)
     call test_results(t)
     call test_static_results(t)
+    call test_shapes(t)
+    call test_texts(t)
+    call test_files(t)
   end subroutine run
 
   subroutine test_messages(t)
@@ -32,16 +37,16 @@ contains
     character(200) :: message
     character(6) :: short
     character(5) :: version
-    integer :: n(7), info
+    integer :: n(9), info
 
     n = -7
-    call gs_sizes('', n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call gs_sizes('', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
     call check_equal(t, 'an empty case is refused', info, code_input)
     call check_true(t, 'it says why', index(message, '&') > 0)
     call check_true(t, 'and leaves the results', all(n == -7))
-    call gs_sizes('&colour red = 1 /', n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, short)
+    call gs_sizes('&colour red = 1 /', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, short)
     call check_true(t, 'a short message is cut', info == code_input .and. len_trim(short) == 6)
-    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
     call check_equal(t, 'sizes', info, code_ok)
     call check_true(t, 'no message', message == '')
     call check_true(t, 'speeds, reliefs, modes', all(n([1, 2, 6]) == [4, 2, 3]))
@@ -69,25 +74,28 @@ contains
   subroutine test_results(t)
     type(tally_t), intent(inout) :: t
     integer, parameter :: most = 6, room = 60
-    real(dp) :: rpm(most), relief(3), df(most, 3, 2), estimate(most, 3), none(1)
+    real(dp) :: rpm(most), relief(3), df(most, 3, 2), estimate(most, 3), modulus(most, 3), residual(most, 3), none(1)
     real(dp) :: curve(room, 3), best(4), peak(5, 2), rows(3000, 5)
     real(dp), allocatable :: work(:)
-    integer :: n(7), status(most, 3), contact(most, 3), failed(room), tried, found, info
+    integer :: n(9), status(most, 3), contact(most, 3), steps(most, 3), periods(most, 3), failed(room), tried, found, info
     character(200) :: message
 
     none = 0
-    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
-    allocate (work(n(7)), source=mark)
-    call gs_prepare(text, n(7) - 1, work, info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    allocate (work(n(9)), source=mark)
+    call gs_prepare(text, '', n(9) - 1, work, info, message)
     call check_true(t, 'work too small', info == code_input .and. index(message, 'at least') > 0)
     call check_true(t, 'work is as it was', all(.not. abs(work - mark) > 0))
-    call gs_prepare(text, n(7), work, info, message)
+    call gs_prepare(text, '', n(9), work, info, message)
     call check_equal(t, 'prepare', info, code_ok)
     df = mark
-    call gs_sweep(text, n(7), work, 1, 3, 3, rpm, relief, df(:, :, 1), estimate, status, contact, info, message)
+    call gs_sweep(text, n(9), work, 1, 3, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
+                  modulus, residual, steps, periods, info, message)
     call check_true(t, 'too few speeds', info == code_input .and. all(.not. abs(df - mark) > 0))
-    call gs_sweep(text, n(7), work, 1, most, 3, rpm, relief, df(:, :, 1), estimate, status, contact, info, message)
-    call gs_sweep(text, 0, none, 2, most, 3, rpm, relief, df(:, :, 2), estimate, status, contact, info, message)
+    call gs_sweep(text, n(9), work, 1, most, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
+                  modulus, residual, steps, periods, info, message)
+    call gs_sweep(text, 0, none, 2, most, 3, rpm, relief, df(:, :, 2), estimate, status, contact, &
+                  modulus, residual, steps, periods, info, message)
     call check_equal(t, 'sweep', info, code_ok)
     call check_true(t, 'the same bits with the stiffness passed in', all(.not. abs(df(:, :, 1) - df(:, :, 2)) > 0))
     call check_true(t, 'dynamic factors', all(df(:4, :2, 1) > 0.5_dp))
@@ -95,15 +103,15 @@ contains
                     all(.not. abs(df(:, 3, 1) - mark) > 0))
     call gs_resonances(4, rpm, df(:4, 1, 1), found, peak(:, 1), peak(:, 2), info, message)
     call check_true(t, 'resonances', info == code_ok .and. found >= 0)
-    call gs_optimum(text, n(7), work, 1, room, tried, curve(:, 1), curve(:, 2), curve(:, 3), failed, best(1), best(2), &
+    call gs_optimum(text, n(9), work, 1, room, tried, curve(:, 1), curve(:, 2), curve(:, 3), failed, best(1), best(2), &
                     best(3), best(4), info, message)
     call check_true(t, 'optimum', info == code_ok .and. tried > 16 .and. tried <= n(4))
     call check_close(t, 'the best is the least of the curve', best(2), minval(curve(:tried, 2)))
-    call gs_load(text, n(7), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_load(text, n(9), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
     call check_true(t, 'load: too little room', info == code_input .and. found > 10)
-    call gs_load(text, n(7), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_load(text, n(9), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
     call check_true(t, 'load', info == code_ok .and. maxval(rows(:found, 4)) > 4000*0.9_dp)
-    call gs_prepare('&case tasks = ''modal'' / '//pair, n(7), work, info, message)
+    call gs_prepare('&case tasks = ''modal'' / '//pair, '', n(9), work, info, message)
     call check_equal(t, 'no mesh to prepare', info, code_input)
   end subroutine test_results
 
@@ -111,18 +119,18 @@ contains
     type(tally_t), intent(inout) :: t
     real(dp), allocatable :: s(:), radius(:), share(:, :), sigma(:, :, :), parts(:, :, :, :), mesh(:, :)
     real(dp) :: relief(2), peak(2, 5), iso, lewis, modes(3, 4), none(1), drive(5)
-    integer :: n(7), length, info
+    integer :: n(9), length, info
     character(200) :: message
     character(9000) :: answer
 
     none = 0
-    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
     allocate (s(n(5)), radius(n(5)), share(n(5), 2), sigma(2, n(5), 2), parts(3, 2, n(5), 2), mesh(n(3), 7))
     call gs_root(text, 0, none, n(5), 2, relief, s, radius, share, sigma, parts, peak(:, 1), peak(:, 2), peak(:, 3), &
                  peak(:, 4), peak(:, 5), iso, lewis, info, message)
     call check_equal(t, 'root', info, code_ok)
     call check_true(t, 'tension pulls, compression pushes', all(peak(:, 1) > 0 .and. peak(:, 3) < 0) .and. iso > 0)
-    call gs_modes(text, 3, modes(:, 1), modes(:, 2), modes(:, 3), modes(:, 4), info, message)
+    call gs_modes(text, 3, 0, modes(:, 1), modes(:, 2), modes(:, 3), modes(:, 4), none, info, message)
     call check_true(t, 'modes', info == code_ok .and. modes(1, 1) > 0)
     call gs_mesh(text, 0, none, n(3) - 1, mesh(:, 1), mesh(:, 2), mesh(:, 3), mesh(:, 4), mesh(:, 5), mesh(:, 6), &
                  mesh(:, 7), info, message)
@@ -132,9 +140,89 @@ contains
     call check_true(t, 'mesh', info == code_ok .and. maxval(mesh(:, 6)) <= 1 + 1e-12_dp)
     call gs_motion(text, 0, none, drive(1), drive(2:3), drive(4), drive(5), info, message)
     call check_close(t, 'load', drive(1), 4000.0_dp)
-    call gs_report(text, 0, none, 1, answer(:20), length, info, message)
+    call gs_report(text, '', 0, none, 1, answer(:20), length, info, message)
     call check_true(t, 'the answer needs room', info == code_input .and. length > 500)
-    call gs_report(text, 0, none, 1, answer, length, info, message)
+    call gs_report(text, '', 0, none, 1, answer, length, info, message)
     call check_true(t, 'report', info == code_ok .and. len_trim(answer) >= length - 1)
   end subroutine test_static_results
+
+  !> Outline, grid, mode shapes and stress on the grid fit each other.
+  subroutine test_shapes(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), allocatable :: x(:), y(:), shape(:, :, :), sigma(:, :), outline(:, :)
+    integer, allocatable :: element(:, :), tooth(:)
+    real(dp) :: modes(3, 4), none(1), place(4)
+    integer :: n(9), points, info
+    character(200) :: message
+
+    none = 0
+    call gs_sizes(with_section, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    call check_true(t, 'the grid has nodes and elements', info == code_ok .and. n(7) > n(8) .and. n(8) > 0)
+    allocate (x(n(7)), y(n(7)), element(8, n(8) + 1), tooth(n(8) + 1), shape(2, n(7), 3), sigma(3, n(7)), outline(5000, 2))
+    call gs_section(with_section, n(7) - 1, n(8), x, y, element, tooth, info, message)
+    call check_true(t, 'a node is missing', info == code_input .and. index(message, 'nodes') > 0)
+    element = -7
+    call gs_section(with_section, n(7), n(8) + 1, x, y, element, tooth, info, message)
+    call check_equal(t, 'section', info, code_ok)
+    call check_true(t, 'elements have nodes', minval(element(:, :n(8))) == 1 .and. maxval(element) == n(7))
+    call check_true(t, 'what lies beyond is not touched', all(element(:, n(8) + 1) == -7))
+    call gs_outline(with_section, 1, 7, points, outline(:, 1), outline(:, 2), info, message)
+    call check_true(t, 'outline: too little room', info == code_input .and. points == 72*21)
+    call gs_outline(with_section, 1, 5000, points, outline(:, 1), outline(:, 2), info, message)
+    call check_close(t, 'the tip is the grid''s', maxval(norm2(outline(:points, :), 2)), maxval(sqrt(x**2 + y**2)))
+    call gs_outline(with_section, 0, 5000, points, outline(:, 1), outline(:, 2), info, message)
+    call check_true(t, 'no such gear', info == code_input .and. index(message, 'member') > 0)
+    shape = mark
+    call gs_modes(with_section, 3, n(7), modes(:, 1), modes(:, 2), modes(:, 3), modes(:, 4), shape, info, message)
+    call check_true(t, 'shapes', info == code_ok .and. all(abs(shape - mark) > 0))
+    call gs_stress(with_section, 0, none, 2, 1, n(7), place(1), place(2), place(3), place(4), sigma, info, message)
+    call check_true(t, 'stress', info == code_ok .and. maxval(sigma) > 0 .and. minval(sigma) < 0)
+    call gs_stress(with_section, 0, none, 99, 1, n(7), place(1), place(2), place(3), place(4), sigma, info, message)
+    call check_true(t, 'no such position', info == code_input .and. index(message, 'position') > 0)
+    call gs_stress(with_section, 0, none, 1, 3, n(7), place(1), place(2), place(3), place(4), sigma, info, message)
+    call check_true(t, 'no such relief', info == code_input .and. index(message, 'relief') > 0)
+  end subroutine test_shapes
+
+  subroutine test_texts(t)
+    type(tally_t), intent(inout) :: t
+    character(len(text) + 100) :: changed
+    character(9000) :: complete, again
+    integer :: length, info
+    character(200) :: message
+
+    call gs_change(text, 'pair', 'module_mm', '3.5', changed, length, info, message)
+    call check_true(t, 'a key is changed', info == code_ok .and. index(changed, 'module_mm = 3.5 face') > 0)
+    call gs_change(text, 'pair', 'backlash_um', '', changed, length, info, message)
+    call check_true(t, 'a key that is not there is taken out', info == code_ok .and. changed == text)
+    call gs_change(text, 'pair', 'backlash_um', '5 / &x y = 1', changed, length, info, message)
+    call check_equal(t, 'one key and no more', info, code_input)
+    call gs_complete(text, complete(:5), length, info, message)
+    call check_true(t, 'the complete case needs room', info == code_input .and. length > len(text))
+    call gs_complete(text, complete, length, info, message)
+    call check_true(t, 'defaults', info == code_ok .and. index(complete, 'damping_ratio = 0.17') > 0)
+    call gs_complete(complete(:length), again, length, info, message)
+    call check_true(t, 'the complete case is complete', info == code_ok .and. again == complete)
+  end subroutine test_texts
+
+  !> The program's files, made in the folder of the tests' build.
+  subroutine test_files(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: out = 'build/run/flat'
+    character(3000) :: answer, said
+    character(2000) :: stages, files
+    real(dp) :: none(1)
+    integer :: length, info
+    logical :: there
+    character(200) :: message
+
+    none = 0
+    call gs_write(with_section, '', 0, none, 1, out, 'case', answer, length, stages, files, info, message)
+    call check_true(t, 'write', info == code_ok .and. index(stages, 'sweep') > 0)
+    inquire (file=out//'/case.sweep.csv', exist=there)
+    call check_true(t, 'the table is there', there .and. index(files, out//'/case.sweep.csv'//new_line('a')) > 0)
+    call gs_report(with_section, '', 0, none, 1, said, length, info, message)
+    call check_true(t, 'the answer is the report', info == code_ok .and. answer == said)
+    call gs_write(with_section, '', 0, none, 1, 'build/run/no/folder', 'case', answer, length, stages, files, info, message)
+    call check_equal(t, 'no folder', info, code_file)
+  end subroutine test_files
 end module test_flat

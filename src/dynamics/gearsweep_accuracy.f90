@@ -2,12 +2,17 @@
 !> error estimate by step doubling.
 module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_motion, only: oscillator_t, table_t, tabulate
-  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, shoot, distance, has_answer, &
-                              near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
+  use gearsweep_gauss, only: order, lanes
+  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_hold, only: lane_work_t
+  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, &
+                              has_answer, near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
   implicit none
   private
-  public :: accuracy_t, tables_t, point_t, solve_point, mesh_period, most_rungs, rung_steps
+  public :: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
+
+  real(dp), parameter :: root = 1.0_dp/order
+  integer, parameter :: most_trials = 12
 
   type :: accuracy_t
     type(steady_options_t) :: steady
@@ -21,19 +26,21 @@ module gearsweep_accuracy
     real(dp) :: dynamic_factor = 0
     real(dp) :: estimate = 0                     !< of the error of the dynamic factor
     real(dp) :: step_error = 0                   !< its part that more steps reduce
+    real(dp) :: work = 0                         !< steps in all, on every table tried; not told by lanes
     integer :: steps = 0                         !< of the period
-    real(dp) :: work = 0                         !< Runge-Kutta steps in all, on every table tried
-    integer :: wanted_steps = 0                  !< the number that `tabulate` makes these from
+    type(resolution_t) :: resolution             !< of the table that has them
   end type point_t
 
-  !> Numbers of steps come in rungs of 2**(1/3), so that many speeds share a table.
-  integer, parameter :: most_rungs = 48
+  !> Resolutions come in rungs of 2**(1/3), so that many speeds share a table; a table of half the steps
+  !> lies `octave` rungs below.
+  integer, parameter :: octave = 3, most_rungs = 48
 
   !> Tables made so far, and where the next point may start looking.
   type :: tables_t
-    type(table_t) :: fine(0:most_rungs), coarse(0:most_rungs)
+    type(table_t) :: rung(0:most_rungs)
     logical :: made(0:most_rungs) = .false.
     real(dp) :: steps_per_second = 0             !< wanted by the last point, over its period
+    type(lane_work_t) :: work
   end type tables_t
 
 contains
@@ -46,49 +53,45 @@ contains
     mesh_period = 60/(teeth*rpm)
   end function mesh_period
 
-  elemental integer function rung_steps(rung)
+  elemental type(resolution_t) function resolution_of(rung)
     integer, intent(in) :: rung
 
-    rung_steps = 2*nint(8*2**(rung/3.0_dp))
+    resolution_of = resolution_t(6*2**(modulo(rung, octave)/real(octave, dp)), 2**(rung/octave))
+  end function resolution_of
+
+  !> Steps of a period, before those that the breaks add.
+  elemental real(dp) function rung_steps(rung)
+    integer, intent(in) :: rung
+
+    rung_steps = 6*2**(rung/real(octave, dp))
   end function rung_steps
 
-  !> The first rung with at least `steps`.
+  !> The first rung with at least `steps`, and a table of half as many.
   pure integer function rung_for(steps) result(rung)
     real(dp), intent(in) :: steps
 
-    do rung = max(0, min(most_rungs, floor(3*log(max(steps, 1.0_dp)/16)/log(2.0_dp)))), most_rungs - 1
-      if (rung_steps(rung) >= steps) exit
-    end do
+    rung = min(most_rungs, octave + max(0, ceiling(octave*log(max(steps, 12.0_dp)/12)/log(2.0_dp) - 1e-9_dp)))
   end function rung_for
 
-  !> The last rung with at most `steps`.
-  pure integer function last_rung(steps)
-    integer, intent(in) :: steps
-
-    last_rung = rung_for(real(steps, dp))
-    if (rung_steps(last_rung) > steps) last_rung = last_rung - 1
-  end function last_rung
-
-  !> Tabulates the period for a rung, once. Of the large tables only one is kept:
-  !> with 2**18 steps it takes 0.2 GB.
-  pure subroutine make_tables(osc, rung, tables)
+  !> Makes the tables of a rung and of its half, unless they are there. Of the
+  !> large ones no others are kept: one of 2**18 steps takes 0.2 GB.
+  pure subroutine need_rungs(osc, rung, tables)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: rung
     type(tables_t), intent(inout) :: tables
-    integer, parameter :: large = 2**15
+    real(dp), parameter :: large = 2**15
     integer :: i
 
-    if (tables%made(rung)) return
-    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large)
-      if (.not. tables%made(i) .or. rung_steps(i) <= large) cycle
-      tables%fine(i) = table_t()
-      tables%coarse(i) = table_t()
+    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large .and. .not. tables%made(rung))
+      if (.not. tables%made(i) .or. rung_steps(i) <= large .or. i == rung - octave) cycle
+      tables%rung(i) = table_t()
       tables%made(i) = .false.
     end do
-    call tabulate(osc, rung_steps(rung), 2, tables%fine(rung))
-    call tabulate(osc, rung_steps(rung)/2, 1, tables%coarse(rung))
-    tables%made(rung) = .true.
-  end subroutine make_tables
+    do i = rung - octave, rung, octave
+      if (.not. tables%made(i)) call tabulate(osc, resolution_of(i), tables%rung(i))
+      tables%made(i) = .true.
+    end do
+  end subroutine need_rungs
 
   !> Steady motion for a period of `duration` (s) on the branch `start` leads to.
   pure subroutine solve_point(osc, duration, options, tables, point, start)
@@ -98,43 +101,120 @@ contains
     type(tables_t), intent(inout) :: tables
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
-    integer, parameter :: most_trials = 12
-    type(table_t) :: fine, coarse
     real(dp) :: least
-    integer :: rung, most, trial
+    integer :: rung, last, trial
+    logical :: done
 
-    least = stable_steps(osc, duration, options)
-    point%steady%status = point_unresolved
     if (options%steps > 0) then
-      if (options%steps < least) return
-      call tabulate(osc, options%steps, 2, fine)
-      call tabulate(osc, options%steps/2, 1, coarse)
-      call solve_on(osc, fine, coarse, duration, options, point, start)
-      point%wanted_steps = options%steps
-      if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &
-        point%steady%status = point_inexact
+      call solve_with_steps(osc, duration, options, point, start)
       return
     end if
-
-    most = last_rung(options%most_steps/((osc%members + 3)/4))
-    rung = rung_for(least)
-    if (rung > most .or. rung_steps(rung) < least) return
-    rung = max(rung, min(most, rung_for(first_guess(osc, duration, options, tables))))
+    point%steady%status = point_unresolved
+    least = 2*resolving_steps(osc, duration)
+    last = last_rung(osc, options)
+    if (rung_steps(last) < least) return
+    rung = min(last, rung_for(max(least, first_guess(osc, duration, options, tables))))
     do trial = 1, most_trials
-      call make_tables(osc, rung, tables)
-      call solve_on(osc, tables%fine(rung), tables%coarse(rung), duration, options, point, start)
-      point%wanted_steps = rung_steps(rung)
+      call need_rungs(osc, rung, tables)
+      call solve_on(osc, tables%rung(rung), tables%rung(rung - octave), duration, options, point, start)
+      point%resolution = resolution_of(rung)
       if (.not. has_answer(point%steady%status)) exit
-      associate (excess => min(point%step_error/options%steady%tolerance, 1e8_dp))
-        tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**0.25_dp, 0.5_dp), 2.0_dp)/duration
-        if (excess <= 1) exit
-        if (rung == most) exit
-        rung = min(most, rung_for(rung_steps(rung)*min(1.1_dp*excess**0.25_dp, 4.0_dp)))
-      end associate
+      call next_rung(osc, options, point%step_error, duration, tables, rung, done)
+      if (done) exit
     end do
+    call note_inexact(options, point)
+  end subroutine solve_point
+
+  !> The same without `start` at several speeds at once, where Newton's method settles: `solved`. Wants
+  !> the number of steps chosen.
+  pure subroutine solve_lanes(osc, duration, options, tables, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration(lanes)
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(out) :: points(lanes)
+    logical, intent(out) :: solved(lanes)
+    real(dp), parameter :: most_lane_steps = 4096
+    type(steady_t) :: half(lanes)
+    real(dp) :: least, longest
+    integer :: rung, trial
+    logical :: done
+
+    longest = maxval(duration)
+    least = 2*resolving_steps(osc, longest)
+    rung = rung_for(max(least, first_guess(osc, longest, options, tables)))
+    do trial = 1, most_trials
+      solved = .false.
+      if (rung_steps(rung) > min(most_lane_steps, real(options%most_steps, dp)) .or. rung_steps(rung) < least) return
+      call need_rungs(osc, rung, tables)
+      call find_in_lanes(osc, tables%rung(rung), duration, options%steady%tolerance, tables%work, points%steady)
+      solved = settled(points%steady)
+      if (.not. any(solved)) return
+      call find_in_lanes(osc, tables%rung(rung - octave), duration, options%steady%tolerance, tables%work, half, points%steady)
+      solved = solved .and. settled(half)
+      if (.not. any(solved)) return
+      call compare(osc, duration, half, points)
+      points%steps = tables%rung(rung)%steps
+      points%resolution = resolution_of(rung)
+      call next_rung(osc, options, maxval(points%step_error, mask=solved), longest, tables, rung, done)
+      if (done) exit
+    end do
+    call note_inexact(options, points)
+  end subroutine solve_lanes
+
+  !> Whether an error of the last rung is small enough; if not, the rung to try next.
+  pure subroutine next_rung(osc, options, step_error, duration, tables, rung, done)
+    type(oscillator_t), intent(in) :: osc
+    type(accuracy_t), intent(in) :: options
+    real(dp), intent(in) :: step_error, duration
+    type(tables_t), intent(inout) :: tables
+    integer, intent(inout) :: rung
+    logical, intent(out) :: done
+    real(dp) :: excess
+
+    excess = min(step_error/options%steady%tolerance, 1e8_dp)
+    tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**root, 0.5_dp), 2.0_dp)/duration
+    done = excess <= 1 .or. rung >= last_rung(osc, options)
+    if (.not. done) rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**root, 4.0_dp)), last_rung(osc, options))
+  end subroutine next_rung
+
+  !> The finest rung that `options` and the memory allow.
+  pure integer function last_rung(osc, options) result(rung)
+    type(oscillator_t), intent(in) :: osc
+    type(accuracy_t), intent(in) :: options
+    real(dp) :: steps
+
+    steps = options%most_steps*min(1.0_dp, 4.0_dp/osc%members)
+    rung = min(most_rungs, floor(octave*log(steps/6)/log(2.0_dp) + 1e-9_dp))
+  end function last_rung
+
+  !> The same with the number of steps given.
+  pure subroutine solve_with_steps(osc, duration, options, point, start)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(point_t), intent(out) :: point
+    real(dp), intent(in), optional :: start(2)
+    type(table_t) :: fine, coarse
+    type(resolution_t) :: resolution
+
+    point%steady%status = point_unresolved
+    if (options%steps < resolving_steps(osc, duration)) return
+    resolution = resolution_t(options%steps/2.0_dp, 2)
+    call tabulate(osc, resolution, fine)
+    call tabulate(osc, resolution_t(resolution%base, 1), coarse)
+    call solve_on(osc, fine, coarse, duration, options, point, start)
+    point%resolution = resolution
+    call note_inexact(options, point)
+  end subroutine solve_with_steps
+
+  elemental subroutine note_inexact(options, point)
+    type(accuracy_t), intent(in) :: options
+    type(point_t), intent(inout) :: point
+
     if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &
       point%steady%status = point_inexact
-  end subroutine solve_point
+  end subroutine note_inexact
 
   !> Solves on a table and on its half, and compares.
   pure subroutine solve_on(osc, fine, coarse, duration, options, point, start)
@@ -150,30 +230,20 @@ contains
     call follow_or_find(osc, fine, duration, options, point%steady, start)
     point%steps = fine%steps
     point%work = point%work + point%steady%work
-    point%dynamic_factor = point%steady%peak/osc%load
     if (.not. has_answer(point%steady%status)) return
-
     if (point%steady%partial) then
-      call shoot(osc, coarse, duration, point%steady%periods, point%steady%state, half)
+      call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, half)
     else
       alike = options%steady
       alike%method = by_shooting
       call find_steady(osc, coarse, duration, alike, half)
     end if
     point%work = point%work + half%work
-    point%step_error = unbounded
-    if (has_answer(half%status)) then
-      point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
-                                        distance(osc, duration, point%steady%state - half%state))
-      ! So near to 1 that the steps' error decides on which side.
-      if (abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) &
-        point%steady%status = point_marginal
-    end if
-    point%estimate = point%step_error + point%steady%closure
+    call compare(osc, duration, half, point)
   end subroutine solve_on
 
-  !> `steady` is known from fewer steps, or not yet; with changes of contact the
-  !> search is long, and Newton's method may go on from what was found.
+  !> `steady` is known from fewer steps, or not yet. Where the search was long,
+  !> Newton's method goes on from what it found.
   pure subroutine follow_or_find(osc, table, duration, options, steady, start)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
@@ -181,13 +251,14 @@ contains
     type(accuracy_t), intent(in) :: options
     type(steady_t), intent(inout) :: steady
     real(dp), intent(in), optional :: start(2)
+    real(dp), parameter :: long = 40
     type(steady_t) :: before
     real(dp) :: work
 
     work = 0
-    if (has_answer(steady%status) .and. steady%partial .and. options%steady%method == by_shooting) then
+    if (has_answer(steady%status) .and. steady%work > long*table%steps .and. options%steady%method == by_shooting) then
       before = steady
-      call shoot(osc, table, duration, before%periods, before%state, steady)
+      call shoot(osc, table, duration, options%steady%tolerance, before%periods, before%state, steady)
       if (has_answer(steady%status) .and. distance(osc, duration, steady%state - before%state) < near) return
       work = steady%work
     end if
@@ -195,32 +266,46 @@ contains
     steady%work = steady%work + work
   end subroutine follow_or_find
 
-  !> Error of a fourth-order result from its difference to half the steps: a
-  !> 15th, raised by a half; the state is asked too, as the peaks may differ
-  !> little by chance.
+  !> Dynamic factor, and its error by the solution with half the steps.
+  elemental subroutine compare(osc, duration, half, point)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(steady_t), intent(in) :: half
+    type(point_t), intent(inout) :: point
+
+    point%dynamic_factor = point%steady%peak/osc%load
+    point%step_error = unbounded
+    if (has_answer(half%status)) then
+      point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
+                                        distance(osc, duration, point%steady%state - half%state))
+      ! So near to 1 that the steps' error decides on which side.
+      if (has_answer(point%steady%status) .and. &
+          abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = point_marginal
+    end if
+    point%estimate = point%step_error + point%steady%closure
+  end subroutine compare
+
+  !> Error of a result of sixth order from its difference to half the steps: a 63rd, three times raised,
+  !> as the order is less where the stiffness is less smooth; the state is asked too, as the peaks may
+  !> differ little by chance.
   pure real(dp) function doubling_error(peak, state)
     real(dp), intent(in) :: peak, state
 
-    doubling_error = max(peak, state/4)/10
+    doubling_error = max(peak, state/4)/20
   end function doubling_error
 
-  !> Runge-Kutta's stability bound on a period, with a margin (-2.785 on the
-  !> real and 2.83 on the imaginary axis).
-  pure real(dp) function stable_steps(osc, duration, options)
+  !> Steps of a period that see the fastest natural motion: 2.6 rad of it, or of its decay, a step.
+  pure real(dp) function resolving_steps(osc, duration)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration
-    type(accuracy_t), intent(in) :: options
-    real(dp), parameter :: bound = 2.6_dp
     real(dp) :: fastest
 
     associate (zeta => osc%damping_ratio)
       fastest = osc%highest_frequency
       if (zeta > 1) fastest = fastest*(zeta + sqrt(zeta**2 - 1))
     end associate
-    stable_steps = fastest*duration/bound
-    ! The half table must be stable too, and with a stiff damping it must converge.
-    if (options%steps <= 0) stable_steps = stable_steps*merge(4, 2, osc%damping_ratio > 1)
-  end function stable_steps
+    resolving_steps = fastest*duration/2.6_dp
+  end function resolving_steps
 
   !> Steps for the tolerance, by the last point or by the phase that the
   !> natural motion goes through.
@@ -233,8 +318,8 @@ contains
     if (tables%steps_per_second > 0) then
       steps = tables%steps_per_second*duration
     else
-      steps = 5*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**0.25_dp
+      steps = 1.6_dp*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**root
     end if
-    steps = max(steps, 32.0_dp*(1e-6_dp/options%steady%tolerance)**0.25_dp)
+    steps = max(steps, 12*(1e-6_dp/options%steady%tolerance)**root)
   end function first_guess
 end module gearsweep_accuracy

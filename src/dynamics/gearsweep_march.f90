@@ -25,7 +25,7 @@ module gearsweep_march
     real(dp), allocatable :: state(:, :)         !< (2, 0:periods)
     real(dp), allocatable :: map(:, :, :)        !< (2, 2, periods)
     integer :: length = 0                        !< mesh periods marched
-    real(dp) :: decay = 0                        !< -log of the determinant of all maps
+    real(dp) :: decay = 0                        !< -log of the determinant of all maps, by the damping
     real(dp) :: disturbance(2) = 1               !< x, and y over its unit; of length 1
     real(dp) :: growth = 0                       !< logarithm, since `first_counted`
   end type trail_t
@@ -71,7 +71,7 @@ contains
         call settle(osc, table, duration, options, trail, periods, trial)
         if (has_answer(trial%status)) then
           call adopt(trial, steady)
-          if (periods > 1) call shorten(osc, table, duration, steady)
+          if (periods > 1) call shorten(osc, table, duration, options%tolerance, steady)
           return
         end if
         steady%work = steady%work + trial%work
@@ -112,12 +112,18 @@ contains
     trail%map(:, :, 1) = run%map
     trail%state(:, 0) = run%state
     trail%length = trail%length + 1
-    trail%decay = trail%decay + run%decay
+    trail%decay = trail%decay - log(max(determinant(run%map), tiny(size)))
     trail%disturbance = matmul(run%map, trail%disturbance*[1.0_dp, unit])/[1.0_dp, unit]
     size = max(norm2(trail%disturbance), tiny(size))
     trail%disturbance = trail%disturbance/size
     if (trail%length > first_counted) trail%growth = trail%growth + log(size)
   end subroutine follow
+
+  pure real(dp) function determinant(map)
+    real(dp), intent(in) :: map(2, 2)
+
+    determinant = map(1, 1)*map(2, 2) - map(1, 2)*map(2, 1)
+  end function determinant
 
   !> Tries to end the march: `periods` is after how many the motion nearly
   !> repeats, 0 where it does not; `found` has an answer where it settled.
@@ -151,17 +157,17 @@ contains
       call judge(osc, duration, trail%state(:, 0), run, periods, found)
       found%work = run%work
     else
-      call shoot(osc, table, duration, periods, trail%state(:, periods) + step, found)
+      call shoot(osc, table, duration, options%tolerance, periods, trail%state(:, periods) + step, found)
       if (has_answer(found%status) .and. distance(osc, duration, found%state - trail%state(:, 0)) > near) &
         found%status = point_aperiodic
     end if
   end subroutine settle
 
   !> A motion found over several periods may repeat after fewer.
-  pure subroutine shorten(osc, table, duration, steady)
+  pure subroutine shorten(osc, table, duration, tolerance, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration
+    real(dp), intent(in) :: duration, tolerance
     type(steady_t), intent(inout) :: steady
     real(dp), parameter :: same = 1e-7_dp
     type(steady_t) :: trial
@@ -173,7 +179,7 @@ contains
       call run_periods(osc, table, duration, steady%state, periods, run)
       steady%work = steady%work + run%work
       if (distance(osc, duration, run%state - steady%state) > same) cycle
-      call shoot(osc, table, duration, periods, steady%state, trial)
+      call shoot(osc, table, duration, tolerance, periods, steady%state, trial)
       if (has_answer(trial%status)) call adopt(trial, steady)
       return
     end do

@@ -7,7 +7,7 @@ module gearsweep_orbit
   implicit none
   private
   public :: steady_t, name_of, has_answer, settled, adopt
-  public :: shoot, newton_step, run_periods, judge, distance, largest_multiplier
+  public :: shoot, is_closed, newton_step, run_periods, judge, distance, largest_multiplier
 
   !> What is known of an operating point. Up to `inexact` there is a dynamic factor.
   integer, parameter, public :: &
@@ -65,7 +65,7 @@ contains
     has_answer = status <= point_inexact
   end function has_answer
 
-  pure logical function settled(steady)
+  elemental logical function settled(steady)
     type(steady_t), intent(in) :: steady
 
     settled = steady%status == point_ok .or. steady%status == point_marginal
@@ -116,7 +116,6 @@ contains
       call run_period(osc, table, duration, run%state, .false., next)
       run%state = next%state
       run%map = matmul(next%map, run%map)
-      run%decay = run%decay + next%decay
       run%work = run%work + next%work
       run%peak = max(run%peak, next%peak)
       run%partial = run%partial .or. next%partial
@@ -127,16 +126,16 @@ contains
   end subroutine run_periods
 
   !> Newton's method on the map of `periods` periods, steps halved while the
-  !> residual grows. A small residual alone proves little: far above resonance
-  !> any state hardly moves in a period.
-  pure subroutine shoot(osc, table, duration, periods, start, steady)
+  !> residual grows, until what it leaves is far below the tolerance of the
+  !> dynamic factor.
+  pure subroutine shoot(osc, table, duration, tolerance, periods, start, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration, start(2)
+    real(dp), intent(in) :: duration, tolerance, start(2)
     integer, intent(in) :: periods
     type(steady_t), intent(out) :: steady
     integer, parameter :: most_iterations = 20, most_halvings = 4
-    real(dp), parameter :: converged = 1e-12_dp, acceptable = 1e-9_dp, near_enough = 1e-6_dp
+    real(dp), parameter :: acceptable = 1e-9_dp
     type(period_t) :: run, trial_run
     real(dp) :: state(2), trial(2), step(2), residual, trial_residual, work
     integer :: iteration, halving
@@ -146,10 +145,10 @@ contains
     call run_periods(osc, table, duration, state, periods, run)
     work = run%work
     residual = distance(osc, duration, run%state - state)
-    do iteration = 0, most_iterations
-      if (run%failed .or. work > most_work) exit
+    do iteration = 1, most_iterations
+      if (run%failed .or. work > most_work .or. is_closed(osc, duration, tolerance, state, run)) exit
       call newton_step(run%map, run%state - state, step, solved)
-      if (.not. solved .or. distance(osc, duration, step) < converged) exit
+      if (.not. solved) exit
       do halving = 0, most_halvings
         trial = state + step/2**halving
         call run_periods(osc, table, duration, trial, periods, trial_run)
@@ -164,11 +163,22 @@ contains
     end do
     if (run%failed) then
       steady%status = point_chatter
-    else if (residual < acceptable .and. distance(osc, duration, step) < near_enough) then
+    else if (closure_of(osc, duration, state, run) < acceptable .or. is_closed(osc, duration, tolerance, state, run) .or. &
+             (.not. solved .and. residual < acceptable)) then
       call judge(osc, duration, state, run, periods, steady)
     end if
     steady%work = work
   end subroutine shoot
+
+  !> Is what the residual leaves far below the tolerance of the dynamic factor, or rounding? A small
+  !> residual alone proves little: far above resonance any state hardly moves in a period.
+  pure logical function is_closed(osc, duration, tolerance, state, run)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, tolerance, state(2)
+    type(period_t), intent(in) :: run
+
+    is_closed = closure_of(osc, duration, state, run) < max(1e-3_dp*tolerance, 1e-12_dp)
+  end function is_closed
 
   !> Size of a difference of states, in static deflections.
   pure real(dp) function distance(osc, duration, difference)
@@ -196,7 +206,7 @@ contains
     steady%periods = periods
     steady%residual = distance(osc, duration, run%state - state)
     steady%closure = closure_of(osc, duration, state, run)
-    steady%multiplier = largest_multiplier(run%map, run%decay)
+    steady%multiplier = largest_multiplier(run%map)
     if (steady%multiplier > 1 + neutral) then
       steady%status = point_unstable
     else if (steady%multiplier > 1 - neutral) then
@@ -226,22 +236,14 @@ contains
     if (all(solved)) closure_of = distance(osc, duration, sum(abs(column), 2))
   end function closure_of
 
-  !> Largest modulus of the eigenvalues of a 2 x 2 map. The determinant is
-  !> exp(-decay) exactly (Liouville), also through changes of contact; the map's own
-  !> has the steps' error, as if there were a little more or less damping.
-  pure real(dp) function largest_multiplier(map, decay) result(modulus)
+  !> Largest modulus of the eigenvalues of a 2 x 2 map.
+  pure real(dp) function largest_multiplier(map) result(modulus)
     real(dp), intent(in) :: map(2, 2)
-    real(dp), intent(in), optional :: decay
     real(dp) :: half_trace, determinant, square
 
     half_trace = (map(1, 1) + map(2, 2))/2
-    if (present(decay)) then
-      determinant = exp(-decay)
-      square = half_trace**2 - determinant
-    else
-      determinant = map(1, 1)*map(2, 2) - map(1, 2)*map(2, 1)
-      square = ((map(1, 1) - map(2, 2))/2)**2 + map(1, 2)*map(2, 1)
-    end if
+    determinant = map(1, 1)*map(2, 2) - map(1, 2)*map(2, 1)
+    square = ((map(1, 1) - map(2, 2))/2)**2 + map(1, 2)*map(2, 1)
     if (square < 0) then
       modulus = sqrt(max(0.0_dp, determinant))
     else
