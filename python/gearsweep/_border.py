@@ -7,6 +7,7 @@ src/doors/gearsweep_flat*.f90.
 from __future__ import annotations
 
 import enum
+import os
 import warnings
 from operator import index
 
@@ -94,7 +95,7 @@ def load(text: str, work: np.ndarray) -> list:
 
 
 def sweep(text: str, work: np.ndarray, threads: int, speeds: int, reliefs: int) -> list:
-    return _call(_flat.gs_sweep, _bytes(text), _work(work), index(threads), speeds, reliefs)
+    return _call(_flat.gs_sweep, _bytes(text), _work(work), _threads(threads), speeds, reliefs)
 
 
 def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -103,7 +104,7 @@ def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray,
 
 
 def optimum(text: str, work: np.ndarray, threads: int, room: int) -> list:
-    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), index(threads), room)
+    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), _threads(threads), room)
     return [column[:tried].copy() for column in curve[:4]] + curve[4:]
 
 
@@ -127,7 +128,7 @@ def stress(text: str, work: np.ndarray, position: int, relief: int, nodes: int) 
 
 
 def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:
-    return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), index(threads))
+    return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), _threads(threads))
 
 
 def complete(text: str) -> str:
@@ -146,7 +147,7 @@ def write(
     while True:
         answer = np.array(b' ' * room)
         length, stages, files, info, message = _flat.gs_write(
-            _bytes(text), _bytes(folder), _work(work), index(threads), _bytes(out), _bytes(name), answer
+            _bytes(text), _bytes(folder), _work(work), _threads(threads), _bytes(out), _bytes(name), answer
         )
         if length <= room:
             break
@@ -202,6 +203,24 @@ def _bytes(text: str) -> bytes:
 
 def _str(text: bytes) -> str:
     return text.decode('utf-8', 'surrogateescape')
+
+
+_is_fork = False
+
+
+def _forked() -> None:
+    global _is_fork
+    _is_fork = True
+
+
+if hasattr(os, 'register_at_fork'):
+    os.register_at_fork(after_in_child=_forked)
+
+
+def _threads(threads: int) -> int:
+    """One in a forked process, where GNU's OpenMP would wait for the parent's threads for ever."""
+    threads = index(threads)
+    return 1 if _is_fork and threads >= 0 else threads
 
 
 def _work(work: np.ndarray) -> np.ndarray:

@@ -3,6 +3,8 @@
 import concurrent.futures
 import importlib.metadata
 import inspect
+import multiprocessing
+import os
 import re
 import subprocess
 import sys
@@ -123,6 +125,19 @@ def test_a_call_does_not_hold_the_lock():
         time.sleep(0.001)
         turns += 1
     assert turns > 10
+
+
+@pytest.mark.skipif(not hasattr(os, 'fork'), reason='this system does not fork')
+def test_forked_processes():
+    """OpenMP's threads do not survive a fork; a child that waits for them would hang."""
+    expected = gearsweep.sweep(Case(PRESCRIBED), threads=2).dynamic_factor
+    with multiprocessing.get_context('fork').Pool(2) as pool:
+        found = pool.map_async(factors, [0, 2]).get(timeout=120)
+    np.testing.assert_array_equal(found, [expected] * 2)
+
+
+def factors(threads):
+    return gearsweep.sweep(Case(PRESCRIBED), threads=threads).dynamic_factor
 
 
 def test_import_is_lean():

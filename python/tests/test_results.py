@@ -54,6 +54,15 @@ def test_motion():
     assert motion.frequency_hz == pytest.approx(np.sqrt(1e6 * motion.stiffness_n_um / reduced) / (2 * np.pi), rel=1e-13)
 
 
+def test_reliefs_are_those_of_the_case():
+    """To the last bit, so that they can be looked up."""
+    reliefs = [0, 0.1, 0.7, 2.675, 15, 17.3, 33.33]
+    case = Case(PRESCRIBED).changed(relief={'amount_um': reliefs})
+    assert list(gearsweep.sweep(case).relief_um) == reliefs
+    assert list(np.unique(gearsweep.mesh(case).relief_um)) == reliefs
+    assert list(np.unique(gearsweep.load(case).relief_um)) == reliefs
+
+
 def test_static_identities():
     mesh = gearsweep.mesh(Case(PRESCRIBED))
     unrelieved = mesh.relief_um == 0

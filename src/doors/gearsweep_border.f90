@@ -13,7 +13,7 @@ module gearsweep_border
   use gearsweep_text, only: str
   implicit none
   private
-  public :: open_case, run_case, in_folder, measure, pack_stiffness, need_room, give_text, tell, work_size
+  public :: open_case, run_case, in_folder, in_um, measure, pack_stiffness, need_room, give_text, tell, work_size
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
   integer, parameter :: head = 3
@@ -74,6 +74,16 @@ contains
     place = folder
     if (len(place) > 0) place(len(place):) = '/'
   end function in_folder
+
+  !> A relief (m) in um, with the digits of a table: as the case has it, before
+  !> its way through metres.
+  elemental real(dp) function in_um(relief)
+    real(dp), intent(in) :: relief
+    character(30) :: digits
+
+    write (digits, '(es30.14e3)') 1e6_dp*relief
+    read (digits, *) in_um
+  end function in_um
 
   !> Runs the case up to the mesh and the section's grid, without finite
   !> elements: `study` then has every size, but no true stiffness for model 'fe'.
