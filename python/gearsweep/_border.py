@@ -64,7 +64,7 @@ def version() -> str:
 
 def sizes(text: str, folder: str) -> dict[str, int]:
     names = ('speeds', 'reliefs', 'rows', 'tried', 'positions', 'modes', 'nodes', 'elements', 'nwork')
-    return dict(zip(names, _call(_flat.gs_sizes, _bytes(text), _bytes(folder))))
+    return dict(zip(names, _call(_flat.gs_sizes, _bytes(text), _bytes(folder)), strict=True))
 
 
 def prepare(text: str, folder: str, nwork: int) -> np.ndarray:
@@ -171,12 +171,12 @@ def _with_room(procedure, *arguments) -> list:
 
 def _checked(results: tuple) -> list:
     """All results but the last two, which are the code and the message of every call."""
-    *results, info, message = results
+    *found, info, message = results
     if info == Code.PARTIAL:
         warnings.warn(_str(message), PartialWarning, stacklevel=5)
     elif info != Code.OK:
         raise Error(_str(message), Code(info))
-    return results
+    return found
 
 
 def _text(procedure, room: int, *arguments) -> str:

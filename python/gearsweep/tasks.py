@@ -7,6 +7,8 @@ for any number. Any number of threads may call at once; a call does not hold Pyt
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from . import _border, results
@@ -57,7 +59,7 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
         'sweep': lambda: sweep(case, threads=threads, work=work),
         'optimum': lambda: optimum(case, threads=threads, work=work),
     }
-    found: dict[str, results.Result] = {}
+    found: dict[str, Any] = {}
     _check(case)
     if case.get('mesh', 'contact_ratio') is None:
         found['geometry'] = geometry(case)

@@ -33,7 +33,12 @@ def test_errors_carry_code_and_message():
     fails(Code.INPUT, 'prescribed mesh .* has none', gearsweep.geometry, Case(PRESCRIBED))
     fails(Code.INPUT, 'prescribed mesh', gearsweep.modal, Case(PRESCRIBED))
     fails(Code.INPUT, 'rpm_first: missing', gearsweep.sweep, Case(GEARED).changed(sweep={'rpm_first': None}))
-    fails(Code.MEMORY, 'GB', gearsweep.modal, Case(GEARED).changed(section={'teeth': 0, 'fixed': 'rim', 'elements_across': 200}))
+    fails(
+        Code.MEMORY,
+        'GB',
+        gearsweep.modal,
+        Case(GEARED).changed(section={'teeth': 0, 'fixed': 'rim', 'elements_across': 200}),
+    )
     assert not issubclass(Error, OSError) and str(Error('words')) == 'words'
 
 
@@ -85,7 +90,9 @@ def test_work_is_shared_and_guarded():
             gearsweep.sweep(case, work=odd)
     # Other reliefs, speeds and damping need no other stiffness.
     changed = case.changed(relief={'amount_um': 5}, dynamics={'damping_ratio': 0.1}, sweep={'rpm_step': 1000})
-    np.testing.assert_array_equal(gearsweep.sweep(changed, work=work).dynamic_factor, gearsweep.sweep(changed).dynamic_factor)
+    np.testing.assert_array_equal(
+        gearsweep.sweep(changed, work=work).dynamic_factor, gearsweep.sweep(changed).dynamic_factor
+    )
 
 
 def test_more_rows_than_expected():

@@ -14,7 +14,9 @@ def study():
 
 
 def test_geometry_of_a_standard_pair():
-    geometry = gearsweep.geometry(Case('&pair module_mm = 2.5 face_width_mm = 20 / &pinion teeth = 20 / &gear teeth = 50 /'))
+    geometry = gearsweep.geometry(
+        Case('&pair module_mm = 2.5 face_width_mm = 20 / &pinion teeth = 20 / &gear teeth = 50 /')
+    )
     alpha, teeth = np.radians(20), np.array([20, 50])
     reference = 1.25 * teeth
     assert geometry.distance_mm == pytest.approx(87.5, rel=1e-14)
@@ -26,7 +28,9 @@ def test_geometry_of_a_standard_pair():
     pitch = np.pi * 2.5 * np.cos(alpha)
     assert geometry.base_pitch_mm == pytest.approx(pitch, rel=1e-14)
     assert geometry.contact_ratio == pytest.approx(length / pitch, rel=1e-13)
-    np.testing.assert_allclose(geometry.point[[0, 1, 3, 4]], np.array([0, length / pitch - 1, 1, length / pitch]), atol=1e-13)
+    np.testing.assert_allclose(
+        geometry.point[[0, 1, 3, 4]], np.array([0, length / pitch - 1, 1, length / pitch]), atol=1e-13
+    )
     np.testing.assert_allclose(geometry.point_radius_mm[2], reference, rtol=1e-13)
 
 
@@ -69,7 +73,9 @@ def test_static_identities():
     u = 2 * mesh.s / 1.6 - 1
     np.testing.assert_allclose(mesh.pair_n_um, 400 - 120 * u**2, rtol=1e-13)
     np.testing.assert_allclose(mesh.ste_um[unrelieved] * mesh.mesh_n_um[unrelieved], 6858, rtol=1e-12)
-    np.testing.assert_allclose(mesh.share * 6858, mesh.pair_n_um * np.maximum(0, mesh.ste_um - mesh.error_um), atol=1e-8)
+    np.testing.assert_allclose(
+        mesh.share * 6858, mesh.pair_n_um * np.maximum(0, mesh.ste_um - mesh.error_um), atol=1e-8
+    )
     assert not mesh.error_um[unrelieved].any()
 
 
