@@ -63,7 +63,7 @@ def version() -> str:
 
 
 def sizes(text: str, folder: str) -> dict[str, int]:
-    names = ('speeds', 'reliefs', 'rows', 'tried', 'positions', 'modes', 'nodes', 'elements', 'nwork')
+    names = ('speeds', 'reliefs', 'rows', 'tried', 'positions', 'modes', 'nodes', 'elements', 'harmonics', 'nwork')
     return dict(zip(names, _call(_flat.gs_sizes, _bytes(text), _bytes(folder)), strict=True))
 
 
@@ -87,6 +87,10 @@ def motion(text: str, work: np.ndarray) -> list:
 
 def mesh(text: str, work: np.ndarray, rows: int) -> list:
     return _call(_flat.gs_mesh, _bytes(text), _work(work), rows)
+
+
+def harmonics(text: str, work: np.ndarray, harmonics: int, reliefs: int) -> list:
+    return _call(_flat.gs_harmonics, _bytes(text), _work(work), harmonics, reliefs)
 
 
 def load(text: str, work: np.ndarray) -> list:

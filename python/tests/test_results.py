@@ -79,6 +79,18 @@ def test_static_identities():
     assert not mesh.error_um[unrelieved].any()
 
 
+def test_harmonics_of_the_static_transmission_error():
+    """Parseval: the mean square of the deviation is half the sum of the squared amplitudes."""
+    case = Case(PRESCRIBED).changed(mesh={'ste_harmonics': 1000})
+    ste, mesh = gearsweep.harmonics(case), gearsweep.mesh(case)
+    # The error jumps where pairs come and go, so that amplitudes fall as 1/k: what is left out, as 1/1000.
+    np.testing.assert_allclose(0.5 * np.sum(ste.amplitude_um**2, axis=0), ste.rms_um**2, rtol=2e-3)
+    for i, relief in enumerate(ste.relief_um):
+        values = mesh.ste_um[mesh.relief_um == relief]
+        assert ste.peak_to_peak_um[i] == pytest.approx(np.ptp(values), rel=1e-4)
+    assert (ste.estimate_um < 1e-9).all() and list(ste.harmonic[:3]) == [1, 2, 3]
+
+
 def test_constant_mesh_has_no_dynamics():
     """Two equal pairs at any time carry half the load each."""
     case = Case(PRESCRIBED).changed(

@@ -69,6 +69,13 @@ def test_mesh(tables, study):
         same(table[column], getattr(study.mesh, name))
 
 
+def test_harmonics(tables, study):
+    table, ste = tables('harmonics'), study.harmonics
+    same(table['amplitude_um'], np.vstack((ste.mean_um, ste.amplitude_um)).T)
+    same(table['phase_deg'], np.vstack((0 * ste.mean_um, ste.phase_deg)).T)
+    same(table['error_estimate_um'], np.repeat(ste.estimate_um, 1 + ste.harmonic.size))
+
+
 def test_load(tables, study):
     table = tables('load')
     for name in ('relief_um', 'rpm', 's', 'pair_load_n', 'dte_um'):

@@ -135,6 +135,56 @@ subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, 
   call tell(error, info, message)
 end subroutine gs_mesh
 
+!> Static transmission error over one mesh period, for each relief: task mesh. Over the phase tau, 0
+!> where a pair enters at A, it is mean + sum of amplitude(k) cos(2 pi k tau + phase(k)).
+!>
+!> relief_um(reliefs)
+!> mean_um(reliefs)  rms_um(reliefs) of the deviation from it  peak_to_peak_um(reliefs)
+!> amplitude_um(harmonics, reliefs), phase_deg(harmonics, reliefs)
+!> estimate_um(reliefs)  error of mean and amplitudes
+subroutine gs_harmonics(text, nwork, work, harmonics, reliefs, relief_um, mean_um, rms_um, peak_to_peak_um, &
+                        amplitude_um, phase_deg, estimate_um, info, message)
+  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_case, only: case_t
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: pi
+  use gearsweep_study, only: study_t
+  implicit none
+  character(*), intent(in) :: text
+  integer, intent(in) :: nwork, harmonics, reliefs
+  double precision, intent(in) :: work(*)
+  double precision, intent(inout), dimension(reliefs) :: relief_um, mean_um, rms_um, peak_to_peak_um, estimate_um
+  double precision, intent(inout), dimension(harmonics, reliefs) :: amplitude_um, phase_deg
+  integer, intent(out) :: info
+  character(*), intent(out) :: message
+  type(case_t) :: case
+  type(study_t) :: study
+  type(error_t), allocatable :: error
+  integer :: i, n
+
+  call open_case(text, 'mesh', 1, case, error)
+  if (.not. allocated(error)) then
+    call need_room('harmonics', harmonics, case%harmonics, error)
+    call need_room('reliefs', reliefs, size(case%amount), error)
+  end if
+  call run_case(case, nwork, work, 1, study, error)
+  if (.not. allocated(error)) then
+    n = case%harmonics
+    do i = 1, size(study%harmonics)
+      associate (ste => study%harmonics(i))
+        relief_um(i) = in_um(case%amount(i))
+        mean_um(i) = 1d6*ste%mean
+        rms_um(i) = 1d6*ste%rms
+        peak_to_peak_um(i) = 1d6*ste%peak_to_peak()
+        amplitude_um(:n, i) = 1d6*ste%amplitude
+        phase_deg(:n, i) = ste%phase*180/pi
+        estimate_um(i) = 1d6*ste%error_estimate
+      end associate
+    end do
+  end if
+  call tell(error, info, message)
+end subroutine gs_harmonics
+
 !> Dynamic load of one pair along its path at the speeds load_rpm: task load. Rows as in the table.
 !>
 !> rows  that there are; also where room is too small (given: room)
