@@ -96,8 +96,11 @@ contains
 
     if (allocated(error)) return
     cheap = case
-    cheap%wants = (case%needs_load() .and. task_names == 'mesh') .or. &
-                  (case%needs_section() .and. task_names == 'section')
+    ! Of the tasks that need the mesh, load at no speed is the cheapest.
+    cheap%wants = (case%needs_section() .and. task_names == 'section') .or. &
+                  (case%asks('mesh') .and. task_names == 'mesh') .or. (case%needs_load() .and. task_names == 'load')
+    cheap%load_rpm = [real(dp) ::]
+    cheap%harmonics = 1
     if (allocated(cheap%published)) deallocate (cheap%published)
     if (case%model == 'fe') then
       call run_study(cheap, folder, 1, study, error, stiffness=constant(0.0_dp, 20.0_dp, 1e8_dp))
