@@ -23,6 +23,7 @@ from .case import Case
 from .results import (
     Contact,
     Geometry,
+    Harmonics,
     Load,
     Mesh,
     Modal,
@@ -37,7 +38,7 @@ from .results import (
     Sweep,
 )
 from .store import read
-from .tasks import geometry, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
+from .tasks import geometry, harmonics, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
 
 __version__ = _border.version()
 
@@ -47,6 +48,7 @@ __all__ = [
     'Contact',
     'Error',
     'Geometry',
+    'Harmonics',
     'Load',
     'Mesh',
     'Modal',
@@ -61,6 +63,7 @@ __all__ = [
     'Study',
     'Sweep',
     'geometry',
+    'harmonics',
     'load',
     'mesh',
     'modal',
