@@ -21,13 +21,15 @@ except ImportError as error:
 
 from .along_path import plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
-from .files import draw_all
+from .files import draw_all, figures, save
 from .gears import plot_geometry
 from .look import style
 from .over_speed import plot_optimum, plot_sweep
+from .stress import plot_stress
 
 __all__ = [
     'draw_all',
+    'figures',
     'plot_geometry',
     'plot_load',
     'plot_modal',
@@ -37,6 +39,8 @@ __all__ = [
     'plot_static',
     'plot_ste',
     'plot_stiffness',
+    'plot_stress',
     'plot_sweep',
+    'save',
     'style',
 ]

@@ -81,7 +81,7 @@ def plot_load(load: Load, ax: Axes | None = None, *, rpm: float | None = None, s
         cross = Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(missing)} µm')
         if static_n is not None:
             _level(ax, static_n, 'static load')
-        _finish(ax, load.case, f'Load of one pair at {rpm:g} 1/min (N)', [cross] if missing else [])
+        _finish(ax, load.case, f'Pair load at {rpm:g} 1/min (N)', [cross] if missing else [])
     return ax
 
 

@@ -5,17 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from math import ceil
+from typing import BinaryIO
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..results import Load, Mesh, Modal, Study
+from ..results import Load, Mesh, Modal, Motion, Static, Stress, Study
+from ..tasks import stress
 from .along_path import plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
 from .gears import plot_geometry
 from .look import COLUMN, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
+from .stress import plot_stress
 
 #: No more panels than this in a picture; it says how many there would be.
 MOST = 20
@@ -44,44 +47,49 @@ def draw_all(
     """
     os.makedirs(folder, exist_ok=True)
     paths = []
-    with style():
-        for name, figure in figures(study):
-            for ending in formats:
-                paths.append(os.path.join(folder, f'{stem}.{name}.{ending}'))
-                save(figure, paths[-1])
+    for name, figure in figures(study):
+        for ending in formats:
+            paths.append(os.path.join(folder, f'{stem}.{name}.{ending}'))
+            save(figure, paths[-1], ending)
     return paths
 
 
-def save(figure: Figure, path: str) -> None:
-    """Writes a picture in which nothing tells when it was made."""
-    dates = {'svg': {'Date': None}, 'pdf': {'CreationDate': None}}
-    figure.savefig(path, metadata=dates.get(path.rpartition('.')[2]))
-
-
 def figures(study: Study) -> Iterator[tuple[str, Figure]]:
-    """Name and figure of each picture; to be drawn in our style."""
-    if study.geometry is not None:
-        yield 'outline', _single(plot_geometry, study.geometry, 52)
-    if study.section is not None:
-        yield 'section', _single(plot_section, study.section, 80)
-    if study.mesh is not None:
-        yield 'mesh', _mesh(study.mesh)
-    if study.static is not None:
-        yield 'root', _single(plot_static, study.static, 65)
-    if study.modal is not None:
-        yield 'modes', _modes(study.modal)
-    if study.load is not None:
-        yield 'load', _loads(study.load, study.motion.load_n)
-    if study.sweep is not None:
-        yield 'sweep', _single(plot_sweep, study.sweep, 85, PAGE)
-    if study.optimum is not None:
-        yield 'vcurve', _single(plot_optimum, study.optimum, 60)
+    """Name and figure of each picture that `draw_all` writes."""
+    drawings = {
+        'outline': (study.geometry, lambda result: _single(plot_geometry, result, 52)),
+        'section': (study.section, lambda result: _single(plot_section, result, 80)),
+        'mesh': (study.mesh, _mesh),
+        'root': (study.static, lambda result: _single(plot_static, result, 65)),
+        'stress': (study.static, lambda result: _single(plot_stress, _worst(result), 55)),
+        'modes': (study.modal, _modes),
+        'load': (study.load, lambda result: _loads(result, study.motion)),
+        'sweep': (study.sweep, lambda result: _single(plot_sweep, result, 80, PAGE)),
+        'vcurve': (study.optimum, lambda result: _single(plot_optimum, result, 60)),
+    }
+    for name, (result, draw) in drawings.items():
+        if result is not None:
+            with style():
+                figure = draw(result)
+            yield name, figure
+
+
+def save(figure: Figure, file: str | os.PathLike | BinaryIO, ending: str) -> None:
+    """Writes a picture in this format; the same picture gives the same bytes, as no date is written."""
+    dates = {'svg': {'Date': None}, 'pdf': {'CreationDate': None}}
+    with style():
+        figure.savefig(file, format=ending, metadata=dates.get(ending))
 
 
 def _single(plot: Callable, result, height: float, width: float = COLUMN) -> Figure:
     figure = Figure((width, height * MM), layout='constrained')
     plot(result, figure.subplots())
     return figure
+
+
+def _worst(static: Static) -> Stress:
+    """All over the section, with the load where it stresses the drive side's root most, without or with the first relief."""
+    return stress(static.case, int(static.sigma_mpa[0, :, 0].argmax()))
 
 
 def _mesh(mesh: Mesh) -> Figure:
@@ -95,10 +103,11 @@ def _mesh(mesh: Mesh) -> Figure:
     return figure
 
 
-def _loads(load: Load, static_n: float) -> Figure:
+def _loads(load: Load, motion: Motion | None) -> Figure:
     """A panel for each speed."""
+    static_n = None if motion is None else motion.load_n
     speeds = np.atleast_1d(load.case.get('sweep', 'load_rpm'))
-    figure, axes = _panels(len(speeds), 'speeds', 2, 56)
+    figure, axes = _panels(len(speeds), 'speeds', 2, 60)
     for ax, rpm in zip(axes, speeds):
         plot_load(load, ax, rpm=rpm, static_n=static_n)
     _one_legend(axes)
@@ -117,8 +126,8 @@ def _modes(modal: Modal) -> Figure:
 def _panels(n: int, what: str, across: int, height: float) -> tuple[Figure, list[Axes]]:
     """A figure with n panels of this height (mm), or as many as may be."""
     shown = min(n, MOST)
-    columns = min(shown, across)
-    rows = ceil(shown / columns)
+    rows = ceil(shown / across)
+    columns = ceil(shown / rows)
     figure = Figure((PAGE * columns / across, rows * height * MM), layout='constrained')
     axes = list(figure.subplots(rows, columns, squeeze=False).flat)
     for ax in axes[shown:]:

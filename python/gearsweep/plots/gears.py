@@ -49,17 +49,28 @@ def contact_path(geometry: Geometry, s: Reals) -> Reals:
     return np.column_stack((along * np.cos(angle), pitch + along * np.sin(angle)))
 
 
+def flank_angle(geometry: Geometry, member: str, radius: float) -> float:
+    """From the axis of the first tooth to its drive flank at this radius (mm), off the outline; rad."""
+    outline, points = _outline(geometry, member)
+    radii, angles = np.hypot(*outline[:points].T), np.arctan2(*outline[:points].T)
+    flank = slice(np.flatnonzero(radii > radii.max() * (1 - 1e-9))[-1], None)  # from the tip downwards
+    return np.interp(radius, radii[flank][::-1], angles[flank][::-1])
+
+
+def _outline(geometry: Geometry, member: str) -> tuple[Reals, int]:
+    """The outline, and how many of its points are of the first tooth and the space behind it."""
+    outline = geometry.pinion_outline_mm if member == 'pinion' else geometry.gear_outline_mm
+    return outline, len(outline) // geometry.case.get(member, 'teeth') or len(outline)
+
+
 def _turned(geometry: Geometry, member: str, touch: Reals) -> Reals:
     """The outline about its centre, turned until the first tooth's drive flank goes through the point `touch`."""
-    outline = geometry.pinion_outline_mm if member == 'pinion' else geometry.gear_outline_mm
-    teeth = geometry.case.get(member, 'teeth')
-    points = len(outline) // teeth or len(outline)  # of one tooth, and the space behind it where all are there
-    radius, angle = np.hypot(*outline[:points].T), np.arctan2(*outline[:points].T)
-    flank = slice(np.flatnonzero(radius > radius.max() * (1 - 1e-9))[-1], None)
-    turn = np.arctan2(*touch) - np.interp(np.hypot(*touch), radius[flank][::-1], angle[flank][::-1])
+    outline, points = _outline(geometry, member)
+    turn = np.arctan2(*touch) - flank_angle(geometry, member, np.hypot(*touch))
     if points < len(outline):
         return _rotated(outline, turn)
-    some = np.concatenate([_rotated(outline, turn + 2 * np.pi * k / teeth) for k in range(-4, 5)])
+    pitch = 2 * np.pi / geometry.case.get(member, 'teeth')
+    some = np.concatenate([_rotated(outline, turn + k * pitch) for k in range(-4, 5)])
     return np.vstack((0.9 * some[0], some, 0.9 * some[-1]))
 
 

@@ -65,7 +65,7 @@ DASHES = ('-', (0, (5, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2)), (0, (9, 2)))
 ASIDE: dict[str, Any] = {'color': INK, 'linewidth': 0.7, 'linestyle': (0, (2, 2))}
 HOLLOW: dict[str, Any] = {'linestyle': '', 'markersize': 3, 'markerfacecolor': 'white', 'markeredgewidth': 0.7}
 CROSS: dict[str, Any] = {'linestyle': '', 'marker': 'x', 'markersize': 3, 'markeredgewidth': 0.8}
-PUBLISHED: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markeredgewidth': 1.1}
+PUBLISHED: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markeredgewidth': 1.1, 'markerfacecolor': 'none'}
 
 #: What letters over lines need.
 HALO = [withStroke(linewidth=1.8, foreground='white')]

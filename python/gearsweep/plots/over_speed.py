@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..results import Optimum, Reals, Status, Sweep
-from .look import ACCENT, CROSS, GREY, HOLLOW, INK, PUBLISHED, VISIBLE, canvas, legends_above
+from .look import ACCENT, CROSS, GREY, HOLLOW, INK, MM, PAGE, PUBLISHED, VISIBLE, canvas, legends_above
 from .reliefs import Reliefs
 
 #: Marks of points that have an answer, but not a plain one.
@@ -38,7 +38,7 @@ def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, points: Sequence[Sequenc
     Axes
     """
     reliefs = Reliefs(sweep.case)
-    with canvas(ax) as ax:
+    with canvas(ax, height=80 * MM, width=PAGE) as ax:
         for i, look in enumerate(reliefs.styles):
             _curve(ax, sweep.rpm, sweep.dynamic_factor[:, i], look)
         _error_bands(ax, sweep, reliefs)
