@@ -147,6 +147,7 @@ check 'nodes as in the grid' like_grid other.section points 1,2 node
 check 'elements as in the grid' like_grid other.section connectivity 1-8 element
 check 'mode shape as in the grid' like_grid other.modes mode_1 1,2 shape
 check 'teeth as in the grid' like_grid other.section tooth 1 tooth
+check 'harmonics as in the table' agrees other.harmonics 1-5 harmonics other.out
 check 'root stress as in the table' agrees other.root 1-9 root other.out
 check 'pair loads as in the table' agrees other.load 1-4,6 load other.out
 said_alike() {

@@ -25,6 +25,7 @@ from .case import Case
 from .results import (
     Contact,
     Geometry,
+    Harmonics,
     Load,
     Mesh,
     Modal,
@@ -39,7 +40,7 @@ from .results import (
     Sweep,
 )
 from .store import read
-from .tasks import geometry, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
+from .tasks import geometry, harmonics, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
 
 __version__ = _border.version()
 
@@ -49,6 +50,7 @@ __all__ = [
     'Contact',
     'Error',
     'Geometry',
+    'Harmonics',
     'Load',
     'Mesh',
     'Modal',
@@ -63,6 +65,7 @@ __all__ = [
     'Study',
     'Sweep',
     'geometry',
+    'harmonics',
     'load',
     'mesh',
     'modal',

@@ -210,6 +210,39 @@ class Mesh(Result):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Harmonics(Result):
+    """Static transmission error over one mesh period, as Fourier series.
+
+    Over the phase tau, 0 where a pair enters at A, it is the mean + the sum of
+    amplitude cos(2 pi harmonic tau + phase).
+
+    Attributes
+    ----------
+    harmonic : array (harmonic)
+        1, 2 ...; the mesh frequency is the first.
+    relief_um : array (relief_um)
+        As in the case.
+    mean_um, rms_um, peak_to_peak_um : array (relief_um)
+        Mean; root of the mean square of the deviation from it; largest less least value.
+    amplitude_um, phase_deg : array (harmonic, relief_um)
+        Of each harmonic.
+    estimate_um : array (relief_um)
+        Estimated error of mean and amplitudes.
+    """
+
+    harmonic: Integers = _field('', 'harmonic')
+    relief_um: Reals = _field('um', 'relief_um')
+    mean_um: Reals = _field('um', 'relief_um')
+    rms_um: Reals = _field('um', 'relief_um')
+    peak_to_peak_um: Reals = _field('um', 'relief_um')
+    amplitude_um: Reals = _field('um', 'harmonic', 'relief_um')
+    phase_deg: Reals = _field('deg', 'harmonic', 'relief_um')
+    estimate_um: Reals = _field('um', 'relief_um')
+
+    rows = ('relief_um', 'harmonic')
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Load(Result):
     """Dynamic load of one pair along its path, at the speeds `load_rpm`; points without an answer have no rows.
 
@@ -464,6 +497,8 @@ class Study:
         Where a task needs the mesh.
     mesh, static, modal, section, load, sweep, optimum
         The results of the tasks of these names.
+    harmonics : Harmonics
+        Of the static transmission error, with `mesh`.
     """
 
     case: Case = dataclasses.field(repr=False)
@@ -471,6 +506,7 @@ class Study:
     geometry: Geometry | None = None
     motion: Motion | None = None
     mesh: Mesh | None = None
+    harmonics: Harmonics | None = None
     static: Static | None = None
     modal: Modal | None = None
     section: Section | None = None

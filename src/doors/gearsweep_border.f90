@@ -13,7 +13,7 @@ module gearsweep_border
   use gearsweep_text, only: str
   implicit none
   private
-  public :: open_case, run_case, in_folder, measure, pack_stiffness, need_room, give_text, tell, work_size
+  public :: open_case, run_case, in_folder, in_um, measure, pack_stiffness, need_room, give_text, tell, work_size
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
   integer, parameter :: head = 3
@@ -75,6 +75,16 @@ contains
     if (len(place) > 0) place(len(place):) = '/'
   end function in_folder
 
+  !> A relief (m) in um, with the digits of a table: as the case has it, before
+  !> its way through metres.
+  elemental real(dp) function in_um(relief)
+    real(dp), intent(in) :: relief
+    character(30) :: digits
+
+    write (digits, '(es30.14e3)') 1e6_dp*relief
+    read (digits, *) in_um
+  end function in_um
+
   !> Runs the case up to the mesh and the section's grid, without finite
   !> elements: `study` then has every size, but no true stiffness for model 'fe'.
   subroutine measure(case, folder, study, error)
@@ -86,8 +96,11 @@ contains
 
     if (allocated(error)) return
     cheap = case
-    cheap%wants = (case%needs_load() .and. task_names == 'mesh') .or. &
-                  (case%needs_section() .and. task_names == 'section')
+    ! Of the tasks that need the mesh, load at no speed is the cheapest.
+    cheap%wants = (case%needs_section() .and. task_names == 'section') .or. &
+                  (case%asks('mesh') .and. task_names == 'mesh') .or. (case%needs_load() .and. task_names == 'load')
+    cheap%load_rpm = [real(dp) ::]
+    cheap%harmonics = 1
     if (allocated(cheap%published)) deallocate (cheap%published)
     if (case%model == 'fe') then
       call run_study(cheap, folder, 1, study, error, stiffness=constant(0.0_dp, 20.0_dp, 1e8_dp))
