@@ -17,6 +17,8 @@ A case's keys are described in doc/case.md, this package in doc/python.md. Names
 unit. Pictures, pandas and xarray are loaded when they are asked for.
 """
 
+import importlib
+
 from . import _border
 from ._border import Code, Error, PartialWarning
 from .case import Case
@@ -81,9 +83,8 @@ __all__ = [
 
 
 def __getattr__(name: str):
-    """Pictures: `gearsweep.plot_sweep` and its like, from `gearsweep.plots`."""
-    if name.startswith('plot_'):
-        from . import plots
-
-        return getattr(plots, name)
+    """Pictures, which load matplotlib: `gearsweep.plots`, and from there `gearsweep.plot_sweep` and its like."""
+    if name == 'plots' or name.startswith('plot_'):
+        plots = importlib.import_module('.plots', __name__)
+        return plots if name == 'plots' else getattr(plots, name)
     raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
