@@ -5,7 +5,8 @@
 !>     elastic first ACROSS                     first frequency, its estimate, seconds without and with it
 !>     elastic compliance ACROSS OTHERS PLACES  seconds for one gear, pair compliance along the path
 program elastic
-  use, intrinsic :: iso_fortran_env, only: int64, output_unit
+  use, intrinsic :: iso_fortran_env, only: output_unit
+  use bench_tools, only: word, number, seconds, check, numbers
   use gearsweep_band, only: band_t, make_band
   use gearsweep_body, only: body_t, make_body
   use gearsweep_error, only: error_t
@@ -22,7 +23,6 @@ program elastic
 
   type(material_t), parameter :: hassan_steel = material_t(2.15e11_dp, 0.3_dp, 8750.0_dp)
   type(error_t), allocatable :: error
-  character(*), parameter :: numbers = '(*(g0, 1x))'
 
   select case (word(1))
   case ('grid')
@@ -163,35 +163,4 @@ contains
     taken = seconds() - from
     write (output_unit, numbers) taken, (1/curve%value(pair%contact_ratio*i/(points - 1)), i=0, points - 1)
   end subroutine time_compliance
-
-  real(dp) function seconds()
-    integer(int64) :: now, rate
-
-    call system_clock(now, rate)
-    seconds = real(now, dp)/rate
-  end function seconds
-
-  function word(i) result(text)
-    integer, intent(in) :: i
-    character(:), allocatable :: text
-    integer :: length
-
-    call get_command_argument(i, length=length)
-    allocate (character(length) :: text)
-    call get_command_argument(i, text)
-  end function word
-
-  integer function number(i)
-    integer, intent(in) :: i
-    character(:), allocatable :: text
-
-    text = word(i)
-    read (text, *) number
-  end function number
-
-  subroutine check(error)
-    type(error_t), allocatable, intent(in) :: error
-
-    if (allocated(error)) error stop error%message
-  end subroutine check
 end program elastic

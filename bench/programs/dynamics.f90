@@ -1,0 +1,115 @@
+!> Dynamic factors of a problem, timed; prints plain numbers for bench/dynamics.py.
+!>
+!>     dynamics problem FILE
+!>         the problem for the other contenders
+!>     dynamics METHOD FILE ERROR STEPS [ERROR STEPS ...]
+!>         for each pair a line: seconds, then the dynamic factors, relief by relief
+!>
+!> METHOD is `shooting` or `marching` (the library; STEPS = 0 are chosen for the
+!> ERROR), `rk4`, `constant` or `constant_aligned` (the literature's).
+program dynamics
+  use bench_fixed_steps, only: march_sweep, runge_kutta, constant, constant_aligned
+  use bench_problem, only: problem_t, read_problem, write_problem
+  use bench_tools, only: word, number, real_number, seconds, check, numbers
+  use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
+  use gearsweep_steady, only: by_shooting, by_marching
+  implicit none
+
+  type(problem_t) :: problem
+  integer :: i
+
+  call read_problem(word(2), problem)
+  if (word(1) == 'problem') then
+    call write_problem(problem)
+  else
+    do i = 3, command_argument_count(), 2
+      call time_one(word(1), real_number(i), number(i + 1))
+    end do
+  end if
+
+contains
+
+  !> The median of as many runs as fit into a twentieth of a second, at least one.
+  subroutine time_one(method, wanted, steps)
+    character(*), intent(in) :: method
+    real(dp), intent(in) :: wanted
+    integer, intent(in) :: steps
+    integer, parameter :: most = 201
+    real(dp), parameter :: enough = 0.05_dp
+    real(dp) :: taken(most), dynamic_factor(size(problem%rpm), size(problem%osc)), from
+    integer :: n
+
+    do n = 1, most
+      from = seconds()
+      call solve(method, wanted, steps, dynamic_factor)
+      taken(n) = seconds() - from
+      if (sum(taken(:n)) > enough) exit
+    end do
+    print numbers, median(taken(:min(n, most))), dynamic_factor
+  end subroutine time_one
+
+  subroutine solve(method, wanted, steps, dynamic_factor)
+    character(*), intent(in) :: method
+    real(dp), intent(in) :: wanted
+    integer, intent(in) :: steps
+    real(dp), intent(out) :: dynamic_factor(:, :)
+
+    select case (method)
+    case ('shooting')
+      call solve_ours(by_shooting, wanted, steps, dynamic_factor)
+    case ('marching')
+      call solve_ours(by_marching, wanted, steps, dynamic_factor)
+    case ('rk4')
+      call solve_fixed(runge_kutta, wanted, steps, dynamic_factor)
+    case ('constant')
+      call solve_fixed(constant, wanted, steps, dynamic_factor)
+    case ('constant_aligned')
+      call solve_fixed(constant_aligned, wanted, steps, dynamic_factor)
+    case default
+      error stop 'dynamics: unknown method'
+    end select
+  end subroutine solve
+
+  !> The library's sweep, on one thread.
+  subroutine solve_ours(method, wanted, steps, dynamic_factor)
+    integer, intent(in) :: method, steps
+    real(dp), intent(in) :: wanted
+    real(dp), intent(out) :: dynamic_factor(:, :)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+
+    options%direction = problem%case%direction
+    options%threads = 1
+    options%accuracy%steps = steps
+    options%accuracy%steady%method = method
+    options%accuracy%steady%tolerance = wanted
+    call run_sweep(problem%osc, problem%rpm, options, sweep, error)
+    call check(error)
+    dynamic_factor = sweep%dynamic_factor
+  end subroutine solve_ours
+
+  subroutine solve_fixed(method, wanted, steps, dynamic_factor)
+    integer, intent(in) :: method, steps
+    real(dp), intent(in) :: wanted
+    real(dp), intent(out) :: dynamic_factor(:, :)
+    integer :: i
+
+    do i = 1, size(problem%osc)
+      call march_sweep(problem%osc(i), problem%rpm, method, steps, wanted, dynamic_factor(:, i))
+    end do
+  end subroutine solve_fixed
+
+  pure real(dp) function median(values)
+    real(dp), intent(in) :: values(:)
+    real(dp) :: rest(size(values))
+    integer :: i, at
+
+    rest = values
+    do i = 1, (size(values) + 1)/2
+      at = minloc(rest, 1)
+      median = rest(at)
+      rest(at) = huge(median)
+    end do
+  end function median
+end program dynamics
