@@ -4,7 +4,8 @@ program gearsweep_program
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
   use gearsweep
-  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder, write_text
+  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder
+  use gearsweep_output, only: write_results
   use gearsweep_text, only: str, to_number
   implicit none
 
@@ -63,62 +64,20 @@ contains
     if (arguments%verbose) write (output_unit, '(/a)', advance='no') study%log
   end subroutine show_answer
 
+  !> Says what was written, and ends if a file cannot be.
   subroutine write_tables()
-    if (allocated(study%sharing)) call write_table('mesh', mesh_table(study))
-    if (allocated(study%response)) call write_table('load', load_table(study))
-    if (allocated(study%sweep)) call write_table('sweep', sweep_table(study))
-    if (allocated(study%optimum)) call write_table('vcurve', optimum_table(study))
-    if (allocated(study%section)) call write_table('outline', outline_table(study))
-    if (allocated(study%root)) call write_table('root', root_table(study))
-    if (allocated(study%modal)) call write_table('modes', mode_table(study))
-    if (allocated(study%published)) call write_table('published', published_table(study))
-    call write_grids()
-  end subroutine write_tables
+    character(:), allocatable :: written
+    integer :: from, until
 
-  !> For ParaView: the section, and its mode shapes.
-  subroutine write_grids()
-    type(vtu_field_t), allocatable :: shapes(:)
-    integer :: i
-
-    if (allocated(study%section)) then
-      call write_text(path_of('section.vtu'), vtu_text(study%section%grid, [vtu_field_t ::]), error)
-      call told(path_of('section.vtu'))
-    end if
-    if (allocated(study%modal)) then
-      associate (modes => study%modal%modes)
-        allocate (shapes(size(modes%frequency)))
-        do i = 1, size(shapes)
-          shapes(i)%name = 'mode_'//str(i)
-          shapes(i)%values = modes%shape(:, :, i)
-        end do
-      end associate
-      call write_text(path_of('modes.vtu'), vtu_text(study%modal%section%grid, shapes), error)
-      call told(path_of('modes.vtu'))
-    end if
-  end subroutine write_grids
-
-  !> Ends if the last write failed, else says what was written.
-  subroutine told(path)
-    character(*), intent(in) :: path
-
+    call write_results(study, arguments%out//'/'//stem(arguments%case), written, error)
+    from = 1
+    do while (from <= len(written) .and. .not. arguments%quiet)
+      until = from + index(written(from:), new_line('a')) - 1
+      write (output_unit, '(a)') 'Wrote              '//written(from:until - 1)
+      from = until + 1
+    end do
     call check(error)
-    if (.not. arguments%quiet) write (output_unit, '(a)') 'Wrote              '//path
-  end subroutine told
-
-  subroutine write_table(kind, text)
-    character(*), intent(in) :: kind, text
-
-    call write_text(path_of(kind//'.csv'), text, error)
-    call told(path_of(kind//'.csv'))
-  end subroutine write_table
-
-  !> The output file with this ending.
-  function path_of(ending) result(path)
-    character(*), intent(in) :: ending
-    character(:), allocatable :: path
-
-    path = arguments%out//'/'//stem(arguments%case)//'.'//ending
-  end function path_of
+  end subroutine write_tables
 
   !> File name without folder and ending.
   pure function stem(path) result(name)

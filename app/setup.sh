@@ -5,6 +5,8 @@ fpm_version=0.12.0
 run_dir=$root/build/run
 log=$run_dir/log
 venv=$root/.venv
+# What pyproject.toml asks for before it can build, as no environment apart is made for it.
+build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow'
 
 say() { printf 'gearsweep: %s\n' "$*" >&2; }
@@ -69,7 +71,7 @@ make_venv() {
 # A checksum of all that decides what is built: files, command and environment.
 fingerprint() {
   {
-    (cd "$root" && find fpm.toml $1 -type f -exec cksum {} + | LC_ALL=C sort)
+    (cd "$root" && find fpm.toml $1 -type f ! -path "*/__pycache__/*" -exec cksum {} + | LC_ALL=C sort)
     echo "$2 ${FPM_FC-} ${FPM_FFLAGS-} ${FPM_CC-} ${FPM_CFLAGS-} ${FPM_LDFLAGS-}"
   } | cksum
 }
@@ -98,6 +100,27 @@ build() {
     built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)
     # A copy, as fpm may put another version in its place.
     cp "$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"
+  ) 9>"$run_dir/lock"
+}
+
+# The Python package with all that its tests load, in .venv.
+build_package() {
+  target=$run_dir/python-gearsweep
+  now=$(fingerprint "pyproject.toml meson.build src python/gearsweep" "$build_tools")
+  is_current "$target" "$now" && return
+  mkdir -p "$run_dir" || return
+  (
+    if command -v flock >/dev/null; then flock 9; fi
+    is_current "$target" "$now" && exit
+    cd "$root" && install_packages && make_venv || exit
+    PATH=$venv/bin:$PATH
+    pip() { "$venv/bin/python" -m pip install --disable-pip-version-check "$@"; }
+    quietly "fetching what builds the Python package" pip $build_tools || exit
+    # A build that broke off is begun anew.
+    quietly "building the Python package" pip --no-build-isolation --config-settings=build-dir=build/python '.[test]' ||
+      { rm -rf build/python; exit 1; }
+    printf '#!/bin/sh\nexec "%s" -m gearsweep "$@"\n' "$venv/bin/python" >"$target" && chmod +x "$target" &&
+      echo "$now" >"$target.stamp"
   ) 9>"$run_dir/lock"
 }
 

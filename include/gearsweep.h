@@ -3,7 +3,8 @@
  * Every call returns a code and leaves a message, which is empty where the code is 0.
  *
  *   text, text_length   the case, as the program reads it: text_length bytes, or up to the first NUL.
- *                       Files that it names lie relative to the current folder.
+ *   folder              where files that the case names lie; NULL: the current folder. Calls without it
+ *                       read them from the current folder, or need none of them where work is given.
  *   nwork, work         the pair stiffness from gsc_prepare, for cases with the same gears, material,
  *                       section and load; 0 and NULL: each call finds it itself.
  *   threads             of the sweep; 0: all. The answer is the same for any number.
@@ -59,9 +60,44 @@ int gsc_version(char *version, size_t version_size, char *message, size_t messag
 
 /* Sizes of the results, 0 for tasks that the case does not name. No finite elements run.
    rows: of gsc_mesh; tried: of gsc_optimum; positions: of gsc_root; modes: of gsc_modes;
-   nwork: of gsc_prepare. */
-int gsc_sizes(const char *text, size_t text_length, int *speeds, int *reliefs, int *rows, int *tried,
-              int *positions, int *modes, int *nwork, char *message, size_t message_size);
+   nodes, elements: of the section's grid; nwork: of gsc_prepare. */
+int gsc_sizes(const char *text, size_t text_length, const char *folder, int *speeds, int *reliefs,
+              int *rows, int *tried, int *positions, int *modes, int *nodes, int *elements, int *nwork,
+              char *message, size_t message_size);
+
+/* The pair stiffness, by finite elements where the case says so: the costly part of a mesh, for the
+   calls below. It holds for cases that differ in reliefs, speeds, masses, damping, friction,
+   backlash or tasks; another case is refused. */
+int gsc_prepare(const char *text, size_t text_length, const char *folder, int nwork, double *work,
+                char *message, size_t message_size);
+
+/* All tasks: the answer as the program prints it. length: without its NUL; also where answer_size is
+   too small (then GSC_INPUT). */
+int gsc_report(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
+               int threads, char *answer, size_t answer_size, size_t *length, char *message,
+               size_t message_size);
+
+/* What the program does with a case: the answer, and its tables and grids as files name.sweep.csv and
+   so on in the folder out, which is made if missing. stages: which ran and which were left out; files:
+   that were written; a line each. The texts may be NULL with size 0 and are cut where they are too
+   long; length is that of the whole answer. They are filled also where a file cannot be written. */
+int gsc_write(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
+              int threads, const char *out, const char *name, char *answer, size_t answer_size,
+              size_t *length, char *stages, size_t stages_size, char *files, size_t files_size,
+              char *message, size_t message_size);
+
+/* The case with every key that it leaves to its default written out. It gives the same answer.
+   length: as for gsc_report. */
+int gsc_complete(const char *text, size_t text_length, char *complete, size_t complete_size,
+                 size_t *length, char *message, size_t message_size);
+
+/* Sets one key of a case, and leaves the rest of the text as it is, with its remarks.
+   group, key: without &; a group that is missing is added; value: as it stands in a case, such as
+   "0, 5, 10" or "'fe'"; NULL or empty: the key is taken out; length: as for gsc_report.
+   Whether the case allows key and value is told by the call that reads it. */
+int gsc_change(const char *text, size_t text_length, const char *group, const char *key,
+               const char *value, char *changed, size_t changed_size, size_t *length, char *message,
+               size_t message_size);
 
 /* Geometry of the pair. Last index of arrays: pinion, gear.
    radius_mm[6*2]: tip, reference, drive base, coast base, root, start of the drive involute
@@ -72,12 +108,6 @@ int gsc_geometry(const char *text, size_t text_length, double *radius_mm, double
                  double *point_radius_mm, double *distance_mm, double *working_angle_deg,
                  double *contact_ratio, double *base_pitch_mm, double *backlash_um, char *message,
                  size_t message_size);
-
-/* The pair stiffness, by finite elements where the case says so: the costly part of a mesh, for the
-   calls below. It holds for cases that differ in reliefs, speeds, masses, damping, friction,
-   backlash or tasks; another case is refused. */
-int gsc_prepare(const char *text, size_t text_length, int nwork, double *work, char *message,
-                size_t message_size);
 
 /* Static load on the line of action, effective masses[2] on it, mean mesh stiffness over the whole
    width, natural frequency. */
@@ -92,11 +122,27 @@ int gsc_mesh(const char *text, size_t text_length, int nwork, const double *work
              double *relief_um, double *s, double *pair_n_um, double *mesh_n_um, double *error_um,
              double *share, double *ste_um, char *message, size_t message_size);
 
+/* Task load: dynamic load of one pair along its path at the speeds load_rpm; arrays of room.
+   rows: that there are; also where room is too small (then GSC_INPUT).
+   s: base pitches from A; dte_um: dynamic transmission error */
+int gsc_load(const char *text, size_t text_length, int nwork, const double *work, int room, int *rows,
+             double *relief_um, double *rpm, double *s, double *pair_load_n, double *dte_um,
+             char *message, size_t message_size);
+
 /* Task sweep. rpm[speeds]: of the pinion, ascending; relief_um[reliefs];
-   dynamic_factor, estimate (of its error), status, contact: [speeds*reliefs], speed first */
+   the others: [speeds*reliefs], speed first
+   estimate: of the error of dynamic_factor; floquet_modulus: what is left of a disturbance;
+   residual: by how much the motion fails to repeat, in static deflections; steps: in a mesh period;
+   periods: mesh periods until the motion repeats */
 int gsc_sweep(const char *text, size_t text_length, int nwork, const double *work, int threads,
               int speeds, int reliefs, double *rpm, double *relief_um, double *dynamic_factor,
-              double *estimate, int *status, int *contact, char *message, size_t message_size);
+              double *estimate, int *status, int *contact, double *floquet_modulus, double *residual,
+              int *steps, int *periods, char *message, size_t message_size);
+
+/* Resonances of one curve of gsc_sweep; runs nothing. peak_rpm[5], peak_factor[5], of which `found`
+   are filled. */
+int gsc_resonances(int speeds, const double *rpm, const double *dynamic_factor, int *found,
+                   double *peak_rpm, double *peak_factor, char *message, size_t message_size);
 
 /* Task optimum: the relief with the least worst dynamic factor over the speeds. The curve has
    `tried` reliefs, ascending; relief_um, worst_factor, rpm, failed: [room], room as gsc_sizes says.
@@ -106,22 +152,26 @@ int gsc_optimum(const char *text, size_t text_length, int nwork, const double *w
                 int *failed, double *best_um, double *best_factor, double *best_rpm,
                 double *within_um, char *message, size_t message_size);
 
-/* Resonances of one curve of gsc_sweep; runs nothing. peak_rpm[5], peak_factor[5], of which `found`
-   are filled. */
-int gsc_resonances(int speeds, const double *rpm, const double *dynamic_factor, int *found,
-                   double *peak_rpm, double *peak_factor, char *message, size_t message_size);
+/* Outline of one gear (member 1 pinion, 2 gear) about its own centre, its first tooth's axis along y,
+   clockwise; the last point joins the first. Of a gear with more than 500 teeth, one tooth.
+   x_mm, y_mm: [room]; points: that there are; also where room is too small (then GSC_INPUT) */
+int gsc_outline(const char *text, size_t text_length, int member, int room, int *points, double *x_mm,
+                double *y_mm, char *message, size_t message_size);
 
-/* Task load: dynamic load of one pair along its path at the speeds load_rpm; arrays of room.
-   rows: that there are; also where room is too small (then GSC_INPUT).
-   s: base pitches from A; dte_um: dynamic transmission error */
-int gsc_load(const char *text, size_t text_length, int nwork, const double *work, int room, int *rows,
-             double *relief_um, double *rpm, double *s, double *pair_load_n, double *dte_um,
-             char *message, size_t message_size);
+/* Task section: grid of the section; the same as that of gsc_modes.
+   x_mm, y_mm: [nodes] the loaded tooth's axis along y, the gear's centre at 0
+   element[8*elements]: its nodes, counted from 1: corners, then the middles of the sides, anticlockwise
+   tooth[elements]: 0 for the body, 1 for the first tooth from the left */
+int gsc_section(const char *text, size_t text_length, int nodes, int elements, double *x_mm,
+                double *y_mm, int *element, int *tooth, char *message, size_t message_size);
 
 /* Task modal: natural frequencies of the section; arrays of modes.
-   estimate: relative error; residual: of the eigenvalue problem; rim_share: of the kinetic energy */
-int gsc_modes(const char *text, size_t text_length, int modes, double *frequency_hz, double *estimate,
-              double *residual, double *rim_share, char *message, size_t message_size);
+   estimate: relative error; residual: of the eigenvalue problem; rim_share: of the kinetic energy
+   shape[2*nodes*modes]: displacements in x and y at the grid's nodes for a modal mass of 1 kg, in
+   m/sqrt(kg); 0 and NULL for nodes and shape: they are not wanted */
+int gsc_modes(const char *text, size_t text_length, int modes, int nodes, double *frequency_hz,
+              double *estimate, double *residual, double *rim_share, double *shape, char *message,
+              size_t message_size);
 
 /* Task static: root stress while the load moves over the path with its real share.
    s, radius_mm: [positions] where the load acts; share[positions*reliefs]: of the static load
@@ -135,11 +185,6 @@ int gsc_root(const char *text, size_t text_length, int nwork, const double *work
              double *sigma_mpa, double *parts_mpa, double *tension_mpa, double *tension_deg,
              double *compression_mpa, double *compression_deg, double *estimate, double *iso_mpa,
              double *lewis_mpa, char *message, size_t message_size);
-
-/* All tasks: the answer as the program prints it. length: without its NUL; also where answer_size is
-   too small (then GSC_INPUT). */
-int gsc_report(const char *text, size_t text_length, int nwork, const double *work, int threads,
-               char *answer, size_t answer_size, size_t *length, char *message, size_t message_size);
 
 #ifdef __cplusplus
 }

@@ -32,16 +32,16 @@ contains
     character(200) :: message
     character(6) :: short
     character(5) :: version
-    integer :: n(7), info
+    integer :: n(9), info
 
     n = -7
-    call gs_sizes('', n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call gs_sizes('', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
     call check_equal(t, 'an empty case is refused', info, code_input)
     call check_true(t, 'it says why', index(message, '&') > 0)
     call check_true(t, 'and leaves the results', all(n == -7))
-    call gs_sizes('&colour red = 1 /', n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, short)
+    call gs_sizes('&colour red = 1 /', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, short)
     call check_true(t, 'a short message is cut', info == code_input .and. len_trim(short) == 6)
-    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
     call check_equal(t, 'sizes', info, code_ok)
     call check_true(t, 'no message', message == '')
     call check_true(t, 'speeds, reliefs, modes', all(n([1, 2, 6]) == [4, 2, 3]))
@@ -69,25 +69,28 @@ contains
   subroutine test_results(t)
     type(tally_t), intent(inout) :: t
     integer, parameter :: most = 6, room = 60
-    real(dp) :: rpm(most), relief(3), df(most, 3, 2), estimate(most, 3), none(1)
+    real(dp) :: rpm(most), relief(3), df(most, 3, 2), estimate(most, 3), modulus(most, 3), residual(most, 3), none(1)
     real(dp) :: curve(room, 3), best(4), peak(5, 2), rows(3000, 5)
     real(dp), allocatable :: work(:)
-    integer :: n(7), status(most, 3), contact(most, 3), failed(room), tried, found, info
+    integer :: n(9), status(most, 3), contact(most, 3), steps(most, 3), periods(most, 3), failed(room), tried, found, info
     character(200) :: message
 
     none = 0
-    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
-    allocate (work(n(7)), source=mark)
-    call gs_prepare(text, n(7) - 1, work, info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    allocate (work(n(9)), source=mark)
+    call gs_prepare(text, '', n(9) - 1, work, info, message)
     call check_true(t, 'work too small', info == code_input .and. index(message, 'at least') > 0)
     call check_true(t, 'work is as it was', all(.not. abs(work - mark) > 0))
-    call gs_prepare(text, n(7), work, info, message)
+    call gs_prepare(text, '', n(9), work, info, message)
     call check_equal(t, 'prepare', info, code_ok)
     df = mark
-    call gs_sweep(text, n(7), work, 1, 3, 3, rpm, relief, df(:, :, 1), estimate, status, contact, info, message)
+    call gs_sweep(text, n(9), work, 1, 3, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
+                  modulus, residual, steps, periods, info, message)
     call check_true(t, 'too few speeds', info == code_input .and. all(.not. abs(df - mark) > 0))
-    call gs_sweep(text, n(7), work, 1, most, 3, rpm, relief, df(:, :, 1), estimate, status, contact, info, message)
-    call gs_sweep(text, 0, none, 2, most, 3, rpm, relief, df(:, :, 2), estimate, status, contact, info, message)
+    call gs_sweep(text, n(9), work, 1, most, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
+                  modulus, residual, steps, periods, info, message)
+    call gs_sweep(text, 0, none, 2, most, 3, rpm, relief, df(:, :, 2), estimate, status, contact, &
+                  modulus, residual, steps, periods, info, message)
     call check_equal(t, 'sweep', info, code_ok)
     call check_true(t, 'the same bits with the stiffness passed in', all(.not. abs(df(:, :, 1) - df(:, :, 2)) > 0))
     call check_true(t, 'dynamic factors', all(df(:4, :2, 1) > 0.5_dp))
@@ -95,15 +98,15 @@ contains
                     all(.not. abs(df(:, 3, 1) - mark) > 0))
     call gs_resonances(4, rpm, df(:4, 1, 1), found, peak(:, 1), peak(:, 2), info, message)
     call check_true(t, 'resonances', info == code_ok .and. found >= 0)
-    call gs_optimum(text, n(7), work, 1, room, tried, curve(:, 1), curve(:, 2), curve(:, 3), failed, best(1), best(2), &
+    call gs_optimum(text, n(9), work, 1, room, tried, curve(:, 1), curve(:, 2), curve(:, 3), failed, best(1), best(2), &
                     best(3), best(4), info, message)
     call check_true(t, 'optimum', info == code_ok .and. tried > 16 .and. tried <= n(4))
     call check_close(t, 'the best is the least of the curve', best(2), minval(curve(:tried, 2)))
-    call gs_load(text, n(7), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_load(text, n(9), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
     call check_true(t, 'load: too little room', info == code_input .and. found > 10)
-    call gs_load(text, n(7), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_load(text, n(9), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
     call check_true(t, 'load', info == code_ok .and. maxval(rows(:found, 4)) > 4000*0.9_dp)
-    call gs_prepare('&case tasks = ''modal'' / '//pair, n(7), work, info, message)
+    call gs_prepare('&case tasks = ''modal'' / '//pair, '', n(9), work, info, message)
     call check_equal(t, 'no mesh to prepare', info, code_input)
   end subroutine test_results
 
@@ -111,18 +114,18 @@ contains
     type(tally_t), intent(inout) :: t
     real(dp), allocatable :: s(:), radius(:), share(:, :), sigma(:, :, :), parts(:, :, :, :), mesh(:, :)
     real(dp) :: relief(2), peak(2, 5), iso, lewis, modes(3, 4), none(1), drive(5)
-    integer :: n(7), length, info
+    integer :: n(9), length, info
     character(200) :: message
     character(9000) :: answer
 
     none = 0
-    call gs_sizes(text, n(1), n(2), n(3), n(4), n(5), n(6), n(7), info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
     allocate (s(n(5)), radius(n(5)), share(n(5), 2), sigma(2, n(5), 2), parts(3, 2, n(5), 2), mesh(n(3), 7))
     call gs_root(text, 0, none, n(5), 2, relief, s, radius, share, sigma, parts, peak(:, 1), peak(:, 2), peak(:, 3), &
                  peak(:, 4), peak(:, 5), iso, lewis, info, message)
     call check_equal(t, 'root', info, code_ok)
     call check_true(t, 'tension pulls, compression pushes', all(peak(:, 1) > 0 .and. peak(:, 3) < 0) .and. iso > 0)
-    call gs_modes(text, 3, modes(:, 1), modes(:, 2), modes(:, 3), modes(:, 4), info, message)
+    call gs_modes(text, 3, 0, modes(:, 1), modes(:, 2), modes(:, 3), modes(:, 4), none, info, message)
     call check_true(t, 'modes', info == code_ok .and. modes(1, 1) > 0)
     call gs_mesh(text, 0, none, n(3) - 1, mesh(:, 1), mesh(:, 2), mesh(:, 3), mesh(:, 4), mesh(:, 5), mesh(:, 6), &
                  mesh(:, 7), info, message)
@@ -132,9 +135,9 @@ contains
     call check_true(t, 'mesh', info == code_ok .and. maxval(mesh(:, 6)) <= 1 + 1e-12_dp)
     call gs_motion(text, 0, none, drive(1), drive(2:3), drive(4), drive(5), info, message)
     call check_close(t, 'load', drive(1), 4000.0_dp)
-    call gs_report(text, 0, none, 1, answer(:20), length, info, message)
+    call gs_report(text, '', 0, none, 1, answer(:20), length, info, message)
     call check_true(t, 'the answer needs room', info == code_input .and. length > 500)
-    call gs_report(text, 0, none, 1, answer, length, info, message)
+    call gs_report(text, '', 0, none, 1, answer, length, info, message)
     call check_true(t, 'report', info == code_ok .and. len_trim(answer) >= length - 1)
   end subroutine test_static_results
 end module test_flat

@@ -1,7 +1,7 @@
 !> The answers of the tasks that look at one member's body, for screen and tables.
 module gearsweep_body_report
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_contour, only: gear_contour, tooth_contour
+  use gearsweep_contour, only: shown_contour
   use gearsweep_gear, only: coast, drive
   use gearsweep_lines, only: lines_t, field, left, right
   use gearsweep_quantities, only: our_value
@@ -142,20 +142,15 @@ contains
     end do
   end function quoted
 
-  !> Outline of both gears, centres at 0; of one tooth where there are more than 500.
+  !> Outline of both gears, centres at 0.
   pure subroutine outline_rows(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: steps = 12
     real(dp), allocatable :: points(:, :)
     integer :: i, k
 
     do i = 1, 2
-      if (study%pair%gear(i)%spec%teeth > 500) then
-        points = tooth_contour(study%pair%gear(i), steps)
-      else
-        points = gear_contour(study%pair%gear(i), steps)
-      end if
+      call shown_contour(study%pair%gear(i), points)
       do k = 1, size(points, 2)
         call lines%add(trim(members(i))//','//field(milli*points(1, k))//','//field(milli*points(2, k)))
       end do

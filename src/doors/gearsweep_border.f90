@@ -13,7 +13,7 @@ module gearsweep_border
   use gearsweep_text, only: str
   implicit none
   private
-  public :: open_case, run_case, measure, pack_stiffness, need_room, tell, work_size
+  public :: open_case, run_case, in_folder, measure, pack_stiffness, need_room, give_text, tell, work_size
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
   integer, parameter :: head = 3
@@ -43,40 +43,56 @@ contains
   end subroutine open_case
 
   !> Runs an opened case, unless it failed before. `work(nwork)` is what
-  !> `pack_stiffness` left; none where `nwork` is 0.
-  subroutine run_case(case, nwork, work, threads, study, error)
+  !> `pack_stiffness` left; none where `nwork` is 0. `folder` is where the case's
+  !> files lie, with its slash.
+  subroutine run_case(case, nwork, work, threads, study, error, folder)
     type(case_t), intent(in) :: case
     integer, intent(in) :: nwork, threads
     real(dp), intent(in) :: work(*)
     type(study_t), intent(out) :: study
     type(error_t), allocatable, intent(inout) :: error
-    type(piecewise_t) :: stiffness
+    character(*), intent(in), optional :: folder
+    type(piecewise_t), allocatable :: stiffness
+    character(:), allocatable :: place
 
     if (allocated(error)) return
-    if (nwork == 0) then
-      call run_study(case, '', threads, study, error)
-      return
+    place = ''
+    if (present(folder)) place = folder
+    if (nwork /= 0) then
+      allocate (stiffness)
+      call unpack_stiffness(case, nwork, work, stiffness, error)
     end if
-    call unpack_stiffness(case, nwork, work, stiffness, error)
-    if (.not. allocated(error)) call run_study(case, '', threads, study, error, stiffness=stiffness)
+    ! One that is not allocated counts as not passed.
+    if (.not. allocated(error)) call run_study(case, place, threads, study, error, stiffness=stiffness)
   end subroutine run_case
 
-  !> Runs the case up to the mesh without finite elements: `study` then has
-  !> every size, but no true stiffness for model 'fe'.
-  subroutine measure(case, study, error)
+  !> A folder as the study takes it: empty for the current one, else with its slash.
+  pure function in_folder(folder) result(place)
+    character(*), intent(in) :: folder
+    character(len_trim(folder) + merge(1, 0, index(folder, '/', back=.true.) /= len_trim(folder))) :: place
+
+    place = folder
+    if (len(place) > 0) place(len(place):) = '/'
+  end function in_folder
+
+  !> Runs the case up to the mesh and the section's grid, without finite
+  !> elements: `study` then has every size, but no true stiffness for model 'fe'.
+  subroutine measure(case, folder, study, error)
     type(case_t), intent(in) :: case
+    character(*), intent(in) :: folder
     type(study_t), intent(out) :: study
     type(error_t), allocatable, intent(inout) :: error
     type(case_t) :: cheap
 
     if (allocated(error)) return
     cheap = case
-    cheap%wants = case%needs_load() .and. task_names == 'mesh'
+    cheap%wants = (case%needs_load() .and. task_names == 'mesh') .or. &
+                  ((case%asks('section') .or. case%asks('modal')) .and. task_names == 'section')
     if (allocated(cheap%published)) deallocate (cheap%published)
     if (case%model == 'fe') then
-      call run_study(cheap, '', 1, study, error, stiffness=constant(0.0_dp, 20.0_dp, 1e8_dp))
+      call run_study(cheap, folder, 1, study, error, stiffness=constant(0.0_dp, 20.0_dp, 1e8_dp))
     else
-      call run_study(cheap, '', 1, study, error)
+      call run_study(cheap, folder, 1, study, error)
     end if
   end subroutine measure
 
@@ -210,6 +226,18 @@ contains
     if (allocated(error)) return
     if (have < need) call fail(error, code_input, name//' = '//str(have)//': too small, must be at least '//str(need))
   end subroutine need_room
+
+  !> Hands a text out, or tells the length that it needs.
+  subroutine give_text(name, words, target, length, error)
+    character(*), intent(in) :: name, words
+    character(*), intent(inout) :: target
+    integer, intent(inout) :: length
+    type(error_t), allocatable, intent(inout) :: error
+
+    length = len(words)
+    call need_room('len('//name//')', len(target), length, error)
+    if (.not. allocated(error)) target = words
+  end subroutine give_text
 
   !> Code and message of a call; blank where all is well. Points without an
   !> answer are told too.

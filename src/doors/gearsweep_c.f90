@@ -1,36 +1,166 @@
 !> The flat layer for C: the same calls as gs_..., named gsc_..., which return
 !> the code. The header gearsweep.h describes them.
 module gearsweep_c
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_null_char, c_ptr, &
-                                         c_size_t
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr, c_size_t
+  use gearsweep_c_border, only: give_answer, give_text, longest_message, make_room, need_all, need_size, numbers, &
+                                take_string, take_text
   use gearsweep_calls
-  use gearsweep_error, only: code_input, code_memory, code_ok
+  use gearsweep_error, only: code_ok
   implicit none
   private
-  public :: gsc_version, gsc_sizes, gsc_geometry, gsc_prepare, gsc_motion, gsc_mesh, gsc_sweep, gsc_optimum
-  public :: gsc_resonances, gsc_load, gsc_modes, gsc_root, gsc_report
-
-  !> Longest message; longest text and answer.
-  integer, parameter :: longest_message = 1000
-  integer(c_size_t), parameter :: longest_text = 10**9
+  public :: gsc_version, gsc_sizes, gsc_prepare, gsc_report, gsc_write, gsc_complete, gsc_change
+  public :: gsc_geometry, gsc_motion, gsc_mesh, gsc_load, gsc_sweep, gsc_resonances, gsc_optimum
+  public :: gsc_outline, gsc_section, gsc_modes, gsc_root
 
 contains
 
-  function gsc_sizes(text, text_length, speeds, reliefs, rows, tried, positions, modes, nwork, message, &
-                     message_size) result(info) bind(c)
-    type(c_ptr), value :: text, message
-    integer(c_size_t), value :: text_length, message_size
-    integer(c_int), intent(inout), optional :: speeds, reliefs, rows, tried, positions, modes, nwork
+  function gsc_version(version, version_size, message, message_size) result(info) bind(c)
+    type(c_ptr), value :: version, message
+    integer(c_size_t), value :: version_size, message_size
     integer(c_int) :: info
-    character(:), allocatable :: case
+    character(32) :: this
+    character(longest_message) :: words
+
+    call gs_version(this, info, words)
+    call need_all([c_associated(version)], info, words)
+    call need_size('version_size', version_size, len_trim(this), info, words)
+    if (info == code_ok) call give_text(trim(this), version, version_size)
+    call give_text(trim(words), message, message_size)
+  end function gsc_version
+
+  function gsc_sizes(text, text_length, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, &
+                     nwork, message, message_size) result(info) bind(c)
+    type(c_ptr), value :: text, folder, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), intent(inout), optional :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork
+    integer(c_int) :: info
+    character(:), allocatable :: case, place
     character(longest_message) :: words
 
     call take_text(text, text_length, case, info, words)
+    call take_string(folder, place)
     call need_all([present(speeds), present(reliefs), present(rows), present(tried), present(positions), &
-                   present(modes), present(nwork)], info, words)
-    if (info == code_ok) call gs_sizes(case, speeds, reliefs, rows, tried, positions, modes, nwork, info, words)
+                   present(modes), present(nodes), present(elements), present(nwork)], info, words)
+    if (info == code_ok) call gs_sizes(case, place, speeds, reliefs, rows, tried, positions, modes, nodes, elements, &
+                                       nwork, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_sizes
+
+  function gsc_prepare(text, text_length, folder, nwork, work, message, message_size) result(info) bind(c)
+    type(c_ptr), value :: text, folder, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), value :: nwork
+    real(c_double), intent(inout), optional :: work(*)
+    integer(c_int) :: info
+    character(:), allocatable :: case, place
+    character(longest_message) :: words
+
+    call take_text(text, text_length, case, info, words)
+    call take_string(folder, place)
+    call need_all([present(work)], info, words)
+    if (info == code_ok) call gs_prepare(case, place, nwork, work, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_prepare
+
+  !> `length` is that of the answer without its NUL.
+  function gsc_report(text, text_length, folder, nwork, work, threads, answer, answer_size, length, message, &
+                      message_size) result(info) bind(c)
+    type(c_ptr), value :: text, folder, work, answer, message
+    integer(c_size_t), value :: text_length, answer_size, message_size
+    integer(c_int), value :: nwork, threads
+    integer(c_size_t), intent(inout), optional :: length
+    integer(c_int) :: info
+    character(:), allocatable :: case, place, room
+    character(longest_message) :: words
+    integer :: used
+
+    call take_text(text, text_length, case, info, words)
+    call take_string(folder, place)
+    call need_all([nwork == 0 .or. c_associated(work), answer_size == 0 .or. c_associated(answer), present(length)], &
+                  info, words)
+    call make_room('answer_size', answer_size, room, info, words)
+    used = -1
+    if (info == code_ok) call gs_report(case, place, nwork, numbers(work, nwork), threads, room, used, info, words)
+    call give_answer('answer_size', room, used, answer, answer_size, length, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_report
+
+  !> `length` is that of the whole answer without its NUL.
+  function gsc_write(text, text_length, folder, nwork, work, threads, out, name, answer, answer_size, length, &
+                     stages, stages_size, files, files_size, message, message_size) result(info) bind(c)
+    type(c_ptr), value :: text, folder, work, out, name, answer, stages, files, message
+    integer(c_size_t), value :: text_length, answer_size, stages_size, files_size, message_size
+    integer(c_int), value :: nwork, threads
+    integer(c_size_t), intent(inout), optional :: length
+    integer(c_int) :: info
+    character(:), allocatable :: case, place, target, stem, answer_room, stages_room, files_room
+    character(longest_message) :: words
+    integer :: used
+
+    call take_text(text, text_length, case, info, words)
+    call take_string(folder, place)
+    call take_string(out, target)
+    call take_string(name, stem)
+    call need_all([nwork == 0 .or. c_associated(work), c_associated(out), c_associated(name), present(length)], &
+                  info, words)
+    call make_room('answer_size', answer_size, answer_room, info, words)
+    call make_room('stages_size', stages_size, stages_room, info, words)
+    call make_room('files_size', files_size, files_room, info, words)
+    used = -1
+    if (info == code_ok) call gs_write(case, place, nwork, numbers(work, nwork), threads, target, stem, answer_room, &
+                                       used, stages_room, files_room, info, words)
+    if (used >= 0) then
+      length = used
+      call give_text(answer_room(:min(used, len(answer_room))), answer, answer_size)
+      call give_text(trim(stages_room), stages, stages_size)
+      call give_text(trim(files_room), files, files_size)
+    end if
+    call give_text(trim(words), message, message_size)
+  end function gsc_write
+
+  !> `length` is that of the completed case without its NUL.
+  function gsc_complete(text, text_length, complete, complete_size, length, message, message_size) &
+                        result(info) bind(c)
+    type(c_ptr), value :: text, complete, message
+    integer(c_size_t), value :: text_length, complete_size, message_size
+    integer(c_size_t), intent(inout), optional :: length
+    integer(c_int) :: info
+    character(:), allocatable :: case, room
+    character(longest_message) :: words
+    integer :: used
+
+    call take_text(text, text_length, case, info, words)
+    call need_all([complete_size == 0 .or. c_associated(complete), present(length)], info, words)
+    call make_room('complete_size', complete_size, room, info, words)
+    used = -1
+    if (info == code_ok) call gs_complete(case, room, used, info, words)
+    call give_answer('complete_size', room, used, complete, complete_size, length, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_complete
+
+  !> `length` is that of the changed case without its NUL.
+  function gsc_change(text, text_length, group, key, value, changed, changed_size, length, message, message_size) &
+                      result(info) bind(c)
+    type(c_ptr), value :: text, group, key, value, changed, message
+    integer(c_size_t), value :: text_length, changed_size, message_size
+    integer(c_size_t), intent(inout), optional :: length
+    integer(c_int) :: info
+    character(:), allocatable :: case, room, group_name, key_name, new
+    character(longest_message) :: words
+    integer :: used
+
+    call take_text(text, text_length, case, info, words)
+    call take_string(group, group_name)
+    call take_string(key, key_name)
+    call take_string(value, new)
+    call need_all([c_associated(group), c_associated(key), changed_size == 0 .or. c_associated(changed), &
+                   present(length)], info, words)
+    call make_room('changed_size', changed_size, room, info, words)
+    used = -1
+    if (info == code_ok) call gs_change(case, group_name, key_name, new, room, used, info, words)
+    call give_answer('changed_size', room, used, changed, changed_size, length, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_change
 
   function gsc_geometry(text, text_length, radius_mm, point, point_radius_mm, distance_mm, working_angle_deg, &
                         contact_ratio, base_pitch_mm, backlash_um, message, message_size) result(info) bind(c)
@@ -54,21 +184,6 @@ contains
                                           words)
     call give_text(trim(words), message, message_size)
   end function gsc_geometry
-
-  function gsc_prepare(text, text_length, nwork, work, message, message_size) result(info) bind(c)
-    type(c_ptr), value :: text, message
-    integer(c_size_t), value :: text_length, message_size
-    integer(c_int), value :: nwork
-    real(c_double), intent(inout), optional :: work(*)
-    integer(c_int) :: info
-    character(:), allocatable :: case
-    character(longest_message) :: words
-
-    call take_text(text, text_length, case, info, words)
-    call need_all([present(work)], info, words)
-    if (info == code_ok) call gs_prepare(case, nwork, work, info, words)
-    call give_text(trim(words), message, message_size)
-  end function gsc_prepare
 
   function gsc_motion(text, text_length, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, message, &
                       message_size) result(info) bind(c)
@@ -108,26 +223,69 @@ contains
     call give_text(trim(words), message, message_size)
   end function gsc_mesh
 
+  function gsc_load(text, text_length, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, &
+                    message, message_size) result(info) bind(c)
+    type(c_ptr), value :: text, work, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), value :: nwork, room
+    integer(c_int), intent(inout), optional :: rows
+    real(c_double), intent(inout), optional :: relief_um(room), rpm(room), s(room), pair_load_n(room)
+    real(c_double), intent(inout), optional :: dte_um(room)
+    integer(c_int) :: info
+    character(:), allocatable :: case
+    character(longest_message) :: words
+
+    call take_text(text, text_length, case, info, words)
+    call need_all([nwork == 0 .or. c_associated(work), present(rows), present(relief_um), present(rpm), &
+                   present(s), present(pair_load_n), present(dte_um)], info, words)
+    if (info == code_ok) call gs_load(case, nwork, numbers(work, nwork), room, rows, relief_um, rpm, s, &
+                                      pair_load_n, dte_um, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_load
+
   function gsc_sweep(text, text_length, nwork, work, threads, speeds, reliefs, rpm, relief_um, dynamic_factor, &
-                     estimate, status, contact, message, message_size) result(info) bind(c)
+                     estimate, status, contact, floquet_modulus, residual, steps, periods, message, message_size) &
+                     result(info) bind(c)
     type(c_ptr), value :: text, work, message
     integer(c_size_t), value :: text_length, message_size
     integer(c_int), value :: nwork, threads, speeds, reliefs
-    integer(c_int), intent(inout), optional :: status(speeds, reliefs), contact(speeds, reliefs)
     real(c_double), intent(inout), optional :: rpm(speeds)
     real(c_double), intent(inout), optional :: relief_um(reliefs)
-    real(c_double), intent(inout), optional :: dynamic_factor(speeds, reliefs), estimate(speeds, reliefs)
+    real(c_double), intent(inout), dimension(speeds, reliefs), optional :: dynamic_factor, estimate, &
+                                                                           floquet_modulus, residual
+    integer(c_int), intent(inout), dimension(speeds, reliefs), optional :: status, contact, steps, periods
     integer(c_int) :: info
     character(:), allocatable :: case
     character(longest_message) :: words
 
     call take_text(text, text_length, case, info, words)
     call need_all([nwork == 0 .or. c_associated(work), present(rpm), present(relief_um), &
-                   present(dynamic_factor), present(estimate), present(status), present(contact)], info, words)
+                   present(dynamic_factor), present(estimate), present(status), present(contact), &
+                   present(floquet_modulus), present(residual), present(steps), present(periods)], info, words)
     if (info == code_ok) call gs_sweep(case, nwork, numbers(work, nwork), threads, speeds, reliefs, rpm, &
-                                       relief_um, dynamic_factor, estimate, status, contact, info, words)
+                                       relief_um, dynamic_factor, estimate, status, contact, floquet_modulus, &
+                                       residual, steps, periods, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_sweep
+
+  function gsc_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, message, message_size) &
+                          result(info) bind(c)
+    type(c_ptr), value :: message
+    integer(c_size_t), value :: message_size
+    integer(c_int), value :: speeds
+    integer(c_int), intent(inout), optional :: found
+    real(c_double), intent(in), optional :: rpm(speeds), dynamic_factor(speeds)
+    real(c_double), intent(inout), optional :: peak_rpm(5), peak_factor(5)
+    integer(c_int) :: info
+    character(longest_message) :: words
+
+    info = code_ok
+    call need_all([present(rpm), present(dynamic_factor), present(found), present(peak_rpm), &
+                   present(peak_factor)], info, words)
+    if (info == code_ok) call gs_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, info, &
+                                            words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_resonances
 
   function gsc_optimum(text, text_length, nwork, work, threads, room, tried, relief_um, worst_factor, rpm, &
                        failed, best_um, best_factor, best_rpm, within_um, message, message_size) &
@@ -153,59 +311,59 @@ contains
     call give_text(trim(words), message, message_size)
   end function gsc_optimum
 
-  function gsc_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, message, message_size) &
-                          result(info) bind(c)
-    type(c_ptr), value :: message
-    integer(c_size_t), value :: message_size
-    integer(c_int), value :: speeds
-    integer(c_int), intent(inout), optional :: found
-    real(c_double), intent(in), optional :: rpm(speeds), dynamic_factor(speeds)
-    real(c_double), intent(inout), optional :: peak_rpm(5), peak_factor(5)
-    integer(c_int) :: info
-    character(longest_message) :: words
-
-    info = code_ok
-    call need_all([present(rpm), present(dynamic_factor), present(found), present(peak_rpm), &
-                   present(peak_factor)], info, words)
-    if (info == code_ok) call gs_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, info, &
-                                            words)
-    call give_text(trim(words), message, message_size)
-  end function gsc_resonances
-
-  function gsc_load(text, text_length, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, &
-                    message, message_size) result(info) bind(c)
-    type(c_ptr), value :: text, work, message
-    integer(c_size_t), value :: text_length, message_size
-    integer(c_int), value :: nwork, room
-    integer(c_int), intent(inout), optional :: rows
-    real(c_double), intent(inout), optional :: relief_um(room), rpm(room), s(room), pair_load_n(room)
-    real(c_double), intent(inout), optional :: dte_um(room)
-    integer(c_int) :: info
-    character(:), allocatable :: case
-    character(longest_message) :: words
-
-    call take_text(text, text_length, case, info, words)
-    call need_all([nwork == 0 .or. c_associated(work), present(rows), present(relief_um), present(rpm), &
-                   present(s), present(pair_load_n), present(dte_um)], info, words)
-    if (info == code_ok) call gs_load(case, nwork, numbers(work, nwork), room, rows, relief_um, rpm, s, &
-                                      pair_load_n, dte_um, info, words)
-    call give_text(trim(words), message, message_size)
-  end function gsc_load
-
-  function gsc_modes(text, text_length, modes, frequency_hz, estimate, residual, rim_share, message, &
-                     message_size) result(info) bind(c)
+  function gsc_outline(text, text_length, member, room, points, x_mm, y_mm, message, message_size) &
+                       result(info) bind(c)
     type(c_ptr), value :: text, message
     integer(c_size_t), value :: text_length, message_size
-    integer(c_int), value :: modes
-    real(c_double), intent(inout), optional :: frequency_hz(modes), estimate(modes), residual(modes)
-    real(c_double), intent(inout), optional :: rim_share(modes)
+    integer(c_int), value :: member, room
+    integer(c_int), intent(inout), optional :: points
+    real(c_double), intent(inout), optional :: x_mm(room), y_mm(room)
     integer(c_int) :: info
     character(:), allocatable :: case
     character(longest_message) :: words
 
     call take_text(text, text_length, case, info, words)
-    call need_all([present(frequency_hz), present(estimate), present(residual), present(rim_share)], info, words)
-    if (info == code_ok) call gs_modes(case, modes, frequency_hz, estimate, residual, rim_share, info, words)
+    call need_all([present(points), present(x_mm), present(y_mm)], info, words)
+    if (info == code_ok) call gs_outline(case, member, room, points, x_mm, y_mm, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_outline
+
+  function gsc_section(text, text_length, nodes, elements, x_mm, y_mm, element, tooth, message, message_size) &
+                       result(info) bind(c)
+    type(c_ptr), value :: text, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), value :: nodes, elements
+    real(c_double), intent(inout), optional :: x_mm(nodes), y_mm(nodes)
+    integer(c_int), intent(inout), optional :: element(8, elements), tooth(elements)
+    integer(c_int) :: info
+    character(:), allocatable :: case
+    character(longest_message) :: words
+
+    call take_text(text, text_length, case, info, words)
+    call need_all([present(x_mm), present(y_mm), present(element), present(tooth)], info, words)
+    if (info == code_ok) call gs_section(case, nodes, elements, x_mm, y_mm, element, tooth, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_section
+
+  function gsc_modes(text, text_length, modes, nodes, frequency_hz, estimate, residual, rim_share, shape, message, &
+                     message_size) result(info) bind(c)
+    type(c_ptr), value :: text, shape, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), value :: modes, nodes
+    real(c_double), intent(inout), dimension(modes), optional :: frequency_hz, estimate, residual, rim_share
+    integer(c_int) :: info
+    real(c_double), pointer, contiguous :: moved(:, :, :)
+    real(c_double), target :: none(2, 0, 0)
+    character(:), allocatable :: case
+    character(longest_message) :: words
+
+    call take_text(text, text_length, case, info, words)
+    call need_all([present(frequency_hz), present(estimate), present(residual), present(rim_share), &
+                   nodes == 0 .or. c_associated(shape)], info, words)
+    moved => none
+    if (nodes > 0 .and. modes > 0 .and. c_associated(shape)) call c_f_pointer(shape, moved, [2, nodes, modes])
+    if (info == code_ok) call gs_modes(case, modes, nodes, frequency_hz, estimate, residual, rim_share, moved, info, &
+                                       words)
     call give_text(trim(words), message, message_size)
   end function gsc_modes
 
@@ -238,151 +396,4 @@ contains
                                       words)
     call give_text(trim(words), message, message_size)
   end function gsc_root
-
-  function gsc_version(version, version_size, message, message_size) result(info) bind(c)
-    type(c_ptr), value :: version, message
-    integer(c_size_t), value :: version_size, message_size
-    integer(c_int) :: info
-    character(32) :: this
-    character(longest_message) :: words
-
-    call gs_version(this, info, words)
-    call need_all([c_associated(version)], info, words)
-    call need_size('version_size', version_size, len_trim(this), info, words)
-    if (info == code_ok) call give_text(trim(this), version, version_size)
-    call give_text(trim(words), message, message_size)
-  end function gsc_version
-
-  !> `length` is that of the answer without its NUL.
-  function gsc_report(text, text_length, nwork, work, threads, answer, answer_size, length, message, &
-                      message_size) result(info) bind(c)
-    type(c_ptr), value :: text, work, answer, message
-    integer(c_size_t), value :: text_length, answer_size, message_size
-    integer(c_int), value :: nwork, threads
-    integer(c_size_t), intent(inout), optional :: length
-    integer(c_int) :: info
-    character(:), allocatable :: case, room
-    character(longest_message) :: words
-    integer :: used, stat
-
-    call take_text(text, text_length, case, info, words)
-    call need_all([nwork == 0 .or. c_associated(work), answer_size == 0 .or. c_associated(answer), present(length)], &
-                  info, words)
-    if (info == code_ok) then
-      allocate (character(max(0_c_size_t, min(answer_size, longest_text) - 1)) :: room, stat=stat)
-      if (stat /= 0) call refuse(code_memory, 'answer_size: does not fit into memory', info, words)
-    end if
-    if (info == code_ok) then
-      used = -1
-      call gs_report(case, nwork, numbers(work, nwork), threads, room, used, info, words)
-      if (used >= 0) length = used
-      if (used > len(room)) then
-        info = code_ok
-        call need_size('answer_size', answer_size, used, info, words)
-      else if (used >= 0) then
-        call give_text(room(:used), answer, answer_size)
-      end if
-    end if
-    call give_text(trim(words), message, message_size)
-  end function gsc_report
-
-  !> The case as a Fortran text: `length` characters, or up to the first NUL.
-  subroutine take_text(text, length, case, info, words)
-    type(c_ptr), intent(in) :: text
-    integer(c_size_t), intent(in) :: length
-    character(:), allocatable, intent(out) :: case
-    integer(c_int), intent(out) :: info
-    character(*), intent(out) :: words
-    character(c_char), pointer :: letters(:)
-    integer(c_size_t) :: i, n
-    integer :: stat
-
-    info = code_ok
-    words = ''
-    if (.not. c_associated(text)) then
-      call refuse(code_input, 'text: is a null pointer', info, words)
-    else if (length < 0 .or. length > longest_text) then
-      call refuse(code_input, 'text_length: more than 1000000000 characters', info, words)
-    end if
-    if (info /= code_ok) return
-    call c_f_pointer(text, letters, [length])
-    n = 0
-    do while (n < length)
-      if (letters(n + 1) == c_null_char) exit
-      n = n + 1
-    end do
-    allocate (character(n) :: case, stat=stat)
-    if (stat /= 0) then
-      call refuse(code_memory, 'text: does not fit into memory', info, words)
-      return
-    end if
-    do i = 1, n
-      case(i:i) = letters(i)
-    end do
-  end subroutine take_text
-
-  !> `words` and a NUL, cut where `room` bytes are too few; none where there is no room.
-  subroutine give_text(words, target, room)
-    character(*), intent(in) :: words
-    type(c_ptr), intent(in) :: target
-    integer(c_size_t), intent(in) :: room
-    character(c_char), pointer :: letters(:)
-    integer(c_size_t) :: i, n
-
-    if (.not. c_associated(target) .or. room < 1) return
-    n = min(len(words, c_size_t), room - 1)
-    call c_f_pointer(target, letters, [n + 1])
-    do i = 1, n
-      letters(i) = words(i:i)
-    end do
-    letters(n + 1) = c_null_char
-  end subroutine give_text
-
-  !> A copy of work(n); empty where there is none.
-  function numbers(work, n) result(values)
-    type(c_ptr), intent(in) :: work
-    integer, intent(in) :: n
-    real(c_double), allocatable :: values(:)
-    real(c_double), pointer :: all(:)
-
-    allocate (values(0))
-    if (n <= 0 .or. .not. c_associated(work)) return
-    call c_f_pointer(work, all, [n])
-    values = all
-  end function numbers
-
-  subroutine need_all(given, info, words)
-    logical, intent(in) :: given(:)
-    integer(c_int), intent(inout) :: info
-    character(*), intent(inout) :: words
-
-    if (.not. all(given)) call refuse(code_input, 'an array or result is a null pointer', info, words)
-  end subroutine need_all
-
-  !> Room for `need` characters and a NUL.
-  subroutine need_size(name, have, need, info, words)
-    character(*), intent(in) :: name
-    integer(c_size_t), intent(in) :: have
-    integer, intent(in) :: need
-    integer(c_int), intent(inout) :: info
-    character(*), intent(inout) :: words
-    character(20) :: number
-
-    if (have >= 0 .and. have <= need) then
-      write (number, '(i0)') need + 1_c_size_t
-      call refuse(code_input, name//': too small, must be at least '//trim(number), info, words)
-    end if
-  end subroutine need_size
-
-  !> The first refusal is kept.
-  subroutine refuse(code, reason, info, words)
-    integer, intent(in) :: code
-    character(*), intent(in) :: reason
-    integer(c_int), intent(inout) :: info
-    character(*), intent(inout) :: words
-
-    if (info /= code_ok) return
-    info = code
-    words = reason
-  end subroutine refuse
 end module gearsweep_c

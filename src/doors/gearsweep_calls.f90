@@ -1,10 +1,11 @@
 !> Interfaces of the flat layer for modern Fortran, whose compiler then checks
-!> the arguments. What they mean is told in gearsweep_flat.f90.
+!> the arguments. What they mean is told in gearsweep_flat*.f90.
 module gearsweep_calls
   implicit none
   private
-  public :: gs_version, gs_sizes, gs_geometry, gs_prepare, gs_motion, gs_mesh, gs_sweep
-  public :: gs_optimum, gs_resonances, gs_load, gs_modes, gs_root, gs_report
+  public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_complete, gs_change
+  public :: gs_geometry, gs_motion, gs_mesh, gs_load, gs_sweep, gs_resonances, gs_optimum
+  public :: gs_outline, gs_section, gs_modes, gs_root
 
   interface
     subroutine gs_version(version, info, message)
@@ -13,12 +14,57 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_version
 
-    subroutine gs_sizes(text, speeds, reliefs, rows, tried, positions, modes, nwork, info, message)
-      character(*), intent(in) :: text
-      integer, intent(inout) :: speeds, reliefs, rows, tried, positions, modes, nwork
+    subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork, &
+                        info, message)
+      character(*), intent(in) :: text, folder
+      integer, intent(inout) :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_sizes
+
+    subroutine gs_prepare(text, folder, nwork, work, info, message)
+      character(*), intent(in) :: text, folder
+      integer, intent(in) :: nwork
+      double precision, intent(inout) :: work(*)
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_prepare
+
+    subroutine gs_report(text, folder, nwork, work, threads, answer, length, info, message)
+      character(*), intent(in) :: text, folder
+      integer, intent(in) :: nwork, threads
+      double precision, intent(in) :: work(*)
+      character(*), intent(inout) :: answer
+      integer, intent(inout) :: length
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_report
+
+    subroutine gs_write(text, folder, nwork, work, threads, out, name, answer, length, stages, files, info, message)
+      character(*), intent(in) :: text, folder, out, name
+      integer, intent(in) :: nwork, threads
+      double precision, intent(in) :: work(*)
+      character(*), intent(inout) :: answer, stages, files
+      integer, intent(inout) :: length
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_write
+
+    subroutine gs_complete(text, complete, length, info, message)
+      character(*), intent(in) :: text
+      character(*), intent(inout) :: complete
+      integer, intent(inout) :: length
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_complete
+
+    subroutine gs_change(text, group, key, value, changed, length, info, message)
+      character(*), intent(in) :: text, group, key, value
+      character(*), intent(inout) :: changed
+      integer, intent(inout) :: length
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_change
 
     subroutine gs_geometry(text, radius_mm, point, point_radius_mm, distance_mm, working_angle_deg, &
                            contact_ratio, base_pitch_mm, backlash_um, info, message)
@@ -28,14 +74,6 @@ module gearsweep_calls
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_geometry
-
-    subroutine gs_prepare(text, nwork, work, info, message)
-      character(*), intent(in) :: text
-      integer, intent(in) :: nwork
-      double precision, intent(inout) :: work(*)
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_prepare
 
     subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, info, message)
       character(*), intent(in) :: text
@@ -56,17 +94,36 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_mesh
 
+    subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, room
+      double precision, intent(in) :: work(*)
+      integer, intent(inout) :: rows
+      double precision, intent(inout), dimension(room) :: relief_um, rpm, s, pair_load_n, dte_um
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_load
+
     subroutine gs_sweep(text, nwork, work, threads, speeds, reliefs, rpm, relief_um, dynamic_factor, estimate, &
-                        status, contact, info, message)
+                        status, contact, floquet_modulus, residual, steps, periods, info, message)
       character(*), intent(in) :: text
       integer, intent(in) :: nwork, threads, speeds, reliefs
       double precision, intent(in) :: work(*)
       double precision, intent(inout) :: rpm(speeds), relief_um(reliefs)
-      double precision, intent(inout), dimension(speeds, reliefs) :: dynamic_factor, estimate
-      integer, intent(inout), dimension(speeds, reliefs) :: status, contact
+      double precision, intent(inout), dimension(speeds, reliefs) :: dynamic_factor, estimate, floquet_modulus, residual
+      integer, intent(inout), dimension(speeds, reliefs) :: status, contact, steps, periods
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_sweep
+
+    subroutine gs_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, info, message)
+      integer, intent(in) :: speeds
+      double precision, intent(in) :: rpm(speeds), dynamic_factor(speeds)
+      integer, intent(inout) :: found
+      double precision, intent(inout) :: peak_rpm(5), peak_factor(5)
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_resonances
 
     subroutine gs_optimum(text, nwork, work, threads, room, tried, relief_um, worst_factor, rpm, failed, &
                           best_um, best_factor, best_rpm, within_um, info, message)
@@ -80,36 +137,36 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_optimum
 
-    subroutine gs_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, info, message)
-      integer, intent(in) :: speeds
-      double precision, intent(in) :: rpm(speeds), dynamic_factor(speeds)
-      integer, intent(inout) :: found
-      double precision, intent(inout) :: peak_rpm(5), peak_factor(5)
+    subroutine gs_outline(text, member, room, points, x_mm, y_mm, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: member, room
+      integer, intent(inout) :: points
+      double precision, intent(inout) :: x_mm(room), y_mm(room)
       integer, intent(out) :: info
       character(*), intent(out) :: message
-    end subroutine gs_resonances
+    end subroutine gs_outline
 
-    subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, info, message)
+    subroutine gs_section(text, nodes, elements, x_mm, y_mm, element, tooth, info, message)
       character(*), intent(in) :: text
-      integer, intent(in) :: nwork, room
-      double precision, intent(in) :: work(*)
-      integer, intent(inout) :: rows
-      double precision, intent(inout), dimension(room) :: relief_um, rpm, s, pair_load_n, dte_um
+      integer, intent(in) :: nodes, elements
+      double precision, intent(inout) :: x_mm(nodes), y_mm(nodes)
+      integer, intent(inout) :: element(8, elements), tooth(elements)
       integer, intent(out) :: info
       character(*), intent(out) :: message
-    end subroutine gs_load
+    end subroutine gs_section
 
-    subroutine gs_modes(text, modes, frequency_hz, estimate, residual, rim_share, info, message)
+    subroutine gs_modes(text, modes, nodes, frequency_hz, estimate, residual, rim_share, shape, info, message)
       character(*), intent(in) :: text
-      integer, intent(in) :: modes
+      integer, intent(in) :: modes, nodes
       double precision, intent(inout), dimension(modes) :: frequency_hz, estimate, residual, rim_share
+      double precision, intent(inout) :: shape(2, nodes, modes)
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_modes
 
-    subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_mm, share, sigma_mpa, &
-                       parts_mpa, tension_mpa, tension_deg, compression_mpa, compression_deg, estimate, &
-                       iso_mpa, lewis_mpa, info, message)
+    subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_mm, share, sigma_mpa, parts_mpa, &
+                       tension_mpa, tension_deg, compression_mpa, compression_deg, estimate, iso_mpa, lewis_mpa, &
+                       info, message)
       character(*), intent(in) :: text
       integer, intent(in) :: nwork, positions, reliefs
       double precision, intent(in) :: work(*)
@@ -121,15 +178,5 @@ module gearsweep_calls
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_root
-
-    subroutine gs_report(text, nwork, work, threads, answer, length, info, message)
-      character(*), intent(in) :: text
-      integer, intent(in) :: nwork, threads
-      double precision, intent(in) :: work(*)
-      character(*), intent(inout) :: answer
-      integer, intent(inout) :: length
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_report
   end interface
 end module gearsweep_calls

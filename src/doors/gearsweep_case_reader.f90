@@ -12,7 +12,7 @@ module gearsweep_case_reader
   use gearsweep_text, only: str
   implicit none
   private
-  public :: read_case
+  public :: read_case, complete_case
 
   !> Speeds times reliefs whose pair loads are followed over the path.
   integer, parameter :: most_paths = 10000
@@ -24,18 +24,33 @@ contains
     character(*), intent(in) :: text
     type(case_t), intent(out) :: case
     type(error_t), allocatable, intent(out) :: error
+    type(reader_t) :: reader
 
     ! Its texts have lengths that gfortran keeps in static memory; see gearsweep_text.
     !$omp critical (gearsweep_texts)
-    call read_all(text, case, error)
+    call read_all(text, reader, case, error)
     !$omp end critical (gearsweep_texts)
   end subroutine read_case
 
-  subroutine read_all(text, case, error)
+  !> Reads and checks a case and writes it with all its defaults.
+  subroutine complete_case(text, complete, error)
     character(*), intent(in) :: text
+    character(:), allocatable, intent(out) :: complete
+    type(error_t), allocatable, intent(out) :: error
+    type(case_t) :: case
+    type(reader_t) :: reader
+
+    !$omp critical (gearsweep_texts)
+    call read_all(text, reader, case, error)
+    if (.not. allocated(error)) call reader%write_complete(complete)
+    !$omp end critical (gearsweep_texts)
+  end subroutine complete_case
+
+  subroutine read_all(text, reader, case, error)
+    character(*), intent(in) :: text
+    type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    type(reader_t) :: reader
 
     case%text = text
     call open_reader(text, reader, error)
@@ -92,7 +107,7 @@ contains
     else
       call reader%get('mesh', 'model', case%model, error, &
                       allowed=[character(10) :: 'fe', 'weber', 'iso6336', 'polynomial', 'table'])
-      call reader%get('mesh', 'contact_ratio', case%contact_ratio, error)
+      call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp)
       call reader%refuse('mesh', 'base_pitch_mm', by_hand, error)
       call reader%refuse('mesh', 'pitch_point', by_hand, error)
     end if
@@ -375,10 +390,6 @@ contains
       root%member = merge(2, 1, member == 'gear')
       if (.not. case%needs_section()) call reader%refuse('section', 'member', &
         'not used: the stiffness takes both members', error)
-      if (case%prescribed .and. .not. allocated(error)) then
-        if (reader%has_group('section') .or. reader%has_group('static') .or. reader%has_group('modal')) &
-          call fail(error, code_input, '&section, &static, &modal: not used by a prescribed mesh (&mesh contact_ratio)')
-      end if
       call reader%get('static', 'positions', root%positions, error, at_least=2, at_most=1000)
       spacing = 'path'
       call reader%get('static', 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'])
@@ -399,5 +410,7 @@ contains
       call reader%get('static', 'tangent_deg', root%tangent, error, above=0.0_dp, below=90.0_dp, scale=pi/180)
     end associate
     call reader%get('modal', 'modes', case%modes, error, at_least=1, at_most=1000)
+    if (case%prescribed) call reader%refuse_groups([character(7) :: 'section', 'static', 'modal'], &
+                                                   'not used by a prescribed mesh (&mesh contact_ratio)', error)
   end subroutine read_section
 end module gearsweep_case_reader

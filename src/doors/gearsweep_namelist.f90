@@ -25,18 +25,22 @@ module gearsweep_namelist
     character(:), allocatable :: group, key
     type(value_t), allocatable :: values(:)
     integer :: line = 0
+    !> Places in the text: the key's first character, its values' first and last.
+    integer :: at = 0, first = 0, last = 0
     !> For the reader: somebody asked for this key.
     logical :: used = .false.
   end type entry_t
 
   type :: namelist_t
     character(name_length), allocatable :: groups(:)
+    integer, allocatable :: ends(:)              !< places in the text where the groups are closed
     type(entry_t), allocatable :: entries(:)
   end type namelist_t
 
   !> How far the text has been read, and what is open at that place.
   type :: scanner_t
     integer :: at = 1, line = 1
+    integer :: item = 1                          !< where the last item began
     logical :: in_group = .false., in_key = .false.
     integer :: group_line = 0
     !> Values of the open key, and commas since the last of them.
@@ -63,7 +67,7 @@ contains
     type(scanner_t) :: s
 
     if (allocated(error)) return
-    allocate (namelist%groups(most_names), namelist%entries(most_names))
+    allocate (namelist%groups(most_names), namelist%ends(most_names), namelist%entries(most_names))
     call check_characters(text, error)
     if (index(text(:min(3, len(text))), bom) == 1) s%at = len(bom) + 1
     do while (.not. allocated(error))
@@ -74,6 +78,7 @@ contains
     if (s%in_group) call fail_open(s, namelist, error)
     if (s%groups == 0) call fail_at(s%line, 'there is no group, such as &pair ... /', error)
     namelist%groups = namelist%groups(:s%groups)
+    namelist%ends = namelist%ends(:s%groups)
     namelist%entries = namelist%entries(:s%entries)
   end subroutine parse_namelist
 
@@ -86,6 +91,7 @@ contains
     character :: next
 
     next = text(s%at:s%at)
+    s%item = s%at
     if (next == '&') then
       call read_group_mark(text, s, namelist, error)
     else if (.not. s%in_group) then
@@ -159,7 +165,7 @@ contains
       call open_key(lower(text(first:last)), line, s, namelist, error)
     else
       if (first > last) call fail_at(line, 'a repeat count without a value', error)
-      call add_value(value_t(text(first:last), .false.), count, line, s, namelist, error)
+      call add_value(value_t(text(first:last), .false.), count, line, last, s, namelist, error)
     end if
   end subroutine read_word
 
@@ -213,7 +219,7 @@ contains
     s%at = s%at + 1
     if (s%at <= len(text) .and. .not. next_is(text, s%at, blanks//lf//',/!&=')) &
       & call fail_at(s%line, 'no blank or comma behind '//shown(text(first:s%at)), error)
-    call add_value(value_t(string(:n), .true.), count, s%line, s, namelist, error)
+    call add_value(value_t(string(:n), .true.), count, s%line, s%at - 1, s, namelist, error)
   end subroutine read_string
 
   !> Every quote that stands for itself comes twice: keeps one.
@@ -261,6 +267,7 @@ contains
     associate (entry => namelist%entries(s%entries))
       entry%group = trim(namelist%groups(s%groups))
       entry%key = key
+      entry%at = s%item
       entry%line = line
     end associate
   end subroutine open_key
@@ -282,12 +289,14 @@ contains
     type(namelist_t), intent(inout) :: namelist
 
     call close_key(s, namelist)
+    namelist%ends(s%groups) = s%item
     s%in_group = .false.
   end subroutine close_group
 
-  pure subroutine add_value(value, count, line, s, namelist, error)
+  !> `line` and `last` are where it stands.
+  pure subroutine add_value(value, count, line, last, s, namelist, error)
     type(value_t), intent(in) :: value
-    integer, intent(in) :: count, line
+    integer, intent(in) :: count, line, last
     type(scanner_t), intent(inout) :: s
     type(namelist_t), intent(inout) :: namelist
     type(error_t), allocatable, intent(inout) :: error
@@ -301,6 +310,8 @@ contains
     s%commas = 0
     associate (entry => namelist%entries(s%entries))
       if (.not. allocated(entry%values)) allocate (entry%values(0))
+      if (s%values == 0) entry%first = s%item
+      entry%last = last
       if (s%values + count > size(entry%values)) &
         & call resize(entry%values, s%values, 2*(s%values + count))
       do i = s%values + 1, s%values + count

@@ -3,39 +3,29 @@
 !> A caller writes one `get` for each key of the format, then `finish`, and checks `error` once.
 !> Keys that are absent leave their variable as it was: its default.
 module gearsweep_reader
+  use gearsweep_bounds, only: bound_integer, bound_real, bounds_t
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
+  use gearsweep_keys, only: keys_t
   use gearsweep_namelist, only: entry_t, name_length, namelist_t, parse_namelist, value_t
   use gearsweep_text, only: closest_word, join, lower, shown, str, to_number
   implicit none
   private
   public :: reader_t, open_reader
 
-  !> A key that belongs to the format.
-  type :: asked_t
-    character(name_length) :: group, key
-  end type asked_t
-
   type :: reader_t
     private
     type(namelist_t) :: list
-    type(asked_t), allocatable :: asked(:)
+    type(keys_t) :: keys
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
   contains
     !> `call reader%get(group, key, value, error, [given], [required], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure :: refuse, has, has_group, finish
-    procedure, private :: find
+    procedure :: refuse, refuse_groups, has, has_group, finish, write_complete
+    procedure, private :: find, settle
   end type reader_t
-
-  !> What numbers are allowed, and the same in words.
-  type :: bounds_t
-    real(dp) :: low = -huge(1.0_dp), high = huge(1.0_dp)
-    logical :: low_is_out = .false., high_is_out = .false.
-    character(:), allocatable :: kind, rule
-  end type bounds_t
 
 contains
 
@@ -44,7 +34,6 @@ contains
     type(reader_t), intent(out) :: reader
     type(error_t), allocatable, intent(inout) :: error
 
-    allocate (reader%asked(0))
     call parse_namelist(text, reader%list, error)
   end subroutine open_reader
 
@@ -62,8 +51,9 @@ contains
     real(dp), allocatable :: numbers(:)
     integer :: at
 
-    bounds = bounded('a number', above, at_least, below, at_most)
+    call bound_real(bounds, above, at_least, below, at_most)
     call self%find(group, key, bounds%rule, at, error, given, required)
+    if (at == 0 .and. .not. present(given)) call self%settle([value], bounds, scale)
     if (at == 0) return
     call check_size(self%list%entries(at), 'number', error)
     call read_numbers(self%list%entries(at), bounds, numbers, error, scale)
@@ -85,8 +75,9 @@ contains
     real(dp), allocatable :: numbers(:)
     integer :: at
 
-    bounds = bounded('a number', above, at_least, below, at_most)
+    call bound_real(bounds, above, at_least, below, at_most)
     call self%find(group, key, bounds%rule, at, error, given, required)
+    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%settle(value, bounds, scale)
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
     call read_numbers(self%list%entries(at), bounds, numbers, error, scale)
@@ -105,10 +96,9 @@ contains
     real(dp), allocatable :: numbers(:)
     integer :: at
 
-    bounds = bounded('an integer')
-    if (present(at_least)) call bound_low(bounds, real(at_least, dp), 'at least')
-    if (present(at_most)) call bound_high(bounds, real(at_most, dp), 'at most')
+    call bound_integer(bounds, at_least, at_most)
     call self%find(group, key, bounds%rule, at, error, given, required)
+    if (at == 0 .and. .not. present(given)) call self%settle([real(value, dp)], bounds)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
     call read_numbers(self%list%entries(at), bounds, numbers, error)
@@ -127,6 +117,7 @@ contains
     integer :: at
 
     call self%find(group, key, wanted, at, error, given, required)
+    if (at == 0 .and. .not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     associate (entry => self%list%entries(at))
       call check_size(entry, 'logical', error)
@@ -155,6 +146,7 @@ contains
     integer :: at
 
     call self%find(group, key, text_rule(allowed), at, error, given, required)
+    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
     if (at == 0) return
     associate (entry => self%list%entries(at))
       call check_size(entry, 'text', error)
@@ -178,6 +170,7 @@ contains
     integer :: at, i, longest
 
     call self%find(group, key, text_rule(allowed), at, error, given, required)
+    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     associate (entry => self%list%entries(at))
       call check_sizes(entry, 'texts', error, min_size, max_size)
@@ -202,7 +195,21 @@ contains
 
     call self%find(group, key, '', at, error)
     if (at > 0) call fail_entry(self%list%entries(at), why, error)
+    call self%keys%forget(group, key)
   end subroutine refuse
+
+  !> Fails if one of these groups is given, be it empty.
+  pure subroutine refuse_groups(self, groups, why, error)
+    class(reader_t), intent(inout) :: self
+    character(*), intent(in) :: groups(:), why
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    do i = 1, size(groups)
+      if (self%has_group(trim(groups(i)))) call fail(error, code_input, '&'//join(groups, ', &')//': '//why)
+      call self%keys%forget(groups(i))
+    end do
+  end subroutine refuse_groups
 
   !> The key is given, with a value.
   pure logical function has(self, group, key)
@@ -230,7 +237,7 @@ contains
     integer :: i
 
     if (allocated(error)) return
-    known = distinct(self%asked%group)
+    known = self%keys%groups()
     do i = 1, size(self%list%groups)
       group = trim(self%list%groups(i))
       if (all(known /= group)) call fail(error, code_input, '&'//group//': unknown group' &
@@ -238,11 +245,39 @@ contains
     end do
     do i = 1, size(self%list%entries)
       associate (entry => self%list%entries(i))
-        if (.not. entry%used) call fail_entry(entry, unknown_key(self%asked, entry%group, entry%key), error)
+        if (.not. entry%used) call fail_entry(entry, self%keys%why_unknown(entry%group, entry%key), error)
       end associate
     end do
     if (allocated(self%missing)) call fail(error, self%missing%code, self%missing%message)
   end subroutine finish
+
+  !> The values in effect as a case: what is given, and the defaults of the rest.
+  pure subroutine write_complete(self, text)
+    class(reader_t), intent(in) :: self
+    character(:), allocatable, intent(out) :: text
+
+    call self%keys%write_case(self%list, text)
+  end subroutine write_complete
+
+  !> Default numbers of the key asked for last, to be told in its unit. One that is not allowed stands
+  !> for none.
+  pure subroutine settle(self, values, bounds, scale)
+    class(reader_t), intent(inout) :: self
+    real(dp), intent(in) :: values(:)
+    type(bounds_t), intent(in) :: bounds
+    real(dp), intent(in), optional :: scale
+    character(30) :: words(size(values))
+    real(dp) :: number
+    integer :: i
+
+    do i = 1, size(values)
+      number = values(i)
+      if (present(scale)) number = number/scale
+      if (.not. bounds%allow(number)) return
+      words(i) = str(number)
+    end do
+    call self%keys%settle(join(words, ', '))
+  end subroutine settle
 
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
   pure subroutine find(self, group, key, wanted, at, error, given, required)
@@ -256,8 +291,8 @@ contains
     at = 0
     if (present(given)) given = .false.
     if (allocated(error)) return
-    self%asked = [self%asked, asked_t(lower(group), lower(key))]
     at = position(self%list, group, key)
+    call self%keys%add(group, key, at)
     if (present(given)) given = at > 0
     if (at > 0) then
       self%list%entries(at)%used = .true.
@@ -320,51 +355,10 @@ contains
     end if
     if (.not. ok .or. value%quoted) then
       call fail_entry(entry, 'must be '//bounds%kind, error)
-    else if (number < bounds%low .or. number > bounds%high &
-      & .or. (bounds%low_is_out .and. number <= bounds%low) &
-      & .or. (bounds%high_is_out .and. number >= bounds%high)) then
+    else if (.not. bounds%allow(number)) then
       call fail_entry(entry, 'must be '//bounds%rule, error)
     end if
   end subroutine read_number
-
-  !> At most one lower and one upper bound; without any, the rule is the kind of number.
-  pure function bounded(kind, above, at_least, below, at_most) result(bounds)
-    character(*), intent(in) :: kind
-    real(dp), intent(in), optional :: above, at_least, below, at_most
-    type(bounds_t) :: bounds
-
-    bounds%kind = kind
-    bounds%rule = kind
-    bounds%low_is_out = present(above)
-    bounds%high_is_out = present(below)
-    if (present(above)) call bound_low(bounds, above, 'above')
-    if (present(at_least)) call bound_low(bounds, at_least, 'at least')
-    if (present(below)) call bound_high(bounds, below, 'below')
-    if (present(at_most)) call bound_high(bounds, at_most, 'at most')
-  end function bounded
-
-  pure subroutine bound_low(bounds, low, words)
-    type(bounds_t), intent(inout) :: bounds
-    real(dp), intent(in) :: low
-    character(*), intent(in) :: words
-
-    bounds%low = low
-    bounds%rule = words//' '//str(low, 12)
-  end subroutine bound_low
-
-  !> To be called after `bound_low`.
-  pure subroutine bound_high(bounds, high, words)
-    type(bounds_t), intent(inout) :: bounds
-    real(dp), intent(in) :: high
-    character(*), intent(in) :: words
-
-    if (bounds%rule == bounds%kind) then
-      bounds%rule = words//' '//str(high, 12)
-    else
-      bounds%rule = bounds%rule//' and '//words//' '//str(high, 12)
-    end if
-    bounds%high = high
-  end subroutine bound_high
 
   pure function text_rule(allowed) result(words)
     character(*), intent(in), optional :: allowed(:)
@@ -452,20 +446,6 @@ contains
       & //shown(values)//': '//why)
   end subroutine fail_entry
 
-  !> Why the key is wrong, and which would be right.
-  pure function unknown_key(asked, group, key) result(why)
-    type(asked_t), intent(in) :: asked(:)
-    character(*), intent(in) :: group, key
-    character(:), allocatable :: why
-    character(name_length), allocatable :: keys(:), homes(:)
-
-    keys = distinct(pack(asked%key, asked%group == group))
-    homes = pack(asked%group, asked%key == key)
-    why = guess(key, keys, '')
-    if (why == '' .and. size(homes) > 0) why = '; it belongs to &'//trim(homes(1))
-    why = 'unknown key'//why//'; the keys of &'//group//' are '//join(keys, ', ')
-  end function unknown_key
-
   pure function guess(word, words, mark) result(question)
     character(*), intent(in) :: word, words(:), mark
     character(:), allocatable :: question
@@ -473,19 +453,4 @@ contains
     question = closest_word(word, words)
     if (question /= '') question = ' (did you mean '//mark//question//'?)'
   end function guess
-
-  pure function distinct(words) result(once)
-    character(name_length), intent(in) :: words(:)
-    character(name_length), allocatable :: once(:)
-    integer :: i, n
-
-    allocate (once(size(words)))
-    n = 0
-    do i = 1, size(words)
-      if (any(once(:n) == words(i))) cycle
-      n = n + 1
-      once(n) = words(i)
-    end do
-    once = once(:n)
-  end function distinct
 end module gearsweep_reader

@@ -2,12 +2,17 @@
 !> error estimate by step doubling.
 module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_motion, only: oscillator_t, table_t, tabulate
-  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, shoot, distance, has_answer, &
-                              point_ok, point_inexact, point_unresolved, by_shooting
+  use gearsweep_gauss, only: order, lanes
+  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_hold, only: lane_work_t
+  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, &
+                              has_answer, point_inexact, point_unresolved, by_shooting
   implicit none
   private
-  public :: accuracy_t, tables_t, point_t, solve_point, mesh_period, most_rungs, rung_steps
+  public :: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
+
+  real(dp), parameter :: root = 1.0_dp/order
+  integer, parameter :: most_trials = 12
 
   type :: accuracy_t
     type(steady_options_t) :: steady
@@ -22,17 +27,19 @@ module gearsweep_accuracy
     real(dp) :: estimate = 0                     !< of the error of the dynamic factor
     real(dp) :: step_error = 0                   !< its part that more steps reduce
     integer :: steps = 0                         !< of the period
-    integer :: wanted_steps = 0                  !< the number that `tabulate` makes these from
+    type(resolution_t) :: resolution             !< of the table that has them
   end type point_t
 
-  !> Numbers of steps come in rungs of 2**(1/3), so that many speeds share a table.
-  integer, parameter :: most_rungs = 48
+  !> Resolutions come in rungs of 2**(1/3), so that many speeds share a table; a table of half the steps
+  !> lies `octave` rungs below.
+  integer, parameter :: octave = 3, most_rungs = 48
 
   !> Tables made so far, and where the next point may start looking.
   type :: tables_t
-    type(table_t) :: fine(0:most_rungs), coarse(0:most_rungs)
+    type(table_t) :: rung(0:most_rungs)
     logical :: made(0:most_rungs) = .false.
     real(dp) :: steps_per_second = 0             !< wanted by the last point, over its period
+    type(lane_work_t) :: work
   end type tables_t
 
 contains
@@ -45,20 +52,38 @@ contains
     mesh_period = 60/(teeth*rpm)
   end function mesh_period
 
-  elemental integer function rung_steps(rung)
+  elemental type(resolution_t) function resolution_of(rung)
     integer, intent(in) :: rung
 
-    rung_steps = 2*nint(8*2**(rung/3.0_dp))
+    resolution_of = resolution_t(6*2**(modulo(rung, octave)/real(octave, dp)), 2**(rung/octave))
+  end function resolution_of
+
+  !> Steps of a period, before those that the breaks add.
+  elemental real(dp) function rung_steps(rung)
+    integer, intent(in) :: rung
+
+    rung_steps = 6*2**(rung/real(octave, dp))
   end function rung_steps
 
-  !> The first rung with at least `steps`.
+  !> The first rung with at least `steps`, and a table of half as many.
   pure integer function rung_for(steps) result(rung)
     real(dp), intent(in) :: steps
 
-    do rung = max(0, min(most_rungs, floor(3*log(max(steps, 1.0_dp)/16)/log(2.0_dp)))), most_rungs - 1
-      if (rung_steps(rung) >= steps) exit
-    end do
+    rung = min(most_rungs, octave + max(0, ceiling(octave*log(max(steps, 12.0_dp)/12)/log(2.0_dp) - 1e-9_dp)))
   end function rung_for
+
+  !> Makes the tables of a rung and of its half, unless they are there.
+  pure subroutine need_rungs(osc, rung, tables)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: rung
+    type(tables_t), intent(inout) :: tables
+    integer :: i
+
+    do i = rung - octave, rung, octave
+      if (.not. tables%made(i)) call tabulate(osc, resolution_of(i), tables%rung(i))
+      tables%made(i) = .true.
+    end do
+  end subroutine need_rungs
 
   !> Steady motion for a period of `duration` (s) on the branch `start` leads to.
   pure subroutine solve_point(osc, duration, options, tables, point, start)
@@ -68,45 +93,115 @@ contains
     type(tables_t), intent(inout) :: tables
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
-    integer, parameter :: most_trials = 12
-    type(table_t) :: fine, coarse
     real(dp) :: least
     integer :: rung, trial
+    logical :: done
 
-    least = stable_steps(osc, duration, options)
-    point%steady%status = point_unresolved
     if (options%steps > 0) then
-      if (options%steps < least) return
-      call tabulate(osc, options%steps, 2, fine)
-      call tabulate(osc, options%steps/2, 1, coarse)
-      call solve_on(osc, fine, coarse, duration, options, point, start)
-      point%wanted_steps = options%steps
-      if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &
-        point%steady%status = point_inexact
+      call solve_with_steps(osc, duration, options, point, start)
       return
     end if
-
+    point%steady%status = point_unresolved
+    least = 2*resolving_steps(osc, duration)
     rung = rung_for(max(least, first_guess(osc, duration, options, tables)))
     do trial = 1, most_trials
       if (rung_steps(rung) > options%most_steps .or. rung_steps(rung) < least) return
-      if (.not. tables%made(rung)) then
-        call tabulate(osc, rung_steps(rung), 2, tables%fine(rung))
-        call tabulate(osc, rung_steps(rung)/2, 1, tables%coarse(rung))
-        tables%made(rung) = .true.
-      end if
-      call solve_on(osc, tables%fine(rung), tables%coarse(rung), duration, options, point, start)
-      point%wanted_steps = rung_steps(rung)
+      call need_rungs(osc, rung, tables)
+      call solve_on(osc, tables%rung(rung), tables%rung(rung - octave), duration, options, point, start)
+      point%resolution = resolution_of(rung)
       if (.not. has_answer(point%steady%status)) exit
-      associate (excess => min(point%step_error/options%steady%tolerance, 1e8_dp))
-        tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**0.25_dp, 0.5_dp), 2.0_dp)/duration
-        if (excess <= 1) exit
-        if (rung_steps(rung + 1) > options%most_steps) exit
-        rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**0.25_dp, 4.0_dp)), rung_for(real(options%most_steps, dp)))
-      end associate
+      call next_rung(options, point%step_error, duration, tables, rung, done)
+      if (done) exit
     end do
+    call note_inexact(options, point)
+  end subroutine solve_point
+
+  !> The same without `start` at several speeds at once, where Newton's method settles: `solved`. Wants
+  !> the number of steps chosen.
+  pure subroutine solve_lanes(osc, duration, options, tables, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration(lanes)
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(out) :: points(lanes)
+    logical, intent(out) :: solved(lanes)
+    real(dp), parameter :: most_lane_steps = 4096
+    type(steady_t) :: half(lanes)
+    real(dp) :: least, longest
+    integer :: rung, trial
+    logical :: done
+
+    longest = maxval(duration)
+    least = 2*resolving_steps(osc, longest)
+    rung = rung_for(max(least, first_guess(osc, longest, options, tables)))
+    do trial = 1, most_trials
+      solved = .false.
+      if (rung_steps(rung) > min(most_lane_steps, real(options%most_steps, dp)) .or. rung_steps(rung) < least) return
+      call need_rungs(osc, rung, tables)
+      call find_in_lanes(osc, tables%rung(rung), duration, options%steady%tolerance, tables%work, points%steady)
+      solved = settled(points%steady)
+      if (.not. any(solved)) return
+      call find_in_lanes(osc, tables%rung(rung - octave), duration, options%steady%tolerance, tables%work, half, points%steady)
+      solved = solved .and. settled(half)
+      if (.not. any(solved)) return
+      call compare(osc, duration, half, points)
+      points%steps = tables%rung(rung)%steps
+      points%resolution = resolution_of(rung)
+      call next_rung(options, maxval(points%step_error, mask=solved), longest, tables, rung, done)
+      if (done) exit
+    end do
+    call note_inexact(options, points)
+  end subroutine solve_lanes
+
+  !> Whether an error of the last rung is small enough; if not, the rung to try next.
+  pure subroutine next_rung(options, step_error, duration, tables, rung, done)
+    type(accuracy_t), intent(in) :: options
+    real(dp), intent(in) :: step_error, duration
+    type(tables_t), intent(inout) :: tables
+    integer, intent(inout) :: rung
+    logical, intent(out) :: done
+    real(dp) :: excess
+
+    excess = min(step_error/options%steady%tolerance, 1e8_dp)
+    tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**root, 0.5_dp), 2.0_dp)/duration
+    done = excess <= 1 .or. rung_steps(rung + 1) > options%most_steps
+    if (.not. done) rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**root, 4.0_dp)), last_rung(options))
+  end subroutine next_rung
+
+  !> The finest rung that `options` allows.
+  pure integer function last_rung(options) result(rung)
+    type(accuracy_t), intent(in) :: options
+
+    rung = min(most_rungs, floor(octave*log(options%most_steps/6.0_dp)/log(2.0_dp) + 1e-9_dp))
+  end function last_rung
+
+  !> The same with the number of steps given.
+  pure subroutine solve_with_steps(osc, duration, options, point, start)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(point_t), intent(out) :: point
+    real(dp), intent(in), optional :: start(2)
+    type(table_t) :: fine, coarse
+    type(resolution_t) :: resolution
+
+    point%steady%status = point_unresolved
+    if (options%steps < resolving_steps(osc, duration)) return
+    resolution = resolution_t(options%steps/2.0_dp, 2)
+    call tabulate(osc, resolution, fine)
+    call tabulate(osc, resolution_t(resolution%base, 1), coarse)
+    call solve_on(osc, fine, coarse, duration, options, point, start)
+    point%resolution = resolution
+    call note_inexact(options, point)
+  end subroutine solve_with_steps
+
+  elemental subroutine note_inexact(options, point)
+    type(accuracy_t), intent(in) :: options
+    type(point_t), intent(inout) :: point
+
     if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &
       point%steady%status = point_inexact
-  end subroutine solve_point
+  end subroutine note_inexact
 
   !> Solves on a table and on its half, and compares.
   pure subroutine solve_on(osc, fine, coarse, duration, options, point, start)
@@ -121,49 +216,53 @@ contains
 
     call find_steady(osc, fine, duration, options%steady, point%steady, start)
     point%steps = fine%steps
-    point%dynamic_factor = point%steady%peak/osc%load
     if (.not. has_answer(point%steady%status)) return
-
     if (point%steady%partial) then
-      call shoot(osc, coarse, duration, point%steady%periods, point%steady%state, half)
+      call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, half)
     else
       alike = options%steady
       alike%method = by_shooting
       call find_steady(osc, coarse, duration, alike, half)
     end if
+    call compare(osc, duration, half, point)
+  end subroutine solve_on
+
+  !> Dynamic factor, and its error by the solution with half the steps.
+  elemental subroutine compare(osc, duration, half, point)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(steady_t), intent(in) :: half
+    type(point_t), intent(inout) :: point
+
+    point%dynamic_factor = point%steady%peak/osc%load
     point%step_error = huge(point%step_error)
     if (has_answer(half%status)) point%step_error = &
       doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
                      distance(osc, duration, point%steady%state - half%state))
     point%estimate = point%step_error + point%steady%closure
-  end subroutine solve_on
+  end subroutine compare
 
-  !> Error of a fourth-order result from its difference to half the steps: a
-  !> 15th, raised by a half; the state is asked too, as the peaks may differ
-  !> little by chance.
+  !> Error of a result of sixth order from its difference to half the steps: a 63rd, three times raised,
+  !> as the order is less where the stiffness is less smooth; the state is asked too, as the peaks may
+  !> differ little by chance.
   pure real(dp) function doubling_error(peak, state)
     real(dp), intent(in) :: peak, state
 
-    doubling_error = max(peak, state/4)/10
+    doubling_error = max(peak, state/4)/20
   end function doubling_error
 
-  !> Runge-Kutta's stability bound on a period, with a margin (-2.785 on the
-  !> real and 2.83 on the imaginary axis).
-  pure real(dp) function stable_steps(osc, duration, options)
+  !> Steps of a period that see the fastest natural motion: 2.6 rad of it, or of its decay, a step.
+  pure real(dp) function resolving_steps(osc, duration)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration
-    type(accuracy_t), intent(in) :: options
-    real(dp), parameter :: bound = 2.6_dp
     real(dp) :: fastest
 
     associate (zeta => osc%damping_ratio)
       fastest = osc%highest_frequency
       if (zeta > 1) fastest = fastest*(zeta + sqrt(zeta**2 - 1))
     end associate
-    stable_steps = fastest*duration/bound
-    ! The half table must be stable too.
-    if (options%steps <= 0) stable_steps = 2*stable_steps
-  end function stable_steps
+    resolving_steps = fastest*duration/2.6_dp
+  end function resolving_steps
 
   !> Steps for the tolerance, by the last point or by the phase that the
   !> natural motion goes through.
@@ -176,8 +275,8 @@ contains
     if (tables%steps_per_second > 0) then
       steps = tables%steps_per_second*duration
     else
-      steps = 5*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**0.25_dp
+      steps = 1.6_dp*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**root
     end if
-    steps = max(steps, 32.0_dp*(1e-6_dp/options%steady%tolerance)**0.25_dp)
+    steps = max(steps, 12*(1e-6_dp/options%steady%tolerance)**root)
   end function first_guess
 end module gearsweep_accuracy

@@ -2,15 +2,24 @@
 !> motion and its map do there.
 module gearsweep_contact
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t, table_t, evaluate, pair_slopes
-  use gearsweep_step, only: period_t, walk_t, step_t, advance, advance_map, blend, note_contact, &
-                            may_change, turning_point, track
+  use gearsweep_gauss, only: nodes
+  use gearsweep_motion, only: oscillator_t, table_t, mobility, acceleration
+  use gearsweep_quintic, only: first_zero, may_pass, quintic, shape_of, value_of
+  use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
   public :: contact_changes, cross
 
   integer, parameter :: most_events = 40         ! within one step; beyond, contact chatters
+
+  !> A part of step `i` with the contact as it is; places count from 0 to 1 over the step.
+  type :: stretch_t
+    integer :: i
+    real(dp) :: left, width
+    type(step_t) :: step
+    real(dp) :: x(2), y(2)                       !< at its ends
+  end type stretch_t
 
 contains
 
@@ -21,20 +30,24 @@ contains
     integer, intent(in) :: i
     type(walk_t), intent(in) :: walk
     real(dp), intent(in) :: x, y
+    real(dp) :: sense, width
     integer :: j
 
     changes = .false.
-    do j = 1, table%pairs(i)
-      changes = changes .or. may_change(walk%contact(j), walk%x - table%error(j, 1, i), x - table%error(j, 3, i), &
-                                        table%width(i)*(walk%y - table%error_slope(j, 1, i)), &
-                                        table%width(i)*(y - table%error_slope(j, 2, i)))
+    width = table%width(i)
+    do j = 1, table%members
+      if (j > table%pairs(i) .and. j <= osc%pairs) cycle
+      sense = merge(1, -1, walk%contact(j) .eqv. j <= osc%pairs)
+      associate (left => table%end_error(:, j, 1, i), right => table%end_error(:, j, 2, i))
+        changes = may_pass(sense*(walk%x - left(1)), sense*(x - right(1)), &
+                           sense*width*(walk%y - left(2)), sense*width*(y - right(2)))
+      end associate
+      if (changes) return
     end do
-    if (osc%has_backlash) changes = changes .or. &
-      may_change(walk%contact(table%members), -walk%x - osc%backlash, -x - osc%backlash, &
-                 -table%width(i)*walk%y, -table%width(i)*y)
   end function contact_changes
 
-  !> Goes through step i from one change of contact to the next.
+  !> Goes through step i from one change of contact to the next. Within the step, stiffness and profile
+  !> error are taken as quintics through what the table knows of its ends.
   pure subroutine cross(osc, table, i, duration, walk, out, trace)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
@@ -43,185 +56,256 @@ contains
     type(walk_t), intent(inout) :: walk
     type(period_t), intent(inout) :: out
     type(trace_t), intent(inout), optional :: trace
-    real(dp) :: left, rest, part
+    type(stretch_t) :: stretch
+    real(dp) :: left, part
     integer :: count, member
 
-    left = table%left(i)
-    rest = table%width(i)
+    call take_step(osc, table, i, walk)
+    left = 0
     do count = 1, most_events
-      call next_event(osc, table, i, duration, walk, left, rest, part, member)
-      call accept(osc, table, i, duration, left, part*rest, walk, out, trace)
+      call make_stretch(osc, table, i, duration, walk, left, 1 - left, stretch)
+      call first_change(osc, table, duration, walk, stretch, part, member)
+      if (member > 0) call close_in(osc, table, duration, walk, part, member, stretch)
+      call accept(osc, table, duration, stretch, walk, out, trace)
       if (member == 0) return
-      left = left + part*rest
-      rest = (1 - part)*rest
+      left = stretch%left + stretch%width
       call switch_contact(osc, table, i, duration, left, member, walk)
       out%events = out%events + 1
       call note_contact(osc, walk%contact, out)
-      if (rest <= 0) return
+      if (left >= 1) return
     end do
     out%failed = .true.
   end subroutine cross
 
-  !> The first change of contact in the stretch: its place as a part of the
-  !> stretch and the member; 1 and 0 where there is none.
-  pure subroutine next_event(osc, table, i, duration, walk, left, width, part, member)
+  !> The quintics of step i.
+  pure subroutine take_step(osc, table, i, walk)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    type(walk_t), intent(inout) :: walk
+    real(dp) :: scale(0:2)
+    integer :: j
+
+    scale = [1.0_dp, table%width(i), table%width(i)**2]
+    do j = 1, table%pairs(i)
+      walk%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, i), scale*table%end_stiffness(:, j, 2, i))
+    end do
+    do j = 1, table%members
+      walk%error(:, j) = quintic(scale*table%end_error(:, j, 1, i), scale*table%end_error(:, j, 2, i))
+    end do
+  end subroutine take_step
+
+  !> Sums over the members in contact at a place of step i: w^2 and sum of k e.
+  pure subroutine sum_up(osc, table, i, walk, place, square, push)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    type(walk_t), intent(in) :: walk
+    real(dp), intent(in) :: place
+    real(dp), intent(out) :: square, push
+    real(dp) :: stiffness, rate, s, coast
+    integer :: j
+
+    square = 0
+    push = 0
+    coast = 0
+    s = table%left(i) + place*table%width(i)
+    associate (zone => table%zones(table%zone(i)))
+      do j = 1, zone%pairs
+        stiffness = value_of(walk%stiffness(:, j), place)
+        coast = coast + stiffness
+        if (.not. walk%contact(j)) cycle
+        rate = stiffness*mobility(osc, s + j - 1, zone%recess(j))
+        square = square + rate
+        push = push + rate*value_of(walk%error(:, j), place)
+      end do
+    end associate
+    if (.not. osc%has_backlash) return
+    if (.not. walk%contact(osc%members)) return
+    rate = coast*(1/osc%mass(1) + 1/osc%mass(2))
+    square = square + rate
+    push = push - rate*osc%backlash
+  end subroutine sum_up
+
+  !> The motion over [left, left + width] of step i.
+  pure subroutine make_stretch(osc, table, i, duration, walk, left, width, stretch)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
     real(dp), intent(in) :: duration, left, width
     type(walk_t), intent(in) :: walk
+    type(stretch_t), intent(out) :: stretch
+    real(dp) :: square(3), push(3), state(2)
+    integer :: k
+
+    do k = 1, size(nodes)
+      call sum_up(osc, table, i, walk, left + width*nodes(k), square(k), push(k))
+    end do
+    stretch%i = i
+    stretch%left = left
+    stretch%width = width
+    stretch%step = step_of(osc, square, push, sqrt(square), duration, width*table%width(i))
+    state = follow(stretch%step, walk%x, walk%y)
+    stretch%x = [walk%x, state(1)]
+    stretch%y = [walk%y, state(2)]
+  end subroutine make_stretch
+
+  !> Second derivative of the motion over the stretch at its ends.
+  pure function curvature(osc, table, duration, walk, stretch) result(c)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration
+    type(walk_t), intent(in) :: walk
+    type(stretch_t), intent(in) :: stretch
+    real(dp) :: c(2), square, push
+    integer :: k
+
+    do k = 1, 2
+      call sum_up(osc, table, stretch%i, walk, stretch%left + (k - 1)*stretch%width, square, push)
+      c(k) = (stretch%width*table%width(stretch%i))**2 &
+             *acceleration(osc, square, push, duration, stretch%x(k), stretch%y(k))
+    end do
+  end function curvature
+
+  !> Value, first and second derivative over the stretch, at both its ends, of a quintic over the step.
+  pure function ends_of(stretch, c) result(f)
+    type(stretch_t), intent(in) :: stretch
+    real(dp), intent(in) :: c(0:5)
+    real(dp) :: f(0:2, 2)
+    integer :: k
+
+    do k = 1, 2
+      f(:, k) = shape_of(c, stretch%left + (k - 1)*stretch%width)*[1.0_dp, stretch%width, stretch%width**2]
+    end do
+  end function ends_of
+
+  !> The first change of contact in the stretch: its place as a part of it and the member; 1 and 0 where
+  !> there is none.
+  pure subroutine first_change(osc, table, duration, walk, stretch, part, member)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration
+    type(walk_t), intent(in) :: walk
+    type(stretch_t), intent(in) :: stretch
     real(dp), intent(out) :: part
     integer, intent(out) :: member
-    real(dp) :: overlap(2), slope(2), until
+    real(dp) :: motion(0:2, 2), overlap(0:2, 2), place
+    logical :: found
     integer :: j
 
     part = 1
     member = 0
-    do j = 1, table%members
-      if (j > table%pairs(i) .and. .not. (osc%has_backlash .and. j == table%members)) cycle
-      call probe(osc, table, i, duration, walk, left, width, j, 0.0_dp, overlap(1), slope(1))
-      call probe(osc, table, i, duration, walk, left, width, j, part, overlap(2), slope(2))
-      until = part
-      if (walk%contact(j) .eqv. overlap(2) > 0) then
-        if (.not. may_change(walk%contact(j), overlap(1), overlap(2), part*slope(1), part*slope(2))) cycle
-        until = turning_point(overlap, part*slope)*part
-        call probe(osc, table, i, duration, walk, left, width, j, until, overlap(2), slope(2))
-        if (walk%contact(j) .eqv. overlap(2) > 0) cycle
-      end if
-      part = first_crossing(j, until)
+    motion(0, :) = stretch%x
+    motion(1, :) = stretch%width*table%width(stretch%i)*stretch%y
+    motion(2, :) = curvature(osc, table, duration, walk, stretch)
+    do j = 1, osc%members
+      if (j > table%pairs(stretch%i) .and. j <= osc%pairs) cycle
+      overlap = motion - ends_of(stretch, walk%error(:, j))
+      call first_zero(quintic(overlap(:, 1), overlap(:, 2)), walk%contact(j) .eqv. j <= osc%pairs, place, found)
+      if (.not. found .or. place >= part) cycle
+      part = place
       member = j
     end do
+  end subroutine first_change
 
-  contains
-
-    !> Newton's method kept within a bracket; ends on the far side of the
-    !> change, so that the switched state is consistent.
-    pure real(dp) function first_crossing(j, until) result(high)
-      integer, intent(in) :: j
-      real(dp), intent(in) :: until
-      real(dp), parameter :: tight = 4*epsilon(1.0_dp)
-      real(dp) :: low, trial, value, slope
-      integer :: iteration
-
-      low = 0
-      high = until
-      trial = high
-      do iteration = 1, 60
-        call probe(osc, table, i, duration, walk, left, width, j, trial, value, slope)
-        if (walk%contact(j) .eqv. value > 0) then
-          low = trial
-        else
-          high = trial
-        end if
-        if (high - low <= tight) exit
-        if (abs(slope) > 0) trial = trial - value/slope
-        ! A hair beyond the root, as the root itself is on neither side.
-        if (trial > low .and. trial < high) trial = min(trial + tight, high - tight/2)
-        if (.not. (trial > low .and. trial < high)) trial = (low + high)/2
-      end do
-    end function first_crossing
-  end subroutine next_event
-
-  !> Overlap of member j and its slope over the stretch after a part of it.
-  pure subroutine probe(osc, table, i, duration, walk, left, width, j, part, overlap, slope)
+  !> Shortens the stretch to where the member's overlap has just changed its sign.
+  pure subroutine close_in(osc, table, duration, walk, guess, member, stretch)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, j
-    real(dp), intent(in) :: duration, left, width, part
+    integer, intent(in) :: member
+    real(dp), intent(in) :: duration, guess
     type(walk_t), intent(in) :: walk
-    real(dp), intent(out) :: overlap, slope
-    real(dp), dimension(table%members, 3) :: rate, error, stiffness
-    real(dp), dimension(table%members) :: stiffness_slope, error_slope
-    type(step_t) :: step
-    real(dp) :: x, y
+    type(stretch_t), intent(inout) :: stretch
+    ! A hair beyond the zero, as the zero itself is on neither side; the force is continuous there.
+    real(dp), parameter :: hair = 1e-13_dp, close = 1e-11_dp
+    real(dp) :: left, width, low, high, part, error(0:2), overlap, slope, miss
+    integer :: iteration
 
-    call stretch(osc, table, i, duration, walk, left, part*width, step, rate, error, stiffness)
-    x = walk%x
-    y = walk%y
-    call advance(step, x, y)
-    call pair_slopes(osc, table%zones(table%zone(i)), left + part*width, stiffness_slope, error_slope)
-    overlap = x - error(j, 3)
-    slope = width*(y - error_slope(j))
-    if (osc%has_backlash .and. j == table%members) then
-      overlap = -overlap
-      slope = -width*y
-    end if
-  end subroutine probe
-
-  !> Coefficients of a stretch within step i.
-  pure subroutine stretch(osc, table, i, duration, walk, left, width, step, rate, error, stiffness)
-    type(oscillator_t), intent(in) :: osc
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: i
-    real(dp), intent(in) :: duration, left, width
-    type(walk_t), intent(in) :: walk
-    type(step_t), intent(out) :: step
-    real(dp), dimension(table%members, 3), intent(out) :: rate, error, stiffness
-    integer :: place
-
-    do place = 1, 3
-      call evaluate(osc, table%zones(table%zone(i)), left + width*(place - 1)/2, &
-                    rate(:, place), error(:, place), stiffness(:, place))
+    left = stretch%left
+    width = stretch%width
+    low = 0
+    high = 1
+    part = guess
+    do iteration = 1, 50
+      call make_stretch(osc, table, stretch%i, duration, walk, left, part*width, stretch)
+      error = shape_of(walk%error(:, member), left + part*width)
+      overlap = stretch%x(2) - error(0)
+      slope = width*(table%width(stretch%i)*stretch%y(2) - error(1))
+      miss = huge(miss)
+      if (abs(slope) > 0) miss = overlap/slope
+      if ((walk%contact(member) .eqv. member <= osc%pairs) .eqv. overlap > 0) then
+        low = part
+      else
+        high = part
+        if (abs(miss) <= close) exit
+      end if
+      if (high - low <= hair) exit
+      part = part - miss + hair
+      if (.not. (part > low .and. part < high)) part = (low + high)/2
     end do
-    step%width = width
-    call blend(osc, rate, error, walk%contact, duration, step)
-  end subroutine stretch
+  end subroutine close_in
 
-  !> Moves the walk over a stretch within step i.
-  pure subroutine accept(osc, table, i, duration, left, width, walk, out, trace)
+  !> Moves the walk to the end of the stretch.
+  pure subroutine accept(osc, table, duration, stretch, walk, out, trace)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i
-    real(dp), intent(in) :: duration, left, width
+    real(dp), intent(in) :: duration
+    type(stretch_t), intent(in) :: stretch
     type(walk_t), intent(inout) :: walk
     type(period_t), intent(inout) :: out
     type(trace_t), intent(inout), optional :: trace
-    real(dp), dimension(table%members, 3) :: rate, error, stiffness
-    real(dp), dimension(table%members, 2) :: stiffness_slope, error_slope
-    type(step_t) :: step
-    real(dp) :: x, y
-    integer :: j
+    real(dp), dimension(0:2, 2) :: motion, stiffness, gap, load
+    real(dp) :: ends(2)
+    logical :: more, known
+    integer :: j, k
 
-    call stretch(osc, table, i, duration, walk, left, width, step, rate, error, stiffness)
-    x = walk%x
-    y = walk%y
-    call advance(step, x, y)
-    associate (zone => table%zones(table%zone(i)))
-      call pair_slopes(osc, zone, left, stiffness_slope(:, 1), error_slope(:, 1))
-      call pair_slopes(osc, zone, left + width, stiffness_slope(:, 2), error_slope(:, 2))
+    associate (i => stretch%i, pairs => table%pairs(stretch%i))
+      motion(0, :) = stretch%x
+      motion(1, :) = stretch%width*table%width(i)*stretch%y
+      known = .false.
+      do j = 1, pairs
+        if (.not. walk%contact(j)) cycle
+        stiffness = ends_of(stretch, walk%stiffness(:, j))
+        gap = ends_of(stretch, walk%error(:, j))
+        gap(:1, :) = motion(:1, :) - gap(:1, :)
+        load(0, :) = stiffness(0, :)*gap(0, :)
+        load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
+        call track(load, out%peak, more)
+        if (.not. more) cycle
+        if (.not. known) motion(2, :) = curvature(osc, table, duration, walk, stretch)
+        known = .true.
+        gap(2, :) = motion(2, :) - gap(2, :)
+        load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) + stiffness(0, :)*gap(2, :)
+        call track_top(load, out%peak)
+      end do
+      if (present(trace)) then
+        ends = stretch%left + [0.0_dp, stretch%width]
+        call record(trace, pairs, table%left(i) + table%width(i)*ends, stretch%x, &
+          reshape([((value_of(walk%stiffness(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), &
+          reshape([((value_of(walk%error(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), walk%contact)
+      end if
     end associate
-    do j = 1, table%pairs(i)
-      if (walk%contact(j)) call track(width, stiffness(j, ::2), stiffness_slope(j, :), &
-                                      [walk%x, x] - error(j, ::2), [walk%y, y] - error_slope(j, :), out%peak)
-    end do
-    if (present(trace)) call record(trace, table%pairs(i), left + [0.0_dp, width], [walk%x, x], &
-                                    stiffness(:, ::2), error(:, ::2), walk%contact)
-    call advance_map(step, walk%map)
-    walk%x = x
-    walk%y = y
+    call chain(stretch%step, walk%map)
+    walk%x = stretch%x(2)
+    walk%y = stretch%y(2)
   end subroutine accept
 
   !> Switches a member's contact; only damping jumps there, which the map feels
   !> through the moment of the change (saltation).
-  pure subroutine switch_contact(osc, table, i, duration, phase, member, walk)
+  pure subroutine switch_contact(osc, table, i, duration, place, member, walk)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i, member
-    real(dp), intent(in) :: duration, phase
+    real(dp), intent(in) :: duration, place
     type(walk_t), intent(inout) :: walk
-    real(dp), dimension(table%members) :: rate, error, stiffness, stiffness_slope, error_slope
-    real(dp) :: before, after, approach
+    real(dp) :: before, after, push, shape(0:2), approach
 
-    associate (zone => table%zones(table%zone(i)))
-      call evaluate(osc, zone, phase, rate, error, stiffness)
-      call pair_slopes(osc, zone, phase, stiffness_slope, error_slope)
-    end associate
-    if (osc%has_backlash .and. member == table%members) error_slope(member) = 0
-    before = sqrt(sum(rate, mask=walk%contact))
+    call sum_up(osc, table, i, walk, place, before, push)
     walk%contact(member) = .not. walk%contact(member)
-    after = sqrt(sum(rate, mask=walk%contact))
-    approach = walk%y - error_slope(member)
+    call sum_up(osc, table, i, walk, place, after, push)
+    shape = shape_of(walk%error(:, member), place)
+    approach = walk%y - shape(1)/table%width(i)
     if (abs(approach) > 0) walk%map(2, :) = walk%map(2, :) &
-      - 2*osc%damping_ratio*duration*(after - before)*walk%y/approach*walk%map(1, :)
+      - 2*osc%damping_ratio*duration*(sqrt(after) - sqrt(before))*walk%y/approach*walk%map(1, :)
   end subroutine switch_contact
 end module gearsweep_contact

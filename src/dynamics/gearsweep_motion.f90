@@ -10,11 +10,12 @@
 module gearsweep_motion
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_gauss, only: nodes
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
   use gearsweep_text, only: str
   implicit none
   private
-  public :: oscillator_t, make_oscillator, table_t, tabulate, evaluate, pair_slopes
+  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, mobility, acceleration, end_acceleration
 
   !> What is stated, checked by `make_oscillator`, and what follows once for all speeds.
   type :: oscillator_t
@@ -32,21 +33,27 @@ module gearsweep_motion
     real(dp) :: static_scale = 0       !< deflection at mean stiffness, m: the unit of residuals
   end type oscillator_t
 
-  !> Coefficients at the left end, the middle and the right end of each step,
-  !> one-sided at the breaks.
+  !> How finely the period is cut: each zone gets `times` steps for each of its shares of `base` steps.
+  !> Tables of the same base nest.
+  type :: resolution_t
+    real(dp) :: base = 0
+    integer :: times = 1
+  end type resolution_t
+
+  !> Coefficients of each step: at the nodes of the integration and at both ends, one-sided at the breaks.
   type :: table_t
     integer :: steps = 0
     integer :: members = 0             !< pairs at most, and the coast side
     type(zone_t), allocatable :: zones(:)
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
-    real(dp), allocatable :: left(:), width(:)  !< phases
-    real(dp), allocatable :: rate(:, :, :)      !< (member, place, step)
-    real(dp), allocatable :: error(:, :, :)
-    real(dp), allocatable :: stiffness(:, :, :)
-    real(dp), allocatable :: error_slope(:, :, :)      !< (pair, end, step), per phase
-    real(dp), allocatable :: stiffness_slope(:, :, :)
-    !> Sums over all pairs: w^2, sum of k e, w.
+    real(dp), allocatable :: left(:), width(:)      !< phases
+    real(dp), allocatable :: rate(:, :, :)          !< (member, node, step)
+    real(dp), allocatable :: error(:, :, :)         !< (member, node, step)
+    real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
+    !> Value, first and second derivative over the phase, (0:2, pair or member, end, step).
+    real(dp), allocatable :: end_stiffness(:, :, :, :), end_error(:, :, :, :)
+    !> Sums over all pairs at the nodes: w^2, sum of k e, w.
     real(dp), allocatable :: square(:, :), push(:, :), omega(:, :)
   end type table_t
 
@@ -87,92 +94,88 @@ contains
     end subroutine demand
   end subroutine make_oscillator
 
-  !> Coefficients at `phase` within `zone`; arrays have osc%members elements,
-  !> pairs beyond A to E have rate and stiffness 0.
-  pure subroutine evaluate(osc, zone, phase, rate, error, stiffness)
-    type(oscillator_t), intent(in) :: osc
-    type(zone_t), intent(in) :: zone
-    real(dp), intent(in) :: phase
-    real(dp), intent(out) :: rate(:), error(:), stiffness(:)
-    real(dp) :: s
-    integer :: j, coast
-
-    rate = 0
-    error = 0
-    stiffness = 0
-    do j = 1, zone%pairs
-      s = phase + j - 1
-      stiffness(j) = osc%mesh%stiffness%value(s)
-      error(j) = osc%mesh%profile_error%value(s, zone%piece(j))
-      rate(j) = stiffness(j)*sum(factor(osc, s, zone%recess(j))/osc%mass)
-    end do
-    if (osc%has_backlash) then
-      coast = size(rate)
-      error(coast) = -osc%backlash
-      stiffness(coast) = sum(stiffness(:zone%pairs))
-      rate(coast) = stiffness(coast)*sum(1/osc%mass)
-    end if
-  end subroutine evaluate
-
-  !> Friction factors of pinion and gear: the driving pinion's tooth slides
-  !> inwards before the pitch point (-) and outwards after it (+).
-  pure function factor(osc, s, recess) result(f)
+  !> What a pair's force makes of the acceleration (1/kg): the friction factors of pinion and gear over
+  !> their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards
+  !> after it (+).
+  pure real(dp) function mobility(osc, s, recess)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: s
     logical, intent(in) :: recess
-    real(dp) :: f(2)
+    real(dp) :: sense
 
-    f = 1
-    if (osc%friction > 0) f = 1 + merge(osc%friction, -osc%friction, recess) &
-      *[osc%mesh%curvature_ratio(1, s), osc%mesh%curvature_ratio(2, s)]
-  end function factor
+    mobility = 1/osc%mass(1) + 1/osc%mass(2)
+    if (.not. osc%friction > 0) return
+    sense = merge(osc%friction, -osc%friction, recess)
+    mobility = mobility + sense*(osc%mesh%curvature_ratio(1, s)/osc%mass(1) + osc%mesh%curvature_ratio(2, s)/osc%mass(2))
+  end function mobility
 
-  !> Slopes of K_j and e_j over the phase at `phase` within `zone`.
-  pure subroutine pair_slopes(osc, zone, phase, stiffness, error)
+  !> Acceleration over the phase (m) of the state x, y; `square` and `push` are w^2 and the sum of k e of
+  !> the members in contact.
+  pure real(dp) function acceleration(osc, square, push, duration, x, y)
     type(oscillator_t), intent(in) :: osc
-    type(zone_t), intent(in) :: zone
-    real(dp), intent(in) :: phase
-    real(dp), intent(out) :: stiffness(:), error(:)
+    real(dp), intent(in) :: square, push, duration, x, y
+
+    acceleration = duration**2*(osc%load*(1/osc%mass(1) + 1/osc%mass(2)) + push - square*x) &
+                   - 2*osc%damping_ratio*duration*sqrt(square)*y
+  end function acceleration
+
+  !> The same at an end of step i.
+  pure real(dp) function end_acceleration(osc, table, i, end, contact, duration, x, y)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, end
+    real(dp), intent(in) :: duration, x, y
+    logical, intent(in) :: contact(:)
+    real(dp) :: square, push
     integer :: j
 
-    stiffness = 0
-    error = 0
-    do j = 1, zone%pairs
-      stiffness(j) = osc%mesh%stiffness%slope(phase + j - 1)
-      error(j) = osc%mesh%profile_error%slope(phase + j - 1, zone%piece(j))
+    square = 0
+    push = 0
+    do j = 1, size(contact)
+      if (.not. contact(j)) cycle
+      square = square + table%end_rate(j, end, i)
+      push = push + table%end_rate(j, end, i)*table%end_error(0, j, end, i)
     end do
-  end subroutine pair_slopes
+    end_acceleration = acceleration(osc, square, push, duration, x, y)
+  end function end_acceleration
 
-  !> Tabulates the period with about `steps` steps, `every` a divisor of the
-  !> number in each zone (2 gives tables that nest with their halves).
-  pure subroutine tabulate(osc, steps, every, table)
+  !> Tabulates the period at a resolution.
+  pure subroutine tabulate(osc, resolution, table)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: steps, every
+    type(resolution_t), intent(in) :: resolution
     type(table_t), intent(out) :: table
     integer, allocatable :: counts(:)
-    integer :: i, k, step
+    integer :: i, j, first, last
 
     table%zones = make_zones(osc%mesh, osc%friction > 0)
-    allocate (counts(size(table%zones)))
-    do i = 1, size(counts)
-      counts(i) = every*max(1, ceiling(steps*(table%zones(i)%last - table%zones(i)%first)/every - 1e-6_dp))
-    end do
+    counts = resolution%times*max(1, ceiling(resolution%base*(table%zones%last - table%zones%first) - 1e-6_dp))
     call allocate_table(osc, sum(counts), table)
-    step = 0
+    last = 0
     do i = 1, size(table%zones)
-      do k = 0, counts(i) - 1
-        step = step + 1
-        associate (zone => table%zones(i))
-          table%zone(step) = i
-          table%pairs(step) = zone%pairs
-          table%width(step) = (zone%last - zone%first)/counts(i)
-          table%left(step) = zone%first + k*table%width(step)
-        end associate
-        call fill_step(osc, step, table)
+      first = last + 1
+      last = last + counts(i)
+      associate (zone => table%zones(i))
+        table%zone(first:last) = i
+        table%pairs(first:last) = zone%pairs
+        table%width(first:last) = (zone%last - zone%first)/counts(i)
+        table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
+        do j = 1, zone%pairs
+          call fill_pair(osc, zone, j, first, last, table)
+        end do
+      end associate
+    end do
+    if (osc%has_backlash) call fill_coast(osc, table)
+    allocate (table%square(3, table%steps), table%push(3, table%steps), source=0.0_dp)
+    do i = 1, table%steps
+      do j = 1, table%pairs(i)
+        table%square(:, i) = table%square(:, i) + table%rate(j, :, i)
+        table%push(:, i) = table%push(:, i) + table%rate(j, :, i)*table%error(j, :, i)
       end do
     end do
+    table%omega = sqrt(table%square)
   end subroutine tabulate
 
+  !> Pairs that a zone does not have keep zeros.
   pure subroutine allocate_table(osc, steps, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
@@ -182,30 +185,68 @@ contains
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
       allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
-      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%stiffness(m, 3, steps))
-      allocate (table%error_slope(p, 2, steps), table%stiffness_slope(p, 2, steps))
-      allocate (table%square(3, steps), table%push(3, steps), table%omega(3, steps))
+      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps), source=0.0_dp)
+      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps), source=0.0_dp)
     end associate
   end subroutine allocate_table
 
-  pure subroutine fill_step(osc, step, table)
+  !> Pair j over the steps of one zone; its piece of stiffness is followed, not looked for.
+  pure subroutine fill_pair(osc, zone, j, first, last, table)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: step
+    type(zone_t), intent(in) :: zone
+    integer, intent(in) :: j, first, last
     type(table_t), intent(inout) :: table
-    real(dp) :: phase
-    integer :: place
+    real(dp) :: s, left
+    integer :: i, k, piece
 
-    associate (zone => table%zones(table%zone(step)), pairs => table%pairs(step))
-      do place = 1, 3
-        phase = table%left(step) + table%width(step)*(place - 1)/2
-        call evaluate(osc, zone, phase, table%rate(:, place, step), table%error(:, place, step), &
-                      table%stiffness(:, place, step))
-        table%square(place, step) = sum(table%rate(:pairs, place, step))
-        table%push(place, step) = sum(table%rate(:pairs, place, step)*table%error(:pairs, place, step))
-        table%omega(place, step) = sqrt(table%square(place, step))
-        if (place /= 2) call pair_slopes(osc, zone, phase, table%stiffness_slope(:, (place + 1)/2, step), &
-                                         table%error_slope(:, (place + 1)/2, step))
+    associate (stiffness => osc%mesh%stiffness, profile_error => osc%mesh%profile_error, &
+               own => zone%piece(j), recess => zone%recess(j))
+      piece = stiffness%locate(zone%first + j - 1)
+      do i = first, last
+        left = table%left(i) + j - 1
+        do k = 1, size(nodes)
+          s = left + table%width(i)*nodes(k)
+          call stiffness%climb(s, piece)
+          table%rate(j, k, i) = stiffness%value_on(piece, s)*mobility(osc, s, recess)
+          table%error(j, k, i) = profile_error%value_on(own, s)
+        end do
+        do k = 1, 2
+          s = left + table%width(i)*(k - 1)
+          if (k == 1 .and. i > first) then
+            table%end_stiffness(:, j, 1, i) = table%end_stiffness(:, j, 2, i - 1)
+            table%end_error(:, j, 1, i) = table%end_error(:, j, 2, i - 1)
+            table%end_rate(j, 1, i) = table%end_rate(j, 2, i - 1)
+          else
+            if (k == 2) call stiffness%climb(s, piece)
+            table%end_stiffness(:, j, k, i) = stiffness%shape(s, piece)
+            table%end_error(:, j, k, i) = profile_error%shape(s, own)
+            table%end_rate(j, k, i) = table%end_stiffness(0, j, k, i)*mobility(osc, s, recess)
+          end if
+        end do
       end do
     end associate
-  end subroutine fill_step
+  end subroutine fill_pair
+
+  !> The coast side as one more member, which all pairs' stiffness backs.
+  pure subroutine fill_coast(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(inout) :: table
+    integer :: i, j, k
+
+    associate (coast => osc%members)
+      table%error(coast, :, :) = -osc%backlash
+      table%end_error(0, coast, :, :) = -osc%backlash
+      do i = 1, table%steps
+        associate (zone => table%zones(table%zone(i)))
+          do j = 1, zone%pairs
+            do k = 1, size(nodes)
+              table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
+                /mobility(osc, table%left(i) + table%width(i)*nodes(k) + j - 1, zone%recess(j))
+            end do
+            table%end_rate(coast, :, i) = table%end_rate(coast, :, i) + table%end_stiffness(0, j, :, i)*sum(1/osc%mass)
+          end do
+        end associate
+      end do
+    end associate
+  end subroutine fill_coast
 end module gearsweep_motion

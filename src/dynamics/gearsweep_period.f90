@@ -1,15 +1,14 @@
-!> One mesh period of the motion: fourth-order Runge-Kutta in mesh phase, with
-!> steps that end at every break, a contact set that is frozen within a step,
-!> and changes of contact located inside it.
+!> One mesh period of the motion: Gauss collocation in mesh phase, with steps that end at every break,
+!> a contact set that is frozen within a step, and changes of contact located inside it.
 module gearsweep_period
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t, table_t
-  use gearsweep_step, only: period_t, walk_t, step_t, advance, advance_map, blend, note_contact, track
+  use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
+  use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
   use gearsweep_contact, only: contact_changes, cross
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
-  public :: period_t, run_period
+  public :: period_t, run_period, track_step
 
 contains
 
@@ -24,15 +23,14 @@ contains
     type(trace_t), intent(inout), optional :: trace
     type(walk_t) :: walk
     type(step_t) :: step
-    real(dp) :: steady_push, x, y
+    real(dp) :: square(3), push(3), state(2)
     logical :: all_hold
-    integer :: i, zone
+    integer :: i, j, zone
 
     walk%x = start(1)
     walk%y = start(2)
     walk%map = reshape([1, 0, 0, 1], [2, 2])
-    allocate (walk%contact(table%members))
-    steady_push = osc%load*sum(1/osc%mass)*duration**2
+    allocate (walk%contact(table%members), walk%stiffness(0:5, osc%pairs), walk%error(0:5, table%members))
     zone = 0
     all_hold = .false.
     do i = 1, table%steps
@@ -42,31 +40,33 @@ contains
         all_hold = full(osc, walk%contact, table%pairs(i))
       end if
       if (all_hold) then
-        step%push = steady_push + table%push(:, i)*duration**2
-        step%square = table%square(:, i)*duration**2
-        step%drag = 2*osc%damping_ratio*duration*table%omega(:, i)
+        step = step_of(osc, table%square(:, i), table%push(:, i), table%omega(:, i), duration, table%width(i))
       else
-        call blend(osc, table%rate(:, :, i), table%error(:, :, i), walk%contact, duration, step)
+        square = 0
+        push = 0
+        do j = 1, table%members
+          if (.not. walk%contact(j)) cycle
+          square = square + table%rate(j, :, i)
+          push = push + table%rate(j, :, i)*table%error(j, :, i)
+        end do
+        step = step_of(osc, square, push, sqrt(square), duration, table%width(i))
         call note_contact(osc, walk%contact, out)
       end if
-      step%width = table%width(i)
-      x = walk%x
-      y = walk%y
-      call advance(step, x, y)
+      state = follow(step, walk%x, walk%y)
       if (.not. hold) then
-        if (contact_changes(osc, table, i, walk, x, y)) then
+        if (contact_changes(osc, table, i, walk, state(1), state(2))) then
           call cross(osc, table, i, duration, walk, out, trace)
           if (out%failed) return
           all_hold = full(osc, walk%contact, table%pairs(i))
           cycle
         end if
       end if
-      call track_step(table, i, walk, x, y, out%peak)
+      call track_step(osc, table, i, duration, walk, state, out%peak)
       if (present(trace)) call record(trace, table%pairs(i), table%left(i) + [0.0_dp, table%width(i)], &
-                                      [walk%x, x], table%stiffness(:, ::2, i), table%error(:, ::2, i), walk%contact)
-      call advance_map(step, walk%map)
-      walk%x = x
-      walk%y = y
+        [walk%x, state(1)], table%end_stiffness(0, :, :, i), table%end_error(0, :, :, i), walk%contact)
+      call chain(step, walk%map)
+      walk%x = state(1)
+      walk%y = state(2)
     end do
     out%state = [walk%x, walk%y]
     out%map = walk%map
@@ -92,24 +92,40 @@ contains
 
     walk%contact = .false.
     associate (pairs => table%pairs(i))
-      walk%contact(:pairs) = hold .or. walk%x > table%error(:pairs, 1, i)
+      walk%contact(:pairs) = hold .or. walk%x > table%end_error(0, :pairs, 1, i)
     end associate
     if (osc%has_backlash .and. .not. hold) walk%contact(table%members) = walk%x < -osc%backlash
   end subroutine enter_zone
 
-  !> Peaks of all pair loads over step i.
-  pure subroutine track_step(table, i, walk, x, y, peak)
+  !> Peaks of all pair loads over step i, which ends at `state`.
+  pure subroutine track_step(osc, table, i, duration, walk, state, peak)
+    type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
+    real(dp), intent(in) :: duration, state(2)
     type(walk_t), intent(in) :: walk
-    real(dp), intent(in) :: x, y
     real(dp), intent(inout) :: peak
-    integer :: j
+    real(dp) :: gap(0:2, 2), load(0:2, 2), motion(0:2, 2)
+    logical :: more
+    integer :: j, k
 
+    motion(0, :) = [walk%x, state(1)]
+    motion(1, :) = [walk%y, state(2)]
     do j = 1, table%pairs(i)
-      if (walk%contact(j)) call track(table%width(i), table%stiffness(j, ::2, i), table%stiffness_slope(j, :, i), &
-                                      [walk%x, x] - table%error(j, ::2, i), &
-                                      [walk%y, y] - table%error_slope(j, :, i), peak)
+      if (.not. walk%contact(j)) cycle
+      associate (stiffness => table%end_stiffness(:, j, :, i), error => table%end_error(:, j, :, i), width => table%width(i))
+        gap(:1, :) = motion(:1, :) - error(1:2, :)
+        load(0, :) = stiffness(1, :)*gap(0, :)
+        load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
+        call track(load, peak, more)
+        if (.not. more) cycle
+        do k = 1, 2
+          motion(2, k) = end_acceleration(osc, table, i, k, walk%contact, duration, motion(0, k), motion(1, k))
+        end do
+        gap(2, :) = motion(2, :) - error(3, :)
+        load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
+        call track_top(load, peak)
+      end associate
     end do
   end subroutine track_step
 end module gearsweep_period

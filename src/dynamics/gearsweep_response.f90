@@ -44,7 +44,7 @@ contains
     end if
     allocate (response%s(0), response%load(0), response%error(0))
     if (.not. has_answer(response%point%steady%status)) return
-    call tabulate(osc, response%point%wanted_steps, 2, table)
+    call tabulate(osc, response%point%resolution, table)
     call run_period(osc, table, mesh_period(osc%mesh%teeth(1), rpm), response%point%steady%state, .false., run, trace)
     call pair_path(trace, response%s, response%load, response%error)
   end subroutine find_response

@@ -1,14 +1,15 @@
-!> One Runge-Kutta step of the motion, the pieces that the period and the
-!> location of contact changes share.
+!> One step of the motion with the contact as it is, the piece that the period and the location of
+!> contact changes share.
 !>
 !> The state is x (m) and its derivative y over the mesh phase (m).
 module gearsweep_step
   use gearsweep_kinds, only: dp
+  use gearsweep_gauss, only: collocate, lanes
   use gearsweep_motion, only: oscillator_t
+  use gearsweep_quintic, only: quintic, top_of, value_of
   implicit none
   private
-  public :: period_t, walk_t, step_t, advance, advance_map, blend, note_contact
-  public :: may_change, turning_point, track
+  public :: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
 
   !> What one period does.
   type :: period_t
@@ -27,64 +28,59 @@ module gearsweep_step
     real(dp) :: x, y
     real(dp) :: map(2, 2)
     logical, allocatable :: contact(:)
+    !> The step at hand, while contact changes in it: quintics over it, (0:5, pair) and (0:5, member).
+    real(dp), allocatable :: stiffness(:, :), error(:, :)
   end type walk_t
 
-  !> Coefficients of y' = push - square x - drag y at the three places of a step.
+  !> The affine map of the state over one step.
   type :: step_t
-    real(dp) :: push(3), square(3), drag(3), width
+    real(dp) :: map(2, 2), shift(2)
   end type step_t
 
 contains
 
-  !> Coefficients for the members in contact.
-  pure subroutine blend(osc, rate, error, contact, duration, step)
+  !> The step for given coefficients at its nodes: w^2, sum of k e, w of the members in contact.
+  pure function step_of(osc, square, push, omega, duration, width) result(step)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rate(:, :), error(:, :), duration
-    logical, intent(in) :: contact(:)
-    type(step_t), intent(inout) :: step
-    integer :: place
+    real(dp), intent(in) :: square(3), push(3), omega(3), duration, width
+    type(step_t) :: step
+    real(dp), dimension(lanes, 3) :: k, d, p
+    real(dp) :: map(lanes, 6)
 
-    do place = 1, 3
-      step%square(place) = sum(rate(:, place), mask=contact)
-      step%push(place) = sum(rate(:, place)*error(:, place), mask=contact) + osc%load*sum(1/osc%mass)
-    end do
-    step%drag = 2*osc%damping_ratio*duration*sqrt(step%square)
-    step%push = step%push*duration**2
-    step%square = step%square*duration**2
-  end subroutine blend
+    associate (time => duration*width)
+      k(1, :) = time**2*square
+      d(1, :) = 2*osc%damping_ratio*time*omega
+      p(1, :) = time**2*(push + osc%load*sum(1/osc%mass))
+    end associate
+    call collocate(1, k, d, p, map)
+    step%map(:, 1) = [map(1, 1), map(1, 2)/width]
+    step%map(:, 2) = [map(1, 3)*width, map(1, 4)]
+    step%shift = [map(1, 5), map(1, 6)/width]
+  end function step_of
 
-  !> One Runge-Kutta step of the state.
-  pure subroutine advance(step, x, y)
+  !> The state after the step.
+  pure function follow(step, x, y) result(state)
     type(step_t), intent(in) :: step
-    real(dp), intent(inout) :: x, y
-    real(dp) :: h, x2, x3, x4, y2, y3, y4, a1, a2, a3, a4
+    real(dp), intent(in) :: x, y
+    real(dp) :: state(2)
 
-    h = step%width
-    a1 = step%push(1) - step%square(1)*x - step%drag(1)*y
-    x2 = x + h/2*y
-    y2 = y + h/2*a1
-    a2 = step%push(2) - step%square(2)*x2 - step%drag(2)*y2
-    x3 = x + h/2*y2
-    y3 = y + h/2*a2
-    a3 = step%push(2) - step%square(2)*x3 - step%drag(2)*y3
-    x4 = x + h*y3
-    y4 = y + h*a3
-    a4 = step%push(3) - step%square(3)*x4 - step%drag(3)*y4
-    x = x + h/6*(y + 2*(y2 + y3) + y4)
-    y = y + h/6*(a1 + 2*(a2 + a3) + a4)
-  end subroutine advance
+    state(1) = step%map(1, 1)*x + step%map(1, 2)*y + step%shift(1)
+    state(2) = step%map(2, 1)*x + step%map(2, 2)*y + step%shift(2)
+  end function follow
 
-  !> The same step of the map's two columns, which nothing pushes.
-  pure subroutine advance_map(step, map)
+  !> Lets the step follow what was before: the derivative by the initial state.
+  pure subroutine chain(step, map)
     type(step_t), intent(in) :: step
     real(dp), intent(inout) :: map(2, 2)
-    type(step_t) :: free
+    real(dp) :: x
+    integer :: k
 
-    free = step
-    free%push = 0
-    call advance(free, map(1, 1), map(2, 1))
-    call advance(free, map(1, 2), map(2, 2))
-  end subroutine advance_map
+    do k = 1, 2
+      x = map(1, k)
+      map(1, k) = step%map(1, 1)*x + step%map(1, 2)*map(2, k)
+      map(2, k) = step%map(2, 1)*x + step%map(2, 2)*map(2, k)
+    end do
+  end subroutine chain
 
   !> Notes that not every pair carries.
   pure subroutine note_contact(osc, contact, out)
@@ -97,49 +93,25 @@ contains
     if (osc%has_backlash) out%coast = out%coast .or. contact(size(contact))
   end subroutine note_contact
 
-  !> Overlaps a, b and their slopes da, db at the ends: a change of sign, or a
-  !> cubic between them that may dip through zero.
-  pure logical function may_change(contact, a, b, da, db)
-    logical, intent(in) :: contact
-    real(dp), intent(in) :: a, b, da, db
-
-    if (contact) then
-      may_change = b < 0
-      if (da < 0 .and. db > 0) may_change = may_change .or. min(a, b) < (db - da)*4/27
-    else
-      may_change = b > 0
-      if (da > 0 .and. db < 0) may_change = may_change .or. max(a, b) > (db - da)*4/27
-    end if
-  end function may_change
-
-  !> Place between 0 and 1 of the cubic's extremum.
-  pure real(dp) function turning_point(value, slope) result(t)
-    real(dp), intent(in) :: value(2), slope(2)
-    real(dp) :: a, b
-
-    a = slope(1) + slope(2) - 2*(value(2) - value(1))
-    b = 3*(value(2) - value(1)) - 2*slope(1) - slope(2)
-    ! Root of slope(1) + 2 b t + 3 a t^2 at which the slope changes sign as from left to right.
-    t = slope(1)/(-b + sign(sqrt(max(0.0_dp, b**2 - 3*a*slope(1))), slope(1)))
-    if (.not. (t > 0 .and. t < 1)) t = 0.5_dp
-  end function turning_point
-
-  !> Raises `peak` to the largest load of one pair over a stretch: the maximum
-  !> of the cubic through the loads and their slopes at both ends.
-  pure subroutine track(width, stiffness, stiffness_slope, overlap, overlap_slope, peak)
-    real(dp), intent(in) :: width
-    real(dp), dimension(2), intent(in) :: stiffness, stiffness_slope, overlap, overlap_slope
+  !> Raises `peak` to the larger of a pair's loads at the ends of a stretch; may a larger one lie
+  !> between? Given value and slope over the stretch at its ends. A concave load stays below its tangents.
+  pure subroutine track(load, peak, more)
+    real(dp), intent(in) :: load(0:, :)
     real(dp), intent(inout) :: peak
-    real(dp) :: load(2), slope(2), a, b, t
+    logical, intent(out) :: more
 
-    load = stiffness*overlap
-    peak = max(peak, load(1), load(2))
-    slope = width*(stiffness_slope*overlap + stiffness*overlap_slope)
-    if (.not. (slope(1) > 0 .and. slope(2) < 0)) return
-    if (maxval(load) + (slope(1) - slope(2))*4/27 <= peak) return
-    a = slope(1) + slope(2) - 2*(load(2) - load(1))
-    b = 3*(load(2) - load(1)) - 2*slope(1) - slope(2)
-    t = turning_point(load, slope)
-    peak = max(peak, load(1) + t*(slope(1) + t*(b + t*a)))
+    peak = max(peak, load(0, 1), load(0, 2))
+    more = load(1, 1) > 0 .and. load(1, 2) < 0
+    if (more) more = max(load(0, 1), load(0, 2)) + (load(1, 1) - load(1, 2))/4 > peak
   end subroutine track
+
+  !> Raises `peak` to the largest load within the stretch; given with its curvature.
+  pure subroutine track_top(load, peak)
+    real(dp), intent(in) :: load(0:2, 2)
+    real(dp), intent(inout) :: peak
+    real(dp) :: c(0:5)
+
+    c = quintic(load(:, 1), load(:, 2))
+    peak = max(peak, value_of(c, top_of(c)))
+  end subroutine track_top
 end module gearsweep_step

@@ -13,8 +13,11 @@ module gearsweep_piecewise
     real(dp), allocatable :: coef(:, :)
   contains
     procedure :: locate
+    procedure :: climb
     procedure :: value
+    procedure :: value_on
     procedure :: slope
+    procedure :: shape
     procedure :: integral
     procedure :: minimum
     procedure :: maximum
@@ -128,6 +131,18 @@ contains
     piece = low
   end function locate
 
+  !> The same for x that ascends from call to call; `piece` is that of the last one.
+  pure subroutine climb(p, x, piece)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(inout) :: piece
+
+    do while (piece < size(p%breaks) - 1)
+      if (x < p%breaks(piece + 1)) return
+      piece = piece + 1
+    end do
+  end subroutine climb
+
   !> Value at x. At a jump, `piece` chooses the side.
   pure real(dp) function value(p, x, piece)
     class(piecewise_t), intent(in) :: p
@@ -143,6 +158,23 @@ contains
       value = value*v + p%coef(k, i)
     end do
   end function value
+
+  !> Value at x by a given piece, quickly.
+  pure real(dp) function value_on(p, piece, x) result(f)
+    class(piecewise_t), intent(in) :: p
+    integer, intent(in) :: piece
+    real(dp), intent(in) :: x
+    real(dp) :: v
+    integer :: k
+
+    associate (left => p%breaks(piece), right => p%breaks(piece + 1), c => p%coef(:, piece))
+      v = (2*x - left - right)/(right - left)
+      f = c(size(c))
+      do k = size(c) - 1, 1, -1
+        f = f*v + c(k)
+      end do
+    end associate
+  end function value_on
 
   !> First derivative at x. At a kink, `piece` chooses the side.
   pure real(dp) function slope(p, x, piece)
@@ -161,6 +193,26 @@ contains
     end do
     slope = slope*2/width
   end function slope
+
+  !> Value, first and second derivative at x. At a kink, `piece` chooses the side.
+  pure function shape(p, x, piece) result(f)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(in), optional :: piece
+    real(dp) :: f(0:2), v, scale
+    integer :: i, k
+
+    i = chosen(p, x, piece)
+    scale = 2/(p%breaks(i + 1) - p%breaks(i))
+    v = scale*(x - (p%breaks(i) + p%breaks(i + 1))/2)
+    f = 0
+    do k = ubound(p%coef, 1), lbound(p%coef, 1), -1
+      f(2) = f(2)*v + 2*f(1)
+      f(1) = f(1)*v + f(0)
+      f(0) = f(0)*v + p%coef(k, i)
+    end do
+    f = f*[1.0_dp, scale, scale**2]
+  end function shape
 
   pure integer function chosen(p, x, piece)
     type(piecewise_t), intent(in) :: p

@@ -6,7 +6,7 @@ module gearsweep_contour
   use gearsweep_outline, only: fillet_point, involute_point, root_angle
   implicit none
   private
-  public :: tooth_contour, gear_contour
+  public :: tooth_contour, gear_contour, shown_contour
 
 contains
 
@@ -70,4 +70,18 @@ contains
       points(2, k*n + 1:(k + 1)*n) = tooth(2, :)*cos(angle) - tooth(1, :)*sin(angle)
     end do
   end function gear_contour
+
+  !> The outline as doors show it (2, points), m: the whole gear, or one tooth
+  !> of a gear with more than 500.
+  pure subroutine shown_contour(gear, points)
+    type(gear_t), intent(in) :: gear
+    real(dp), allocatable, intent(out) :: points(:, :)
+    integer, parameter :: steps = 12, most_teeth = 500
+
+    if (gear%spec%teeth > most_teeth) then
+      points = tooth_contour(gear, steps)
+    else
+      points = gear_contour(gear, steps)
+    end if
+  end subroutine shown_contour
 end module gearsweep_contour

@@ -2,7 +2,7 @@
    threads may call at once. Prints what fails, then `N passed, N failed`.
 
      border             the checks
-     border CASE.nml    prints what design.c does not: modes, root, load, report */
+     border CASE.nml    prints what design.c does not: modes, grid, outlines, root, load, report */
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -48,9 +48,10 @@ static const char prescribed[] =
 enum { MOST = 4000 };
 
 typedef struct {
-  int speeds, reliefs, rows, tried, positions, modes, nwork, info[8];
+  int speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork, info[8];
   double work[MOST], rpm[20], relief[4], factor[80], estimate[80];
-  int status[80], contact[80];
+  double modulus[80], motion_residual[80];
+  int status[80], contact[80], steps[80], periods[80];
   double frequency[20], error[20], residual[20], rim[20];
   size_t length;
   char answer[8000];
@@ -62,16 +63,17 @@ static void run(const char *text, int threads, int reuse, result_t *r)
   char words[100];
   size_t n = strlen(text);
   memset(r, 0, sizeof *r);
-  r->info[0] = gsc_sizes(text, n, &r->speeds, &r->reliefs, &r->rows, &r->tried, &r->positions, &r->modes, &r->nwork,
-                         words, sizeof words);
-  r->info[1] = gsc_prepare(text, n, r->nwork, r->work, words, sizeof words);
+  r->info[0] = gsc_sizes(text, n, NULL, &r->speeds, &r->reliefs, &r->rows, &r->tried, &r->positions, &r->modes,
+                         &r->nodes, &r->elements, &r->nwork, words, sizeof words);
+  r->info[1] = gsc_prepare(text, n, NULL, r->nwork, r->work, words, sizeof words);
   r->info[2] = gsc_sweep(text, n, reuse ? r->nwork : 0, reuse ? r->work : NULL, threads, r->speeds, r->reliefs, r->rpm,
-                         r->relief, r->factor, r->estimate, r->status, r->contact, words, sizeof words);
-  r->info[3] = gsc_modes(text, n, r->modes, r->frequency, r->error, r->residual, r->rim, words, sizeof words);
-  r->info[4] = gsc_report(text, n, r->nwork, r->work, threads, r->answer, sizeof r->answer, &r->length, words,
-                          sizeof words);
-  r->info[5] = gsc_sizes("&pinion teeth = 3 /", 19, &r->info[6], &r->info[6], &r->info[6], &r->info[6], &r->info[6],
-                         &r->info[6], &r->info[6], words, sizeof words);
+                         r->relief, r->factor, r->estimate, r->status, r->contact, r->modulus, r->motion_residual,
+                         r->steps, r->periods, words, sizeof words);
+  r->info[3] = gsc_modes(text, n, r->modes, 0, r->frequency, r->error, r->residual, r->rim, NULL, words, sizeof words);
+  r->info[4] = gsc_report(text, n, NULL, r->nwork, r->work, threads, r->answer, sizeof r->answer, &r->length,
+                          words, sizeof words);
+  r->info[5] = gsc_sizes("&pinion teeth = 3 /", 19, NULL, &r->info[6], &r->info[6], &r->info[6], &r->info[6],
+                         &r->info[6], &r->info[6], &r->info[6], &r->info[6], &r->info[6], words, sizeof words);
 }
 
 static int same(const result_t *a, const result_t *b) { return memcmp(a, b, sizeof *a) == 0; }
@@ -84,15 +86,17 @@ static int k[4][MOST];
 static void refusals(void)
 {
   size_t n = strlen(geared);
-  int speeds = -7, reliefs = -7, rows = -7, tried = -7, positions = -7, modes = -7, nwork = -7;
-#define SIZES &speeds, &reliefs, &rows, &tried, &positions, &modes, &nwork
+  int speeds = -7, reliefs = -7, rows = -7, tried = -7, positions = -7, modes = -7, nodes = -7, elements = -7;
+  int nwork = -7;
+#define SIZES NULL, &speeds, &reliefs, &rows, &tried, &positions, &modes, &nodes, &elements, &nwork
   refused("empty text", gsc_sizes("", 0, SIZES, M), GSC_INPUT, "&");
   char odd[sizeof geared + 20];
   sprintf(odd, "%s &colour red = 1 /", geared);
   refused("unknown group", gsc_sizes(odd, strlen(odd), SIZES, M), GSC_INPUT, "colour");
   refused("text is null", gsc_sizes(NULL, 10, SIZES, M), GSC_INPUT, "null pointer");
   refused("text too long", gsc_sizes(geared, (size_t)-1, SIZES, M), GSC_INPUT, "text_length");
-  refused("result is null", gsc_sizes(geared, n, NULL, &reliefs, &rows, &tried, &positions, &modes, &nwork, M),
+  refused("result is null", gsc_sizes(geared, n, NULL, NULL, &reliefs, &rows, &tried, &positions, &modes, &nodes, &elements,
+          &nwork, M),
           GSC_INPUT, "null pointer");
   check("refused calls leave the results", speeds == -7 && nwork == -7 && rows == -7);
   check("no message is wanted", gsc_sizes("&", 1, SIZES, NULL, 0) == GSC_INPUT && gsc_sizes("&", 1, SIZES, NULL, 9) == 1);
@@ -114,7 +118,7 @@ static void refusals(void)
   check("text ends at the first NUL", gsc_sizes(tail, sizeof tail, SIZES, M) == GSC_OK);
 
 #define SWEEP(text, nw, w, threads, n, m) gsc_sweep(text, strlen(text), nw, w, threads, n, m, x[1], x[2], x[3], x[4], \
-                                                    k[0], k[1], M)
+                                                    k[0], k[1], x[5], x[6], k[2], k[3], M)
   x[3][0] = x[0][0] = -7;
   refused("too few speeds", SWEEP(geared, 0, NULL, 1, speeds - 1, reliefs), GSC_INPUT, "must be at least 5");
   refused("too few reliefs", SWEEP(geared, 0, NULL, 1, speeds, reliefs - 1), GSC_INPUT, "must be at least 2");
@@ -124,9 +128,9 @@ static void refusals(void)
   refused("work is null", SWEEP(geared, nwork, NULL, 1, speeds, reliefs), GSC_INPUT, "null pointer");
   refused("work is empty", SWEEP(geared, nwork, x[0], 1, speeds, reliefs), GSC_INPUT, "prepare it again");
   refused("work has a negative size", SWEEP(geared, -3, x[0], 1, speeds, reliefs), GSC_INPUT, "prepare it again");
-  refused("work too small", gsc_prepare(geared, n, nwork - 1, x[0], M), GSC_INPUT, "must be at least");
+  refused("work too small", gsc_prepare(geared, n, NULL, nwork - 1, x[0], M), GSC_INPUT, "must be at least");
   check("refused calls leave the arrays", x[3][0] == -7 && x[0][0] == -7);
-  check("prepare", gsc_prepare(geared, n, nwork, x[0], M) == GSC_OK);
+  check("prepare", gsc_prepare(geared, n, NULL, nwork, x[0], M) == GSC_OK);
   refused("work of other gears", SWEEP(other, nwork, x[0], 1, speeds, reliefs), GSC_INPUT, "prepare it again");
   x[0][1] = NAN;
   refused("damaged work", SWEEP(geared, nwork, x[0], 1, speeds, reliefs), GSC_INPUT, "prepare it again");
@@ -139,7 +143,10 @@ static void refusals(void)
           "too small");
   refused("too little room", gsc_optimum(geared, n, 0, NULL, 1, tried - 1, k[0], x[1], x[2], x[3], k[1], x[4], x[5],
           x[6], x[7], M), GSC_INPUT, "too small");
-  refused("too few modes", gsc_modes(geared, n, 2, x[1], x[2], x[3], x[4], M), GSC_INPUT, "must be at least 3");
+  refused("too few modes", gsc_modes(geared, n, 2, 0, x[1], x[2], x[3], x[4], NULL, M), GSC_INPUT, "must be at least 3");
+  refused("too few nodes", gsc_modes(geared, n, 3, 7, x[1], x[2], x[3], x[4], x[5], M), GSC_INPUT, "nodes = 7: too small");
+  refused("no shapes", gsc_modes(geared, n, 3, nodes, x[1], x[2], x[3], x[4], NULL, M), GSC_INPUT, "null pointer");
+  refused("no third gear", gsc_outline(geared, n, 3, MOST, k[0], x[1], x[2], M), GSC_INPUT, "member");
   refused("too few positions", gsc_root(geared, n, 0, NULL, positions - 1, reliefs, x[1], x[2], x[3], x[4], x[5], x[6],
           x[7], x[8], x[9], x[10], x[11], x[1], x[2], M), GSC_INPUT, "too small");
   refused("no geometry", gsc_geometry(prescribed, strlen(prescribed), x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], M),
@@ -150,7 +157,7 @@ static void refusals(void)
   check("the rows that are needed", load_rows > 3);
   size_t length = 0;
   char answer[10] = "#########";
-  refused("answer too small", gsc_report(other, strlen(other), 0, NULL, 1, answer, sizeof answer, &length, M), GSC_INPUT,
+  refused("answer too small", gsc_report(other, strlen(other), NULL, 0, NULL, 1, answer, sizeof answer, &length, M), GSC_INPUT,
           "must be at least");
   check("the length that is needed", length > 100 && answer[0] == '#');
   refused("version too small", gsc_version(answer, 3, M), GSC_INPUT, "must be at least");
@@ -159,6 +166,17 @@ static void refusals(void)
     "&load normal_force_n = 6858 / &mesh model = 'table' contact_ratio = 1.6 file = 'nowhere.csv' /"
     "&sweep rpm_first = 1000 rpm_last = 2000 rpm_step = 500 /";
   refused("a file that is not there", SWEEP(lost, 0, NULL, 1, MOST, 1), GSC_FILE, "nowhere.csv");
+  refused("nor in another folder", gsc_prepare(lost, strlen(lost), "elsewhere", MOST, x[0], M), GSC_FILE,
+          "elsewhere/nowhere.csv");
+  char changed[400];
+  check("a key is changed", gsc_change("&a b = 1 / ! c", 14, "a", "b", "2, 3", changed, sizeof changed, &length, M) == 0 &&
+        !strcmp(changed, "&a b = 2, 3 / ! c") && length == strlen(changed));
+  refused("no room for the change", gsc_change("&a b = 1 /", 10, "a", "b", "2", changed, 5, &length, M), GSC_INPUT,
+          "must be at least 11");
+  refused("no key", gsc_change("&a b = 1 /", 10, "a", NULL, "2", changed, 5, &length, M), GSC_INPUT, "null pointer");
+  static char complete[20000];
+  check("the complete case", gsc_complete(geared, n, complete, sizeof complete, &length, M) == 0 &&
+        length == strlen(complete) && strstr(complete, "damping_ratio = 0.17"));
 }
 
 static void partial(void)
@@ -213,11 +231,27 @@ static int print_case(const char *path)
   static char text[100000], answer[100000];
   FILE *file = fopen(path, "r");
   size_t n = file ? fread(text, 1, sizeof text, file) : 0, length;
-  int speeds, reliefs, rows, tried, positions, modes, nwork, i, j, side;
+  int speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork, i, j, side;
   if (!n) return 1;
   fclose(file);
   if (gsc_sizes(text, n, SIZES, M) || modes > MOST || positions * reliefs * 6 > MOST) return puts(message), 1;
-  if (gsc_modes(text, n, modes, x[0], x[1], x[2], x[3], M)) return puts(message), 1;
+  double *shape = malloc(sizeof *shape * 2 * nodes * modes);
+  int *element = malloc(sizeof *element * 9 * elements), points;
+  if (!shape || !element || nodes > MOST) return 1;
+  if (gsc_modes(text, n, modes, nodes, x[0], x[1], x[2], x[3], shape, M)) return puts(message), 1;
+  for (i = 0; i < nodes; i++) printf("shape,%.8e,%.8e\n", shape[2 * i], shape[2 * i + 1]);
+  if (gsc_section(text, n, nodes, elements, x[4], x[5], element, element + 8 * elements, M)) return puts(message), 1;
+  for (i = 0; i < nodes; i++) printf("node,%.8e,%.8e\n", x[4][i] / 1000, x[5][i] / 1000);
+  for (i = 0; i < elements; i++) {
+    printf("element");
+    for (j = 0; j < 8; j++) printf(",%d", element[8 * i + j] - 1);
+    printf("\ntooth,%d\n", element[8 * elements + i]);
+  }
+  for (i = 1; i < 3; i++) {
+    if (gsc_outline(text, n, i, MOST, &points, x[4], x[5], M)) return puts(message), 1;
+    for (j = 0; j < points; j++) printf("outline,%s,%.16e,%.16e\n", i == 1 ? "pinion" : "gear", x[4][j], x[5][j]);
+  }
+  free(shape), free(element);
   for (i = 0; i < modes; i++) printf("modes,%d,%.16e,%.16e,%.16e,%.16e\n", i + 1, x[0][i], x[1][i], x[2][i], x[3][i]);
   if (gsc_root(text, n, 0, NULL, positions, reliefs, x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10],
                &x[11][0], &x[11][1], M)) return puts(message), 1;
@@ -232,7 +266,7 @@ static int print_case(const char *path)
   if (gsc_load(text, n, 0, NULL, MOST, &rows, x[0], x[1], x[2], x[3], x[4], M)) return puts(message), 1;
   for (i = 0; i < rows; i++)
     printf("load,%.16e,%.16e,%.16e,%.16e,%.16e\n", x[0][i], x[1][i], x[2][i], x[3][i], x[4][i]);
-  if (gsc_report(text, n, 0, NULL, 1, answer, sizeof answer, &length, M) || strlen(answer) != length)
+  if (gsc_report(text, n, NULL, 0, NULL, 1, answer, sizeof answer, &length, M) || strlen(answer) != length)
     return puts(message), 1;
   printf("report\n%s", answer);
   return 0;

@@ -53,9 +53,9 @@ int main(void)
           "&sweep rpm_first = 2000 rpm_last = 16000 rpm_step = 500 /", 3.18, 25.4, 25, 31, 7010.0);
   size_t length = strlen(text);
 
-  int speeds, reliefs, rows, room, positions, modes, nwork;
-  check(gsc_sizes(text, length, &speeds, &reliefs, &rows, &room, &positions, &modes, &nwork, message,
-                  sizeof message));
+  int speeds, reliefs, rows, room, positions, modes, nodes, elements, nwork;
+  check(gsc_sizes(text, length, NULL, &speeds, &reliefs, &rows, &room, &positions, &modes, &nodes, &elements,
+                  &nwork, message, sizeof message));
 
   double radius[12], point[5], point_radius[10], distance, angle[2], ratio, pitch, backlash;
   check(gsc_geometry(text, length, radius, point, point_radius, &distance, angle, &ratio, &pitch, &backlash,
@@ -71,7 +71,7 @@ int main(void)
 
   /* The finite elements run here, and in no call that is given work. */
   double *work = numbers(nwork), load, mass[2], stiffness, frequency;
-  check(gsc_prepare(text, length, nwork, work, message, sizeof message));
+  check(gsc_prepare(text, length, NULL, nwork, work, message, sizeof message));
   check(gsc_motion(text, length, nwork, work, &load, mass, &stiffness, &frequency, message, sizeof message));
   show("load", &load, 1);
   show("mass", mass, 2);
@@ -90,10 +90,12 @@ int main(void)
 
   int points = speeds * reliefs;
   double *rpm = numbers(speeds), *relief = numbers(reliefs), *factor = numbers(points), *estimate = numbers(points);
-  int *status = malloc(points * sizeof *status), *contact = malloc(points * sizeof *contact);
-  if (!status || !contact) return 1;
-  check(gsc_sweep(text, length, nwork, work, 2, speeds, reliefs, rpm, relief, factor, estimate, status, contact,
-                  message, sizeof message));
+  double *modulus = numbers(points), *residual = numbers(points);
+  int *status[4];
+  for (int k = 0; k < 4; k++)
+    if (!(status[k] = malloc(points * sizeof **status))) return 1;
+  check(gsc_sweep(text, length, nwork, work, 2, speeds, reliefs, rpm, relief, factor, estimate, status[0],
+                  status[1], modulus, residual, status[2], status[3], message, sizeof message));
   for (int j = 0; j < reliefs; j++)
     for (int i = 0; i < speeds; i++) {
       printf("sweep");
@@ -101,7 +103,11 @@ int main(void)
       put(rpm[i]);
       put(factor[i + speeds * j]);
       put(estimate[i + speeds * j]);
-      printf("\nstatus,%2d,%2d\n", status[i + speeds * j], contact[i + speeds * j]);
+      put(modulus[i + speeds * j]);
+      put(residual[i + speeds * j]);
+      printf("\nstatus");
+      for (int k = 0; k < 4; k++) printf(",%6d", status[k][i + speeds * j]);
+      putchar('\n');
     }
 
   int tried, *failed = malloc(room * sizeof *failed);
@@ -121,6 +127,7 @@ int main(void)
 
   for (int k = 0; k < 7; k++) free(mesh[k]);
   for (int k = 0; k < 3; k++) free(curve[k]);
-  free(work), free(rpm), free(relief), free(factor), free(estimate), free(status), free(contact), free(failed);
+  for (int k = 0; k < 4; k++) free(status[k]);
+  free(work), free(rpm), free(relief), free(factor), free(estimate), free(modulus), free(residual), free(failed);
   return 0;
 }
