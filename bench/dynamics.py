@@ -84,8 +84,8 @@ METHODS = [
     Method('gearsweep, native build', 'vermilion', 'D', '--', tolerances(2, 3, 4, 5, 5.5, 6, 6.5, 7, 8, 9, 10),
            fortran('shooting', 'dynamics-native')),
     Method('gearsweep, marching', 'orange', 's', '-', tolerances(2, 3, 4, 5, 6, 7, 8, 9, 10), fortran('marching')),
-    Method('aligned RK4, shooting', 'green', '^', '-', steps(50, 7, 4, 1e-2), fortran('shooting')),
-    Method('aligned RK4, marching', 'green', 'v', '--', steps(50, 7, 4, 1e-2), fortran('marching')),
+    Method('aligned RK4, shooting', 'green', '^', '-', steps(50, 7, 4, 1e-2), fortran('rk4_shooting')),
+    Method('aligned RK4, marching', 'green', 'v', '--', steps(50, 7, 4, 1e-2), fortran('rk4_aligned')),
     Method('RK4, equal steps', 'grey', 'x', '-', steps(50, 8, 1, 1e-3), fortran('rk4')),
     Method('constant steps (Karpat)', 'grey', '+', '--', steps(50, 8, 1, 1e-3), fortran('constant')),
     Method('constant steps, aligned', 'purple', '+', '-', steps(50, 8, 2, 1e-3), fortran('constant_aligned')),
@@ -110,7 +110,7 @@ class Problem:
 
     def reference(self):
         """By marching in extended precision; how far the library's shooting is away from that."""
-        marched = numbers(run(programs / 'reference', self.file))[0]
+        marched = numbers(run(programs / 'reference', self.file, 1e-16))[0]
         wanted, many = (1e-12, 0) if self.name == SWEEP else (1e-9, 204800)
         shot = numbers(run(programs / 'dynamics', 'shooting', self.case, wanted, many))[0][1:]
         return marched, np.abs(marched - shot).max()
@@ -119,9 +119,9 @@ class Problem:
         """The same text with every so many of the speeds."""
         if self.name != SWEEP:
             return self.file.read_text()
-        lines = self.file.read_text().splitlines()
-        rpm = lines[-1].split()[::share]
-        return '\n'.join(lines[:-2] + [str(len(rpm)), ' '.join(rpm)])
+        *lines, _, rpm, start = self.file.read_text().splitlines()
+        rpm = rpm.split()[::share]
+        return '\n'.join(lines + [str(len(rpm)), ' '.join(rpm), start])
 
     def references_for(self, count):
         """Reference values at the speeds of as many points, per relief evenly thinned."""

@@ -47,10 +47,8 @@ class March {
     omega_ = std::sqrt(stiffness * (1 / problem.mass[0] + 1 / problem.mass[1]));
   }
 
-  // Dynamic factor at a speed (1/min), from rest under the mean load.
-  Real dynamic_factor(Real rpm) { return dynamic_factor(rpm, {1, 0}); }
-
-  Real dynamic_factor(Real rpm, State<Real> z) {
+  // Dynamic factor at a speed (1/min); unless another state is given, from rest under the mean load.
+  Real dynamic_factor(Real rpm, State<Real> z = {1, 0}) {
     turn_ = omega_ * 60 / (problem_.teeth * rpm);
     const Real zeta = problem_.zeta;
     const Real decay = std::exp(-turn_ * (zeta - std::sqrt(std::max(Real(0), zeta * zeta - 1))));

@@ -7,16 +7,16 @@
 #include <vector>
 
 constexpr int degree = 4;        // of the pair stiffness
-constexpr int most_pairs = 2;
+constexpr int most_pairs = 3;
 
 template <class Real>
 struct Problem {
   Real teeth, contact_ratio, mass[2], load, zeta;
-  std::vector<Real> stiffness, relief, rpm;
+  std::vector<Real> stiffness, relief, rpm, start;  // start: x and dx/dt for each relief and speed, or none
 
   explicit Problem(std::istream& in) {
     in >> teeth >> contact_ratio >> mass[0] >> mass[1] >> load >> zeta;
-    for (auto* list : {&stiffness, &relief, &rpm}) {
+    for (auto* list : {&stiffness, &relief, &rpm, &start}) {
       int n;
       in >> n;
       list->resize(n);

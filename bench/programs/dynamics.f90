@@ -5,10 +5,11 @@
 !>     dynamics METHOD FILE ERROR STEPS [ERROR STEPS ...]
 !>         for each pair a line: seconds, then the dynamic factors, relief by relief
 !>
-!> METHOD is `shooting` or `marching` (the library; STEPS = 0 are chosen for the
-!> ERROR), `rk4`, `constant` or `constant_aligned` (the literature's).
+!> METHOD is the library's `shooting`, `threaded` or `marching` (STEPS = 0 are chosen
+!> for the ERROR), or of the literature: `rk4`, `rk4_aligned`, `rk4_shooting`,
+!> `constant`, `constant_aligned`.
 program dynamics
-  use bench_fixed_steps, only: march_sweep, runge_kutta, constant, constant_aligned
+  use bench_fixed_steps, only: solve_with_steps, runge_kutta, constant, marched => by_marching, shot => by_shooting
   use bench_problem, only: problem_t, read_problem, write_problem
   use bench_tools, only: word, number, real_number, seconds, check, numbers
   use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
@@ -20,7 +21,7 @@ program dynamics
 
   call read_problem(word(2), problem)
   if (word(1) == 'problem') then
-    call write_problem(problem)
+    call write_problem(problem%osc, problem%rpm)
   else
     do i = 3, command_argument_count(), 2
       call time_one(word(1), real_number(i), number(i + 1))
@@ -56,23 +57,29 @@ contains
 
     select case (method)
     case ('shooting')
-      call solve_ours(by_shooting, wanted, steps, dynamic_factor)
+      call solve_ours(by_shooting, 1, wanted, steps, dynamic_factor)
+    case ('threaded')
+      call solve_ours(by_shooting, 0, wanted, steps, dynamic_factor)
     case ('marching')
-      call solve_ours(by_marching, wanted, steps, dynamic_factor)
+      call solve_ours(by_marching, 1, wanted, steps, dynamic_factor)
     case ('rk4')
-      call solve_fixed(runge_kutta, wanted, steps, dynamic_factor)
+      call solve_fixed(runge_kutta, marched, .false., wanted, steps, dynamic_factor)
+    case ('rk4_aligned')
+      call solve_fixed(runge_kutta, marched, .true., wanted, steps, dynamic_factor)
+    case ('rk4_shooting')
+      call solve_fixed(runge_kutta, shot, .true., wanted, steps, dynamic_factor)
     case ('constant')
-      call solve_fixed(constant, wanted, steps, dynamic_factor)
+      call solve_fixed(constant, marched, .false., wanted, steps, dynamic_factor)
     case ('constant_aligned')
-      call solve_fixed(constant_aligned, wanted, steps, dynamic_factor)
+      call solve_fixed(constant, marched, .true., wanted, steps, dynamic_factor)
     case default
       error stop 'dynamics: unknown method'
     end select
   end subroutine solve
 
-  !> The library's sweep, on one thread.
-  subroutine solve_ours(method, wanted, steps, dynamic_factor)
-    integer, intent(in) :: method, steps
+  !> The library's sweep; `threads` = 0 takes all.
+  subroutine solve_ours(method, threads, wanted, steps, dynamic_factor)
+    integer, intent(in) :: method, threads, steps
     real(dp), intent(in) :: wanted
     real(dp), intent(out) :: dynamic_factor(:, :)
     type(sweep_options_t) :: options
@@ -80,7 +87,7 @@ contains
     type(error_t), allocatable :: error
 
     options%direction = problem%case%direction
-    options%threads = 1
+    options%threads = threads
     options%accuracy%steps = steps
     options%accuracy%steady%method = method
     options%accuracy%steady%tolerance = wanted
@@ -89,14 +96,15 @@ contains
     dynamic_factor = sweep%dynamic_factor
   end subroutine solve_ours
 
-  subroutine solve_fixed(method, wanted, steps, dynamic_factor)
-    integer, intent(in) :: method, steps
+  subroutine solve_fixed(method, steady_by, aligned, wanted, steps, dynamic_factor)
+    integer, intent(in) :: method, steady_by, steps
+    logical, intent(in) :: aligned
     real(dp), intent(in) :: wanted
     real(dp), intent(out) :: dynamic_factor(:, :)
     integer :: i
 
     do i = 1, size(problem%osc)
-      call march_sweep(problem%osc(i), problem%rpm, method, steps, wanted, dynamic_factor(:, i))
+      call solve_with_steps(problem%osc(i), problem%rpm, method, steady_by, aligned, steps, wanted, dynamic_factor(:, i))
     end do
   end subroutine solve_fixed
 

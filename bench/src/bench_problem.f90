@@ -38,22 +38,39 @@ contains
 
   !> For the other contenders, in SI: teeth and contact ratio; masses, load and
   !> damping ratio; stiffness; reliefs, linear and alike for both members from
-  !> the HPSTC; speeds. Each list follows its length.
-  subroutine write_problem(problem)
-    type(problem_t), intent(in) :: problem
+  !> the HPSTC; speeds; for each relief and speed, x and dx/dt to start from, over
+  !> the mean deflection and its product with the natural frequency (none: from
+  !> rest). Each list follows its length. `osc` are alike but for the relief.
+  subroutine write_problem(osc, rpm, start)
+    type(oscillator_t), intent(in) :: osc(:)
+    real(dp), intent(in) :: rpm(:)
+    real(dp), intent(in), optional :: start(:, :)
     character(*), parameter :: numbers = '(*(es24.16e3, 1x))'
+    real(dp) :: ends(2, size(osc))
+    integer :: i
 
-    associate (osc => problem%osc(1), case => problem%case)
-      if (any(case%fraction /= 1) .or. case%start /= 'hpstc' .or. case%friction > 0 .or. case%has_backlash) &
-        error stop 'the other contenders know neither friction nor backlash, and short reliefs on both members only'
-      print numbers, real(osc%mesh%teeth(1), dp), osc%mesh%contact_ratio
-      print numbers, osc%mass, osc%load, osc%damping_ratio
-      print '(i0)', size(case%coefficients)
-      print numbers, case%coefficients
-      print '(i0)', size(case%amount)
-      print numbers, case%amount
-      print '(i0)', size(problem%rpm)
-      print numbers, problem%rpm
-    end associate
+    do i = 1, size(osc)
+      associate (mesh => osc(i)%mesh)
+        ends(:, i) = [mesh%profile_error%value(0.0_dp), mesh%profile_error%value(mesh%contact_ratio)]
+      end associate
+    end do
+    if (any(abs(ends(1, :) - ends(2, :)) > 1e-12_dp) .or. osc(1)%friction > 0 .or. osc(1)%has_backlash) &
+      error stop 'the other contenders know neither friction nor backlash, and equal reliefs on both members only'
+    print numbers, real(osc(1)%mesh%teeth(1), dp), osc(1)%mesh%contact_ratio
+    print numbers, osc(1)%mass, osc(1)%load, osc(1)%damping_ratio
+    call write_list(osc(1)%mesh%stiffness%coef(:, 1))
+    call write_list(ends(1, :))
+    call write_list(rpm)
+    if (present(start)) call write_list(reshape(start, [size(start)]))
+    if (.not. present(start)) call write_list([real(dp) ::])
+
+  contains
+
+    subroutine write_list(values)
+      real(dp), intent(in) :: values(:)
+
+      print '(i0)', size(values)
+      if (size(values) > 0) print numbers, values
+    end subroutine write_list
   end subroutine write_problem
 end module bench_problem
