@@ -11,7 +11,7 @@
 program dynamics
   use bench_fixed_steps, only: solve_with_steps, runge_kutta, constant, marched => by_marching, shot => by_shooting
   use bench_problem, only: problem_t, read_problem, write_problem
-  use bench_tools, only: word, number, real_number, seconds, check, numbers
+  use bench_tools, only: word, number, real_number, seconds, median, check, numbers
   use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
   use gearsweep_steady, only: by_shooting, by_marching
   implicit none
@@ -107,17 +107,4 @@ contains
       call solve_with_steps(problem%osc(i), problem%rpm, method, steady_by, aligned, steps, wanted, dynamic_factor(:, i))
     end do
   end subroutine solve_fixed
-
-  pure real(dp) function median(values)
-    real(dp), intent(in) :: values(:)
-    real(dp) :: rest(size(values))
-    integer :: i, at
-
-    rest = values
-    do i = 1, (size(values) + 1)/2
-      at = minloc(rest, 1)
-      median = rest(at)
-      rest(at) = huge(median)
-    end do
-  end function median
 end program dynamics

@@ -5,7 +5,7 @@ module bench_tools
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: word, number, real_number, seconds, check, numbers
+  public :: word, number, real_number, seconds, median, check, numbers
 
   !> Any number of values on a line, read back without loss.
   character(*), parameter :: numbers = '(*(g0, 1x))'
@@ -45,6 +45,18 @@ contains
     seconds = real(now, dp)/rate
   end function seconds
 
+  pure real(dp) function median(values)
+    real(dp), intent(in) :: values(:)
+    real(dp) :: rest(size(values))
+    integer :: i, at
+
+    rest = values
+    do i = 1, (size(values) + 1)/2
+      at = minloc(rest, 1)
+      median = rest(at)
+      rest(at) = huge(median)
+    end do
+  end function median
   subroutine check(error)
     type(error_t), allocatable, intent(in) :: error
 
