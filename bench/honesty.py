@@ -81,10 +81,10 @@ def main():
     points, chosen, error = measure()
     lost = np.sum((points['status'] <= 3) & (points['periods'] == 1) & ~chosen)
     report = Report('honesty', 'Honesty of the error estimates')
-    report.add(f'{machine()}. {MESHES} random prescribed meshes (contact ratio 1.05 to 2.9, damping ratio 1e-3 to 1, relief none to 1.6 mean\n'
-               f'deflections, 0.05 to 3 times the main resonance) at {SPEEDS} speeds each, tolerance 1e-8 to 1e-3. Reference: marching in\n'
-               'extended precision, from the motion found, until it repeats. Compared are motions that repeat with each mesh period.\n'
-               'Without ' + ', '.join(f'{np.sum(points["status"] == i)} {STATUS[i]}' for i in range(len(STATUS)) if i in
+    report.add(f'{machine()}.\n{MESHES} random prescribed meshes (contact ratio 1.05 to 2.9, damping ratio 1e-3 to 1, relief none to '
+               f'1.6 mean\ndeflections, 0.05 to 3 times the main resonance) at {SPEEDS} speeds each, tolerance 1e-8 to 1e-3. Reference: '
+               'marching in\nextended precision, from the motion found, until it repeats; true errors below '
+               f'{ROUNDING:g} are left to rounding.\nWithout ' + ', '.join(f'{np.sum(points["status"] == i)} {STATUS[i]}' for i in range(len(STATUS)) if i in
                                       points['status'] and (i > 3 or i == 2)) + f', and {lost} that were not found a second time.\n')
     report.table(('', 'points', 'true error above the estimate', 'above twice', 'above the tolerance', 'median ratio', 'largest'),
                  [(name, *summary(points, error, mask)) for name, mask in classes(points, chosen) if mask.any()])

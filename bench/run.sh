@@ -26,11 +26,16 @@ END
   quietly "fetching Python's peers" "$venv/bin/python" -m pip install --disable-pip-version-check "$@"
 }
 
-# program NAME FLAGS: makes build/programs/NAME; NAME-native with the processor's own instructions.
+# program NAME FLAGS: makes build/programs/NAME; NAME-native with the processor's own instructions. A build
+# that fails on what an earlier one left is begun anew, as fpm takes stale modules for current ones.
 program() {
-  quietly "building $1" "$venv/bin/fpm" run "${1%-native}" --directory "$root/bench" --profile release ${2:+--flag "$2"} \
-    --runner echo || return
+  fpm_build "$@" || { rm -rf "$root"/bench/build/gfortran_*; fpm_build "$@"; } || return
   cp "$root/bench/$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)" "$programs/$1"
+}
+
+fpm_build() {
+  quietly "building $1" "$venv/bin/fpm" run "${1%-native}" --directory "$root/bench" --profile release ${2:+--flag "$2"} \
+    --runner echo
 }
 
 peer() {
@@ -38,7 +43,7 @@ peer() {
 }
 
 set_up() {
-  install_packages && make_venv && fetch_python numpy==2.4.6 scipy==1.17.1 matplotlib==3.11.2 scikit-fem==12.0.2
+  install_packages && make_venv && fetch_python numpy==2.4.6 scipy==1.17.1 matplotlib==3.11.2 scikit-fem==12.0.2 mpmath==1.4.1
 }
 
 measure() {

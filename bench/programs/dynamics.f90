@@ -5,7 +5,7 @@
 !>     dynamics METHOD FILE ERROR STEPS [ERROR STEPS ...]
 !>         for each pair a line: seconds, then the dynamic factors, relief by relief
 !>
-!> METHOD is the library's `shooting`, `threaded` or `marching` (STEPS = 0 are chosen
+!> METHOD is the library's `shooting`, `two_threads` or `marching` (STEPS = 0 are chosen
 !> for the ERROR), or of the literature: `rk4`, `rk4_aligned`, `rk4_shooting`,
 !> `constant`, `constant_aligned`.
 program dynamics
@@ -58,8 +58,8 @@ contains
     select case (method)
     case ('shooting')
       call solve_ours(by_shooting, 1, wanted, steps, dynamic_factor)
-    case ('threaded')
-      call solve_ours(by_shooting, 0, wanted, steps, dynamic_factor)
+    case ('two_threads')
+      call solve_ours(by_shooting, 2, wanted, steps, dynamic_factor)
     case ('marching')
       call solve_ours(by_marching, 1, wanted, steps, dynamic_factor)
     case ('rk4')
@@ -77,7 +77,7 @@ contains
     end select
   end subroutine solve
 
-  !> The library's sweep; `threads` = 0 takes all.
+  !> The library's sweep.
   subroutine solve_ours(method, threads, wanted, steps, dynamic_factor)
     integer, intent(in) :: method, threads, steps
     real(dp), intent(in) :: wanted
