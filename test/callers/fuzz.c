@@ -182,7 +182,7 @@ static int last_size(int right) { return below(6) ? some_size(right) : INT_MAX; 
 static long held(int size, int right) { return size < right + 8 ? size : right + 8; }
 static long most(int size) { return size > 0 ? size : 0; }
 
-/* Work with a few numbers spoilt, or none of it. */
+/* Work with a number spoilt, or none of it. */
 static double *some_work(int *n)
 {
   static const double odd[] = {0, -1, 1e308, -1e-308, 2.5, 1e9};
