@@ -277,7 +277,7 @@ static void answer(char *text, size_t size)
 int main(int count, char **arguments)
 {
   static char before[20000], after[20000];
-  long calls = count > 1 ? atol(arguments[1]) : 4000, i;
+  long calls = count > 1 ? atol(arguments[1]) : 2500, i;
   if (!ready()) return printf("%s\n0 passed, 1 failed\n", message), 1;
   answer(before, sizeof before);
   for (i = 0; i < calls; i++) spoilt_text();
