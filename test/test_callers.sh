@@ -119,6 +119,8 @@ case $counts in
     ;;
   *) fails 'C border: broke off' ;;
 esac
+check 'spoilt calls compile' compile "cc $flags fuzz.c \$(pkg-config --cflags --libs gearsweep) -o fuzz"
+check 'spoilt calls' ./fuzz
 cat >other.nml <<'END'
 &case tasks = 'mesh', 'load', 'static', 'modal', 'section' /
 &pair module_mm = 3 face_width_mm = 20 /

@@ -2,6 +2,7 @@
 !> one task they are for, and say what went wrong.
 module gearsweep_border
   use gearsweep_kinds, only: dp
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_case, only: case_t, task_names
   use gearsweep_case_reader, only: read_case
@@ -160,9 +161,10 @@ contains
       call need_room('work', nwork, size_of(stiffness), error)
       if (allocated(error)) return
       n = size(stiffness%breaks)
-      work(:head) = [key_of(study%case), real(n - 1, dp), real(size(stiffness%coef, 1), dp)]
+      work(2:head) = [real(n - 1, dp), real(size(stiffness%coef, 1), dp)]
       work(head + 1:head + n) = stiffness%breaks
       work(head + n + 1:size_of(stiffness)) = reshape(stiffness%coef, [size(stiffness%coef)])
+      work(1) = key_of(study%case, work(2:size_of(stiffness)))
     end associate
   end subroutine pack_stiffness
 
@@ -176,24 +178,30 @@ contains
     logical :: fits
 
     fits = nwork > head
-    if (fits) fits = .not. abs(work(1) - key_of(case)) > 0
+    if (fits) fits = .not. any(ieee_is_nan(work(:head)))
     if (fits) fits = work(2) >= 1 .and. work(3) >= 1 .and. work(2) <= nwork .and. work(3) <= nwork
     if (fits) fits = head + 1 + work(2)*(1 + work(3)) <= nwork
+    if (fits) then
+      pieces = int(work(2))
+      terms = int(work(3))
+      n = head + pieces + 1
+      ! One number that was spoilt could keep the motion from ever ending.
+      fits = .not. abs(work(1) - key_of(case, work(2:n + pieces*terms))) > 0
+    end if
     if (.not. fits) then
       call fail(error, code_input, 'work: is not of these gears, this material, section and load; prepare it again')
       return
     end if
-    pieces = int(work(2))
-    terms = int(work(3))
-    n = head + pieces + 1
     allocate (stiffness%breaks, source=work(head + 1:n))
     allocate (stiffness%coef(0:terms - 1, pieces))
     stiffness%coef = reshape(work(n + 1:n + pieces*terms), [terms, pieces])
   end subroutine unpack_stiffness
 
-  !> A whole number below 2**31 that follows from all that the pair stiffness depends on.
-  real(dp) function key_of(case) result(key)
+  !> A whole number below 2**31 that follows from all that the pair stiffness depends on, and from its
+  !> own numbers.
+  real(dp) function key_of(case, packed) result(key)
     type(case_t), intent(in) :: case
+    real(dp), intent(in) :: packed(:)
     integer(int64), parameter :: modulus = 2147483647_int64, factor = 1000003_int64
     integer(int64) :: hash
     integer :: i
@@ -214,6 +222,7 @@ contains
     if (allocated(case%coefficients)) call add(case%coefficients)
     call add([(real(iachar(case%model(i:i)), dp), i=1, len(case%model))])
     if (allocated(case%file)) call add([(real(iachar(case%file(i:i)), dp), i=1, len(case%file))])
+    call add(packed)
     key = real(hash, dp)
 
   contains
