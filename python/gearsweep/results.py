@@ -33,6 +33,7 @@ class Status(enum.IntEnum):
     APERIODIC = 5  #: no periodic motion was found
     UNRESOLVED = 6  #: the speed is too low for the steps given or allowed
     CHATTER = 7  #: contact changes without end
+    CHAOTIC = 8  #: no periodic motion was found, and disturbances keep growing
 
 
 class Contact(enum.IntEnum):

@@ -159,7 +159,7 @@ static void spoilt_text(void)
       info = gsc_change(text, n, group, key, value, fresh(much, 1), much, &length, message, words_room());
       break;
     case 3: info = gsc_outline(text, n, (int)below(4), much / 8, &points, D(much / 8), D(much / 8), message, words_room()); break;
-    default: info = gsc_sizes(text, n, below(9) ? NULL : "no/folder", I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1),
+    default: info = gsc_sizes(text, n, below(9) ? NULL : "no/folder", I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1),
                               message, words_room());
   }
   free(text);
@@ -168,7 +168,7 @@ static void spoilt_text(void)
 
 /* --- spoilt sizes ------------------------------------------------------------------------ */
 
-static int speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork;
+static int speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork;
 static double *good;
 
 static int some_size(int right)
@@ -261,7 +261,7 @@ static void spoilt_size(void)
 static int ready(void)
 {
   int info = gsc_sizes(geared, strlen(geared), NULL, &speeds, &reliefs, &rows, &tried, &positions, &modes, &nodes, &elements,
-                       &nwork, message, sizeof message);
+                       &harmonics, &nwork, message, sizeof message);
   good = malloc(sizeof *good * (size_t)(nwork > 0 ? nwork : 1));
   return info == GSC_OK && good && gsc_prepare(geared, strlen(geared), NULL, nwork, good, message, sizeof message) == GSC_OK;
 }
