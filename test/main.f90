@@ -17,11 +17,10 @@ program check
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
-  type(suite_t), allocatable :: suites(:)
   type(tally_t) :: all
   integer :: i
 
-  allocate (suites, source=[ &
+  associate (suites => [ &
     & suite_t('reader', run_reader), &
     & suite_t('geometry', run_geometry), &
     & suite_t('mesh', run_mesh), &
@@ -37,9 +36,10 @@ program check
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('flat', run_flat)])
 
-  do i = 1, size(suites)
-    if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)
-  end do
+    do i = 1, size(suites)
+      if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)
+    end do
+  end associate
   print '(i0, a, i0, a)', all%passed, ' passed, ', all%failed, ' failed'
   if (all%failed > 0 .or. all%passed == 0) stop 1, quiet=.true.
 
