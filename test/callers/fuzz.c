@@ -92,7 +92,7 @@ static __thread char message[GUARD + 300];
 static void check(const char *what, int which, int info, int holds)
 {
   if (holds) { passed++; return; }
-  if (failed++ < 20) printf("FAILED: %s (call %d, code %d, message: %.200s)\n", what, which, info, message);
+  if (failed++ < 20) printf("FAILED: %s (call %d, code %d, message: %.200s)\n", what, which, info, said > 1 ? message : "");
 }
 
 /* Marked room for n items, with marks behind it; none for n below 0. */
