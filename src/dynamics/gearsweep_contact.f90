@@ -4,7 +4,7 @@ module gearsweep_contact
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: nodes
   use gearsweep_motion, only: oscillator_t, table_t, mobility, acceleration, end_acceleration
-  use gearsweep_quintic, only: first_zero, may_pass, quintic, shape_of, value_of
+  use gearsweep_quintic, only: first_zero, may_pass, quintic, sample, shape_of, value_of
   use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
   use gearsweep_trace, only: trace_t, record
   implicit none
@@ -18,10 +18,14 @@ module gearsweep_contact
   !> What one change costs, in steps.
   real(dp), parameter :: cost = 20
 
+  !> Places in a stretch at which its coefficients are known: both ends, and the nodes between.
+  real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
+
   !> A part of step `i` with the contact as it is; places count from 0 to 1 over the step.
   type :: stretch_t
     integer :: i
     real(dp) :: left, width
+    real(dp) :: square(5), push(5)               !< w^2 and sum of k e at its places
     type(step_t) :: step
     real(dp) :: x(2), y(2)                       !< at its ends
   end type stretch_t
@@ -80,7 +84,7 @@ contains
       call accept(osc, table, duration, stretch, walk, out, trace)
       stretch%left = stretch%left + stretch%width
       stretch%width = 1 - stretch%left
-      call switch_contact(osc, table, i, duration, stretch%left, member, walk)
+      call switch_contact(osc, table, duration, stretch, member, walk)
       out%events = out%events + 1
       out%work = out%work + cost
       call note_contact(osc, walk%contact, out)
@@ -152,42 +156,44 @@ contains
     scale = [1.0_dp, table%width(i), table%width(i)**2]
     do j = 1, table%pairs(i)
       walk%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, i), scale*table%end_stiffness(:, j, 2, i))
+      associate (left => table%left(i) + j - 1, recess => osc%zones(table%zone(i))%recess(j))
+        walk%mobility(0, j) = mobility(osc, left, recess)
+        walk%mobility(1, j) = mobility(osc, left + table%width(i), recess) - walk%mobility(0, j)
+      end associate
     end do
     do j = 1, table%members
       walk%error(:, j) = quintic(scale*table%end_error(:, j, 1, i), scale*table%end_error(:, j, 2, i))
     end do
   end subroutine take_step
 
-  !> Sums over the members in contact at a place of step i: w^2 and sum of k e.
-  pure subroutine sum_up(osc, table, i, walk, place, square, push)
+  !> Sums over the members in contact at `n` places of the step, which has `pairs`: w^2 and sum of k e.
+  pure subroutine sum_up(osc, walk, pairs, n, place, square, push)
     type(oscillator_t), intent(in) :: osc
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: i
     type(walk_t), intent(in) :: walk
-    real(dp), intent(in) :: place
-    real(dp), intent(out) :: square, push
-    real(dp) :: stiffness, rate, s, coast
+    integer, intent(in) :: pairs, n
+    real(dp), intent(in) :: place(n)
+    real(dp), intent(out) :: square(n), push(n)
+    real(dp), dimension(size(places)) :: stiffness, error, rate
     integer :: j
 
     square = 0
     push = 0
-    coast = 0
-    s = table%left(i) + place*table%width(i)
-    associate (zone => osc%zones(table%zone(i)))
-      do j = 1, zone%pairs
-        stiffness = value_of(walk%stiffness(:, j), place)
-        coast = coast + stiffness
-        if (.not. walk%contact(j)) cycle
-        rate = stiffness*mobility(osc, s + j - 1, zone%recess(j))
-        square = square + rate
-        push = push + rate*value_of(walk%error(:, j), place)
-      end do
-    end associate
+    do j = 1, pairs
+      if (.not. walk%contact(j)) cycle
+      call sample(walk%stiffness(:, j), n, place, stiffness)
+      call sample(walk%error(:, j), n, place, error)
+      rate(:n) = stiffness(:n)*(walk%mobility(0, j) + walk%mobility(1, j)*place)
+      square = square + rate(:n)
+      push = push + rate(:n)*error(:n)
+    end do
     if (.not. osc%has_backlash) return
     if (.not. walk%contact(osc%members)) return
-    rate = coast*(1/osc%mass(1) + 1/osc%mass(2))
-    square = square + rate
-    push = push - rate*osc%backlash
+    do j = 1, pairs
+      call sample(walk%stiffness(:, j), n, place, stiffness)
+      rate(:n) = stiffness(:n)*(1/osc%mass(1) + 1/osc%mass(2))
+      square = square + rate(:n)
+      push = push - rate(:n)*osc%backlash
+    end do
   end subroutine sum_up
 
   !> The motion over the stretch, whose place is set.
@@ -197,36 +203,42 @@ contains
     real(dp), intent(in) :: duration
     type(walk_t), intent(in) :: walk
     type(stretch_t), intent(inout) :: stretch
-    real(dp) :: square(3), push(3), state(2)
-    integer :: k
+    real(dp) :: state(2)
 
-    associate (i => stretch%i, left => stretch%left, width => stretch%width)
-      do k = 1, size(nodes)
-        call sum_up(osc, table, i, walk, left + width*nodes(k), square(k), push(k))
-      end do
-      stretch%step = step_of(osc, square, push, sqrt(square), duration, width*table%width(i))
+    associate (i => stretch%i, square => stretch%square, push => stretch%push)
+      call sum_up(osc, walk, table%pairs(i), size(places), stretch%left + stretch%width*places, square, push)
+      stretch%step = step_of(osc, square(2:4), push(2:4), sqrt(square(2:4)), duration, stretch%width*table%width(i))
     end associate
     state = follow(stretch%step, walk%x, walk%y)
     stretch%x = [walk%x, state(1)]
     stretch%y = [walk%y, state(2)]
   end subroutine follow_stretch
 
-  !> Second derivative of the motion over the stretch at its ends.
-  pure function curvature(osc, table, duration, walk, stretch) result(c)
+  !> Second derivative of the motion over the phase, at the stretch's ends.
+  pure function curvature(osc, duration, stretch) result(c)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(stretch_t), intent(in) :: stretch
+    real(dp) :: c(2)
+
+    c(1) = acceleration(osc, stretch%square(1), stretch%push(1), duration, stretch%x(1), stretch%y(1))
+    c(2) = acceleration(osc, stretch%square(5), stretch%push(5), duration, stretch%x(2), stretch%y(2))
+  end function curvature
+
+  !> Value, first and second derivative over the stretch, at both ends, of the motion.
+  pure function motion_of(osc, table, duration, stretch) result(f)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration
-    type(walk_t), intent(in) :: walk
     type(stretch_t), intent(in) :: stretch
-    real(dp) :: c(2), square, push
-    integer :: k
+    real(dp) :: f(0:2, 2)
 
-    do k = 1, 2
-      call sum_up(osc, table, stretch%i, walk, stretch%left + (k - 1)*stretch%width, square, push)
-      c(k) = (stretch%width*table%width(stretch%i))**2 &
-             *acceleration(osc, square, push, duration, stretch%x(k), stretch%y(k))
-    end do
-  end function curvature
+    associate (width => stretch%width*table%width(stretch%i))
+      f(0, :) = stretch%x
+      f(1, :) = width*stretch%y
+      f(2, :) = width**2*curvature(osc, duration, stretch)
+    end associate
+  end function motion_of
 
   !> Value, first and second derivative over the stretch, at both its ends, of a quintic over the step.
   pure function ends_of(stretch, c) result(f)
@@ -255,16 +267,14 @@ contains
 
     part = 1
     member = 0
-    motion(0, :) = stretch%x
-    motion(1, :) = stretch%width*table%width(stretch%i)*stretch%y
-    motion(2, :) = curvature(osc, table, duration, walk, stretch)
+    motion = motion_of(osc, table, duration, stretch)
     do j = 1, osc%members
       if (j > table%pairs(stretch%i) .and. j <= osc%pairs) cycle
       call take_earlier(osc, walk, motion - ends_of(stretch, walk%error(:, j)), j, part, member)
     end do
   end subroutine first_change
 
-  !> Shortens the stretch to where the member's overlap has just changed its sign.
+  !> Shortens the stretch to where the member's overlap has just changed its sign; `guess` is a part of it.
   pure subroutine close_in(osc, table, duration, walk, guess, member, stretch)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
@@ -272,12 +282,14 @@ contains
     real(dp), intent(in) :: duration, guess
     type(walk_t), intent(in) :: walk
     type(stretch_t), intent(inout) :: stretch
-    ! A hair beyond the zero, as the zero itself is on neither side; the force is continuous there.
-    real(dp), parameter :: hair = 1e-13_dp, close = 1e-11_dp
-    real(dp) :: width, low, high, part, error(0:2), overlap, slope, miss
+    ! A hair beyond the zero, as the zero itself is on neither side; the force is continuous there. What
+    ! is closer is gone without a step of its own.
+    real(dp), parameter :: hair = 1e-13_dp, close = 1e-7_dp
+    real(dp) :: width, low, high, part, error(0:2), sense, overlap, slope, miss
     integer :: iteration
 
     width = stretch%width
+    sense = merge(1, -1, walk%contact(member) .eqv. member <= osc%pairs)
     low = 0
     high = 1
     part = guess
@@ -285,21 +297,42 @@ contains
       stretch%width = part*width
       call follow_stretch(osc, table, duration, walk, stretch)
       error = shape_of(walk%error(:, member), stretch%left + stretch%width)
-      overlap = stretch%x(2) - error(0)
-      slope = width*(table%width(stretch%i)*stretch%y(2) - error(1))
+      overlap = sense*(stretch%x(2) - error(0))
+      slope = sense*width*(table%width(stretch%i)*stretch%y(2) - error(1))
       miss = huge(miss)
-      if (abs(slope) > 0) miss = overlap/slope
-      if ((walk%contact(member) .eqv. member <= osc%pairs) .eqv. overlap > 0) then
+      if (slope < 0) miss = hair - overlap/slope
+      if (abs(miss) <= close) then
+        call move_end(osc, table, duration, min(miss, 1 - part)*width, stretch)
+        return
+      end if
+      if (overlap > 0) then
         low = part
       else
         high = part
-        if (abs(miss) <= close) exit
       end if
-      if (high - low <= hair) exit
-      part = part - miss + hair
+      if (high - low <= hair) return
+      part = part + miss
       if (.not. (part > low .and. part < high)) part = (low + high)/2
     end do
   end subroutine close_in
+
+  !> Moves the end of the stretch by a tiny part of the step.
+  pure subroutine move_end(osc, table, duration, part, stretch)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration, part
+    type(stretch_t), intent(inout) :: stretch
+    real(dp) :: bend(2)
+
+    bend = curvature(osc, duration, stretch)
+    associate (by => part*table%width(stretch%i), map => stretch%step%map, square => stretch%square(5))
+      stretch%width = stretch%width + part
+      stretch%x(2) = stretch%x(2) + by*(stretch%y(2) + by/2*bend(2))
+      stretch%y(2) = stretch%y(2) + by*bend(2)
+      map(1, :) = map(1, :) + by*map(2, :)
+      map(2, :) = map(2, :) - by*(duration**2*square*map(1, :) + 2*osc%damping_ratio*duration*sqrt(square)*map(2, :))
+    end associate
+  end subroutine move_end
 
   !> Moves the walk to the end of the stretch.
   pure subroutine accept(osc, table, duration, stretch, walk, out, trace)
@@ -312,13 +345,11 @@ contains
     type(trace_t), intent(inout), optional :: trace
     real(dp), dimension(0:2, 2) :: motion, stiffness, gap, load
     real(dp) :: ends(2)
-    logical :: more, known
+    logical :: more
     integer :: j, k
 
     associate (i => stretch%i, pairs => table%pairs(stretch%i))
-      motion(0, :) = stretch%x
-      motion(1, :) = stretch%width*table%width(i)*stretch%y
-      known = .false.
+      motion = motion_of(osc, table, duration, stretch)
       do j = 1, pairs
         if (.not. walk%contact(j)) cycle
         stiffness = ends_of(stretch, walk%stiffness(:, j))
@@ -328,8 +359,6 @@ contains
         load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
         call track(load, out%peak, more)
         if (.not. more) cycle
-        if (.not. known) motion(2, :) = curvature(osc, table, duration, walk, stretch)
-        known = .true.
         gap(2, :) = motion(2, :) - gap(2, :)
         load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) + stiffness(0, :)*gap(2, :)
         call track_top(load, out%peak)
@@ -346,22 +375,22 @@ contains
     walk%y = stretch%y(2)
   end subroutine accept
 
-  !> Switches a member's contact; only damping jumps there, which the map feels
-  !> through the moment of the change (saltation).
-  pure subroutine switch_contact(osc, table, i, duration, place, member, walk)
+  !> Switches a member's contact at the end of a stretch that was; only damping jumps there, which the map
+  !> feels through the moment of the change (saltation).
+  pure subroutine switch_contact(osc, table, duration, stretch, member, walk)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, member
-    real(dp), intent(in) :: duration, place
+    real(dp), intent(in) :: duration
+    type(stretch_t), intent(in) :: stretch
+    integer, intent(in) :: member
     type(walk_t), intent(inout) :: walk
-    real(dp) :: before, after, push, shape(0:2), approach
+    real(dp) :: after(1), push(1), shape(0:2), approach
 
-    call sum_up(osc, table, i, walk, place, before, push)
     walk%contact(member) = .not. walk%contact(member)
-    call sum_up(osc, table, i, walk, place, after, push)
-    shape = shape_of(walk%error(:, member), place)
-    approach = walk%y - shape(1)/table%width(i)
+    call sum_up(osc, walk, table%pairs(stretch%i), 1, [stretch%left], after, push)
+    shape = shape_of(walk%error(:, member), stretch%left)
+    approach = walk%y - shape(1)/table%width(stretch%i)
     if (abs(approach) > 0) walk%map(2, :) = walk%map(2, :) &
-      - 2*osc%damping_ratio*duration*(sqrt(after) - sqrt(before))*walk%y/approach*walk%map(1, :)
+      - 2*osc%damping_ratio*duration*(sqrt(after(1)) - sqrt(stretch%square(5)))*walk%y/approach*walk%map(1, :)
   end subroutine switch_contact
 end module gearsweep_contact

@@ -8,7 +8,7 @@ module gearsweep_lanes
   use gearsweep_hold, only: append, begins_zone, any_above, move, unscale
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_period, only: track_step
-  use gearsweep_step, only: period_t, walk_t, note_contact
+  use gearsweep_step, only: period_t, walk_t, make_walk, note_contact
   implicit none
   private
   public :: run_lanes
@@ -43,7 +43,7 @@ contains
     logical :: changes(lanes)
     integer :: i, l
 
-    allocate (walk%contact(osc%members), walk%stiffness(0:5, osc%pairs), walk%error(0:5, osc%members))
+    call make_walk(osc, walk)
     flock%x = start(1, :)
     flock%y = start(2, :)
     flock%peak = 0
@@ -122,20 +122,29 @@ contains
     type(member_t), intent(in) :: member(osc%members)
     real(dp), intent(out) :: map(lanes, 6)
     real(dp), dimension(lanes, 3) :: square, drag, push
-    real(dp), dimension(lanes) :: time, stiff, pull
-    integer :: j, k
+    real(dp) :: time(lanes), load
+    integer :: j, k, l
 
     time = duration*width
-    do k = 1, 3
-      stiff = 0
-      pull = osc%load*sum(1/osc%mass)
-      do j = 1, osc%members
-        stiff = stiff + member(j)%weight*rate(j, k)
-        pull = pull + member(j)%weight*(rate(j, k)*error(j, k))
+    load = osc%load*sum(1/osc%mass)
+    square = 0
+    push = load
+    do j = 1, osc%members
+      do k = 1, 3
+        !GCC$ unroll 1
+        do l = 1, lanes
+          square(l, k) = square(l, k) + member(j)%weight(l)*rate(j, k)
+          push(l, k) = push(l, k) + member(j)%weight(l)*(rate(j, k)*error(j, k))
+        end do
       end do
-      square(:, k) = time**2*stiff
-      drag(:, k) = 2*osc%damping_ratio*time*sqrt(stiff)
-      push(:, k) = time**2*pull
+    end do
+    do k = 1, 3
+      !GCC$ unroll 1
+      do l = 1, lanes
+        drag(l, k) = 2*osc%damping_ratio*time(l)*sqrt(square(l, k))
+        square(l, k) = time(l)**2*square(l, k)
+        push(l, k) = time(l)**2*push(l, k)
+      end do
     end do
     call collocate(lanes, square, drag, push, map)
     call unscale(width, map)
@@ -150,20 +159,22 @@ contains
     logical, intent(in) :: open(lanes)
     type(member_t), intent(in) :: member(osc%members)
     logical, intent(out) :: changes(lanes)
-    real(dp) :: lowest(lanes), gap, fall, rise, error(0:1)
+    real(dp) :: lowest(lanes), gap, before, fall, rise, error(0:1), width
     integer :: j, l
 
     lowest = huge(lowest)
+    width = table%width(i)
     do j = 1, osc%members
       if (j > table%pairs(i) .and. j <= osc%pairs) cycle
       error = table%end_error(:1, j, 2, i)
+      !GCC$ unroll 1
       do l = 1, lanes
         gap = member(j)%sense(l)*(x(l) - error(0))
+        before = max(0.0_dp, member(j)%sense(l)*member(j)%gap(l))
         fall = max(0.0_dp, -member(j)%sense(l)*member(j)%gap_slope(l))
-        rise = max(0.0_dp, member(j)%sense(l)*table%width(i)*(y(l) - error(1)))
+        rise = max(0.0_dp, member(j)%sense(l)*(width*(y(l) - error(1))))
         ! A convex curve stays above its tangents.
-        lowest(l) = min(lowest(l), gap, max(0.0_dp, min(gap, member(j)%sense(l)*member(j)%gap(l))) &
-                        - min(fall, rise, (fall + rise)/4))
+        lowest(l) = min(lowest(l), gap, max(0.0_dp, min(gap, before)) - min(fall, rise, (fall + rise)/4))
       end do
     end do
     changes = open .and. lowest < 0

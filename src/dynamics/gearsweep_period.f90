@@ -3,7 +3,7 @@
 module gearsweep_period
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
-  use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
+  use gearsweep_step, only: period_t, walk_t, make_walk, step_t, step_of, follow, chain, note_contact, track, track_top
   use gearsweep_contact, only: contact_changes, cross
   use gearsweep_trace, only: trace_t, record
   implicit none
@@ -32,10 +32,10 @@ contains
     integer :: i, j, zone
 
     out%work = table%steps
+    call make_walk(osc, walk)
     walk%x = start(1)
     walk%y = start(2)
     walk%map = reshape([1, 0, 0, 1], [2, 2])
-    allocate (walk%contact(table%members), walk%stiffness(0:5, osc%pairs), walk%error(0:5, table%members))
     zone = 0
     all_hold = .false.
     do i = 1, table%steps

@@ -4,7 +4,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, shape_of, top_of, first_zero, may_pass
+  public :: quintic, value_of, sample, shape_of, top_of, first_zero, may_pass
 
 contains
 
@@ -28,6 +28,18 @@ contains
 
     value_of = ((((c(5)*t + c(4))*t + c(3))*t + c(2))*t + c(1))*t + c(0)
   end function value_of
+
+  !> Values at `n` places.
+  pure subroutine sample(c, n, t, f)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: c(0:5), t(n)
+    real(dp), intent(out) :: f(n)
+    integer :: k
+
+    do k = 1, n
+      f(k) = ((((c(5)*t(k) + c(4))*t(k) + c(3))*t(k) + c(2))*t(k) + c(1))*t(k) + c(0)
+    end do
+  end subroutine sample
 
   !> Value, first and second derivative.
   pure function shape_of(c, t) result(f)

@@ -9,7 +9,7 @@ module gearsweep_step
   use gearsweep_quintic, only: quintic, top_of, value_of
   implicit none
   private
-  public :: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
+  public :: period_t, walk_t, make_walk, step_t, step_of, follow, chain, note_contact, track, track_top
 
   !> What one period does.
   type :: period_t
@@ -29,8 +29,9 @@ module gearsweep_step
     real(dp) :: x, y
     real(dp) :: map(2, 2)
     logical, allocatable :: contact(:)
-    !> The step at hand, while contact changes in it: quintics over it, (0:5, pair) and (0:5, member).
-    real(dp), allocatable :: stiffness(:, :), error(:, :)
+    !> The step at hand, while contact changes in it: quintics over it, (0:5, pair) and (0:5, member), and
+    !> the mobility, which is linear, (0:1, pair).
+    real(dp), allocatable :: stiffness(:, :), error(:, :), mobility(:, :)
   end type walk_t
 
   !> The affine map of the state over one step.
@@ -39,6 +40,14 @@ module gearsweep_step
   end type step_t
 
 contains
+
+  pure subroutine make_walk(osc, walk)
+    type(oscillator_t), intent(in) :: osc
+    type(walk_t), intent(out) :: walk
+
+    allocate (walk%contact(osc%members))
+    allocate (walk%stiffness(0:5, osc%pairs), walk%error(0:5, osc%members), walk%mobility(0:1, osc%pairs))
+  end subroutine make_walk
 
   !> The step for given coefficients at its nodes: w^2, sum of k e, w of the members in contact.
   pure function step_of(osc, square, push, omega, duration, width) result(step)
