@@ -4,7 +4,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, sample, shape_of, top_of, first_zero, may_pass
+  public :: quintic, value_of, shape_of, top_of, first_zero, may_pass
 
 contains
 
@@ -28,18 +28,6 @@ contains
 
     value_of = ((((c(5)*t + c(4))*t + c(3))*t + c(2))*t + c(1))*t + c(0)
   end function value_of
-
-  !> Values at `n` places.
-  pure subroutine sample(c, n, t, f)
-    integer, intent(in) :: n
-    real(dp), intent(in) :: c(0:5), t(n)
-    real(dp), intent(out) :: f(n)
-    integer :: k
-
-    do k = 1, n
-      f(k) = ((((c(5)*t(k) + c(4))*t(k) + c(3))*t(k) + c(2))*t(k) + c(1))*t(k) + c(0)
-    end do
-  end subroutine sample
 
   !> Value, first and second derivative.
   pure function shape_of(c, t) result(f)
@@ -65,22 +53,18 @@ contains
     top_of = zero_between(derivative(c), 0.0_dp, 1.0_dp)
   end function top_of
 
-  !> First place at which a function that is positive (or, if not `positive`, negative) after 0 leaves
-  !> its sign, and whether there is one: seen by the ends, or by the turning point between them.
-  pure subroutine first_zero(c, positive, place, found)
+  !> First place at which a function that is positive after 0 passes zero, and whether there is one: seen
+  !> by the ends, or by the turning point between them.
+  pure subroutine first_zero(c, place, found)
     real(dp), intent(in) :: c(0:5)
-    logical, intent(in) :: positive
     real(dp), intent(out) :: place
     logical, intent(out) :: found
-    real(dp) :: sense, slope(2)
 
-    sense = merge(1, -1, positive)
     place = 1
-    found = sense*value_of(c, 1.0_dp) < 0
-    slope = sense*[c(1), value_of(derivative(c), 1.0_dp)]
-    if (.not. found .and. slope(1) < 0 .and. slope(2) > 0) then
+    found = value_of(c, 1.0_dp) < 0
+    if (.not. found .and. c(1) < 0 .and. value_of(derivative(c), 1.0_dp) > 0) then
       place = top_of(c)
-      found = sense*value_of(c, place) < 0
+      found = value_of(c, place) < 0
     end if
     if (found) place = zero_between(c, 0.0_dp, place)
   end subroutine first_zero

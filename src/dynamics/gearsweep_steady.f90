@@ -5,8 +5,7 @@ module gearsweep_steady
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_gauss, only: lanes
   use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
-  use gearsweep_lanes, only: run_lanes
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, run_period, run_lanes
   use gearsweep_orbit, only: steady_t, near, name_of, has_answer, settled, shoot, is_closed, newton_step, judge, distance, &
     largest_multiplier, unbounded, point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, &
     point_aperiodic, point_unresolved, point_chatter, point_chaotic
@@ -142,7 +141,7 @@ contains
     state = from
     open = free
     do iteration = 1, most_iterations
-      call run_lanes(osc, table, duration, state, open, run)
+      call run_lanes(osc, table, lanes, duration, state, open, run)
       do l = 1, lanes
         if (.not. open(l)) cycle
         open(l) = .not. is_closed(osc, duration(l), tolerance, state(:, l), run(l))
