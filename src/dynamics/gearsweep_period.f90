@@ -86,7 +86,8 @@ contains
     do l = 1, n
       out(l)%peak = peak(l)
       out(l)%state = state(l, :)
-      out(l)%map = reshape(total(l, :), [2, 2])
+      out(l)%map(:, 1) = total(l, :2)
+      out(l)%map(:, 2) = total(l, 3:)
       out(l)%work = out(l)%work + table%steps
     end do
   end subroutine run_lanes
@@ -150,9 +151,11 @@ contains
       end do
     end do
     call collocate(n, square, drag, push, map)
-    map(:, 2) = map(:, 2)*(1/width)
-    map(:, 3) = map(:, 3)*width
-    map(:, 6) = map(:, 6)*(1/width)
+    do l = 1, n
+      map(l, 2) = map(l, 2)*(1/width)
+      map(l, 3) = map(l, 3)*width
+      map(l, 6) = map(l, 6)*(1/width)
+    end do
   end subroutine make_maps
 
   pure subroutine move(n, map, state, x, y)
