@@ -77,17 +77,21 @@ contains
     may_pass = b < 0 .or. (da < 0 .and. db > 0 .and. min(a, b) < (db - da)/4)
   end function may_pass
 
-  !> Newton's method kept within a bracket. The sign at `high` is that beyond the zero.
+  !> Newton's method kept within a bracket, from where the chord passes zero. The sign at `high` is that
+  !> beyond the zero.
   pure real(dp) function zero_between(c, low_end, high_end) result(t)
     real(dp), intent(in) :: c(0:5), low_end, high_end
-    real(dp), parameter :: tight = 1e-14_dp
-    real(dp) :: low, high, f, slope, sense, moved
+    ! The correction after the last one would be its square.
+    real(dp), parameter :: tight = 1e-8_dp
+    real(dp) :: low, high, ends(2), f, slope, sense, moved
     integer :: iteration, k
 
     low = low_end
     high = high_end
-    sense = sign(1.0_dp, value_of(c, high))
+    ends = [value_of(c, low), value_of(c, high)]
+    sense = sign(1.0_dp, ends(2))
     t = (low + high)/2
+    if (ends(1)*ends(2) < 0) t = (low*ends(2) - high*ends(1))/(ends(2) - ends(1))
     do iteration = 1, 60
       f = 0
       slope = 0
