@@ -213,14 +213,21 @@ contains
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
       allocate (table%square(3, steps), table%push(3, steps))
     end associate
-    table%rate = 0
-    table%error = 0
-    table%end_rate = 0
-    table%end_stiffness = 0
-    table%end_error = 0
-    table%square = 0
-    table%push = 0
+    call clear(size(table%rate), table%rate)
+    call clear(size(table%error), table%error)
+    call clear(size(table%end_rate), table%end_rate)
+    call clear(size(table%end_stiffness), table%end_stiffness)
+    call clear(size(table%end_error), table%end_error)
+    call clear(size(table%square), table%square)
+    call clear(size(table%push), table%push)
   end subroutine allocate_table
+
+  pure subroutine clear(n, values)
+    integer, intent(in) :: n
+    real(dp), intent(out) :: values(n)
+
+    values = 0
+  end subroutine clear
 
   !> Pair j over the steps first to last, those of one zone.
   pure subroutine fill_pair(osc, zone, j, first, last, table)

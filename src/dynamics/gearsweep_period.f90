@@ -34,13 +34,23 @@ contains
 
     starts(1, :) = start(1)
     starts(2, :) = start(2)
-    call run_lanes(osc, table, 1, [(duration, l=1, lanes)], starts, [(.not. hold, l=1, lanes)], outs, trace)
+    call follow(osc, table, 1, [(duration, l=1, lanes)], starts, [(.not. hold, l=1, lanes)], outs, trace)
     out = outs(1)
   end subroutine run_period
 
-  !> The same for the first `n` lanes at once. Lanes that are not `open` stay in contact. The trace is that
-  !> of the first lane.
-  pure subroutine run_lanes(osc, table, n, duration, start, open, out, trace)
+  !> The same for all lanes at once. Those that are not `open` stay in contact.
+  pure subroutine run_lanes(osc, table, duration, start, open, out)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration(lanes), start(2, lanes)
+    logical, intent(in) :: open(lanes)
+    type(period_t), intent(out) :: out(lanes)
+
+    call follow(osc, table, lanes, duration, start, open, out)
+  end subroutine run_lanes
+
+  !> The first `n` lanes; the trace is that of the first.
+  pure subroutine follow(osc, table, n, duration, start, open, out, trace)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: n
@@ -90,7 +100,7 @@ contains
       out(l)%map(:, 2) = total(l, 3:)
       out(l)%work = out(l)%work + table%steps
     end do
-  end subroutine run_lanes
+  end subroutine follow
 
   !> Which members touch where the zone of step i begins.
   pure subroutine enter_zone(osc, table, i, n, state, free, contact, member, peak, out)

@@ -141,7 +141,7 @@ contains
     state = from
     open = free
     do iteration = 1, most_iterations
-      call run_lanes(osc, table, lanes, duration, state, open, run)
+      call run_lanes(osc, table, duration, state, open, run)
       do l = 1, lanes
         if (.not. open(l)) cycle
         open(l) = .not. is_closed(osc, duration(l), tolerance, state(:, l), run(l))
