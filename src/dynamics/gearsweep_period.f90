@@ -4,7 +4,7 @@
 !> once for all.
 module gearsweep_period
   use gearsweep_kinds, only: dp
-  use gearsweep_contact, only: course_t, make_course, cross
+  use gearsweep_contact, only: crossing_t, make_crossing, cross
   use gearsweep_gauss, only: collocate, lanes
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_step, only: period_t, member_t, touching, set_contact, note_contact, begins_zone, track_pair
@@ -58,36 +58,36 @@ contains
     logical, intent(in) :: open(lanes)
     type(period_t), intent(out) :: out(lanes)
     type(trace_t), intent(inout), optional :: trace
-    type(course_t) :: course
+    type(crossing_t) :: crossing
     type(member_t) :: member(osc%members)
     real(dp) :: map(lanes, 6), total(lanes, 4), state(lanes, 2), x(lanes), y(lanes), peak(lanes), top(lanes)
     logical, dimension(lanes) :: free, changes
     integer :: i, l
 
-    call make_course(osc, course)
+    call make_crossing(osc, n, duration, crossing)
     state = transpose(start)
     peak = 0
     free = open
     total = 0
     total(:, [1, 4]) = 1
     do i = 1, table%steps
-      if (begins_zone(table, i)) call enter_zone(osc, table, i, n, state, free, course%contact, member, peak, out)
+      if (begins_zone(table, i)) call enter_zone(osc, table, i, n, state, free, crossing%contact, member, peak, out)
       call make_maps(osc, n, duration, table%width(i), table%rate(:, :, i), table%error(:, :, i), member, map)
       call move(n, map, state, x, y)
       call find_changes(osc, table, i, n, x, y, free, member, changes)
       if (any(changes(:n))) then
-        call cross(osc, table, i, n, duration, state, changes, course, member, x, y, map, peak, out, trace)
+        call cross(osc, table, i, state, changes, crossing, member, x, y, map, peak, out, trace)
         if (all(out(:n)%failed)) return
         free = free .and. .not. out%failed
       end if
       call watch(table, i, 2, n, x, y, member, peak, top)
       do l = 1, n
         if (top(l) <= peak(l) .or. changes(l)) cycle
-        call look_between(osc, table, i, l, duration(l), [state(l, 1), x(l)], [state(l, 2), y(l)], course%contact, &
+        call look_between(osc, table, i, l, duration(l), [state(l, 1), x(l)], [state(l, 2), y(l)], crossing%contact, &
                           member, peak(l))
       end do
       if (present(trace) .and. .not. changes(1)) &
-        call note(table, i, [state(1, 1), x(1)], course%contact, member, trace)
+        call note(table, i, [state(1, 1), x(1)], crossing%contact, member, trace)
       call chain(n, map, total)
       if (modulo(i, 64) == 0) call forget(total)
       state(:, 1) = x
