@@ -100,13 +100,11 @@ contains
   !> comes down to it, as the load is convex in the deflection.
   pure real(dp) function mean_deflection(osc) result(x)
     type(oscillator_t), intent(in) :: osc
-    integer, parameter :: samples = 12, most = 100
+    integer, parameter :: samples = 32, most = 100
     real(dp), dimension(osc%pairs, samples, size(osc%zones)) :: stiffness, error
     real(dp) :: excess, s
     integer :: i, j, k
 
-    x = osc%static_scale
-    if (.not. osc%mesh%profile_error%maximum() > 0) return
     stiffness = 0
     error = 0
     do i = 1, size(osc%zones)

@@ -263,10 +263,6 @@ contains
 
     maximum = -huge(maximum)
     do i = 1, size(p%coef, 2)
-      maximum = max(maximum, horner(p%coef(:, i), -1.0_dp), horner(p%coef(:, i), 1.0_dp))
-    end do
-    do i = 1, size(p%coef, 2)
-      if (p%coef(lbound(p%coef, 1), i) + sum(abs(p%coef(lbound(p%coef, 1) + 1:, i))) <= maximum) cycle
       v = turning_points(p%coef(:, i))
       do k = 1, size(v)
         maximum = max(maximum, horner(p%coef(:, i), v(k)))
