@@ -98,7 +98,8 @@ contains
       line = line//str(outcome%value, 9)
       if (outcome%status /= 'ok') line = line//' '//outcome%status
       line = line//' | '//merge(str(outcome%error, 2)//repeat(' ', 9), '                  ', outcome%error > 0)
-      line = trim(line)//' | '//str(expected, 9)//' | '//str(abs(outcome%value - expected)/abs(expected), 1)//' | '//row%origin//' |'
+      line = trim(line)//' | '//str(expected, 9)//' | '//str(abs(outcome%value - expected)/abs(expected), 1)//' | '
+      line = line//row%origin//' |'
     end if
   end function limit_line
 end module test_extremes
