@@ -15,7 +15,7 @@ module extreme_cases
   use gearsweep_text, only: to_number
   implicit none
   private
-  public :: row_t, read_cases, is_case, outcome_t, outcome_of, expected_value
+  public :: row_t, read_cases, is_case, outcome_t, outcome_of, expected_value, build_case
 
   character(*), parameter :: folder = 'test/extreme/'
 

@@ -7,20 +7,19 @@ word in their last column:
 series      periodic motion by Newton's method on the period map, from rest at the mean deflection, or
             after a march where that repels; `series multiplier`: its largest Floquet modulus;
             `series from above`: of the motions that starts away from rest lead to, the one that loads
-            the teeth most; `series unrelieved`: without the relief
+            the teeth most; `series of 2 periods from 20 0.5`: Newton's method from that state, um and um a
+            period, over so many periods
 slow limit  oscillation about the static load sharing after each jump; within twice the first-order
             effect of speed where relief leaves no jump
 fast limit  constant deflection whose mean force balances the load; within twice the motion's size
 Meissner    closed form of the two-level oscillator
 exponent    growth of the distance of two neighbours, marched
-geometry    contact ratio of involute gears
-flattening  stiffness at another load from that at 300 N/mm, by the logarithm in Hertz's contact
-iso         ISO 6336-1:2006, method B
+geometry, iso, Weber, elements: see bodies.py
 """
 import csv
 import re
 import sys
-from math import acos, cos, log, pi, radians, sin, sqrt, tan
+from math import log, pi, radians, sqrt, tan
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -33,6 +32,7 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+import bodies
 from model import Mesh, Row, pval
 from propagate import Period, exact_piece, jacobian, largest_multiplier, taylor_piece
 
@@ -102,12 +102,26 @@ def mean_deflection(row):
     return brentq(load, 0.0, 10 * row.Fs / max(row.coef[0], 1e-9) + 2 * max(row.cp, row.cg) + 1e-300, xtol=1e-300, rtol=1e-12)
 
 
+class ShortRelief(Mesh):
+    """Relief of the pinion over its last `length` base pitches."""
+
+    def __init__(self, row, ctx, length):
+        super().__init__(row, ctx)
+        self.length = ctx.mpf(length)
+        self.breaks = sorted([*self.breaks, self.B - self.length])
+
+    def error(self, tau, j, mid):
+        start = self.c - self.length
+        return [self.cp * (tau + j - start) / self.length, self.cp / self.length] if mid + j > start else [self.B * 0]
+
+
 class Motion:
     """Period map of a row in one number context, over several periods."""
 
-    def __init__(self, row, ctx):
+    def __init__(self, row, ctx, length=None):
         exact = len(row.coef) == 1 and row.mu == 0 and row.zeta != 1
-        self.row, self.ctx, self.mesh = row, ctx, Mesh(row, ctx)
+        self.row, self.ctx = row, ctx
+        self.mesh = ShortRelief(row, ctx, length) if length else Mesh(row, ctx)
         self.piece = exact_piece if exact else taylor_piece
         self.unit = ctx.sqrt(self.mesh.gain * (self.mesh.m1 + self.mesh.m2) * max(map(abs, self.mesh.coef)))
         self.size = ctx.mpf(mean_deflection(row))
@@ -151,42 +165,54 @@ class Motion:
         return None
 
 
-def periodic(row, start=None):
-    """(state, periods) in ordinary numbers; None with all pairs in contact."""
-    motion = Motion(row, mpmath.fp)
-    rest = (motion.size, 0.0)
-    if start is None:
-        whole = Motion(row, mp).closed((mp.mpf(motion.size), mp.mpf(0)), bonded=True)
-        run = Motion(row, mp).period(whole[0], peaks=True)
-        if not run.events and not run.loss and largest_multiplier(mp, whole[1]) < 1 + mp.mpf(10)**-12:
-            return None
-        try:
-            found = motion.closed(rest)
-            if found and largest_multiplier(mpmath.fp, found[1]) < 1 + 1e-6 and motion.distance(found[0], rest) < 0.5:
-                return found[0], 1
-        except (ZeroDivisionError, RuntimeError, OverflowError):
-            pass
-    return motion.march(start or rest)
-
-
-def series(row, wanted="df", start=None):
-    guess = periodic(row, start)
-    motion = Motion(row, mp)
-    state, periods = guess if guess else ((motion.size, mp.mpf(0)), 1)
-    state, J = motion.closed(tuple(map(mp.mpf, state)), periods, bonded=guess is None)
+def series(row, wanted="df", start=None, periods=None, length=None):
+    motion = Motion(row, mp, length)
+    rest = (mp.mpf(motion.size), mp.mpf(0))
+    if periods:
+        state, J = motion.closed(tuple(map(mp.mpf, start)), periods)
+    else:
+        state, J, periods = (start is None and (all_carry(motion, rest) or from_rest(motion, rest))) or led_to(motion, start or rest)
     peak, y = 0, state
     for _ in range(periods):
         run = motion.period(y, peaks=True)
         peak, y = max(peak, run.peak), run.state
     print(f"    {periods} periods, {len(run.events)} changes in the last, multiplier", mp.nstr(largest_multiplier(mp, J), 12))
+    if motion.distance(y, state) > mp.mpf(10)**-15:
+        raise RuntimeError("does not repeat")
     return (largest_multiplier(mp, J) if wanted == "multiplier" else peak / motion.mesh.Fs), 1e-12
+
+
+def attracts(J):
+    return largest_multiplier(mp, J) < 1 + mp.mpf(10)**-12
+
+
+def all_carry(motion, rest):
+    """The motion in which no pair parts, if there is one."""
+    state, J = motion.closed(rest, bonded=True)
+    run = motion.period(state, peaks=True)
+    return None if run.events or run.loss or not attracts(J) else (state, J, 1)
+
+
+def from_rest(motion, rest):
+    """What Newton's method comes to from rest, if it attracts and is not far."""
+    try:
+        found = motion.closed(rest)
+    except (ZeroDivisionError, RuntimeError, OverflowError):
+        return None
+    return (*found, 1) if found and attracts(found[1]) and motion.distance(found[0], rest) < 0.5 else None
+
+
+def led_to(motion, start):
+    """What a march comes to."""
+    found = Motion(motion.row, mpmath.fp).march(tuple(map(float, start)))
+    if not found:
+        raise RuntimeError("the march comes to nothing that repeats")
+    return *motion.closed(tuple(map(mp.mpf, found[0])), found[1]), found[1]
 
 
 def from_above(row):
     m = Motion(row, mpmath.fp)
-    ends = [m.march((f * m.size, g * m.size * m.unit)) for f in (0.5, 2, 4) for g in (0, 2, -2)]
-    motions = [series(row, start=e[0]) for e in ends if e]
-    return max(motions)
+    return max(series(row, start=(f * m.size, g * m.size * m.unit)) for f in (0.5, 2, 4) for g in (0, 2, -2))
 
 
 # --- limits -------------------------------------------------------------------------------------
@@ -277,42 +303,6 @@ def exponent(case):
     return np.exp(total / count), 0.15
 
 
-# --- geometry and stiffness formulas ------------------------------------------------------------
-
-def geometry(case):
-    """Contact ratio of external gears of module 1, standard pressure angle, without backlash."""
-    z = [int(case[f"{g} teeth"]) for g in ("pinion", "gear")]
-    x = [number(case, f"{g} profile_shift", 0.0) for g in ("pinion", "gear")]
-    h = [number(case, f"{g} addendum", 1.0) for g in ("pinion", "gear")]
-    alpha = radians(20)
-    inv = lambda a: tan(a) - a
-    working = inv(alpha) + 2 * tan(alpha) * sum(x) / sum(z)
-    aw = brentq(lambda a: inv(a) - working, 1e-3, 1.2, xtol=1e-15)
-    rb = [n / 2 * cos(alpha) for n in z]
-    a = sum(rb) / cos(aw)
-    tip = [n / 2 + s + k for n, s, k in zip(z, x, h)]
-    return (sum(sqrt(t**2 - b**2) for t, b in zip(tip, rb)) - a * sin(aw)) / (pi * cos(alpha)), 1e-9
-
-
-def iso(case):
-    z = [int(case[f"{g} teeth"]) for g in ("pinion", "gear")]
-    q = 0.04723 + 0.15551 / z[0] + 0.25791 / z[1]
-    rack = 1 + 0.5 * (1.2 - 1.25)
-    load = number(case, "load line_load_n_mm")
-    single = 1 / q * 0.8 * rack * min(1.0, load / 100)**0.25
-    return single * number(case, "pair face_width_mm"), 1e-9
-
-
-def flattening(case):
-    """From the library's own stiffness at 300 N/mm: only the change with the load is checked."""
-    young, nu = 206e9, 0.3
-    width, base, load = (number(case, "pair face_width_mm") / 1e3, 300e3, number(case, "load line_load_n_mm") * 1e3)
-    table = filter(None, map(read_row, (HERE / "cases.txt").read_text().splitlines()))
-    known = next(float(r["expected"]) for r in table if r["title"] == "line load 300")
-    change = 2 * (1 - nu**2) / (pi * young) * log(base / load)
-    return 1e-6 / (1e-6 / known + change / width), 1e-9
-
-
 # --- the table ----------------------------------------------------------------------------------
 
 def read_row(line):
@@ -323,17 +313,19 @@ def expected(row):
     case = case_of(row)
     words = row["origin"].split()
     if words[0] == "series":
-        if "unrelieved" in words:
-            case["relief amount_um"] = "0"
         motion = motion_row(case)
         if "above" in words:
             return from_above(motion)
-        return series(motion, "multiplier" if "multiplier" in words else "df")
+        if "periods" in words:
+            periods, x, v = (float(word.strip(",")) for word in (words[2], words[5], words[6]))
+            return series(motion, start=(x, v), periods=int(periods))
+        length = mp.mpf(case["relief length_mm"]) / mp.mpf(case["mesh base_pitch_mm"]) if "relief length_mm" in case else None
+        return series(motion, "multiplier" if "multiplier" in words else "df", length=length)
     return METHODS[words[0]](case)
 
 
 METHODS = {"slow": slow_limit, "fast": fast_limit, "Meissner": meissner, "exponent": exponent,
-           "geometry": geometry, "iso": iso, "flattening": flattening}
+           "geometry": bodies.contact_ratio, "iso": bodies.iso, "Weber": bodies.weber, "elements": bodies.elements}
 
 
 def main(titles):
