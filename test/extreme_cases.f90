@@ -2,6 +2,7 @@
 !> of each case.
 module extreme_cases
   use gearsweep_kinds, only: dp
+  use, intrinsic :: iso_fortran_env, only: int64
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_accuracy, only: point_t, solve_point, tables_t, mesh_period
   use gearsweep_case, only: case_t
@@ -15,9 +16,12 @@ module extreme_cases
   use gearsweep_text, only: to_number
   implicit none
   private
-  public :: row_t, read_cases, is_case, outcome_t, outcome_of, expected_value, build_case
+  public :: row_t, read_cases, is_case, outcome_t, outcome_of, same_bits, expected_value, build_case
 
   character(*), parameter :: folder = 'test/extreme/'
+
+  !> Stiffness by formulas is meant to be as exact, relative; no estimate comes along.
+  real(dp), parameter :: formulas = 1e-6_dp
 
   !> One line of the table; of a heading, only the title.
   type :: row_t
@@ -31,7 +35,8 @@ module extreme_cases
     character(:), allocatable :: status          !< of the point, or ok
     real(dp) :: value = 0, error = 0             !< error: estimated, relative
     real(dp) :: work = 0                         !< steps that the point took, by itself
-    real(dp) :: alone = 0                        !< the dynamic factor without lanes or a branch, where it is asked
+    real(dp) :: alone = 0                        !< the dynamic factor without lanes, where it must be the same
+    real(dp) :: seconds = 0
   end type outcome_t
 
 contains
@@ -92,23 +97,37 @@ contains
     text = trim(adjustl(text))
   end function field
 
-  subroutine outcome_of(row, outcome)
+  subroutine outcome_of(row, threads, outcome)
     type(row_t), intent(in) :: row
+    integer, intent(in) :: threads
     type(outcome_t), intent(out) :: outcome
     type(error_t), allocatable :: error
     type(study_t) :: study
     type(case_t) :: case
     character(:), allocatable :: text
+    integer(int64) :: start, finish, rate
 
-    outcome%status = 'ok'
+    call system_clock(start, rate)
     call build_case(row, text, error)
     if (.not. allocated(error)) call read_case(text, case, error)
-    if (.not. allocated(error)) call run_study(case, folder, 1, study, error)
+    if (.not. allocated(error)) call run_study(case, folder, threads, study, error)
     if (allocated(error)) then
       outcome%status = 'refused'
       outcome%message = error%message
-      return
+    else
+      outcome%status = 'ok'
+      call take(row, study, outcome)
     end if
+    call system_clock(finish)
+    outcome%seconds = real(finish - start, dp)/rate
+  end subroutine outcome_of
+
+  !> The quantity that is asked for.
+  subroutine take(row, study, outcome)
+    type(row_t), intent(in) :: row
+    type(study_t), intent(in) :: study
+    type(outcome_t), intent(inout) :: outcome
+
     select case (row%quantity)
     case ('df', 'multiplier')
       call take_point(row, study, outcome)
@@ -116,13 +135,23 @@ contains
       outcome%value = study%mesh%contact_ratio
     case ('stiffness')
       outcome%value = study%mesh%stiffness%maximum()*1e-6_dp
-    case ('middle')
-      outcome%value = study%mesh%stiffness%value(study%mesh%contact_ratio/2)*1e-6_dp
+    case ('compliance')
+      outcome%value = 1e6_dp/study%mesh%stiffness%value(study%mesh%contact_ratio/2)
+      outcome%error = formulas
     case ('frequency')
       outcome%value = study%modal%modes%frequency(1)
       outcome%error = study%modal%error_estimate(1)
+    case ('tension')
+      outcome%value = study%root(1)%stress%tension%stress*1e-6_dp
+      outcome%error = study%root(1)%stress%error_estimate
     end select
-  end subroutine outcome_of
+  end subroutine take
+
+  logical function same_bits(a, b)
+    type(outcome_t), intent(in) :: a, b
+
+    same_bits = a%status == b%status .and. all(transfer([a%value, a%error], [0_int64]) == transfer([b%value, b%error], [0_int64]))
+  end function same_bits
 
   !> The base with the changes; `rpm` stands for the first and the last speed.
   subroutine build_case(row, text, error)
@@ -169,22 +198,21 @@ contains
     type(point_t) :: point
     integer :: k
 
-    associate (sweep => study%sweep)
+    allocate (tables)
+    associate (sweep => study%sweep, motion => study%motion(1), accuracy => study%case%accuracy)
       k = merge(1, size(sweep%rpm), study%case%direction == down)
       outcome%status = name_of(sweep%status(k, 1))
       outcome%value = sweep%dynamic_factor(k, 1)
       if (.not. ieee_is_nan(outcome%value)) outcome%error = sweep%estimate(k, 1)/outcome%value
-      if (row%quantity == 'multiplier') then
-        outcome%value = sweep%multiplier(k, 1)
-        outcome%error = 0
-      end if
-      allocate (tables)
-      associate (motion => study%motion(1))
-        call solve_point(motion, mesh_period(motion%mesh%teeth(1), sweep%rpm(k)), study%case%accuracy, tables, point)
-      end associate
+      call solve_point(motion, mesh_period(motion%mesh%teeth(1), sweep%rpm(k)), accuracy, tables, point)
       outcome%work = point%work
-      outcome%alone = ieee_value(1.0_dp, ieee_quiet_nan)
-      if (study%case%direction == each .and. row%quantity == 'df') outcome%alone = point%dynamic_factor
+      if (row%quantity == 'multiplier') then
+        ! No estimate comes along.
+        outcome%value = sweep%multiplier(k, 1)
+        outcome%error = accuracy%steady%tolerance
+      else if (study%case%direction == each) then
+        outcome%alone = point%dynamic_factor
+      end if
     end associate
   end subroutine take_point
 

@@ -2,12 +2,13 @@
 !> prints the table of doc/limits.md instead.
 program check
   use, intrinsic :: iso_fortran_env, only: int64
+  use extreme_table, only: print_limits
   use test_band, only: run_band => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
-  use test_extremes, only: run_extremes => run, print_limits
+  use test_extremes, only: run_extremes => run
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
   use test_honesty, only: run_honesty => run

@@ -104,7 +104,7 @@ contains
   pure real(dp) function longest_stretch(osc, time)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: time
-    real(dp), parameter :: decay = 0.1_dp
+    real(dp), parameter :: decay = 0.05_dp
 
     longest_stretch = 1
     if (osc%damping_ratio > 1) longest_stretch = min(1.0_dp, decay/(2*osc%damping_ratio*osc%highest_frequency*time))
