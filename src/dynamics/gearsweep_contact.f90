@@ -296,7 +296,7 @@ contains
     width = stretch%width
     low = 0
     high = 1
-    part = guess
+    part = max(guess, hair)
     do iteration = 1, 50
       stretch%width = part*width
       call follow_stretch(osc, table, duration, walk, stretch)
