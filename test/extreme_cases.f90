@@ -16,7 +16,7 @@ module extreme_cases
   use gearsweep_text, only: to_number
   implicit none
   private
-  public :: row_t, read_cases, is_case, outcome_t, outcome_of, same_bits, expected_value, build_case
+  public :: row_t, read_cases, is_case, outcome_t, outcome_of, same_bits, expected_value
 
   character(*), parameter :: folder = 'test/extreme/'
 

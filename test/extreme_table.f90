@@ -46,10 +46,16 @@ contains
       line = line//meaning(outcome%status)//' | | | '//row%origin//' |'
     else
       line = line//number_of(row, outcome)//' | '
-      if (outcome%error > 0 .and. row%quantity /= 'multiplier') line = line//str(outcome%error, 1)
+      if (outcome%error > 0 .and. is_estimated(row%quantity)) line = line//str(outcome%error, 1)
       line = line//' | '//str(abs(outcome%value/expected - 1), 1)//' | '//source_of(row)//' |'
     end if
   end function line_of
+
+  logical function is_estimated(quantity)
+    character(*), intent(in) :: quantity
+
+    is_estimated = any(quantity == [character(9) :: 'df', 'frequency', 'tension'])
+  end function is_estimated
 
   !> What is changed in the base.
   function asked(row) result(text)

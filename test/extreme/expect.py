@@ -1,6 +1,6 @@
 """Fill in the expected values of cases.txt that independent methods give: python3 expect.py [title ...]
 
-Needs mpmath and SciPy.  Nothing here comes from the library: cases are read as text, and the motion is
+Needs mpmath and SciPy, for the modes scikit-fem.  Nothing here comes from the library: cases are read as text, and the motion is
 the one of ../reference (closed forms and Taylor series with 40 digits).  Rows are known by the first
 word in their last column:
 
@@ -9,10 +9,10 @@ series      periodic motion by Newton's method on the period map, from rest at t
             `series from above`: of the motions that starts away from rest lead to, the one that loads
             the teeth most; `series of 2 periods from 20 0.5`: Newton's method from that state, um and um a
             period, over so many periods
-slow limit  oscillation about the static load sharing after each jump; within twice the first-order
-            effect of speed where relief leaves no jump
+slow limit  oscillation about the static load sharing after each jump of stiffness
 fast limit  constant deflection whose mean force balances the load; within twice the motion's size
 Meissner    closed form of the two-level oscillator
+march       closed forms in doubles, the third period from rest
 exponent    growth of the distance of two neighbours, marched
 geometry, iso, Weber, elements: see bodies.py
 """
@@ -219,16 +219,11 @@ def from_above(row):
 
 def slow_limit(case):
     row = motion_row(case)
-    assert len(row.coef) == 1 and 1 < row.c < 2 and row.mu == 0
+    assert len(row.coef) == 1 and 1 < row.c < 2 and row.mu == 0 and row.cp == 0
     T, w = 60 / (row.z1 * row.rpm), sqrt(row.coef[0] * 1e6 * (1 / row.m1 + 1 / row.m2))
-    if row.cp == 0:
-        # From half the load on each pair to all of it on one, as if at rest before.
-        rest = np.exp(-row.zeta * w * T * min(row.c - 1, 2 - row.c))
-        return 1 + 0.5 * np.exp(-row.zeta * pi / sqrt(1 - row.zeta**2)), max(2 * rest, 1e-12)
-    assert row.cp == row.cg and row.cp > row.Fs / row.coef[0]
-    # One pair hands over to the next along its relief; where both touch, x follows their mean.
-    slope = row.cp / (row.c - 1)
-    return 1.0, 2 * (2 * row.zeta + 1) * slope / (w * T) / (row.Fs / row.coef[0])
+    # From half the load on each pair to all of it on one, as if at rest before.
+    rest = np.exp(-row.zeta * w * T * min(row.c - 1, 2 - row.c))
+    return 1 + 0.5 * np.exp(-row.zeta * pi / sqrt(1 - row.zeta**2)), max(2 * rest, 1e-12)
 
 
 def pair_curves(case):
@@ -287,6 +282,13 @@ def meissner(case):
     return max(abs(trace / 2 + root), abs(trace / 2 - root)), 1e-9
 
 
+def march(case):
+    """The peak of the third period from rest, where two forget all that was before."""
+    motion = Motion(motion_row(case), mpmath.fp)
+    run = motion.period(motion.run((motion.size, 0.0), 2), peaks=True)
+    return run.peak / motion.row.Fs, 1e-9
+
+
 def exponent(case):
     motion = Motion(motion_row(case), mpmath.fp)
     y, total, count, size = (motion.size, 0.0), 0.0, 0, 1e-7
@@ -324,7 +326,7 @@ def expected(row):
     return METHODS[words[0]](case)
 
 
-METHODS = {"slow": slow_limit, "fast": fast_limit, "Meissner": meissner, "exponent": exponent,
+METHODS = {"slow": slow_limit, "fast": fast_limit, "Meissner": meissner, "exponent": exponent, "march": march,
            "geometry": bodies.contact_ratio, "iso": bodies.iso, "Weber": bodies.weber, "elements": bodies.elements}
 
 
