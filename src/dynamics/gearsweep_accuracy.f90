@@ -278,6 +278,8 @@ contains
     if (has_answer(half%status)) then
       point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
                                         distance(osc, duration, point%steady%state - half%state))
+      ! Where strong drag ends contact within a step or two, the order does not show.
+      if (osc%damping_ratio > 1 .and. point%steady%partial) point%step_error = 20*point%step_error
       ! So near to 1 that the steps' error decides on which side.
       if (has_answer(point%steady%status) .and. &
           abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = point_marginal
