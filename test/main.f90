@@ -1,11 +1,14 @@
-!> Runs the test suites, or only those named as arguments.
+!> Runs the test suites, or only those named as arguments; with `limits` alone,
+!> prints the table of doc/limits.md instead.
 program check
   use, intrinsic :: iso_fortran_env, only: int64
+  use extreme_table, only: print_limits
   use test_band, only: run_band => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
+  use test_extremes, only: run_extremes => run
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
   use test_honesty, only: run_honesty => run
@@ -19,6 +22,10 @@ program check
   implicit none
   type(tally_t) :: all
 
+  if (command_argument_count() == 1 .and. is_wanted('limits')) then
+    call print_limits()
+    stop
+  end if
   call run_wanted([ &
     & suite_t('reader', run_reader), &
     & suite_t('geometry', run_geometry), &
@@ -26,6 +33,7 @@ program check
     & suite_t('harmonics', run_harmonics), &
     & suite_t('motion', run_motion), &
     & suite_t('sweep', run_sweep), &
+    & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
     & suite_t('band', run_band), &
