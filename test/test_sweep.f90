@@ -7,9 +7,9 @@ module test_sweep
   use gearsweep_files, only: read_text
   use gearsweep_motion, only: oscillator_t, make_oscillator
   use gearsweep_optimum, only: find_resonances, peak_t, worst_of
-  use gearsweep_steady, only: has_answer
+  use gearsweep_steady, only: has_answer, by_marching, point_ok
   use gearsweep_study, only: study_t, run_study
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, contact_lost
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, contact_full, contact_lost
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_error, check_no_error
   implicit none
@@ -26,6 +26,7 @@ contains
     call any_stiffness(t)
     call threads_agree(t)
     call branches(t)
+    call marching_agrees(t)
     call failures_stay_local(t)
     call too_many_points(t)
     call resonances(t)
@@ -211,6 +212,30 @@ contains
     call check_true(t, 'contact kept below', all(pack(rising%contact(:, 1), between) < contact_lost))
     call check_true(t, 'contact lost above', all(pack(falling%contact(:, 1), between) >= contact_lost))
   end subroutine branches
+
+  !> Marching finds what shooting does, to what it was asked for, and says that it repeats every period.
+  subroutine marching_agrees(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t), allocatable :: osc(:)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: marched, shot
+    type(error_t), allocatable :: error
+    real(dp), parameter :: rpm(5) = [3000, 5000, 8000, 14000, 22000]
+
+    call rattling(osc, 0.02_dp)
+    options%direction = each
+    call run_sweep(osc(:2), rpm, options, shot, error)
+    options%accuracy%steady%method = by_marching
+    options%accuracy%steady%tolerance = 1e-3_dp
+    call run_sweep(osc(:2), rpm, options, marched, error)
+    associate (one => shot%status == point_ok .and. shot%contact == contact_full)
+      call check_true(t, 'some points in full contact', count(one) >= 4)
+      call check_true(t, 'marching is as near as asked', &
+                      maxval(abs(marched%dynamic_factor - shot%dynamic_factor), mask=one) < 1e-3_dp)
+      call check_true(t, 'marching says ok', all(marched%status == point_ok .or. .not. one))
+      call check_true(t, 'within few steps', maxval(marched%steps, mask=one) < 1000)
+    end associate
+  end subroutine marching_agrees
 
   !> Speeds without an answer get NaN and a status; the others are as without
   !> them, but for what Newton's method leaves: a thousandth of the tolerance.

@@ -169,11 +169,13 @@ contains
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration, tolerance
     type(steady_t), intent(inout) :: steady
-    real(dp), parameter :: same = 1e-7_dp
+    real(dp) :: same
     type(steady_t) :: trial
     type(period_t) :: run
     integer :: periods
 
+    ! Marching leaves a thousandth of the tolerance in each of the periods.
+    same = max(1e-7_dp, 1e-2_dp*tolerance)
     do periods = 1, steady%periods/2
       if (modulo(steady%periods, periods) /= 0) cycle
       call run_periods(osc, table, duration, steady%state, periods, run)

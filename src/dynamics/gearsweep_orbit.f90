@@ -25,7 +25,7 @@ module gearsweep_orbit
     integer :: status = point_aperiodic
     real(dp) :: state(2) = 0
     real(dp) :: peak = 0                         !< largest load on one pair, N
-    real(dp) :: mark = 0                         !< sum of x where zones begin, m
+    real(dp) :: mark = 0                         !< sum of x where zones begin, mean of the periods, m
     !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean
     !> growth of a disturbance over a mesh period.
     real(dp) :: multiplier = 0
@@ -202,7 +202,7 @@ contains
 
     steady%state = state
     steady%peak = run%peak
-    steady%mark = run%mark
+    steady%mark = run%mark/periods
     steady%partial = run%partial
     steady%flight = run%flight
     steady%coast = run%coast
