@@ -7,8 +7,8 @@ module gearsweep_keys
   private
   public :: keys_t
 
-  !> Where it is given, its entry in the namelist; else its default as a case has
-  !> it, not allocated where there is none.
+  !> Where it is given and has an effect, its entry in the namelist; else its
+  !> default as a case has it, not allocated where there is none.
   type :: key_t
     character(name_length) :: group, name
     integer :: entry = 0
@@ -20,16 +20,18 @@ module gearsweep_keys
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add, settle, forget, groups, why_unknown, write_case
+    procedure :: add, settle, why_unknown, write_case
   end type keys_t
 
 contains
 
-  !> A key that is asked for again stays one. `entry` is 0 where it is not given.
-  pure subroutine add(self, group, name, entry)
+  !> A key that is asked for again stays one. `entry` is 0 where it is not given; `idle`: it has no
+  !> effect.
+  pure subroutine add(self, group, name, entry, idle)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: group, name
     integer, intent(in) :: entry
+    logical, intent(in) :: idle
     integer, parameter :: most = 1000
     integer :: i
 
@@ -45,11 +47,12 @@ contains
     associate (key => self%key(self%last))
       key%group = lower(group)
       key%name = lower(name)
-      key%entry = entry
+      key%entry = merge(0, entry, idle)
     end associate
+    if (idle) self%last = 0
   end subroutine add
 
-  !> The default of the key added last, where it is not given.
+  !> The default of the key added last, where it is not given; one without effect has none.
   pure subroutine settle(self, default)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: default
@@ -57,69 +60,44 @@ contains
     if (self%last > 0) self%key(self%last)%default = default
   end subroutine settle
 
-  !> What the case must not have is not in effect.
-  pure subroutine forget(self, group, name)
-    class(keys_t), intent(inout) :: self
-    character(*), intent(in) :: group
-    character(*), intent(in), optional :: name
-    integer :: i
-
-    do i = 1, self%known
-      associate (key => self%key(i))
-        if (key%group /= lower(group)) cycle
-        if (present(name)) then
-          if (key%name /= lower(name)) cycle
-        end if
-        key%entry = 0
-        if (allocated(key%default)) deallocate (key%default)
-      end associate
-    end do
-  end subroutine forget
-
-  pure function groups(self)
-    class(keys_t), intent(in) :: self
-    character(name_length), allocatable :: groups(:)
-
-    groups = distinct(self%key(:self%known)%group)
-  end function groups
-
   !> Why there is no such key, and which would be right.
-  pure function why_unknown(self, group, name) result(why)
+  pure subroutine why_unknown(self, group, name, why)
     class(keys_t), intent(in) :: self
     character(*), intent(in) :: group, name
-    character(:), allocatable :: why
+    character(:), allocatable, intent(out) :: why
     character(name_length), allocatable :: names(:), homes(:)
+    integer :: closest
 
     associate (key => self%key(:self%known))
-      names = distinct(pack(key%name, key%group == group))
+      names = pack(key%name, key%group == group)
       homes = pack(key%group, key%name == name)
     end associate
-    why = closest_word(name, names)
-    if (why /= '') then
-      why = ' (did you mean '//why//'?)'
+    closest = closest_word(name, names)
+    why = 'unknown key'
+    if (closest > 0) then
+      why = why//' (did you mean '//trim(names(closest))//'?)'
     else if (size(homes) > 0) then
-      why = '; it belongs to &'//trim(homes(1))
+      why = why//'; it belongs to &'//trim(homes(1))
     end if
-    why = 'unknown key'//why//'; the keys of &'//group//' are '//join(names, ', ')
-  end function why_unknown
+    why = why//'; the keys of &'//group//' are '//join(names, ', ')
+  end subroutine why_unknown
 
   !> All values in effect as a case: what `list` gives, and the defaults of the rest.
-  pure subroutine write_case(self, list, text)
+  pure subroutine write_case(self, groups, list, text)
     class(keys_t), intent(in) :: self
+    character(*), intent(in) :: groups(:)
     type(namelist_t), intent(in) :: list
     character(:), allocatable, intent(out) :: text
-    character(name_length), allocatable :: names(:)
     type(lines_t) :: lines
     logical :: opened
     integer :: i, k
 
-    names = distinct(self%key(:self%known)%group)
-    do i = 1, size(names)
+    do i = 1, size(groups)
       opened = .false.
       do k = 1, self%known
         associate (key => self%key(k))
-          if (key%group /= names(i) .or. .not. (key%entry > 0 .or. allocated(key%default))) cycle
-          if (.not. opened) call lines%add('&'//trim(names(i)))
+          if (key%group /= groups(i) .or. .not. (key%entry > 0 .or. allocated(key%default))) cycle
+          if (.not. opened) call lines%add('&'//trim(groups(i)))
           opened = .true.
           if (key%entry > 0) then
             call add_values(lines, trim(key%name), list%entries(key%entry)%values)
@@ -139,49 +117,39 @@ contains
     character(*), intent(in) :: name
     type(value_t), intent(in) :: values(:)
     integer, parameter :: wide = 100
-    character(:), allocatable :: line
-    integer :: i
+    integer :: i, width
 
-    line = '  '//name//' ='
+    call lines%put('  '//name//' =')
+    width = 0
     do i = 1, size(values)
-      if (len(line) > wide) then
-        call lines%add(line)
-        line = '   '
+      if (width > wide) then
+        call lines%add('')
+        call lines%put('   ')
+        width = 0
       end if
-      line = line//' '//written(values(i))
-      if (i < size(values)) line = line//','
+      call lines%put(' ')
+      call put_value(lines, values(i))
+      if (i < size(values)) call lines%put(',')
+      width = width + len(values(i)%text) + 2
     end do
-    call lines%add(line)
+    call lines%add('')
   end subroutine add_values
 
   !> A value as a case has it: text in quotes, which are doubled inside.
-  pure function written(value) result(words)
+  pure subroutine put_value(lines, value)
+    type(lines_t), intent(inout) :: lines
     type(value_t), intent(in) :: value
-    character(:), allocatable :: words
     integer :: i
 
-    words = value%text
-    if (.not. value%quoted) return
-    words = ''''
+    if (.not. value%quoted) then
+      call lines%put(value%text)
+      return
+    end if
+    call lines%put('''')
     do i = 1, len(value%text)
-      words = words//value%text(i:i)
-      if (value%text(i:i) == '''') words = words//''''
+      call lines%put(value%text(i:i))
+      if (value%text(i:i) == '''') call lines%put('''')
     end do
-    words = words//''''
-  end function written
-
-  pure function distinct(words) result(once)
-    character(name_length), intent(in) :: words(:)
-    character(name_length), allocatable :: once(:)
-    integer :: i, n
-
-    allocate (once(size(words)))
-    n = 0
-    do i = 1, size(words)
-      if (any(once(:n) == words(i))) cycle
-      n = n + 1
-      once(n) = words(i)
-    end do
-    once = once(:n)
-  end function distinct
+    call lines%put('''')
+  end subroutine put_value
 end module gearsweep_keys
