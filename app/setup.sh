@@ -6,6 +6,8 @@ fpm_version=0.12.0
 run_dir=$root/build/run
 log=$run_dir/log
 venv=$root/.venv
+# What pyproject.toml asks for before it can build, as no environment apart is made for it.
+build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow'
 
 say() { printf 'gearsweep: %s\n' "$*" >&2; }
@@ -70,12 +72,27 @@ make_venv() {
 # A checksum of all that decides what is built: files, command and environment.
 fingerprint() {
   {
-    (cd "$root" && find fpm.toml $1 -type f -exec cksum {} + | LC_ALL=C sort)
+    (cd "$root" && find fpm.toml $1 -type f ! -path "*/__pycache__/*" -exec cksum {} + | LC_ALL=C sort)
     echo "$2 ${FPM_FC-} ${FPM_FFLAGS-} ${FPM_CC-} ${FPM_CFLAGS-} ${FPM_LDFLAGS-}"
   } | cksum
 }
 
 is_current() { [ -x "$1" ] && [ "$(cat "$1.stamp" 2>/dev/null)" = "$2" ]; }
+
+# run_fpm WHAT ARGUMENTS...: from the start where the last build broke off, and where this one fails on
+# what an earlier one left: fpm takes stale modules for current ones.
+run_fpm() {
+  if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/gfortran_*; fi
+  : >"$run_dir/unfinished"
+  task=$1
+  shift
+  if [ -n "$(find "$root/build" -maxdepth 1 -name 'gfortran_*')" ]; then
+    quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished" && return
+    rm -rf "$root"/build/gfortran_*
+    task="$task from the start"
+  fi
+  quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished"
+}
 
 # build NAME FOLDERS FPM-ARGUMENTS...: makes build/run/NAME unless it is current.
 build() {
@@ -91,14 +108,31 @@ build() {
     is_current "$target" "$now" && exit
     cd "$root" && install_packages && make_venv || exit
     # With echo as its runner, fpm builds and tells where, but runs nothing.
-    # After a build that broke off, fpm takes stale modules for current ones.
-    if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/gfortran_*; fi
-    : >"$run_dir/unfinished"
-    quietly "building $name" "$venv/bin/fpm" "$@" --runner echo || exit
-    rm -f "$run_dir/unfinished"
+    run_fpm "building $name" "$@" --runner echo || exit
     built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)
     # A copy, as fpm may put another version in its place.
     cp "$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"
+  ) 9>"$run_dir/lock"
+}
+
+# The Python package with all that its tests load, in .venv.
+build_package() {
+  target=$run_dir/python-gearsweep
+  now=$(fingerprint "pyproject.toml meson.build src python/gearsweep" "$build_tools")
+  is_current "$target" "$now" && return
+  mkdir -p "$run_dir" || return
+  (
+    if command -v flock >/dev/null; then flock 9; fi
+    is_current "$target" "$now" && exit
+    cd "$root" && install_packages && make_venv || exit
+    PATH=$venv/bin:$PATH
+    pip() { "$venv/bin/python" -m pip install --disable-pip-version-check "$@"; }
+    quietly "fetching what builds the Python package" pip $build_tools || exit
+    # A build that broke off is begun anew.
+    quietly "building the Python package" pip --no-build-isolation --config-settings=build-dir=build/python '.[test]' ||
+      { rm -rf build/python; exit 1; }
+    printf '#!/bin/sh\nexec "%s" -m gearsweep "$@"\n' "$venv/bin/python" >"$target" && chmod +x "$target" &&
+      echo "$now" >"$target.stamp"
   ) 9>"$run_dir/lock"
 }
 

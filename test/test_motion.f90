@@ -126,6 +126,7 @@ contains
       real(dp) :: deviation(3), duration
       integer :: k
 
+      options%steady%tolerance = 1e-12_dp
       call oscillator_of(row, osc)
       duration = mesh_period(row%teeth(1), row%rpm)
       do k = 1, 3

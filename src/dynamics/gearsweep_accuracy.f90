@@ -2,15 +2,17 @@
 !> error estimate by step doubling.
 module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_gauss, only: order
+  use gearsweep_gauss, only: order, lanes
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
-  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, shoot, distance, has_answer, &
-                              point_ok, point_inexact, point_unresolved, by_shooting
+  use gearsweep_hold, only: lane_work_t
+  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, &
+                              has_answer, point_inexact, point_unresolved, by_shooting
   implicit none
   private
-  public :: accuracy_t, tables_t, point_t, solve_point, mesh_period
+  public :: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
 
   real(dp), parameter :: root = 1.0_dp/order
+  integer, parameter :: most_trials = 12
 
   type :: accuracy_t
     type(steady_options_t) :: steady
@@ -37,6 +39,7 @@ module gearsweep_accuracy
     type(table_t) :: rung(0:most_rungs)
     logical :: made(0:most_rungs) = .false.
     real(dp) :: steps_per_second = 0             !< wanted by the last point, over its period
+    type(lane_work_t) :: work
   end type tables_t
 
 contains
@@ -69,15 +72,18 @@ contains
     rung = min(most_rungs, octave + max(0, ceiling(octave*log(max(steps, 12.0_dp)/12)/log(2.0_dp) - 1e-9_dp)))
   end function rung_for
 
-  !> Makes the table of a rung unless it is there.
-  pure subroutine need_rung(osc, rung, tables)
+  !> Makes the tables of a rung and of its half, unless they are there.
+  pure subroutine need_rungs(osc, rung, tables)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: rung
     type(tables_t), intent(inout) :: tables
+    integer :: i
 
-    if (.not. tables%made(rung)) call tabulate(osc, resolution_of(rung), tables%rung(rung))
-    tables%made(rung) = .true.
-  end subroutine need_rung
+    do i = rung - octave, rung, octave
+      if (.not. tables%made(i)) call tabulate(osc, resolution_of(i), tables%rung(i))
+      tables%made(i) = .true.
+    end do
+  end subroutine need_rungs
 
   !> Steady motion for a period of `duration` (s) on the branch `start` leads to.
   pure subroutine solve_point(osc, duration, options, tables, point, start)
@@ -87,9 +93,9 @@ contains
     type(tables_t), intent(inout) :: tables
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
-    integer, parameter :: most_trials = 12
     real(dp) :: least
     integer :: rung, trial
+    logical :: done
 
     if (options%steps > 0) then
       call solve_with_steps(osc, duration, options, point, start)
@@ -100,20 +106,67 @@ contains
     rung = rung_for(max(least, first_guess(osc, duration, options, tables)))
     do trial = 1, most_trials
       if (rung_steps(rung) > options%most_steps .or. rung_steps(rung) < least) return
-      call need_rung(osc, rung, tables)
-      call need_rung(osc, rung - octave, tables)
+      call need_rungs(osc, rung, tables)
       call solve_on(osc, tables%rung(rung), tables%rung(rung - octave), duration, options, point, start)
       point%resolution = resolution_of(rung)
       if (.not. has_answer(point%steady%status)) exit
-      associate (excess => min(point%step_error/options%steady%tolerance, 1e8_dp))
-        tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**root, 0.5_dp), 2.0_dp)/duration
-        if (excess <= 1) exit
-        if (rung_steps(rung + 1) > options%most_steps) exit
-        rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**root, 4.0_dp)), last_rung(options))
-      end associate
+      call next_rung(options, point%step_error, duration, tables, rung, done)
+      if (done) exit
     end do
     call note_inexact(options, point)
   end subroutine solve_point
+
+  !> The same without `start` at several speeds at once, where Newton's method settles: `solved`. Wants
+  !> the number of steps chosen.
+  pure subroutine solve_lanes(osc, duration, options, tables, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration(lanes)
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(out) :: points(lanes)
+    logical, intent(out) :: solved(lanes)
+    real(dp), parameter :: most_lane_steps = 4096
+    type(steady_t) :: half(lanes)
+    real(dp) :: least, longest
+    integer :: rung, trial
+    logical :: done
+
+    longest = maxval(duration)
+    least = 2*resolving_steps(osc, longest)
+    rung = rung_for(max(least, first_guess(osc, longest, options, tables)))
+    do trial = 1, most_trials
+      solved = .false.
+      if (rung_steps(rung) > min(most_lane_steps, real(options%most_steps, dp)) .or. rung_steps(rung) < least) return
+      call need_rungs(osc, rung, tables)
+      call find_in_lanes(osc, tables%rung(rung), duration, options%steady%tolerance, tables%work, points%steady)
+      solved = settled(points%steady)
+      if (.not. any(solved)) return
+      call find_in_lanes(osc, tables%rung(rung - octave), duration, options%steady%tolerance, tables%work, half, points%steady)
+      solved = solved .and. settled(half)
+      if (.not. any(solved)) return
+      call compare(osc, duration, half, points)
+      points%steps = tables%rung(rung)%steps
+      points%resolution = resolution_of(rung)
+      call next_rung(options, maxval(points%step_error, mask=solved), longest, tables, rung, done)
+      if (done) exit
+    end do
+    call note_inexact(options, points)
+  end subroutine solve_lanes
+
+  !> Whether an error of the last rung is small enough; if not, the rung to try next.
+  pure subroutine next_rung(options, step_error, duration, tables, rung, done)
+    type(accuracy_t), intent(in) :: options
+    real(dp), intent(in) :: step_error, duration
+    type(tables_t), intent(inout) :: tables
+    integer, intent(inout) :: rung
+    logical, intent(out) :: done
+    real(dp) :: excess
+
+    excess = min(step_error/options%steady%tolerance, 1e8_dp)
+    tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**root, 0.5_dp), 2.0_dp)/duration
+    done = excess <= 1 .or. rung_steps(rung + 1) > options%most_steps
+    if (.not. done) rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**root, 4.0_dp)), last_rung(options))
+  end subroutine next_rung
 
   !> The finest rung that `options` allows.
   pure integer function last_rung(options) result(rung)
@@ -142,7 +195,7 @@ contains
     call note_inexact(options, point)
   end subroutine solve_with_steps
 
-  pure subroutine note_inexact(options, point)
+  elemental subroutine note_inexact(options, point)
     type(accuracy_t), intent(in) :: options
     type(point_t), intent(inout) :: point
 
@@ -163,22 +216,31 @@ contains
 
     call find_steady(osc, fine, duration, options%steady, point%steady, start)
     point%steps = fine%steps
-    point%dynamic_factor = point%steady%peak/osc%load
     if (.not. has_answer(point%steady%status)) return
-
     if (point%steady%partial) then
-      call shoot(osc, coarse, duration, point%steady%periods, point%steady%state, half)
+      call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, half)
     else
       alike = options%steady
       alike%method = by_shooting
       call find_steady(osc, coarse, duration, alike, half)
     end if
+    call compare(osc, duration, half, point)
+  end subroutine solve_on
+
+  !> Dynamic factor, and its error by the solution with half the steps.
+  elemental subroutine compare(osc, duration, half, point)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(steady_t), intent(in) :: half
+    type(point_t), intent(inout) :: point
+
+    point%dynamic_factor = point%steady%peak/osc%load
     point%step_error = huge(point%step_error)
     if (has_answer(half%status)) point%step_error = &
       doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
                      distance(osc, duration, point%steady%state - half%state))
     point%estimate = point%step_error + point%steady%closure
-  end subroutine solve_on
+  end subroutine compare
 
   !> Error of a result of sixth order from its difference to half the steps: a 63rd, three times raised,
   !> as the order is less where the stiffness is less smooth; the state is asked too, as the peaks may

@@ -5,7 +5,10 @@ module gearsweep_gauss
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: collocate, nodes, order
+  public :: collocate, lanes, nodes, order
+
+  !> Motions that go side by side in the processor's vectors.
+  integer, parameter :: lanes = 8
 
   integer, parameter :: order = 6
   real(dp), parameter :: r = sqrt(15.0_dp)
@@ -24,51 +27,61 @@ module gearsweep_gauss
 
 contains
 
-  !> The step from (x, v) to (x, v), v the displacement that the velocity makes in one step:
-  !> x1 = m11 x + m12 v + s1, v1 = m21 x + m22 v + s2. Given at the nodes: square k and push p times
-  !> the step's square, drag d times the step.
-  elemental subroutine collocate(k1, k2, k3, d1, d2, d3, p1, p2, p3, m11, m12, m21, m22, s1, s2)
-    real(dp), intent(in) :: k1, k2, k3, d1, d2, d3, p1, p2, p3
-    real(dp), intent(out) :: m11, m12, m21, m22, s1, s2
+  !> The step from (x, v) to (x, v), v the displacement that the velocity makes in one step, for the
+  !> first `n` of motions side by side. `map` holds what x, v and 1 add to x, v after the step, two elements each. Second
+  !> index of the others: node; `square` and `push` times the square of the step, `drag` times the step.
+  pure subroutine collocate(n, square, drag, push, map)
+    integer, intent(in) :: n
+    real(dp), intent(in), dimension(lanes, 3) :: square, drag, push
+    real(dp), intent(out) :: map(lanes, 6)
     real(dp) :: q11, q12, q13, q21, q22, q23, q31, q32, q33, c11, c12, c13, c21, c22, c23, c31, c32, c33
-    real(dp) :: scale, g1, g2, g3, f1, f2, f3, e1, e2, e3
+    real(dp) :: k1, k2, k3, d1, d2, d3, scale, g1, g2, g3, f1, f2, f3, e1, e2, e3
+    integer :: l
 
-    ! Accelerations at the nodes: (I + K a2 + D a) acceleration = p - k x - (c k + d) v.
-    q11 = 1 + k1*a2(1, 1) + d1*a(1, 1)
-    q12 = k1*a2(1, 2) + d1*a(1, 2)
-    q13 = k1*a2(1, 3) + d1*a(1, 3)
-    q21 = k2*a2(2, 1) + d2*a(2, 1)
-    q22 = 1 + k2*a2(2, 2) + d2*a(2, 2)
-    q23 = k2*a2(2, 3) + d2*a(2, 3)
-    q31 = k3*a2(3, 1) + d3*a(3, 1)
-    q32 = k3*a2(3, 2) + d3*a(3, 2)
-    q33 = 1 + k3*a2(3, 3) + d3*a(3, 3)
-    ! Cofactors.
-    c11 = q22*q33 - q23*q32
-    c12 = q23*q31 - q21*q33
-    c13 = q21*q32 - q22*q31
-    c21 = q13*q32 - q12*q33
-    c22 = q11*q33 - q13*q31
-    c23 = q12*q31 - q11*q32
-    c31 = q12*q23 - q13*q22
-    c32 = q13*q21 - q11*q23
-    c33 = q11*q22 - q12*q21
-    scale = 1/(q11*c11 + q12*c12 + q13*c13)
-    ! What the right-hand sides weigh in the end's velocity (g) and position (f).
-    g1 = scale*(b(1)*c11 + b(2)*c12 + b(3)*c13)
-    g2 = scale*(b(1)*c21 + b(2)*c22 + b(3)*c23)
-    g3 = scale*(b(1)*c31 + b(2)*c32 + b(3)*c33)
-    f1 = scale*(b2(1)*c11 + b2(2)*c12 + b2(3)*c13)
-    f2 = scale*(b2(1)*c21 + b2(2)*c22 + b2(3)*c23)
-    f3 = scale*(b2(1)*c31 + b2(2)*c32 + b2(3)*c33)
-    e1 = nodes(1)*k1 + d1
-    e2 = nodes(2)*k2 + d2
-    e3 = nodes(3)*k3 + d3
-    m11 = 1 - (f1*k1 + f2*k2 + f3*k3)
-    m12 = 1 - (f1*e1 + f2*e2 + f3*e3)
-    m21 = -(g1*k1 + g2*k2 + g3*k3)
-    m22 = 1 - (g1*e1 + g2*e2 + g3*e3)
-    s1 = f1*p1 + f2*p2 + f3*p3
-    s2 = g1*p1 + g2*p2 + g3*p3
+    do l = 1, n
+      k1 = square(l, 1)
+      k2 = square(l, 2)
+      k3 = square(l, 3)
+      d1 = drag(l, 1)
+      d2 = drag(l, 2)
+      d3 = drag(l, 3)
+      ! Accelerations at the nodes: (I + K a2 + D a) acceleration = p - k x - (c k + d) v.
+      q11 = 1 + k1*a2(1, 1) + d1*a(1, 1)
+      q12 = k1*a2(1, 2) + d1*a(1, 2)
+      q13 = k1*a2(1, 3) + d1*a(1, 3)
+      q21 = k2*a2(2, 1) + d2*a(2, 1)
+      q22 = 1 + k2*a2(2, 2) + d2*a(2, 2)
+      q23 = k2*a2(2, 3) + d2*a(2, 3)
+      q31 = k3*a2(3, 1) + d3*a(3, 1)
+      q32 = k3*a2(3, 2) + d3*a(3, 2)
+      q33 = 1 + k3*a2(3, 3) + d3*a(3, 3)
+      ! Cofactors.
+      c11 = q22*q33 - q23*q32
+      c12 = q23*q31 - q21*q33
+      c13 = q21*q32 - q22*q31
+      c21 = q13*q32 - q12*q33
+      c22 = q11*q33 - q13*q31
+      c23 = q12*q31 - q11*q32
+      c31 = q12*q23 - q13*q22
+      c32 = q13*q21 - q11*q23
+      c33 = q11*q22 - q12*q21
+      scale = 1/(q11*c11 + q12*c12 + q13*c13)
+      ! What the right-hand sides weigh in the end's velocity (g) and position (f).
+      g1 = scale*(b(1)*c11 + b(2)*c12 + b(3)*c13)
+      g2 = scale*(b(1)*c21 + b(2)*c22 + b(3)*c23)
+      g3 = scale*(b(1)*c31 + b(2)*c32 + b(3)*c33)
+      f1 = scale*(b2(1)*c11 + b2(2)*c12 + b2(3)*c13)
+      f2 = scale*(b2(1)*c21 + b2(2)*c22 + b2(3)*c23)
+      f3 = scale*(b2(1)*c31 + b2(2)*c32 + b2(3)*c33)
+      e1 = nodes(1)*k1 + d1
+      e2 = nodes(2)*k2 + d2
+      e3 = nodes(3)*k3 + d3
+      map(l, 1) = 1 - (f1*k1 + f2*k2 + f3*k3)
+      map(l, 2) = -(g1*k1 + g2*k2 + g3*k3)
+      map(l, 3) = 1 - (f1*e1 + f2*e2 + f3*e3)
+      map(l, 4) = 1 - (g1*e1 + g2*e2 + g3*e3)
+      map(l, 5) = f1*push(l, 1) + f2*push(l, 2) + f3*push(l, 3)
+      map(l, 6) = g1*push(l, 1) + g2*push(l, 2) + g3*push(l, 3)
+    end do
   end subroutine collocate
 end module gearsweep_gauss

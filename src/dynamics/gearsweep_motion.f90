@@ -15,7 +15,7 @@ module gearsweep_motion
   use gearsweep_text, only: str
   implicit none
   private
-  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, evaluate, pair_shapes, acceleration
+  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, mobility, acceleration, end_acceleration
 
   !> What is stated, checked by `make_oscillator`, and what follows once for all speeds.
   type :: oscillator_t
@@ -31,6 +31,7 @@ module gearsweep_motion
     real(dp) :: natural_frequency = 0  !< at mean stiffness, without friction and relief, rad/s
     real(dp) :: highest_frequency = 0  !< bound of w over the period, rad/s
     real(dp) :: static_scale = 0       !< deflection at mean stiffness, m: the unit of residuals
+    type(zone_t), allocatable :: zones(:)
   end type oscillator_t
 
   !> How finely the period is cut: each zone gets `times` steps for each of its shares of `base` steps.
@@ -44,14 +45,13 @@ module gearsweep_motion
   type :: table_t
     integer :: steps = 0
     integer :: members = 0             !< pairs at most, and the coast side
-    type(zone_t), allocatable :: zones(:)
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
     real(dp), allocatable :: left(:), width(:)      !< phases
     real(dp), allocatable :: rate(:, :, :)          !< (member, node, step)
     real(dp), allocatable :: error(:, :, :)         !< (member, node, step)
     real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
-    !> Value, first and second derivative over the phase, (0:2, pair, end, step).
+    !> Value, first and second derivative over the phase, (0:2, pair or member, end, step).
     real(dp), allocatable :: end_stiffness(:, :, :, :), end_error(:, :, :, :)
     !> Sums over all pairs at the nodes: w^2, sum of k e, w.
     real(dp), allocatable :: square(:, :), push(:, :), omega(:, :)
@@ -64,7 +64,6 @@ contains
   subroutine make_oscillator(osc, error)
     type(oscillator_t), intent(inout) :: osc
     type(error_t), allocatable, intent(out) :: error
-    type(zone_t), allocatable :: zones(:)
 
     call demand(osc%mesh%contact_ratio > 1, 'contact ratio', osc%mesh%contact_ratio, 'must be above 1')
     call demand(all(osc%mass > 0), 'effective mass', minval(osc%mass), 'must be above 0')
@@ -76,8 +75,8 @@ contains
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
       osc%friction, 'needs the teeth of both members and the pressure angle')
     if (allocated(error)) return
-    zones = make_zones(osc%mesh, osc%friction > 0)
-    osc%pairs = maxval(zones%pairs)
+    osc%zones = make_zones(osc%mesh, osc%friction > 0)
+    osc%pairs = maxval(osc%zones%pairs)
     osc%members = osc%pairs + merge(1, 0, osc%has_backlash)
     osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))
@@ -94,66 +93,50 @@ contains
     end subroutine demand
   end subroutine make_oscillator
 
-  !> Coefficients at `phase` within `zone`; arrays have osc%members elements,
-  !> pairs beyond A to E have rate 0.
-  pure subroutine evaluate(osc, zone, phase, rate, error)
-    type(oscillator_t), intent(in) :: osc
-    type(zone_t), intent(in) :: zone
-    real(dp), intent(in) :: phase
-    real(dp), intent(out) :: rate(:), error(:)
-    real(dp) :: s, stiffness
-    integer :: j
-
-    rate = 0
-    error = 0
-    do j = 1, zone%pairs
-      s = phase + j - 1
-      stiffness = osc%mesh%stiffness%value(s)
-      error(j) = osc%mesh%profile_error%value(s, zone%piece(j))
-      rate(j) = stiffness*sum(factor(osc, s, zone%recess(j))/osc%mass)
-      if (osc%has_backlash) rate(osc%members) = rate(osc%members) + stiffness*sum(1/osc%mass)
-    end do
-    if (osc%has_backlash) error(osc%members) = -osc%backlash
-  end subroutine evaluate
-
-  !> Friction factors of pinion and gear: the driving pinion's tooth slides
-  !> inwards before the pitch point (-) and outwards after it (+).
-  pure function factor(osc, s, recess) result(f)
+  !> What a pair's force makes of the acceleration (1/kg): the friction factors of pinion and gear over
+  !> their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards
+  !> after it (+).
+  pure real(dp) function mobility(osc, s, recess)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: s
     logical, intent(in) :: recess
-    real(dp) :: f(2)
+    real(dp) :: sense
 
-    f = 1
-    if (osc%friction > 0) f = 1 + merge(osc%friction, -osc%friction, recess) &
-      *[osc%mesh%curvature_ratio(1, s), osc%mesh%curvature_ratio(2, s)]
-  end function factor
+    mobility = 1/osc%mass(1) + 1/osc%mass(2)
+    if (.not. osc%friction > 0) return
+    sense = merge(osc%friction, -osc%friction, recess)
+    mobility = mobility + sense*(osc%mesh%curvature_ratio(1, s)/osc%mass(1) + osc%mesh%curvature_ratio(2, s)/osc%mass(2))
+  end function mobility
 
-  !> K_j and e_j with their first and second derivatives over the phase, (0:2, pair).
-  pure subroutine pair_shapes(osc, zone, phase, stiffness, error)
+  !> Acceleration over the phase (m) of the state x, y; `square` and `push` are w^2 and the sum of k e of
+  !> the members in contact.
+  pure real(dp) function acceleration(osc, square, push, duration, x, y)
     type(oscillator_t), intent(in) :: osc
-    type(zone_t), intent(in) :: zone
-    real(dp), intent(in) :: phase
-    real(dp), intent(out) :: stiffness(0:, :), error(0:, :)
+    real(dp), intent(in) :: square, push, duration, x, y
+
+    acceleration = duration**2*(osc%load*(1/osc%mass(1) + 1/osc%mass(2)) + push - square*x) &
+                   - 2*osc%damping_ratio*duration*sqrt(square)*y
+  end function acceleration
+
+  !> The same at an end of step i.
+  pure real(dp) function end_acceleration(osc, table, i, end, contact, duration, x, y)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, end
+    real(dp), intent(in) :: duration, x, y
+    logical, intent(in) :: contact(:)
+    real(dp) :: square, push
     integer :: j
 
-    stiffness = 0
-    error = 0
-    do j = 1, zone%pairs
-      stiffness(:, j) = osc%mesh%stiffness%shape(phase + j - 1)
-      error(:, j) = osc%mesh%profile_error%shape(phase + j - 1, zone%piece(j))
+    square = 0
+    push = 0
+    do j = 1, size(contact)
+      if (.not. contact(j)) cycle
+      square = square + table%end_rate(j, end, i)
+      push = push + table%end_rate(j, end, i)*table%end_error(0, j, end, i)
     end do
-  end subroutine pair_shapes
-
-  !> Acceleration over the phase (m) of the state x, y, driven by the members in contact.
-  pure real(dp) function acceleration(osc, rate, error, contact, duration, x, y)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rate(:), error(:), duration, x, y
-    logical, intent(in) :: contact(:)
-
-    acceleration = duration**2*(osc%load*sum(1/osc%mass) - sum(rate*(x - error), mask=contact)) &
-                   - 2*osc%damping_ratio*duration*sqrt(sum(rate, mask=contact))*y
-  end function acceleration
+    end_acceleration = acceleration(osc, square, push, duration, x, y)
+  end function end_acceleration
 
   !> Tabulates the period at a resolution.
   pure subroutine tabulate(osc, resolution, table)
@@ -161,26 +144,38 @@ contains
     type(resolution_t), intent(in) :: resolution
     type(table_t), intent(out) :: table
     integer, allocatable :: counts(:)
-    integer :: i, k, step
+    integer :: i, j, first, last
 
-    table%zones = make_zones(osc%mesh, osc%friction > 0)
-    counts = resolution%times*max(1, ceiling(resolution%base*(table%zones%last - table%zones%first) - 1e-6_dp))
+    counts = resolution%times*max(1, ceiling(resolution%base*(osc%zones%last - osc%zones%first) - 1e-6_dp))
     call allocate_table(osc, sum(counts), table)
-    step = 0
-    do i = 1, size(table%zones)
-      do k = 0, counts(i) - 1
-        step = step + 1
-        associate (zone => table%zones(i))
-          table%zone(step) = i
-          table%pairs(step) = zone%pairs
-          table%width(step) = (zone%last - zone%first)/counts(i)
-          table%left(step) = zone%first + k*table%width(step)
-        end associate
-        call fill_step(osc, step, table)
+    last = 0
+    do i = 1, size(osc%zones)
+      first = last + 1
+      last = last + counts(i)
+      associate (zone => osc%zones(i))
+        table%zone(first:last) = i
+        table%pairs(first:last) = zone%pairs
+        table%width(first:last) = (zone%last - zone%first)/counts(i)
+        table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
+        do j = 1, zone%pairs
+          call fill_pair(osc, zone, j, counts(i), table%left(first:last), table%width(first), &
+                         table%rate(:, :, first:last), table%error(:, :, first:last), table%end_rate(:, :, first:last), &
+                         table%end_stiffness(:, :, :, first:last), table%end_error(:, :, :, first:last))
+        end do
+      end associate
+    end do
+    if (osc%has_backlash) call fill_coast(osc, table)
+    allocate (table%square(3, table%steps), table%push(3, table%steps), source=0.0_dp)
+    do i = 1, table%steps
+      do j = 1, table%pairs(i)
+        table%square(:, i) = table%square(:, i) + table%rate(j, :, i)
+        table%push(:, i) = table%push(:, i) + table%rate(j, :, i)*table%error(j, :, i)
       end do
     end do
+    table%omega = sqrt(table%square)
   end subroutine tabulate
 
+  !> Pairs that a zone does not have keep zeros.
   pure subroutine allocate_table(osc, steps, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
@@ -190,32 +185,69 @@ contains
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
       allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
-      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
-      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, p, 2, steps))
-      allocate (table%square(3, steps), table%push(3, steps), table%omega(3, steps))
+      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps), source=0.0_dp)
+      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps), source=0.0_dp)
     end associate
   end subroutine allocate_table
 
-  pure subroutine fill_step(osc, step, table)
+  !> Pair j over the `n` steps of one zone; its piece of stiffness is followed, not looked for.
+  pure subroutine fill_pair(osc, zone, j, n, left, width, rate, error, end_rate, end_stiffness, end_error)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: step
-    type(table_t), intent(inout) :: table
-    real(dp) :: error(osc%members)
-    integer :: place
+    type(zone_t), intent(in) :: zone
+    integer, intent(in) :: j, n
+    real(dp), intent(in) :: left(n), width
+    real(dp), intent(inout) :: rate(osc%members, 3, n), error(osc%members, 3, n), end_rate(osc%members, 2, n)
+    real(dp), intent(inout) :: end_stiffness(0:2, osc%pairs, 2, n), end_error(0:2, osc%members, 2, n)
+    real(dp) :: s, stiffness(0:2), deviation(0:2), end
+    integer :: i, k, piece
 
-    associate (zone => table%zones(table%zone(step)), pairs => table%pairs(step), &
-               left => table%left(step), width => table%width(step))
-      do place = 1, size(nodes)
-        call evaluate(osc, zone, left + width*nodes(place), table%rate(:, place, step), table%error(:, place, step))
-        table%square(place, step) = sum(table%rate(:pairs, place, step))
-        table%push(place, step) = sum(table%rate(:pairs, place, step)*table%error(:pairs, place, step))
-        table%omega(place, step) = sqrt(table%square(place, step))
-      end do
-      do place = 1, 2
-        call evaluate(osc, zone, left + width*(place - 1), table%end_rate(:, place, step), error)
-        call pair_shapes(osc, zone, left + width*(place - 1), table%end_stiffness(:, :, place, step), &
-                         table%end_error(:, :, place, step))
+    associate (recess => zone%recess(j), own => zone%piece(j))
+      piece = osc%mesh%stiffness%locate(left(1) + j - 1)
+      stiffness = osc%mesh%stiffness%shape(left(1) + j - 1, piece)
+      deviation = osc%mesh%profile_error%shape(left(1) + j - 1, own)
+      end = stiffness(0)*mobility(osc, left(1) + j - 1, recess)
+      do i = 1, n
+        end_stiffness(:, j, 1, i) = stiffness
+        end_error(:, j, 1, i) = deviation
+        end_rate(j, 1, i) = end
+        do k = 1, size(nodes)
+          s = left(i) + j - 1 + width*nodes(k)
+          call osc%mesh%stiffness%climb(s, piece)
+          rate(j, k, i) = osc%mesh%stiffness%value_on(piece, s)*mobility(osc, s, recess)
+          error(j, k, i) = osc%mesh%profile_error%value_on(own, s)
+        end do
+        s = left(i) + j - 1 + width
+        call osc%mesh%stiffness%climb(s, piece)
+        stiffness = osc%mesh%stiffness%shape(s, piece)
+        deviation = osc%mesh%profile_error%shape(s, own)
+        end = stiffness(0)*mobility(osc, s, recess)
+        end_stiffness(:, j, 2, i) = stiffness
+        end_error(:, j, 2, i) = deviation
+        end_rate(j, 2, i) = end
       end do
     end associate
-  end subroutine fill_step
+  end subroutine fill_pair
+
+  !> The coast side as one more member, which all pairs' stiffness backs.
+  pure subroutine fill_coast(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(inout) :: table
+    integer :: i, j, k
+
+    associate (coast => osc%members)
+      table%error(coast, :, :) = -osc%backlash
+      table%end_error(0, coast, :, :) = -osc%backlash
+      do i = 1, table%steps
+        associate (zone => osc%zones(table%zone(i)))
+          do j = 1, zone%pairs
+            do k = 1, size(nodes)
+              table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
+                /mobility(osc, table%left(i) + table%width(i)*nodes(k) + j - 1, zone%recess(j))
+            end do
+            table%end_rate(coast, :, i) = table%end_rate(coast, :, i) + table%end_stiffness(0, j, :, i)*sum(1/osc%mass)
+          end do
+        end associate
+      end do
+    end associate
+  end subroutine fill_coast
 end module gearsweep_motion

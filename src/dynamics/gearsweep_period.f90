@@ -2,13 +2,13 @@
 !> a contact set that is frozen within a step, and changes of contact located inside it.
 module gearsweep_period
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t, table_t, acceleration
-  use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, note_contact, track
+  use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
+  use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
   use gearsweep_contact, only: contact_changes, cross
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
-  public :: period_t, run_period
+  public :: period_t, run_period, track_step
 
 contains
 
@@ -24,13 +24,13 @@ contains
     type(walk_t) :: walk
     type(step_t) :: step
     real(dp) :: square(3), push(3), state(2)
-    logical :: all_hold
-    integer :: i, zone, node
+    logical :: all_hold, changed
+    integer :: i, j, zone
 
     walk%x = start(1)
     walk%y = start(2)
     walk%map = reshape([1, 0, 0, 1], [2, 2])
-    allocate (walk%contact(table%members))
+    allocate (walk%contact(table%members), walk%stiffness(0:5, osc%pairs), walk%error(0:5, table%members))
     zone = 0
     all_hold = .false.
     do i = 1, table%steps
@@ -42,9 +42,12 @@ contains
       if (all_hold) then
         step = step_of(osc, table%square(:, i), table%push(:, i), table%omega(:, i), duration, table%width(i))
       else
-        do node = 1, 3
-          square(node) = sum(table%rate(:, node, i), mask=walk%contact)
-          push(node) = sum(table%rate(:, node, i)*table%error(:, node, i), mask=walk%contact)
+        square = 0
+        push = 0
+        do j = 1, table%members
+          if (.not. walk%contact(j)) cycle
+          square = square + table%rate(j, :, i)
+          push = push + table%rate(j, :, i)*table%error(j, :, i)
         end do
         step = step_of(osc, square, push, sqrt(square), duration, table%width(i))
         call note_contact(osc, walk%contact, out)
@@ -52,16 +55,16 @@ contains
       state = follow(step, walk%x, walk%y)
       if (.not. hold) then
         if (contact_changes(osc, table, i, walk, state(1), state(2))) then
-          call cross(osc, table, i, duration, walk, out, trace)
+          call cross(osc, table, i, duration, state, walk, out, changed, trace)
           if (out%failed) return
           all_hold = full(osc, walk%contact, table%pairs(i))
-          cycle
+          if (changed) cycle
         end if
       end if
       call track_step(osc, table, i, duration, walk, state, out%peak)
       if (present(trace)) call record(trace, table%pairs(i), table%left(i) + [0.0_dp, table%width(i)], &
         [walk%x, state(1)], table%end_stiffness(0, :, :, i), table%end_error(0, :, :, i), walk%contact)
-      walk%map = matmul(step%map, walk%map)
+      call chain(step, walk%map)
       walk%x = state(1)
       walk%y = state(2)
     end do
@@ -102,21 +105,27 @@ contains
     real(dp), intent(in) :: duration, state(2)
     type(walk_t), intent(in) :: walk
     real(dp), intent(inout) :: peak
-    real(dp) :: scale(0:2), motion(0:2, 2), error(table%members)
-    integer :: j
+    real(dp) :: gap(0:2, 2), load(0:2, 2), motion(0:2, 2)
+    logical :: more
+    integer :: j, k
 
-    scale = [1.0_dp, table%width(i), table%width(i)**2]
-    error = 0
-    if (osc%has_backlash) error(table%members) = -osc%backlash
     motion(0, :) = [walk%x, state(1)]
     motion(1, :) = [walk%y, state(2)]
-    do j = 1, 2
-      error(:osc%pairs) = table%end_error(0, :, j, i)
-      motion(2, j) = acceleration(osc, table%end_rate(:, j, i), error, walk%contact, duration, motion(0, j), motion(1, j))
-    end do
     do j = 1, table%pairs(i)
-      if (walk%contact(j)) call track(spread(scale, 2, 2)*table%end_stiffness(:, j, :, i), &
-                                      spread(scale, 2, 2)*(motion - table%end_error(:, j, :, i)), peak)
+      if (.not. walk%contact(j)) cycle
+      associate (stiffness => table%end_stiffness(:, j, :, i), error => table%end_error(:, j, :, i), width => table%width(i))
+        gap(:1, :) = motion(:1, :) - error(1:2, :)
+        load(0, :) = stiffness(1, :)*gap(0, :)
+        load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
+        call track(load, peak, more)
+        if (.not. more) cycle
+        do k = 1, 2
+          motion(2, k) = end_acceleration(osc, table, i, k, walk%contact, duration, motion(0, k), motion(1, k))
+        end do
+        gap(2, :) = motion(2, :) - error(3, :)
+        load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
+        call track_top(load, peak)
+      end associate
     end do
   end subroutine track_step
 end module gearsweep_period

@@ -4,7 +4,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, top_of, first_zero, may_pass
+  public :: quintic, value_of, shape_of, top_of, first_zero, may_pass
 
 contains
 
@@ -24,26 +24,31 @@ contains
   end function quintic
 
   pure real(dp) function value_of(c, t)
-    real(dp), intent(in) :: c(0:), t
-    integer :: k
+    real(dp), intent(in) :: c(0:5), t
 
-    value_of = 0
-    do k = ubound(c, 1), 0, -1
-      value_of = value_of*t + c(k)
-    end do
+    value_of = ((((c(5)*t + c(4))*t + c(3))*t + c(2))*t + c(1))*t + c(0)
   end function value_of
 
-  pure function derivative(c) result(d)
-    real(dp), intent(in) :: c(0:)
-    real(dp) :: d(0:size(c) - 2)
-    integer :: k
+  !> Value, first and second derivative.
+  pure function shape_of(c, t) result(f)
+    real(dp), intent(in) :: c(0:5), t
+    real(dp) :: f(0:2)
 
-    d = [(k*c(k), k=1, size(c) - 1)]
+    f(0) = value_of(c, t)
+    f(1) = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
+    f(2) = ((20*c(5)*t + 12*c(4))*t + 6*c(3))*t + 2*c(2)
+  end function shape_of
+
+  pure function derivative(c) result(d)
+    real(dp), intent(in) :: c(0:5)
+    real(dp) :: d(0:5)
+
+    d = [c(1), 2*c(2), 3*c(3), 4*c(4), 5*c(5), 0.0_dp]
   end function derivative
 
   !> Where the slope changes sign, given that it does from one end to the other.
   pure real(dp) function top_of(c)
-    real(dp), intent(in) :: c(0:)
+    real(dp), intent(in) :: c(0:5)
 
     top_of = zero_between(derivative(c), 0.0_dp, 1.0_dp)
   end function top_of
@@ -51,7 +56,7 @@ contains
   !> First place at which a function that is positive (or, if not `positive`, negative) after 0 leaves
   !> its sign, and whether there is one: seen by the ends, or by the turning point between them.
   pure subroutine first_zero(c, positive, place, found)
-    real(dp), intent(in) :: c(0:)
+    real(dp), intent(in) :: c(0:5)
     logical, intent(in) :: positive
     real(dp), intent(out) :: place
     logical, intent(out) :: found
@@ -78,7 +83,7 @@ contains
 
   !> Newton's method kept within a bracket. The sign at `high` is that beyond the zero.
   pure real(dp) function zero_between(c, low_end, high_end) result(t)
-    real(dp), intent(in) :: c(0:), low_end, high_end
+    real(dp), intent(in) :: c(0:5), low_end, high_end
     real(dp), parameter :: tight = 1e-14_dp
     real(dp) :: low, high, f, slope, sense, moved
     integer :: iteration, k
@@ -90,7 +95,7 @@ contains
     do iteration = 1, 60
       f = 0
       slope = 0
-      do k = ubound(c, 1), 0, -1
+      do k = 5, 0, -1
         slope = slope*t + f
         f = f*t + c(k)
       end do

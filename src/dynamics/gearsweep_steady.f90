@@ -3,10 +3,14 @@
 module gearsweep_steady
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
+  use gearsweep_gauss, only: lanes
+  use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
+  use gearsweep_lanes, only: run_lanes
   use gearsweep_period, only: period_t, run_period
   implicit none
   private
-  public :: steady_t, steady_options_t, find_steady, shoot, distance, largest_multiplier, name_of, has_answer
+  public :: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, largest_multiplier
+  public :: name_of, has_answer
 
   !> What is known of an operating point. Up to `inexact` there is a dynamic factor.
   integer, parameter, public :: &
@@ -85,14 +89,14 @@ contains
     end if
     if (present(start)) from = start
     if (options%method == by_shooting) then
-      call shoot(osc, table, duration, 1, from, steady)
+      call shoot(osc, table, duration, options%tolerance, 1, from, steady)
       if (settled(steady) .and. distance(osc, duration, steady%state - from) < near) return
     end if
     if (.not. present(start)) from = rest
     call march(osc, table, duration, options, from, steady)
   end subroutine find_steady
 
-  pure logical function settled(steady)
+  elemental logical function settled(steady)
     type(steady_t), intent(in) :: steady
 
     settled = steady%status == point_ok .or. steady%status == point_marginal
@@ -118,6 +122,92 @@ contains
     if (run%partial .or. run%failed) return
     call judge(osc, duration, state, run, 1, steady)
   end subroutine solve_in_contact
+
+  !> `find_steady` without its marching at several speeds at once. With `guide`, the motions of a finer
+  !> table: lanes that part there start from there. What stays unsettled is for `find_steady`.
+  pure subroutine find_in_lanes(osc, table, duration, tolerance, work, steady, guide)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration(lanes), tolerance
+    type(lane_work_t), intent(inout) :: work
+    type(steady_t), intent(out) :: steady(lanes)
+    type(steady_t), intent(in), optional :: guide(lanes)
+    real(dp) :: from(2, lanes), rest(2)
+    logical :: free(lanes)
+    integer :: l
+
+    rest = [osc%static_scale, 0.0_dp]
+    free = .false.
+    if (present(guide)) free = guide%partial .and. settled(guide)
+    if (.not. all(free)) call hold_in_lanes(osc, table, duration, work, steady, from)
+    if (present(guide)) then
+      do l = 1, lanes
+        if (free(l)) from(:, l) = guide(l)%state
+      end do
+    else
+      free = .not. settled(steady)
+      do l = 1, lanes
+        if (distance(osc, duration(l), from(:, l) - rest) > near) from(:, l) = rest
+      end do
+    end if
+    if (any(free)) call shoot_in_lanes(osc, table, duration, tolerance, from, free, steady)
+  end subroutine find_in_lanes
+
+  !> Motions with all pairs in contact; what they start from, which may be of use where a pair parts.
+  pure subroutine hold_in_lanes(osc, table, duration, work, steady, from)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration(lanes)
+    type(lane_work_t), intent(inout) :: work
+    type(steady_t), intent(inout) :: steady(lanes)
+    real(dp), intent(out) :: from(2, lanes)
+    type(period_t) :: run(lanes)
+    logical :: solved(lanes)
+    integer :: l
+
+    call hold_maps(osc, table, duration, work, run)
+    do l = 1, lanes
+      call newton_step(run(l)%map, run(l)%state, from(:, l), solved(l))
+    end do
+    call hold_motion(osc, table, duration, from, work, run)
+    do l = 1, lanes
+      if (solved(l) .and. .not. run(l)%partial) call judge(osc, duration(l), from(:, l), run(l), 1, steady(l))
+    end do
+  end subroutine hold_in_lanes
+
+  !> Newton's method as in `shoot`, but without halving its steps, in the lanes `free`.
+  pure subroutine shoot_in_lanes(osc, table, duration, tolerance, from, free, steady)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration(lanes), tolerance, from(2, lanes)
+    logical, intent(in) :: free(lanes)
+    type(steady_t), intent(inout) :: steady(lanes)
+    integer, parameter :: most_iterations = 8
+    type(period_t) :: run(lanes)
+    real(dp) :: state(2, lanes), step(2), residual
+    logical :: open(lanes)
+    integer :: iteration, l
+
+    state = from
+    open = free
+    do iteration = 1, most_iterations
+      call run_lanes(osc, table, duration, state, open, run)
+      do l = 1, lanes
+        if (.not. open(l)) cycle
+        residual = distance(osc, duration(l), run(l)%state - state(:, l))
+        open(l) = .not. is_closed(osc, duration(l), tolerance, residual, run(l)%map)
+        if (.not. open(l)) then
+          if (distance(osc, duration(l), state(:, l) - from(:, l)) < near) &
+            call judge(osc, duration(l), state(:, l), run(l), 1, steady(l))
+        else
+          call newton_step(run(l)%map, run(l)%state - state(:, l), step, open(l))
+          state(:, l) = state(:, l) + step
+          open(l) = open(l) .and. .not. run(l)%failed .and. distance(osc, duration(l), state(:, l) - from(:, l)) < 2*near
+        end if
+      end do
+      if (.not. any(open)) exit
+    end do
+  end subroutine shoot_in_lanes
 
   !> Solves (I - map) step = defect.
   pure subroutine newton_step(map, defect, step, solved)
@@ -160,16 +250,16 @@ contains
     end do
   end subroutine run_periods
 
-  !> Newton's method on the map of `periods` periods, steps halved while the
-  !> residual grows.
-  pure subroutine shoot(osc, table, duration, periods, start, steady)
+  !> Newton's method on the map of `periods` periods, steps halved while the residual grows, until what
+  !> it leaves is far below the tolerance of the dynamic factor.
+  pure subroutine shoot(osc, table, duration, tolerance, periods, start, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration, start(2)
+    real(dp), intent(in) :: duration, tolerance, start(2)
     integer, intent(in) :: periods
     type(steady_t), intent(out) :: steady
     integer, parameter :: most_iterations = 20, most_halvings = 4
-    real(dp), parameter :: converged = 1e-12_dp, acceptable = 1e-9_dp
+    real(dp), parameter :: acceptable = 1e-9_dp
     type(period_t) :: run, trial_run
     real(dp) :: state(2), trial(2), step(2), residual, trial_residual
     integer :: iteration, halving
@@ -179,7 +269,7 @@ contains
     call run_periods(osc, table, duration, state, periods, run)
     residual = distance(osc, duration, run%state - state)
     do iteration = 1, most_iterations
-      if (run%failed .or. residual < converged) exit
+      if (run%failed .or. is_closed(osc, duration, tolerance, residual, run%map)) exit
       call newton_step(run%map, run%state - state, step, solved)
       if (.not. solved) exit
       do halving = 0, most_halvings
@@ -193,12 +283,21 @@ contains
       run = trial_run
       residual = trial_residual
     end do
-    if (residual < acceptable .and. .not. run%failed) then
+    if (.not. run%failed .and. (residual < acceptable .or. is_closed(osc, duration, tolerance, residual, run%map))) then
       call judge(osc, duration, state, run, periods, steady)
     else if (run%failed) then
       steady%status = point_chatter
     end if
   end subroutine shoot
+
+  !> Is what the residual leaves far below the tolerance of the dynamic factor, or rounding?
+  pure logical function is_closed(osc, duration, tolerance, residual, map)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, tolerance, residual, map(2, 2)
+
+    is_closed = residual < 1e-12_dp
+    if (.not. is_closed .and. residual < tolerance) is_closed = residual*sensitivity(osc, duration, map) < 1e-3_dp*tolerance
+  end function is_closed
 
   !> Size of a difference of states, in static deflections.
   pure real(dp) function distance(osc, duration, difference)
@@ -268,10 +367,10 @@ contains
   end function largest_multiplier
 
   !> A motion found over several periods may repeat after fewer.
-  pure subroutine shorten(osc, table, duration, steady)
+  pure subroutine shorten(osc, table, duration, tolerance, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration
+    real(dp), intent(in) :: duration, tolerance
     type(steady_t), intent(inout) :: steady
     real(dp), parameter :: same = 1e-7_dp
     type(steady_t) :: trial
@@ -282,7 +381,7 @@ contains
       if (modulo(steady%periods, periods) /= 0) cycle
       call run_periods(osc, table, duration, steady%state, periods, run)
       if (distance(osc, duration, run%state - steady%state) > same) cycle
-      call shoot(osc, table, duration, periods, steady%state, trial)
+      call shoot(osc, table, duration, tolerance, periods, steady%state, trial)
       if (has_answer(trial%status)) steady = trial
       return
     end do
@@ -328,10 +427,10 @@ contains
       next_shot = 2*next_shot
       do periods = 1, options%most_periods
         if (distance(osc, duration, past(:, 0) - past(:, periods)) > near/2) cycle
-        call shoot(osc, table, duration, periods, past(:, 0), trial)
+        call shoot(osc, table, duration, options%tolerance, periods, past(:, 0), trial)
         if (has_answer(trial%status) .and. distance(osc, duration, trial%state - past(:, 0)) < near) then
           steady = trial
-          if (periods > 1) call shorten(osc, table, duration, steady)
+          if (periods > 1) call shorten(osc, table, duration, options%tolerance, steady)
           return
         end if
         if (trial%status == point_unstable) steady = trial

@@ -4,12 +4,12 @@
 !> The state is x (m) and its derivative y over the mesh phase (m).
 module gearsweep_step
   use gearsweep_kinds, only: dp
-  use gearsweep_gauss, only: collocate
+  use gearsweep_gauss, only: collocate, lanes
   use gearsweep_motion, only: oscillator_t
   use gearsweep_quintic, only: quintic, top_of, value_of
   implicit none
   private
-  public :: period_t, walk_t, step_t, step_of, follow, note_contact, track
+  public :: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
 
   !> What one period does.
   type :: period_t
@@ -28,6 +28,8 @@ module gearsweep_step
     real(dp) :: x, y
     real(dp) :: map(2, 2)
     logical, allocatable :: contact(:)
+    !> The step at hand, while contact changes in it: quintics over it, (0:5, pair) and (0:5, member).
+    real(dp), allocatable :: stiffness(:, :), error(:, :)
   end type walk_t
 
   !> The affine map of the state over one step.
@@ -42,18 +44,18 @@ contains
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: square(3), push(3), omega(3), duration, width
     type(step_t) :: step
-    real(dp) :: k(3), d(3), p(3)
+    real(dp), dimension(lanes, 3) :: k, d, p
+    real(dp) :: map(lanes, 6)
 
     associate (time => duration*width)
-      k = time**2*square
-      d = 2*osc%damping_ratio*time*omega
-      p = time**2*(push + osc%load*sum(1/osc%mass))
+      k(1, :) = time**2*square
+      d(1, :) = 2*osc%damping_ratio*time*omega
+      p(1, :) = time**2*(push + osc%load*sum(1/osc%mass))
     end associate
-    call collocate(k(1), k(2), k(3), d(1), d(2), d(3), p(1), p(2), p(3), step%map(1, 1), step%map(1, 2), &
-                   step%map(2, 1), step%map(2, 2), step%shift(1), step%shift(2))
-    step%map(1, 2) = step%map(1, 2)*width
-    step%map(2, 1) = step%map(2, 1)/width
-    step%shift(2) = step%shift(2)/width
+    call collocate(1, k, d, p, map)
+    step%map(:, 1) = [map(1, 1), map(1, 2)/width]
+    step%map(:, 2) = [map(1, 3)*width, map(1, 4)]
+    step%shift = [map(1, 5), map(1, 6)/width]
   end function step_of
 
   !> The state after the step.
@@ -62,8 +64,23 @@ contains
     real(dp), intent(in) :: x, y
     real(dp) :: state(2)
 
-    state = step%shift + step%map(:, 1)*x + step%map(:, 2)*y
+    state(1) = step%map(1, 1)*x + step%map(1, 2)*y + step%shift(1)
+    state(2) = step%map(2, 1)*x + step%map(2, 2)*y + step%shift(2)
   end function follow
+
+  !> Lets the step follow what was before: the derivative by the initial state.
+  pure subroutine chain(step, map)
+    type(step_t), intent(in) :: step
+    real(dp), intent(inout) :: map(2, 2)
+    real(dp) :: x
+    integer :: k
+
+    do k = 1, 2
+      x = map(1, k)
+      map(1, k) = step%map(1, 1)*x + step%map(1, 2)*map(2, k)
+      map(2, k) = step%map(2, 1)*x + step%map(2, 2)*map(2, k)
+    end do
+  end subroutine chain
 
   !> Notes that not every pair carries.
   pure subroutine note_contact(osc, contact, out)
@@ -76,21 +93,25 @@ contains
     if (osc%has_backlash) out%coast = out%coast .or. contact(size(contact))
   end subroutine note_contact
 
-  !> Raises `peak` to the largest load of one pair over a stretch. Stiffness and overlap, second index
-  !> left and right, hold value, first and second derivative over the stretch.
-  pure subroutine track(stiffness, overlap, peak)
-    real(dp), intent(in) :: stiffness(0:2, 2), overlap(0:2, 2)
+  !> Raises `peak` to the larger of a pair's loads at the ends of a stretch; may a larger one lie
+  !> between? Given value and slope over the stretch at its ends. A concave load stays below its tangents.
+  pure subroutine track(load, peak, more)
+    real(dp), intent(in) :: load(0:, :)
     real(dp), intent(inout) :: peak
-    real(dp) :: load(0:2, 2), c(0:5)
+    logical, intent(out) :: more
 
-    load(0, :) = stiffness(0, :)*overlap(0, :)
-    load(1, :) = stiffness(1, :)*overlap(0, :) + stiffness(0, :)*overlap(1, :)
     peak = max(peak, load(0, 1), load(0, 2))
-    if (.not. (load(1, 1) > 0 .and. load(1, 2) < 0)) return
-    ! Between its ends a concave load stays below its tangents.
-    if (maxval(load(0, :)) + (load(1, 1) - load(1, 2))/4 <= peak) return
-    load(2, :) = stiffness(2, :)*overlap(0, :) + 2*stiffness(1, :)*overlap(1, :) + stiffness(0, :)*overlap(2, :)
+    more = load(1, 1) > 0 .and. load(1, 2) < 0
+    if (more) more = max(load(0, 1), load(0, 2)) + (load(1, 1) - load(1, 2))/4 > peak
+  end subroutine track
+
+  !> Raises `peak` to the largest load within the stretch; given with its curvature.
+  pure subroutine track_top(load, peak)
+    real(dp), intent(in) :: load(0:2, 2)
+    real(dp), intent(inout) :: peak
+    real(dp) :: c(0:5)
+
     c = quintic(load(:, 1), load(:, 2))
     peak = max(peak, value_of(c, top_of(c)))
-  end subroutine track
+  end subroutine track_top
 end module gearsweep_step

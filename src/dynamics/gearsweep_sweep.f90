@@ -5,8 +5,9 @@ module gearsweep_sweep
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use gearsweep_error, only: error_t, fail, code_memory
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: has_answer
-  use gearsweep_accuracy, only: accuracy_t, tables_t, point_t, solve_point, mesh_period
+  use gearsweep_gauss, only: lanes
+  use gearsweep_steady, only: has_answer, distance, by_shooting
+  use gearsweep_accuracy, only: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
   use gearsweep_text, only: str
   implicit none
   private
@@ -63,16 +64,22 @@ contains
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
     type(block_t), allocatable :: blocks(:)
+    type(point_t), allocatable :: points(:, :)
+    logical, allocatable :: solved(:, :)
     integer :: i, done, now
 
     call allocate_sweep(rpm, size(osc), sweep, error)
     if (allocated(error)) return
-    blocks = make_blocks(size(rpm), size(osc), options%direction)
+    allocate (points(size(rpm), size(osc)))
+    allocate (solved(size(rpm), size(osc)), source=.false.)
+    blocks = make_blocks(size(rpm), size(osc))
     done = 0
-    !$omp parallel do default(none) shared(osc, rpm, options, sweep, blocks, done) private(now) &
-    !$omp schedule(dynamic, 1) num_threads(team(options%threads, size(blocks)))
+    !$omp parallel default(none) shared(osc, rpm, options, sweep, blocks, points, solved, done) private(now) &
+    !$omp num_threads(team(options%threads, size(blocks)))
+    !$omp do schedule(dynamic, 1)
     do i = 1, size(blocks)
-      call sweep_block(osc(blocks(i)%relief), blocks(i), options, sweep)
+      call solve_block(osc(blocks(i)%relief), rpm, blocks(i), options, points(:, blocks(i)%relief), &
+                       solved(:, blocks(i)%relief))
       !$omp atomic capture
       done = done + blocks(i)%last - blocks(i)%first + 1
       now = done
@@ -83,7 +90,14 @@ contains
         !$omp end critical (gearsweep_progress)
       end if
     end do
-    !$omp end parallel do
+    !$omp end do
+    !$omp do schedule(dynamic, 1)
+    do i = 1, size(osc)
+      if (options%direction /= each) call follow_branch(osc(i), rpm, options, points(:, i), solved(:, i))
+      call store(points(:, i), i, sweep)
+    end do
+    !$omp end do
+    !$omp end parallel
   end subroutine run_sweep
 
   integer function team(threads, blocks)
@@ -116,80 +130,124 @@ contains
     sweep%rpm = rpm
   end subroutine allocate_sweep
 
-  !> Following a branch makes one block of a relief; else 32 speeds share tables.
-  pure function make_blocks(speeds, reliefs, direction) result(blocks)
-    integer, intent(in) :: speeds, reliefs, direction
+  !> Speeds that share tables: blocks of growing length, as the slow ones need more steps and more
+  !> different tables. The costly ones come first.
+  pure function make_blocks(speeds, reliefs) result(blocks)
+    integer, intent(in) :: speeds, reliefs
     type(block_t), allocatable :: blocks(:)
-    integer :: length, per_relief, i, r
+    integer, parameter :: shortest = 32, longest = 256
+    integer :: first, length, r
 
-    length = merge(32, speeds, direction == each)
-    per_relief = (speeds + length - 1)/length
-    allocate (blocks(per_relief*reliefs))
-    do r = 1, reliefs
-      do i = 1, per_relief
-        blocks((r - 1)*per_relief + i) = block_t(r, (i - 1)*length + 1, min(i*length, speeds))
-      end do
+    allocate (blocks(0))
+    first = 1
+    length = shortest
+    do while (first <= speeds)
+      blocks = [blocks, (block_t(r, first, min(first + length - 1, speeds)), r=1, reliefs)]
+      first = first + length
+      length = min(2*length, longest)
     end do
   end function make_blocks
 
-  !> Goes through the speeds of one block.
-  subroutine sweep_block(osc, block, options, sweep)
+  !> Each speed of a block by itself; where a branch is to be followed, only what all pairs in contact
+  !> decide.
+  subroutine solve_block(osc, rpm, block, options, points, solved)
     type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm(:)
     type(block_t), intent(in) :: block
     type(sweep_options_t), intent(in) :: options
-    type(sweep_t), intent(inout) :: sweep
+    type(point_t), intent(inout) :: points(:)
+    logical, intent(inout) :: solved(:)
     type(tables_t), allocatable :: tables
-    type(point_t) :: point
-    real(dp) :: duration, before, state(2)
-    logical :: follow
-    integer :: first, last, k
+    integer :: k
 
     allocate (tables)
-    first = block%first
-    last = block%last
-    if (options%direction == down) then
-      first = block%last
-      last = block%first
+    if (options%accuracy%steps == 0 .and. options%accuracy%steady%method == by_shooting) then
+      do k = block%first, block%last, lanes
+        call solve_group(osc, rpm, k, min(k + lanes - 1, block%last), options, tables, points, solved)
+      end do
     end if
+    if (options%direction /= each) return
+    do k = block%first, block%last
+      if (solved(k)) cycle
+      call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm(k)), options%accuracy, tables, points(k))
+      solved(k) = .true.
+    end do
+  end subroutine solve_block
+
+  !> Speeds first to last in lanes; the last one fills what is left.
+  subroutine solve_group(osc, rpm, first, last, options, tables, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm(:)
+    integer, intent(in) :: first, last
+    type(sweep_options_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(inout) :: points(:)
+    logical, intent(inout) :: solved(:)
+    type(point_t) :: found(lanes)
+    logical :: ok(lanes)
+    integer :: k
+
+    call solve_lanes(osc, mesh_period(osc%mesh%teeth(1), [(rpm(min(k, last)), k=first, first + lanes - 1)]), &
+                     options%accuracy, tables, found, ok)
+    points(first:last) = found(:last - first + 1)
+    solved(first:last) = ok(:last - first + 1)
+  end subroutine solve_group
+
+  !> Goes through the speeds, up or down, and solves what is left, or lies on another branch than that of
+  !> the speed before.
+  subroutine follow_branch(osc, rpm, options, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm(:)
+    type(sweep_options_t), intent(in) :: options
+    type(point_t), intent(inout) :: points(:)
+    logical, intent(inout) :: solved(:)
+    type(tables_t), allocatable :: tables
+    ! Motions of neighbouring speeds on one branch differ by less, in static deflections.
+    real(dp), parameter :: beside = 0.1_dp
+    real(dp) :: duration, before, from(2)
+    integer :: i, k, last
+    logical :: follow
+
+    allocate (tables)
     follow = .false.
     before = 0
-    do k = first, last, merge(-1, 1, options%direction == down)
-      duration = mesh_period(osc%mesh%teeth(1), sweep%rpm(k))
+    last = 0
+    do i = 1, size(rpm)
+      k = merge(i, size(rpm) + 1 - i, options%direction == up)
+      duration = mesh_period(osc%mesh%teeth(1), rpm(k))
       if (follow) then
         ! The same motion in time: the derivative over the phase scales with the period.
-        call solve_point(osc, duration, options%accuracy, tables, point, [state(1), state(2)*duration/before])
-      else
-        call solve_point(osc, duration, options%accuracy, tables, point)
+        from = points(last)%steady%state*[1.0_dp, duration/before]
+        if (solved(k)) solved(k) = distance(osc, duration, points(k)%steady%state - from) < beside
+        if (.not. solved(k)) call solve_point(osc, duration, options%accuracy, tables, points(k), from)
+      else if (.not. solved(k)) then
+        call solve_point(osc, duration, options%accuracy, tables, points(k))
       end if
-      call store(point, k, block%relief, sweep)
+      solved(k) = .true.
       ! While all pairs stay in contact there is one periodic motion: nothing to follow.
-      follow = options%direction /= each .and. point%steady%partial .and. has_answer(point%steady%status)
-      state = point%steady%state
+      follow = points(k)%steady%partial .and. has_answer(points(k)%steady%status)
+      last = k
       before = duration
     end do
-  end subroutine sweep_block
+  end subroutine follow_branch
 
-  subroutine store(point, k, relief, sweep)
-    type(point_t), intent(in) :: point
-    integer, intent(in) :: k, relief
+  subroutine store(points, relief, sweep)
+    type(point_t), intent(in) :: points(:)
+    integer, intent(in) :: relief
     type(sweep_t), intent(inout) :: sweep
 
-    associate (steady => point%steady)
-      sweep%dynamic_factor(k, relief) = point%dynamic_factor
-      sweep%estimate(k, relief) = point%estimate
-      if (.not. has_answer(steady%status)) then
-        sweep%dynamic_factor(k, relief) = ieee_value(1.0_dp, ieee_quiet_nan)
-        sweep%estimate(k, relief) = ieee_value(1.0_dp, ieee_quiet_nan)
-      end if
-      sweep%multiplier(k, relief) = steady%multiplier
-      sweep%residual(k, relief) = steady%residual
-      sweep%status(k, relief) = steady%status
-      sweep%steps(k, relief) = point%steps
-      sweep%periods(k, relief) = steady%periods
-      sweep%contact(k, relief) = contact_full
-      if (steady%partial) sweep%contact(k, relief) = contact_partial
-      if (steady%flight) sweep%contact(k, relief) = contact_lost
-      if (steady%coast) sweep%contact(k, relief) = contact_coast
+    associate (steady => points%steady, answered => has_answer(points%steady%status))
+      sweep%dynamic_factor(:, relief) = merge(points%dynamic_factor, ieee_value(1.0_dp, ieee_quiet_nan), answered)
+      sweep%estimate(:, relief) = merge(points%estimate, ieee_value(1.0_dp, ieee_quiet_nan), answered)
+      sweep%multiplier(:, relief) = steady%multiplier
+      sweep%residual(:, relief) = steady%residual
+      sweep%status(:, relief) = steady%status
+      sweep%steps(:, relief) = points%steps
+      sweep%periods(:, relief) = steady%periods
+      sweep%contact(:, relief) = contact_full
+      where (steady%partial) sweep%contact(:, relief) = contact_partial
+      where (steady%flight) sweep%contact(:, relief) = contact_lost
+      where (steady%coast) sweep%contact(:, relief) = contact_coast
     end associate
   end subroutine store
 end module gearsweep_sweep

@@ -13,7 +13,9 @@ module gearsweep_piecewise
     real(dp), allocatable :: coef(:, :)
   contains
     procedure :: locate
+    procedure :: climb
     procedure :: value
+    procedure :: value_on
     procedure :: slope
     procedure :: shape
     procedure :: integral
@@ -129,6 +131,18 @@ contains
     piece = low
   end function locate
 
+  !> The same for x that ascends from call to call; `piece` is that of the last one.
+  pure subroutine climb(p, x, piece)
+    class(piecewise_t), intent(in) :: p
+    real(dp), intent(in) :: x
+    integer, intent(inout) :: piece
+
+    do while (piece < size(p%breaks) - 1)
+      if (x < p%breaks(piece + 1)) return
+      piece = piece + 1
+    end do
+  end subroutine climb
+
   !> Value at x. At a jump, `piece` chooses the side.
   pure real(dp) function value(p, x, piece)
     class(piecewise_t), intent(in) :: p
@@ -144,6 +158,23 @@ contains
       value = value*v + p%coef(k, i)
     end do
   end function value
+
+  !> Value at x by a given piece, quickly.
+  pure real(dp) function value_on(p, piece, x) result(f)
+    class(piecewise_t), intent(in) :: p
+    integer, intent(in) :: piece
+    real(dp), intent(in) :: x
+    real(dp) :: v
+    integer :: k
+
+    associate (left => p%breaks(piece), right => p%breaks(piece + 1), c => p%coef(:, piece))
+      v = (2*x - left - right)/(right - left)
+      f = c(size(c))
+      do k = size(c) - 1, 1, -1
+        f = f*v + c(k)
+      end do
+    end associate
+  end function value_on
 
   !> First derivative at x. At a kink, `piece` chooses the side.
   pure real(dp) function slope(p, x, piece)

@@ -1,0 +1,86 @@
+"""How a spur-gear pair behaves: stiffness, transmission error, dynamic factor, root stress.
+
+>>> import gearsweep
+>>> case = gearsweep.Case.build(
+...     pair={'module_mm': 3, 'face_width_mm': 20},
+...     pinion={'teeth': 21},
+...     gear={'teeth': 34},
+...     load={'torque_nm': 100},
+...     relief={'amount_um': [0, 10]},
+...     sweep={'rpm_first': 4000, 'rpm_last': 8000, 'rpm_step': 1000},
+... )
+>>> sweep = gearsweep.sweep(case)
+>>> sweep.dynamic_factor.shape
+(5, 2)
+
+A case's keys are described in doc/case.md, this package in doc/python.md. Names of numbers end in their
+unit. Pictures, pandas and xarray are loaded when they are asked for.
+"""
+
+from . import _border
+from ._border import Code, Error, PartialWarning
+from .case import Case
+from .results import (
+    Contact,
+    Geometry,
+    Load,
+    Mesh,
+    Modal,
+    Motion,
+    Optimum,
+    Result,
+    Section,
+    Static,
+    Status,
+    Stress,
+    Study,
+    Sweep,
+)
+from .store import read
+from .tasks import geometry, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
+
+__version__ = _border.version()
+
+__all__ = [
+    'Case',
+    'Code',
+    'Contact',
+    'Error',
+    'Geometry',
+    'Load',
+    'Mesh',
+    'Modal',
+    'Motion',
+    'Optimum',
+    'PartialWarning',
+    'Result',
+    'Section',
+    'Static',
+    'Status',
+    'Stress',
+    'Study',
+    'Sweep',
+    'geometry',
+    'load',
+    'mesh',
+    'modal',
+    'motion',
+    'optimum',
+    'prepare',
+    'read',
+    'report',
+    'run',
+    'section',
+    'static',
+    'stress',
+    'sweep',
+]
+
+
+def __getattr__(name: str):
+    """Pictures: `gearsweep.plot_sweep` and its like, from `gearsweep.plots`."""
+    if name.startswith('plot_'):
+        from . import plots
+
+        return getattr(plots, name)
+    raise AttributeError(f'module {__name__!r} has no attribute {name!r}')

@@ -1,0 +1,143 @@
+"""`python -m gearsweep CASE.nml`: what the program gearsweep does, and pictures."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+import warnings
+from dataclasses import dataclass
+
+from . import Case, Code, Error, PartialWarning, __version__, _border, run
+
+HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
+
+usage: python -m gearsweep CASE.nml [options]
+
+  --out FOLDER    where the tables and pictures go (results); it is made if missing
+  --threads N     threads of the sweep (all); the answer is the same for any number
+  --no-pictures   draw none
+  --verbose       also say which stages ran and what was left out
+  --quiet         print errors only
+  --version       print the version
+  --help          print this
+
+exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,
+           4 some operating points have no answer, 5 a method failed, 6 memory
+The keys of a case are described in doc/case.md."""
+
+
+@dataclass
+class Arguments:
+    case: str = ''
+    out: str = 'results'
+    threads: int = 0
+    pictures: bool = True
+    verbose: bool = False
+    quiet: bool = False
+
+
+def main(words: list[str] | None = None) -> int:
+    """Runs the command line `words`; the exit code."""
+    words = sys.argv[1:] if words is None else words
+    try:
+        if {'--help', '-h'} & set(words):
+            print(HELP)
+        elif '--version' in words:
+            print(f'gearsweep {__version__}')
+        else:
+            answer(arguments(words))
+    except Error as error:
+        sys.stdout.flush()
+        if error.code != Code.PARTIAL:
+            print(f'gearsweep: {error}', file=sys.stderr)
+        return error.code
+    return Code.OK
+
+
+def arguments(words: list[str]) -> Arguments:
+    """The command line, refused as the program refuses it."""
+    found = Arguments()
+    rest = iter(words)
+    for word in rest:
+        if word in ('--verbose', '--quiet'):
+            setattr(found, word[2:], True)
+        elif word == '--no-pictures':
+            found.pictures = False
+        elif word in ('--out', '--threads'):
+            value = next(rest, None)
+            if value is None:
+                raise usage(f'{word}: a value must follow')
+            if not value:
+                raise usage(f'{word}: the value is empty')
+            if word == '--out':
+                found.out = value
+            elif value.isascii() and value.isdigit() and 1 <= int(value) <= 1024:
+                found.threads = int(value)
+            else:
+                raise usage('--threads: must be an integer from 1 to 1024')
+        elif word.startswith('-'):
+            raise usage(f'unknown option {word}')
+        elif found.case:
+            raise usage(f'one case at a time: {found.case} and {word}')
+        elif not word:
+            raise usage('the case has an empty name')
+        else:
+            found.case = word
+    if not found.case:
+        raise usage('no case given')
+    return found
+
+
+def usage(message: str) -> Error:
+    return Error(f'{message}; gearsweep --help tells more', Code.USAGE)
+
+
+def answer(wanted: Arguments) -> None:
+    """Computes, prints the answer, leaves tables and pictures.
+
+    Raises
+    ------
+    Error
+        As the program: also where some points have no answer, after all is written.
+    """
+    began = time.perf_counter()
+    case = Case.read(wanted.case)
+    folder, file = os.path.split(wanted.case)
+    name = file[: file.rindex('.')] if file.rfind('.') > 0 else file
+    text, stages, written, error = _border.write(
+        case.text, folder, _border.NO_WORK, wanted.threads, wanted.out, name
+    )
+    if text and not wanted.quiet:
+        print(f'gearsweep {__version__}\n{text}Time               {time.perf_counter() - began:.3g} s')
+        if wanted.verbose:
+            print('\n' + stages, end='')
+        for path in written:
+            print(f'Wrote              {path}')
+    if error is None or error.code == Code.PARTIAL:
+        if wanted.pictures:
+            draw(case, wanted, name)
+    if error is not None:
+        raise error
+
+
+def draw(case: Case, wanted: Arguments, name: str) -> None:
+    """Pictures of all results, where matplotlib is installed."""
+    try:
+        from .plots import draw_all
+    except ImportError as error:
+        if not wanted.quiet:
+            print(f'gearsweep: no pictures: {error}', file=sys.stderr)
+        return
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', PartialWarning)
+        study = run(case, threads=wanted.threads)
+    for path in draw_all(study, wanted.out, name):
+        if not wanted.quiet:
+            print(f'Wrote              {path}')
+
+
+if __name__ == '__main__':
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a call into the library ends at once, as the program does
+    sys.exit(main())

@@ -1,0 +1,211 @@
+"""The border to the library: the only module that calls it.
+
+Texts go in and come out as bytes of UTF-8; a failed call becomes an `Error`. What the calls do is told in
+src/doors/gearsweep_flat*.f90.
+"""
+
+from __future__ import annotations
+
+import enum
+import warnings
+from operator import index
+
+import numpy as np
+
+from . import _flat
+
+#: No stiffness is passed in: the call finds it itself.
+NO_WORK = np.empty(0)
+
+
+class Code(enum.IntEnum):
+    """What went wrong: the exit codes of the program."""
+
+    OK = 0
+    INPUT = 1  #: the case or an argument is not usable
+    USAGE = 2  #: the command line is not usable
+    FILE = 3  #: a file or folder cannot be read or written
+    PARTIAL = 4  #: some operating points have no answer
+    NUMERICAL = 5  #: a method did not deliver, although the input is valid
+    MEMORY = 6  #: the work does not fit into memory
+
+
+class Error(Exception):
+    """A call failed; the message is the library's.
+
+    Attributes
+    ----------
+    code : Code
+        What went wrong.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> try:
+    ...     gearsweep.geometry(gearsweep.Case('&pair modul_mm = 3 /'))
+    ... except gearsweep.Error as error:
+    ...     print(error.code.name, error)
+    INPUT &pair modul_mm = 3: unknown key (did you mean module_mm?)...
+    """
+
+    def __init__(self, message: str, code: Code = Code.INPUT):
+        super().__init__(message)
+        self.code = Code(code)
+
+
+class PartialWarning(UserWarning):
+    """Some operating points have no answer; they are NaN and their status says why."""
+
+
+def version() -> str:
+    return _call(_flat.gs_version)[0].decode()
+
+
+def sizes(text: str, folder: str) -> dict[str, int]:
+    names = ('speeds', 'reliefs', 'rows', 'tried', 'positions', 'modes', 'nodes', 'elements', 'nwork')
+    return dict(zip(names, _call(_flat.gs_sizes, _bytes(text), _bytes(folder))))
+
+
+def prepare(text: str, folder: str, nwork: int) -> np.ndarray:
+    return _call(_flat.gs_prepare, _bytes(text), _bytes(folder), nwork)[0]
+
+
+def geometry(text: str) -> list:
+    return _call(_flat.gs_geometry, _bytes(text))
+
+
+def outline(text: str, member: int) -> np.ndarray:
+    """Points (x and y in mm) of the outline of the pinion (1) or the gear (2)."""
+    points, x, y = _with_room(_flat.gs_outline, _bytes(text), member)
+    return np.column_stack((x[:points], y[:points]))
+
+
+def motion(text: str, work: np.ndarray) -> list:
+    return _call(_flat.gs_motion, _bytes(text), _work(work))
+
+
+def mesh(text: str, work: np.ndarray, rows: int) -> list:
+    return _call(_flat.gs_mesh, _bytes(text), _work(work), rows)
+
+
+def load(text: str, work: np.ndarray) -> list:
+    rows, *columns = _with_room(_flat.gs_load, _bytes(text), _work(work))
+    return [column[:rows].copy() for column in columns]
+
+
+def sweep(text: str, work: np.ndarray, threads: int, speeds: int, reliefs: int) -> list:
+    return _call(_flat.gs_sweep, _bytes(text), _work(work), index(threads), speeds, reliefs)
+
+
+def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    found, peak_rpm, peak_factor = _call(_flat.gs_resonances, rpm, dynamic_factor)
+    return peak_rpm[:found], peak_factor[:found]
+
+
+def optimum(text: str, work: np.ndarray, threads: int, room: int) -> list:
+    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), index(threads), room)
+    return [column[:tried].copy() for column in curve[:4]] + curve[4:]
+
+
+def section(text: str, nodes: int, elements: int) -> list:
+    """Nodes and elements; here the nodes of an element are counted from 0, an element a row."""
+    x, y, element, tooth = _call(_flat.gs_section, _bytes(text), nodes, elements)
+    return [x, y, np.ascontiguousarray(element.T) - 1, tooth]
+
+
+def modes(text: str, modes: int, nodes: int) -> list:
+    return _call(_flat.gs_modes, _bytes(text), modes, nodes)
+
+
+def root(text: str, work: np.ndarray, positions: int, reliefs: int) -> list:
+    return _call(_flat.gs_root, _bytes(text), _work(work), positions, reliefs)
+
+
+def stress(text: str, work: np.ndarray, position: int, relief: int, nodes: int) -> list:
+    """Here position and relief are counted from 0."""
+    return _call(_flat.gs_stress, _bytes(text), _work(work), index(position) + 1, index(relief) + 1, nodes)
+
+
+def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:
+    return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), index(threads))
+
+
+def complete(text: str) -> str:
+    return _text(_flat.gs_complete, 2 * len(text) + 20_000, _bytes(text))
+
+
+def change(text: str, group: str, key: str, value: str) -> str:
+    return _text(_flat.gs_change, 4 * (len(text) + len(value)) + 1000, *map(_bytes, (text, group, key, value)))
+
+
+def write(
+    text: str, folder: str, work: np.ndarray, threads: int, out: str, name: str
+) -> tuple[str, str, list[str], Error | None]:
+    """What the program does: answer, stages, files written, and the error that it ended with, if any."""
+    room = 1_000_000
+    while True:
+        answer = np.array(b' ' * room)
+        length, stages, files, info, message = _flat.gs_write(
+            _bytes(text), _bytes(folder), _work(work), index(threads), _bytes(out), _bytes(name), answer
+        )
+        if length <= room:
+            break
+        room = length
+    error = Error(_str(message), Code(info)) if info else None
+    return _str(answer.item()), _str(stages), _str(files).splitlines(), error
+
+
+def _call(procedure, *arguments) -> list:
+    return _checked(procedure(*arguments))
+
+
+def _with_room(procedure, *arguments) -> list:
+    """The results of a call whose last argument is the room for its rows, and its first result their number."""
+    room = 10_000
+    results = procedure(*arguments, room)
+    if results[0] > room:
+        results = procedure(*arguments, results[0])
+    return _checked(results)
+
+
+def _checked(results: tuple) -> list:
+    """All results but the last two, which are the code and the message of every call."""
+    *results, info, message = results
+    if info == Code.PARTIAL:
+        warnings.warn(_str(message), PartialWarning, stacklevel=5)
+    elif info != Code.OK:
+        raise Error(_str(message), Code(info))
+    return results
+
+
+def _text(procedure, room: int, *arguments) -> str:
+    """The text that a call leaves in its last argument; asked for again where it needs more room."""
+    while True:
+        text = np.array(b' ' * room)
+        length, info, message = procedure(*arguments, text)
+        if length <= room:
+            break
+        room = length
+    if info not in (Code.OK, Code.PARTIAL):
+        raise Error(_str(message), Code(info))
+    return _str(text.item())
+
+
+def _bytes(text: str) -> bytes:
+    if '\0' in text:
+        raise Error('text: has a NUL character')
+    try:
+        return text.encode('utf-8', 'surrogateescape')
+    except UnicodeEncodeError as error:
+        raise Error(f'text: {error}') from error
+
+
+def _str(text: bytes) -> str:
+    return text.decode('utf-8', 'surrogateescape')
+
+
+def _work(work: np.ndarray) -> np.ndarray:
+    work = np.asarray(work)
+    if work.ndim != 1 or work.dtype.kind not in 'fiu':
+        raise TypeError('work: must be the array that prepare gives')
+    return np.ascontiguousarray(work, dtype=np.float64)

@@ -1,0 +1,179 @@
+"""The case: one text that says which gear pair is meant and what to compute."""
+
+from __future__ import annotations
+
+import functools
+import numbers
+import os
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from . import _border
+from ._border import Code, Error
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case as text, with the folder in which the files that it names lie.
+
+    It never changes: `changed` gives a new one. Its keys are described in doc/case.md; what they may be is
+    checked by the library where the case is used.
+
+    Parameters
+    ----------
+    text : str
+        Fortran namelist text.
+    folder : str
+        Where files that the case names lie; empty: in the current folder.
+
+    Examples
+    --------
+    >>> case = Case("&pair module_mm = 3  face_width_mm = 20 /  &pinion teeth = 21 /  &gear teeth = 34 /"
+    ...             "&load torque_nm = 100 /  &case tasks = 'mesh' /  ! a small pair")
+    >>> case.get('pair', 'module_mm'), case.get('dynamics', 'damping_ratio')
+    (3, 0.17)
+    >>> stronger = case.changed(pair={'module_mm': 3.5}, gear={'profile_shift': 0.1})
+    >>> print(stronger)
+    &pair module_mm = 3.5  face_width_mm = 20 /  &pinion teeth = 21 /  &gear teeth = 34 profile_shift = 0.1 ...
+    """
+
+    text: str
+    folder: str = ''
+
+    def __post_init__(self):
+        if not isinstance(self.text, str):
+            raise TypeError(f'text: must be str, not {type(self.text).__name__}')
+        object.__setattr__(self, 'folder', os.fspath(self.folder))
+
+    @classmethod
+    def read(cls, path: str | os.PathLike) -> Case:
+        """Reads a case from a file; the files that it names lie beside it.
+
+        Raises
+        ------
+        Error
+            The file cannot be read.
+        """
+        path = os.fspath(path)
+        try:
+            text = Path(path).read_bytes().decode('utf-8', 'surrogateescape')
+        except OSError as error:
+            place = '' if isinstance(error, IsADirectoryError) else f"Cannot open file '{path}': "
+            raise Error(f'cannot read {path}: {place}{error.strerror}', Code.FILE) from error
+        return cls(text, os.path.abspath(os.path.dirname(path)))
+
+    @classmethod
+    def build(cls, **groups: Mapping[str, Any]) -> Case:
+        """Makes a case of groups and keys, as in `Case.build(pair={'module_mm': 3}, ...)`.
+
+        A list gives several values; None leaves a key out. What is not given has the library's default.
+        """
+        return cls('').changed(**groups)
+
+    def write(self, path: str | os.PathLike) -> None:
+        """Writes the text to a file."""
+        Path(path).write_bytes(self.text.encode('utf-8', 'surrogateescape'))
+
+    def changed(self, **groups: Mapping[str, Any]) -> Case:
+        """A new case with other values, as in `case.changed(relief={'amount_um': [0, 5]})`.
+
+        The rest of the text stays as it is, with its remarks. None takes a key out.
+
+        Raises
+        ------
+        Error
+            A name or value that no case could have. Whether the key exists and allows the value is told
+            where the case is used.
+        """
+        text = self.text
+        for group, keys in groups.items():
+            for key, value in keys.items():
+                text = _border.change(text, group, key, written(value))
+        return Case(text, self.folder)
+
+    def get(self, group: str, key: str, default: Any = None) -> Any:
+        """The value in effect: as the case gives it, or else the library's default.
+
+        A key with several values gives a tuple; one that has none, or that this case does not use, `default`.
+
+        Raises
+        ------
+        Error
+            The case is not usable.
+        """
+        return self.values.get(group, {}).get(key, default)
+
+    @functools.cached_property
+    def values(self) -> Mapping[str, Mapping[str, Any]]:
+        """All values in effect, by group and key."""
+        return parsed(self.complete().text)
+
+    def complete(self) -> Case:
+        """The case with every default written out. It gives the same answer."""
+        return Case(_border.complete(self.text), self.folder)
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """What the case asks for."""
+        tasks = self.get('case', 'tasks')
+        return tasks if isinstance(tasks, tuple) else (tasks,)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def written(value: Any) -> str:
+    """A value as a case has it.
+
+    >>> written([0, 2.5e-7]), written("it's"), written(True), written(None)
+    ('0, 2.5e-07', "'it''s'", '.true.', '')
+    """
+    if value is None:
+        return ''
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    if hasattr(value, 'tolist'):  # of NumPy: a scalar or an array
+        value = value.tolist()
+    if isinstance(value, bool):
+        return '.true.' if value else '.false.'
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        return repr(float(value))
+    if isinstance(value, Iterable) and not isinstance(value, (bytes, Mapping)):
+        return ', '.join(map(written, value))
+    raise TypeError(f'a case has no values such as {value!r}')
+
+
+_ASSIGNMENT = re.compile(r'^  (\w+) =(.*(?:\n {4}.*)*)', re.MULTILINE)
+_VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
+
+
+def parsed(complete: str) -> dict[str, dict[str, Any]]:
+    """Groups and keys of a text that the library has completed."""
+    values: dict[str, dict[str, Any]] = {}
+    for group in re.split(r'^&', complete, flags=re.MULTILINE)[1:]:
+        name = group.split(maxsplit=1)[0]
+        values[name] = {}
+        for key, words in _ASSIGNMENT.findall(group):
+            found = tuple(_value(*match.groups()) for match in _VALUE.finditer(words))
+            values[name][key] = found[0] if len(found) == 1 else found
+    return values
+
+
+def _value(text: str | None, word: str | None) -> Any:
+    if word is None:
+        return text.replace("''", "'")
+    if word.lower() in ('.true.', 'true', '.t.', 't'):
+        return True
+    if word.lower() in ('.false.', 'false', '.f.', 'f'):
+        return False
+    for kind in (int, float):
+        try:
+            return kind(word.lower().replace('d', 'e'))
+        except ValueError:
+            pass
+    return word.lower()

@@ -1,0 +1,2 @@
+/* What the calls made by f2py share. */
+#include <fortranobject.c>

@@ -1,0 +1,96 @@
+"""Results in files: NumPy's npz format with a description in JSON; no pickle."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import zipfile
+
+import numpy as np
+
+from . import results
+from ._border import Code, Error
+from .case import Case
+
+#: Of the files; a later one need not be readable by this version.
+_FORMAT = 1
+_KINDS = {
+    kind.__name__: kind
+    for kind in (
+        results.Geometry, results.Motion, results.Mesh, results.Static, results.Modal, results.Section,
+        results.Stress, results.Load, results.Sweep, results.Optimum, results.Study,
+    )
+}  # fmt: skip
+
+
+def save(result: results.Result | results.Study, path: str | os.PathLike) -> None:
+    """Writes a result under a temporary name, which is renamed when it is complete."""
+    parts = _parts(result)
+    arrays = {f'{name}.{key}': getattr(part, key) for name, part in parts.items() for key in part.units}
+    about = {
+        'format': _FORMAT,
+        'kind': type(result).__name__,
+        'version': result.version,
+        'text': result.case.text,
+        'folder': result.case.folder,
+        'parts': {name: type(part).__name__ for name, part in parts.items()},
+    }
+    path = os.fspath(path)
+    try:
+        with open(path + '.part', 'wb') as file:
+            np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
+        os.replace(path + '.part', path)
+    except OSError as error:
+        raise Error(f'cannot write {path}: {error.strerror}', Code.FILE) from error
+
+
+def read(path: str | os.PathLike) -> results.Result | results.Study:
+    """Reads a result that `save` wrote, bit by bit as it was.
+
+    Raises
+    ------
+    Error
+        The file cannot be read, or is none of ours.
+
+    Examples
+    --------
+    >>> import gearsweep, os, tempfile
+    >>> case = gearsweep.Case('&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /')
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     gearsweep.geometry(case).save(os.path.join(folder, 'pair.npz'))
+    ...     geometry = gearsweep.read(os.path.join(folder, 'pair.npz'))
+    >>> geometry.case == case, geometry.distance_mm
+    (True, 82.5)
+    """
+    path = os.fspath(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        about = json.loads(arrays['about'].tobytes())
+        if about['format'] != _FORMAT:
+            raise Error(f'cannot read {path}: format {about["format"]} is not known to this version', Code.FILE)
+        case = Case(about['text'], about['folder'])
+        parts = {
+            name: _part(_KINDS[kind], case, about['version'], name, arrays) for name, kind in about['parts'].items()
+        }
+        if about['kind'] == 'Study':
+            return results.Study(case, about['version'], **parts)
+        return parts['']
+    except OSError as error:
+        raise Error(f'cannot read {path}: {error.strerror or error}', Code.FILE) from error
+    except (AttributeError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
+        raise Error(f'cannot read {path}: is no result of gearsweep', Code.FILE) from error
+
+
+def _parts(result: results.Result | results.Study) -> dict[str, results.Result]:
+    if isinstance(result, results.Study):
+        parts = {field.name: getattr(result, field.name) for field in dataclasses.fields(result)}
+        return {name: part for name, part in parts.items() if isinstance(part, results.Result)}
+    return {'': result}
+
+
+def _part(kind: type, case: Case, version: str, name: str, arrays: dict) -> results.Result:
+    keys = [field.name for field in dataclasses.fields(kind) if 'unit' in field.metadata]
+    values = (arrays[f'{name}.{key}'] for key in keys)
+    return kind(case, version, *(value if value.ndim else float(value) for value in values))

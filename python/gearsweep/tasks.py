@@ -1,0 +1,212 @@
+"""One function for each task, and `run` for all that a case asks for.
+
+`work` is what `prepare` gives: the pair stiffness, the costly part of most cases. It serves all cases with
+the same gears, material, section and load. `threads` is for sweeps; 0 takes all, and the answer is the same
+for any number. Any number of threads may call at once; a call does not hold Python's lock.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import _border, results
+from ._border import Error
+from .case import Case
+
+_VERSION = _border.version()
+_MESH_TASKS = ('mesh', 'static', 'load', 'sweep', 'optimum')
+
+
+def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> results.Study:
+    """Everything that the case asks for.
+
+    Parameters
+    ----------
+    case : Case
+        What to compute.
+    threads : int
+        For the sweep; 0: all.
+    work : array, optional
+        From `prepare`.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    Error
+        The case is not usable, a file is missing, or a method failed. Operating points without an answer are
+        no error: they are NaN, and a `PartialWarning` tells how many.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> case = gearsweep.Case('''&case tasks = 'mesh', 'modal' / &pair module_mm = 3 face_width_mm = 20 /
+    ...     &pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 / &section elements_across = 4 /''')
+    >>> study = gearsweep.run(case)
+    >>> study.mesh, study.modal.frequency_hz.shape, study.sweep
+    (<gearsweep.Mesh: 328 row>, (10,), None)
+    """
+    runs = {
+        'section': lambda: section(case),
+        'modal': lambda: modal(case),
+        'mesh': lambda: mesh(case, work=work),
+        'static': lambda: static(case, work=work),
+        'load': lambda: load(case, work=work),
+        'sweep': lambda: sweep(case, threads=threads, work=work),
+        'optimum': lambda: optimum(case, threads=threads, work=work),
+    }
+    found: dict[str, results.Result] = {}
+    _check(case)
+    if case.get('mesh', 'contact_ratio') is None:
+        found['geometry'] = geometry(case)
+    if not set(_MESH_TASKS).isdisjoint(case.tasks):
+        work = prepare(case) if work is None else work
+        found['motion'] = motion(case, work=work)
+    for task, result in runs.items():
+        if task in case.tasks:
+            found[task] = result()
+    return results.Study(case, _VERSION, **found)
+
+
+def report(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> str:
+    """The whole answer as text, as the program prints it."""
+    _check(case)
+    return _border.report(case.text, case.folder, _given(work), threads)
+
+
+def prepare(case: Case) -> np.ndarray:
+    """The pair stiffness, by finite elements where the case says so, as `work` for the other functions.
+
+    It serves all cases that differ in reliefs, speeds, masses, damping, friction, backlash or tasks; another
+    case is refused.
+    """
+    case = _with_mesh(case)
+    return _border.prepare(case.text, case.folder, _sizes(case)['nwork'])
+
+
+def geometry(case: Case) -> results.Geometry:
+    """Radii, path of contact and outlines of the pair.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> geometry = gearsweep.geometry(gearsweep.Case('''&pair module_mm = 3 face_width_mm = 20 /
+    ...     &pinion teeth = 21 / &gear teeth = 34 /'''))
+    >>> geometry.distance_mm, round(geometry.contact_ratio, 3)
+    (82.5, 1.625)
+    """
+    text = _naming(case, 'geometry').text
+    outlines = [_border.outline(text, member) for member in (1, 2)]
+    return results.Geometry(case, _VERSION, *_border.geometry(text), *outlines)
+
+
+def motion(case: Case, *, work: np.ndarray | None = None) -> results.Motion:
+    """Load, masses, mean mesh stiffness and natural frequency."""
+    text, work = _with_mesh(case).text, _ready(case, work)
+    return results.Motion(case, _VERSION, *_border.motion(text, work))
+
+
+def mesh(case: Case, *, work: np.ndarray | None = None) -> results.Mesh:
+    """Stiffness, load sharing and static transmission error of one pair along the path of contact."""
+    named, work = _naming(case, 'mesh'), _ready(case, work)
+    return results.Mesh(case, _VERSION, *_border.mesh(named.text, work, _sizes(named)['rows']))
+
+
+def static(case: Case, *, work: np.ndarray | None = None) -> results.Static:
+    """Root stress of one member while the load moves over the path."""
+    named, work = _naming(case, 'static'), _ready(case, work)
+    n = _sizes(named)
+    return results.Static(case, _VERSION, *_border.root(named.text, work, n['positions'], n['reliefs']))
+
+
+def stress(case: Case, position: int, relief: int = 0, *, work: np.ndarray | None = None) -> results.Stress:
+    """Stress all over the section, for a picture, with the load at one of the positions of `static`.
+
+    Parameters
+    ----------
+    case : Case
+        What to compute.
+    position, relief : int
+        Which position of the load and which relief, counted from 0.
+    work : array, optional
+        From `prepare`.
+    """
+    named, work = _naming(case, 'static'), _ready(case, work)
+    named = _naming(named, 'section')
+    n = _sizes(named)
+    grid = _border.section(named.text, n['nodes'], n['elements'])
+    return results.Stress(case, _VERSION, *grid, *_border.stress(named.text, work, position, relief, n['nodes']))
+
+
+def load(case: Case, *, work: np.ndarray | None = None) -> results.Load:
+    """Dynamic load of one pair along its path, at the speeds `load_rpm`."""
+    named, work = _naming(case, 'load'), _ready(case, work)
+    return results.Load(case, _VERSION, *_border.load(named.text, work))
+
+
+def sweep(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> results.Sweep:
+    """Dynamic factor over speed and relief."""
+    named, work = _naming(case, 'sweep'), _ready(case, work)
+    n = _sizes(named)
+    return results.Sweep(case, _VERSION, *_border.sweep(named.text, work, threads, n['speeds'], n['reliefs']))
+
+
+def optimum(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> results.Optimum:
+    """The relief whose largest dynamic factor over all speeds is least."""
+    named, work = _naming(case, 'optimum'), _ready(case, work)
+    return results.Optimum(case, _VERSION, *_border.optimum(named.text, work, threads, _sizes(named)['tried']))
+
+
+def section(case: Case) -> results.Section:
+    """Finite-element grid of a section of one member."""
+    named = _naming(case, 'section')
+    n = _sizes(named)
+    return results.Section(case, _VERSION, *_border.section(named.text, n['nodes'], n['elements']))
+
+
+def modal(case: Case) -> results.Modal:
+    """Natural frequencies and mode shapes of the section."""
+    named = _naming(_naming(case, 'modal'), 'section')
+    n = _sizes(named)
+    grid = _border.section(named.text, n['nodes'], n['elements'])
+    return results.Modal(case, _VERSION, *grid, *_border.modes(named.text, n['modes'], n['nodes']))
+
+
+def _check(case: Case) -> None:
+    if not isinstance(case, Case):
+        raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
+
+
+def _naming(case: Case, task: str) -> Case:
+    """The case with this task among its own, or alone where it lacks what its own need."""
+    _check(case)
+    try:
+        tasks = case.tasks
+    except Error:
+        tasks = ()
+    return case if task in tasks else case.changed(case={'tasks': (*tasks, task)})
+
+
+def _with_mesh(case: Case) -> Case:
+    """The case with at least one task that needs the mesh."""
+    _check(case)
+    try:
+        named = not set(_MESH_TASKS).isdisjoint(case.tasks)
+    except Error:
+        named = False
+    return case if named else _naming(case, 'mesh')
+
+
+def _sizes(case: Case) -> dict[str, int]:
+    return _border.sizes(case.text, case.folder)
+
+
+def _given(work: np.ndarray | None) -> np.ndarray:
+    return _border.NO_WORK if work is None else work
+
+
+def _ready(case: Case, work: np.ndarray | None) -> np.ndarray:
+    """The stiffness, prepared where it is not given: what reads the case's files."""
+    return prepare(case) if work is None else work

@@ -1,0 +1,53 @@
+"""What the tests share: cases, and the program that the package must agree with."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+GEARED = """! A small pair on coarse grids, all tasks.
+&case tasks = 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum' /
+&pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 profile_shift = 0.2 effective_mass_kg = 0.5 /
+&gear
+  teeth = 34   ! as many as fit
+  effective_mass_kg = 0.9
+/
+&load normal_force_n = 4000 /
+&relief amount_um = 0, 10 /
+&mesh model = 'fe' /
+&section elements_across = 4 /
+&static positions = 5 /
+&modal modes = 3 /
+&sweep rpm_first = 3000 rpm_last = 9000 rpm_step = 500 load_rpm = 4000, 6000 /
+"""
+PRESCRIBED = """&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 / &relief amount_um = 0, 15 /
+&mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+&dynamics damping_ratio = 0.1 /
+&sweep rpm_first = 2000 rpm_last = 16000 rpm_step = 1000 load_rpm = 3000 /
+"""
+# Too few steps at the lowest speed: points without an answer.
+PARTIAL = """&case tasks = 'sweep' /
+&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 /
+&mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+&numerics steps_per_period = 20 / &sweep rpm_first = 1 rpm_last = 6001 rpm_step = 1000 /
+"""
+
+
+@pytest.fixture(scope='session')
+def program():
+    """Runs the Fortran program with these words, in this folder."""
+    path = os.environ.get('GEARSWEEP_PROGRAM', ROOT / 'build/run/gearsweep')
+    if not os.access(path, os.X_OK):
+        pytest.fail(f'no program at {path}; sh test/run.sh builds it')
+
+    def run(*words, cwd):
+        return subprocess.run([path, *words], cwd=cwd, capture_output=True, text=True, timeout=300)
+
+    return run

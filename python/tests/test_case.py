@@ -1,0 +1,163 @@
+"""The case: values in effect, changes that leave the rest alone."""
+
+import re
+
+import numpy as np
+import pytest
+from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT
+
+from gearsweep import Case, Code, Error
+from gearsweep.case import written
+
+CASES = [Case(GEARED), Case(PRESCRIBED), Case(PARTIAL)] + [
+    Case.read(ROOT / 'data' / name) for name in ('case1.nml', 'case2.nml', 'hassan.nml')
+]
+
+
+def test_values_given_and_default():
+    case = Case(GEARED)
+    assert case.get('pair', 'module_mm') == 3
+    assert case.get('relief', 'amount_um') == (0, 10)
+    assert case.get('mesh', 'model') == 'fe'
+    assert case.get('pair', 'tip_alteration') is False
+    # Defaults, as doc/case.md has them.
+    assert case.get('dynamics', 'damping_ratio') == 0.17
+    assert case.get('pair', 'coast_angle_deg') == 20
+    assert case.get('section', 'fixed') == ('sides', 'rim')
+    assert case.get('numerics', 'tolerance') == 1e-6
+    # None: no default, or nothing that this case could use.
+    assert case.get('pair', 'backlash_um') is None
+    assert case.get('pinion', 'inertia_kgm2') is None
+    assert case.get('mesh', 'contact_ratio') is None
+    assert Case(PRESCRIBED).get('section', 'teeth') is None
+    assert case.get('no', 'key', 7) == 7
+
+
+@pytest.mark.parametrize('case', CASES, ids=range(len(CASES)))
+def test_complete_case_is_complete(case):
+    complete = case.complete()
+    assert complete.complete().text == complete.text
+    assert complete.values == case.values
+    assert complete.folder == case.folder
+
+
+def test_defaults_of_the_reference():
+    """Every plain default that doc/case.md prints is the one in effect."""
+    case = Case(GEARED).changed(pinion={'effective_mass_kg': None}, mesh={'model': None})
+    keys = (ROOT / 'doc/case.md').read_text().split('## Keys')[1].split('## Finite elements')[0]
+    found = 0
+    for part in keys.split('\n### ')[1:]:
+        heading, *lines = part.splitlines()
+        group = heading.split()[0]
+        rows = [[cell.strip(' `') for cell in line.strip('|').split('|')] for line in lines if line[:3] == '| `']
+        for row in rows:
+            default = row[-3].replace('`', '') if len(row) > 3 else ''
+            if not re.fullmatch(r"\d[\d.e-]*|'[a-z0-9', ]+'|\.true\.|\.false\.", default):
+                continue
+            value = case.changed(**{group: {row[0]: None}}).get(group, row[0])
+            assert written(value) == canonical(default), row
+            found += 1
+    assert found > 30
+
+
+def canonical(default):
+    """A default as doc/case.md prints it, in the form of `written`."""
+    if default[0] in "'.":
+        return default
+    return written(int(float(default)) if float(default) == int(float(default)) else float(default))
+
+
+def test_read_and_write(tmp_path):
+    text = "! Zahnrad mit \u00dc und einem Byte \udcff\r\n&pair module_mm = 3 /\n"
+    Case(text).write(tmp_path / 'a.nml')
+    case = Case.read(tmp_path / 'a.nml')
+    assert case.text == text
+    assert case.folder == str(tmp_path)
+    assert case == Case(text, tmp_path) and hash(case) == hash(Case(text, tmp_path)) and case != Case(text)
+    with pytest.raises(Error, match='No such file') as caught:
+        Case.read(tmp_path / 'b.nml')
+    assert caught.value.code == Code.FILE
+
+
+def test_a_case_never_changes():
+    case = Case(GEARED)
+    with pytest.raises(AttributeError):
+        case.text = ''
+    case.changed(pair={'module_mm': 4})
+    assert case.text == GEARED
+
+
+@pytest.mark.parametrize(
+    'text, group, key, value, expected',
+    [
+        ('&a b = 1 /', 'a', 'b', 2, '&a b = 2 /'),
+        ('&A B=1/', 'a', 'b', 2, '&A B=2/'),
+        ('&a b = 1, 2, ! two\n 3 c = 4 /', 'a', 'b', [5, 6], '&a b = 5, 6 c = 4 /'),
+        ("&a b = 'x/y&z', c = 1 /", 'a', 'b', "it's", "&a b = 'it''s', c = 1 /"),
+        ('&a b = 3*1.5 c = 4 &end', 'a', 'b', 0.1, '&a b = 0.1 c = 4 &end'),
+        ('&a b = 1 /', 'a', 'c', True, '&a b = 1 c = .true. /'),
+        ('&a b = 1/', 'a', 'c', True, '&a b = 1 c = .true. /'),
+        ('&a\n  b = 1 ! one\n/\n', 'a', 'c', 2, '&a\n  b = 1 ! one\n  c = 2\n/\n'),
+        ('&a\n  b = \n/\n', 'a', 'b', 2, '&a\n  b = \n  b = 2\n/\n'),
+        ('&a b = 1 /', 'c', 'd', 2, '&a b = 1 /\n&c d = 2 /\n'),
+        ('', 'c', 'd', 2, '&c d = 2 /\n'),
+        ('&a b = 1, c = 2 /', 'a', 'b', None, '&a  c = 2 /'),
+        ('&a b = 1\n c = 2 /', 'a', 'c', None, '&a b = 1\n  /'),
+        ('&a b = 1 /', 'a', 'c', None, '&a b = 1 /'),
+        ('&a b = 1 / ! &a b = 2', 'a', 'b', 3, '&a b = 3 / ! &a b = 2'),
+    ],
+)
+def test_changed(text, group, key, value, expected):
+    assert Case(text).changed(**{group: {key: value}}).text == expected
+
+
+@pytest.mark.parametrize(
+    'group, key, text',
+    [('a', 'b', '1 / &c d = 2'), ('a', 'b', '1 c = 2'), ('a', 'b', '1 ! x'), ('a b', 'c', '1'), ('a', 'b = 1 c', '2'),
+     ('', 'b', '1'), ('a', '', '1'), ('a', 'b', "'"), ('a', 'b', '\n/\n&c'), ('a', 'b', '\x01'), ('a', 'b', '\0')],
+)  # fmt: skip
+def test_one_key_and_no_more(group, key, text):
+    from gearsweep import _border
+
+    with pytest.raises(Error) as caught:
+        _border.change('&a b = 1 /', group, key, text)
+    assert caught.value.code == Code.INPUT
+
+
+def test_build():
+    case = Case.build(
+        case={'title': "it's \u00fc", 'tasks': ['mesh']},
+        pair={'module_mm': np.float64(0.1) + 0.2, 'face_width_mm': np.int64(20), 'tip_alteration': np.True_},
+        pinion={'teeth': 21, 'profile_shift': None},
+        gear={'teeth': 34},
+        load={'torque_nm': 100},
+        relief={'amount_um': np.linspace(0, 1, 200)},
+    )
+    assert case.get('case', 'title') == "it's \u00fc"
+    assert case.get('pair', 'module_mm') == 0.1 + 0.2  # to the last bit
+    assert case.get('pair', 'tip_alteration') is True
+    assert case.get('relief', 'amount_um') == tuple(np.linspace(0, 1, 200))
+    assert 'profile_shift' not in case.text
+    assert case.tasks == ('mesh',)
+
+
+@pytest.mark.parametrize('value', [object(), {'a': 1}, b'x', 1j, [object()]])
+def test_no_value_of_a_case(value):
+    with pytest.raises(TypeError, match='a case has no values such as'):
+        Case('').changed(pair={'module_mm': value})
+
+
+@pytest.mark.parametrize('value', [float('nan'), float('inf')])
+def test_what_the_library_refuses(value):
+    with pytest.raises(Error, match='module_mm') as caught:
+        Case(GEARED).changed(pair={'module_mm': value}).complete()
+    assert caught.value.code == Code.INPUT
+
+
+def test_text_must_be_text():
+    with pytest.raises(TypeError):
+        Case(b'&pair /')
+    with pytest.raises(Error, match='NUL'):
+        Case('&pair \0 /').complete()
+    with pytest.raises(Error, match='surrogates'):
+        Case('&pair \ud800 /').complete()

@@ -1,0 +1,1 @@
+"""Every number printed in four papers beside ours: `python -m validation`, doc/validation.md."""

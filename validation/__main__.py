@@ -1,0 +1,69 @@
+"""Sets every printed number beside ours and writes the report: `python -m validation --help`."""
+
+import argparse
+import pathlib
+import sys
+
+from . import check, ledger, pictures, published, readme, report, spread
+
+
+def main(arguments=None):
+    """0: every row is within its tolerance; 1: one is not, or its function failed; 2: not usable."""
+    options = _options(arguments)
+    if options.spread:
+        print(spread.text())
+        return 0
+    outcomes = check.run(options.papers)
+    checks = check.run(ledger.CHECKS)
+    print(report.summary_text(outcomes))
+    print(f'\nOther checks: {_count(checks)}')
+    for outcome in outcomes + checks:
+        if outcome.bad:
+            print(_complaint(outcome), file=sys.stderr)
+    options.out.mkdir(parents=True, exist_ok=True)
+    report.write_csv(options.out / 'report.csv', outcomes + checks)
+    report.write_page(options.out / 'report.html', outcomes + checks, pictures.all_for(options.papers))
+    print(f'Wrote {options.out / "report.html"} and report.csv')
+    if options.readme:
+        readme.update(outcomes)
+        published.update()
+        print('Wrote README.md and data/hassan2009.csv')
+    return int(any(outcome.bad for outcome in outcomes + checks))
+
+
+def _options(arguments):
+    parser = argparse.ArgumentParser(
+        prog='python -m validation',
+        description='Sets every number printed in four papers beside ours and writes a report.',
+        epilog='Exit codes: 0 every row is within its tolerance, 1 one is not or its function failed, 2 wrong usage.')
+    parser.add_argument('papers', nargs='*', metavar='PAPER', help=f'of {", ".join(ledger.PAPERS)}; all unless given')
+    parser.add_argument('--out', type=pathlib.Path, default=pathlib.Path('results/validation'), metavar='FOLDER',
+                        help='where report.html and report.csv go (default: %(default)s)')
+    parser.add_argument('--readme', action='store_true',
+                        help='also renew what README.md and data/ take from the ledger')
+    parser.add_argument('--spread', action='store_true', help='only print how far unstated inputs move our values')
+    options = parser.parse_args(arguments)
+    for paper in options.papers:
+        if paper not in ledger.PAPERS:
+            parser.error(f'no paper {paper}: one of {", ".join(ledger.PAPERS)}')
+    if options.readme and options.papers:
+        parser.error('--readme needs all papers')
+    options.papers = options.papers or list(ledger.PAPERS)
+    return options
+
+
+def _count(outcomes):
+    count = check.counts(outcomes)
+    return f'{count["within"]} within tolerance, {count["deviates"] + count["failed"]} deviating'
+
+
+def _complaint(outcome):
+    row = outcome.row
+    if outcome.message:
+        return f'{row.name}: {row.ours}: {outcome.message}'
+    ours = report.number(outcome.ours)
+    return f'{row.name}: {row.quantity}: printed {row.printed}, ours {ours}, allowed {row.allowed:.3g}'
+
+
+if __name__ == '__main__':
+    sys.exit(main())

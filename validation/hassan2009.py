@@ -1,0 +1,169 @@
+"""Hassan, Thanigaiyarasu, Ramamurti 2009: the three-tooth section of data/hassan.nml, and the tooth as a beam.
+
+Lengths in mm, stress in MPa, as printed; `id` is that of another row.
+"""
+
+import math
+
+import numpy as np
+
+from . import ledger
+from .cases import given, result
+from .quantities import load, mode, radius
+
+CASE = 'hassan'
+COAST = 1
+COMPONENTS = ('x', 'y', 'xy')
+
+
+def printed(id):
+    """The printed number of another row."""
+    return ledger.find('hassan2009', id).value
+
+
+def ratio(id, other):
+    return printed(id) / printed(other)
+
+
+def twice(id):
+    return 2 * printed(id)
+
+
+def angular(id):
+    """A frequency in rad/s."""
+    return 2 * math.pi * printed(id)
+
+
+# Geometry, material and load of the case
+
+def young():
+    """Young's modulus, N/mm2."""
+    return 1e3 * given(CASE, 'material', 'young_gpa')
+
+
+def density():
+    """Density, N s2/mm4."""
+    return 1e-12 * given(CASE, 'material', 'density_kgm3')
+
+
+def pitch_diameter():
+    return 2 * radius(CASE, 1, 'reference')
+
+
+def backup_ratio():
+    """Rim over tooth height."""
+    return given(CASE, 'section', 'rim_mm') / _height()
+
+
+def tangential_force():
+    return load(CASE) * math.cos(_angle())
+
+
+def radial_force():
+    return load(CASE) * math.sin(_angle())
+
+
+# The tooth as a beam, as thick as on the reference circle
+
+def beam_frequency(length, modulus, mass_density):
+    """Eqs. 1 to 4: a spring 3 E I / l^3 and the whole mass, rad/s."""
+    return _thickness() / (2 * length**2) * math.sqrt(modulus / mass_density)
+
+
+def rayleigh_frequency():
+    """Eqs. 5 and 6 by the stated inputs, rad/s."""
+    shape = np.polynomial.Polynomial([4, -5, 0, 0, 0, 1])
+    bending, motion = ((u**2).integ()(1) for u in (shape.deriv(2), shape))
+    return _thickness() / _height()**2 * math.sqrt(young() / density() / 12 * bending / motion)
+
+
+def rayleigh_above():
+    return rayleigh_frequency() > beam_frequency(_height(), young(), density())
+
+
+def beam_sigma(direction, width, length=None):
+    """Eqs. 7 and 8; the length is that from the root to the reference circle unless given."""
+    length = length or radius(CASE, 1, 'reference') - radius(CASE, 1, 'root')
+    if direction == 'x':
+        return radial_force() / (width * _thickness())
+    return tangential_force() * length / (width * _thickness()**2 / 6)
+
+
+# The finite-element section
+
+def mode_1_period():
+    return 1 / mode(CASE, 1)
+
+
+def step(name, k, component, shift=0):
+    """Size of a stress component on the compression side in a load step; its load may be shifted by part of a step."""
+    root = result('static', name)
+    whole = np.abs(root.parts_mpa[COMPONENTS.index(component), COAST, :, 0]) / root.share[:, 0]
+    return root.share[k - 1, 0] * np.interp(k - 1 + shift, np.arange(len(whole)), whole)
+
+
+def worst_step(k):
+    """The stress at the root is largest under this load step."""
+    return k == 1 + np.argmax([step(CASE, other, 'y') for other in range(1, 10)])
+
+
+# Damping, time and stress from printed numbers
+
+def rayleigh_beta():
+    """Eq. 17 with xi omega of modes 1 and 3, and frequencies in Hz."""
+    return 2 * (printed('xi_3') - printed('xi_1')) / (printed('mode_3_hz')**2 - printed('mode_1_hz')**2)
+
+
+def rayleigh_alpha():
+    return abs(2 * printed('xi_1') - rayleigh_beta() * printed('mode_1_hz')**2)
+
+
+def tooth_period():
+    return 60 / (printed('rpm') * printed('z1'))
+
+
+def time_step():
+    return 1 / (printed('divisor') * printed('mode_3_hz'))
+
+
+def time_steps():
+    return tooth_period() / time_step()
+
+
+def steps_between():
+    """Time steps from one loaded node to the next."""
+    return printed('time_steps') / (printed('intervals') - 1)
+
+
+def mises(rpm):
+    """Von Mises stress of the printed components."""
+    x, y, xy = (printed(f'dynamic_{rpm}_{component}') for component in ('sigma_x', 'sigma_y', 'tau_xy'))
+    return math.sqrt(x * x - x * y + y * y + 3 * xy * xy)
+
+
+def peak_frequency():
+    return printed('peaks') / printed('period_peaks')
+
+
+def peak_period():
+    return 1 / peak_frequency()
+
+
+def ratio_grows():
+    """Largest dynamic over largest static stress, by speed, as printed."""
+    static = printed('step_4_sigma_y_mpa')
+    ratios = [printed(f'dynamic_{rpm}_sigma_y') / static for rpm in (360, 720, 1440, 1800)]
+    return ratios == sorted(set(ratios))
+
+
+def _height():
+    return radius(CASE, 1, 'tip') - radius(CASE, 1, 'root')
+
+
+def _thickness():
+    """On the reference circle: half the pitch."""
+    return math.pi * radius(CASE, 1, 'reference') / given(CASE, 'pinion', 'teeth')
+
+
+def _angle():
+    return math.radians(given(CASE, 'pair', 'pressure_angle_deg'))

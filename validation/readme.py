@@ -1,0 +1,56 @@
+"""The part of README.md that tells how printed numbers and ours compare."""
+
+import pathlib
+import re
+
+from . import report
+
+PATH = pathlib.Path(__file__).parent.parent / 'README.md'
+BEGIN, END = '<!-- validation: begin, by python -m validation --readme -->', '<!-- validation: end -->'
+
+# The rows that the README shows, in its order.
+SHOWN = {
+    'dogan2021': ('df_1', 'df1_1', 'df2_1', 'n1_1', 'n2_1', 'best_1', 'df2_15', 'df_2', 'df1_2', 'n1_2', 'df1_28'),
+    'hassan2009': ('mode_1_hz', 'mode_5_hz', 'step_4_sigma_y_mpa', 'rayleigh_frequency_rad_s'),
+    'thamba2020': ('f1_involute', 'r_10'),
+}
+NAMES = {'dogan2021': 'Dogan 2021', 'hassan2009': 'Hassan 2009', 'thamba2020': 'Thamba 2020'}
+
+
+def block(outcomes):
+    """The counts by paper, and some rows, as Markdown."""
+    by_name = {outcome.row.name: outcome for outcome in outcomes}
+    rows = [_row(by_name[f'{paper}:{id}']) for paper, ids in SHOWN.items() for id in ids]
+    some = _table(('what', 'printed', 'gearsweep', 'inputs'), rows)
+    return f'{_table(*report.summary(outcomes))}\n\nSome of them:\n\n{some}'
+
+
+def current():
+    """The block as README.md holds it."""
+    return _parts()[1].strip()
+
+
+def update(outcomes):
+    before, _, after = _parts()
+    PATH.write_text(f'{before}{block(outcomes)}\n{after}', encoding='utf-8')
+
+
+def _parts():
+    """README.md up to the block, the block, and the rest; the marks stay with the neighbours."""
+    pattern = f'(.*{re.escape(BEGIN)}\n)(.*)({re.escape(END)}.*)'
+    found = re.fullmatch(pattern, PATH.read_text(encoding='utf-8'), re.DOTALL)
+    if not found:
+        raise ValueError(f'{PATH} lacks {BEGIN} or {END}')
+    return found.groups()
+
+
+def _row(outcome):
+    row = outcome.row
+    unit = '' if row.unit == '-' else f' {row.unit}'
+    reason = '' if row.inputs == 'stated' or row.reason.startswith('as ') else f': {row.reason}'
+    return (f'{NAMES[row.paper]}: {row.quantity}', f'{row.printed}{unit}', f'{outcome.ours:.5g}', row.inputs + reason)
+
+
+def _table(header, rows):
+    lines = [header, ['---'] * len(header), *rows]
+    return '\n'.join('| ' + ' | '.join(map(str, line)) + ' |' for line in lines)

@@ -1,0 +1,113 @@
+"""The ledger's own rules, its tolerances, and what is made from it."""
+
+import csv
+import dataclasses
+import math
+
+import pytest
+
+from validation import __main__ as runner
+from validation import check, ledger, published, readme, report, spread
+
+
+@pytest.fixture
+def row():
+    """A row that agrees with ours."""
+    return ledger.find('karpat2012', 'hertz_width')
+
+
+@pytest.mark.parametrize('name', [*ledger.PAPERS, *ledger.CHECKS])
+def test_files_are_sound(name):
+    assert ledger.read(name)
+
+
+@pytest.mark.parametrize(('changes', 'message'), [
+    ({'id': 'two words'}, 'not a new word'),
+    ({'kind': 'guess'}, 'kind = guess'),
+    ({'inputs': 'sure'}, 'inputs = sure'),
+    ({'by': 'hand'}, 'by = hand'),
+    ({'by': ''}, 'go together'),
+    ({'origin': ''}, 'needs its origin'),
+    ({'reason': ''}, 'needs a reason'),
+    ({'tolerance': '', 'origin': ''}, 'only what is compared'),
+    ({'inputs': 'not reproducible'}, 'only what is compared'),
+    ({'inputs': 'open', 'tolerance': '', 'origin': ''}, 'no value of ours'),
+    ({'kind': 'input'}, 'an input has no status'),
+    ({'ours': 'same nothing'}, 'does not stand before it'),
+    ({'printed': 'about 2'}, 'could not convert'),
+    ({'tolerance': 'some'}, 'could not convert'),
+])
+def test_refused(row, changes, message):
+    with pytest.raises(ValueError, match=message):
+        ledger.check_row(dataclasses.replace(row, **changes), {})
+
+
+def test_a_repeat_must_agree(row):
+    seen = {row.id: row}
+    again = dataclasses.replace(row, id='again', ours=f'same {row.id}')
+    ledger.check_row(again, seen)
+    with pytest.raises(ValueError, match='contradicts'):
+        ledger.check_row(dataclasses.replace(again, printed='2.16'), seen)
+
+
+@pytest.mark.parametrize(('printed', 'tolerance', 'allowed'), [
+    ('1.388e-3', 'digit', 1e-6), ('1.388e-3', 'digit/2', 0.5e-6), ('110', 'digit', 1), ('300.0000', 'digit/2', 5e-5),
+    ('8e10', 'digit/2', 5e9), ('0.5', 'exact', 0), ('-2.0', '5 %', 0.1), ('2', '0.03', 0.03),
+    ('1.36e-4', '0.5 % + digit/2', 0.68e-6 + 0.5e-6),
+])
+def test_tolerances(row, printed, tolerance, allowed):
+    assert math.isclose(dataclasses.replace(row, printed=printed, tolerance=tolerance).allowed, allowed, rel_tol=1e-12)
+
+
+def test_verdicts(row):
+    assert check.check(row).verdict == 'within'
+    assert check.check(dataclasses.replace(row, printed='2.16')).verdict == 'deviates'
+    assert check.check(dataclasses.replace(row, ours='hertz_width 2')).verdict == 'failed'
+    assert check.check(dataclasses.replace(row, ours='no_such_function')).verdict == 'failed'
+    assert check.check(dataclasses.replace(row, inputs='not reproducible', tolerance='')).verdict == 'not reproducible'
+    assert check.check(dataclasses.replace(row, inputs='open', by='', ours='')).verdict == 'open'
+
+
+@pytest.mark.parametrize('row', [pytest.param(row, id=row.name) for row in spread.rows()])
+def test_tolerance_is_not_wider_than_unstated_inputs_bear(row):
+    assert row.allowed <= spread.most(row)
+
+
+def test_nothing_in_the_readme_is_old():
+    assert readme.current() == readme.block(check.run(ledger.PAPERS)), 'run python -m validation --readme'
+
+
+def test_the_programs_file_is_the_ledgers():
+    assert published.PATH.read_text(encoding='utf-8') == published.text(), 'run python -m validation --readme'
+
+
+def test_runner(tmp_path, capsys):
+    assert runner.main(['karpat2012', '--out', str(tmp_path)]) == 0
+    assert 'Karpat' in capsys.readouterr().out
+    with open(tmp_path / 'report.csv', newline='') as file:
+        lines = list(csv.DictReader(file))
+    assert sum(line['paper'] == 'karpat2012' for line in lines) == len(ledger.read('karpat2012'))
+    page = (tmp_path / 'report.html').read_text(encoding='utf-8')
+    assert all(row.quantity.replace("'", '&#x27;') in page for row in ledger.read('karpat2012'))
+    assert 'src="http' not in page and 'href="http' not in page
+
+
+def test_a_row_out_of_its_tolerance_fails_the_run(row, tmp_path, capsys, monkeypatch):
+    wrong = dataclasses.replace(row, printed='2.16')
+    monkeypatch.setattr(check, 'run', lambda papers: [check.check(wrong)])
+    assert runner.main(['--out', str(tmp_path)]) == 1
+    assert 'karpat2012:hertz_width' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('arguments', [['nobody2020'], ['--readme', 'karpat2012'], ['--no-such']])
+def test_wrong_usage(arguments, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        runner.main(arguments)
+    assert stopped.value.code == 2
+    assert capsys.readouterr().err
+
+
+def test_every_row_is_counted_once():
+    outcomes = check.run(['karpat2012'])
+    header, lines = report.summary(outcomes)
+    assert all(line[1] == sum(line[2:]) for line in lines) and len(header) == len(lines[0])
