@@ -17,6 +17,7 @@ module gearsweep_keys
 
   type :: keys_t
     private
+    character(name_length), allocatable, public :: groups(:)  !< of the format
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
@@ -66,11 +67,11 @@ contains
     character(*), intent(in) :: group, name
     character(:), allocatable, intent(out) :: why
     character(name_length), allocatable :: names(:), homes(:)
-    integer :: closest
+    integer :: closest, i
 
     associate (key => self%key(:self%known))
       names = pack(key%name, key%group == group)
-      homes = pack(key%group, key%name == name)
+      homes = pack(self%groups, [(any(key%group == self%groups(i) .and. key%name == name), i=1, size(self%groups))])
     end associate
     closest = closest_word(name, names)
     why = 'unknown key'
@@ -83,21 +84,20 @@ contains
   end subroutine why_unknown
 
   !> All values in effect as a case: what `list` gives, and the defaults of the rest.
-  pure subroutine write_case(self, groups, list, text)
+  pure subroutine write_case(self, list, text)
     class(keys_t), intent(in) :: self
-    character(*), intent(in) :: groups(:)
     type(namelist_t), intent(in) :: list
     character(:), allocatable, intent(out) :: text
     type(lines_t) :: lines
     logical :: opened
     integer :: i, k
 
-    do i = 1, size(groups)
+    do i = 1, size(self%groups)
       opened = .false.
       do k = 1, self%known
         associate (key => self%key(k))
-          if (key%group /= groups(i) .or. .not. (key%entry > 0 .or. allocated(key%default))) cycle
-          if (.not. opened) call lines%add('&'//trim(groups(i)))
+          if (key%group /= self%groups(i) .or. .not. (key%entry > 0 .or. allocated(key%default))) cycle
+          if (.not. opened) call lines%add('&'//trim(self%groups(i)))
           opened = .true.
           if (key%entry > 0) then
             call add_values(lines, trim(key%name), list%entries(key%entry)%values)

@@ -8,7 +8,7 @@ module gearsweep_reader
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
   use gearsweep_keys, only: keys_t
-  use gearsweep_namelist, only: name_length, namelist_t, parse_namelist
+  use gearsweep_namelist, only: namelist_t, parse_namelist
   use gearsweep_text, only: closest_word, join, lower, str
   use gearsweep_values, only: check_size, check_sizes, describe_texts, fail_entry, read_logical, read_numbers, read_texts
   implicit none
@@ -18,7 +18,6 @@ module gearsweep_reader
   type :: reader_t
     private
     type(namelist_t) :: list
-    character(name_length), allocatable :: groups(:)
     type(keys_t) :: keys
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
@@ -42,7 +41,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     allocate (reader%idle(0))
-    reader%groups = groups
+    reader%keys%groups = groups
     call parse_namelist(text, reader%list, error)
   end subroutine open_reader
 
@@ -217,11 +216,11 @@ contains
 
     do i = 1, size(self%list%groups)
       group = trim(self%list%groups(i))
-      if (any(self%groups == group)) cycle
-      closest = closest_word(group, self%groups)
+      if (any(self%keys%groups == group)) cycle
+      closest = closest_word(group, self%keys%groups)
       why = ''
-      if (closest > 0) why = ' (did you mean &'//trim(self%groups(closest))//'?)'
-      call fail(error, code_input, '&'//group//': unknown group'//why//'; the groups are '//join(self%groups, ', '))
+      if (closest > 0) why = ' (did you mean &'//trim(self%keys%groups(closest))//'?)'
+      call fail(error, code_input, '&'//group//': unknown group'//why//'; the groups are '//join(self%keys%groups, ', '))
     end do
     do i = 1, size(self%list%entries)
       associate (entry => self%list%entries(i))
@@ -257,7 +256,7 @@ contains
     class(reader_t), intent(in) :: self
     character(:), allocatable, intent(out) :: text
 
-    call self%keys%write_case(self%groups, self%list, text)
+    call self%keys%write_case(self%list, text)
   end subroutine write_complete
 
   !> Default numbers of the key asked for last, to be told in its unit. One that is not allowed stands
