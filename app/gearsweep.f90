@@ -22,7 +22,7 @@ program gearsweep_program
   end interface
 
   type :: arguments_t
-    character(:), allocatable :: case, out, tasks
+    character(:), allocatable :: case, out
     integer :: threads = 0
     logical :: verbose = .false., quiet = .false.
   end type arguments_t
@@ -41,10 +41,6 @@ program gearsweep_program
   call check(error)
   call read_case(text, case, error)
   call check(error)
-  if (allocated(arguments%tasks)) then
-    call keep_tasks(case, arguments%tasks, error)
-    if (allocated(error)) call usage('--tasks '//error%message)
-  end if
   call make_folder(arguments%out, made, error)
   call check(error)
   if (progress_wanted()) then
@@ -127,8 +123,6 @@ contains
         arguments%quiet = .true.
       case ('--out')
         arguments%out = following(i, word)
-      case ('--tasks')
-        arguments%tasks = following(i, word)
       case ('--threads')
         call to_number(following(i, word), arguments%threads, ok)
         if (.not. ok .or. arguments%threads < 1 .or. arguments%threads > 1024) &
@@ -172,7 +166,6 @@ contains
       'usage: gearsweep CASE.nml [options]', &
       '', &
       '  --out FOLDER    where the tables go (results); it is made if missing', &
-      '  --tasks LIST    run only these of the case''s tasks, as in mesh,sweep (all)', &
       '  --threads N     threads of the sweep (all); the answer is the same for any number', &
       '  --verbose       also say which stages ran and what was left out', &
       '  --quiet         print errors only', &

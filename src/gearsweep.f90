@@ -36,7 +36,7 @@ module gearsweep
   use gearsweep_response, only: response_t, find_response
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down
   use gearsweep_optimum, only: optimum_t, peak_t, find_optimum, find_resonances
-  use gearsweep_case, only: case_t, keep_tasks
+  use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_study, only: study_t, run_study
   use gearsweep_report, only: report, write_report, failed_points

@@ -9,6 +9,7 @@ program check
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
   use test_harmonics, only: run_harmonics => run
+  use test_inputs, only: run_inputs => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
   use test_rating, only: run_rating => run
@@ -22,6 +23,7 @@ program check
 
   allocate (suites, source=[ &
     & suite_t('reader', run_reader), &
+    & suite_t('inputs', run_inputs), &
     & suite_t('geometry', run_geometry), &
     & suite_t('mesh', run_mesh), &
     & suite_t('harmonics', run_harmonics), &

@@ -14,8 +14,7 @@ module test_flat
   character(*), parameter :: text = '&case tasks = ''mesh'', ''load'', ''sweep'', ''optimum'', ''static'', ''modal'' / '// &
     pair//'&mesh model = ''fe'' / &static positions = 5 / &modal modes = 3 / '// &
     '&sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 load_rpm = 4000 /    '
-  character(*), parameter :: gears = '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /'
-  character(*), parameter :: with_section = '&case tasks = ''section'', ''modal'', ''static'', ''load'', ''sweep'' / '// &
+  character(*), parameter :: with_section = '&case tasks = ''section'', ''modal'', ''static'', ''sweep'' / '// &
     text(index(text, '/') + 1:)
   real(dp), parameter :: mark = -7
 
@@ -61,7 +60,7 @@ contains
     character(100) :: message
     integer :: info
 
-    call gs_geometry('&case tasks = ''geometry'' / '//gears, radius, point, at, distance, angle, ratio, pitch, &
+    call gs_geometry('&case tasks = ''geometry'' / '//pair, radius, point, at, distance, angle, ratio, pitch, &
                      backlash, info, message)
     call check_equal(t, 'geometry', info, code_ok)
     call check_close(t, 'centre distance', distance, 82.5_dp)
@@ -112,7 +111,7 @@ contains
     call check_true(t, 'load: too little room', info == code_input .and. found > 10)
     call gs_load(text, n(9), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
     call check_true(t, 'load', info == code_ok .and. maxval(rows(:found, 4)) > 4000*0.9_dp)
-    call gs_prepare('&case tasks = ''modal'' / '//gears, '', n(9), work, info, message)
+    call gs_prepare('&case tasks = ''modal'' / '//pair, '', n(9), work, info, message)
     call check_equal(t, 'no mesh to prepare', info, code_input)
   end subroutine test_results
 

@@ -31,7 +31,7 @@ contains
     call resonances(t)
   end subroutine run
 
-  !> Runs a case, with `change(1)` replaced by `change(2)`; &section and `dropped` lines of
+  !> Runs a case, with `change(1)` replaced by `change(2)`; `dropped` lines of
   !> &material, which a stated stiffness refuses, are left out.
   subroutine study_of(t, path, change, study, dropped)
     type(tally_t), intent(inout) :: t
@@ -53,7 +53,6 @@ contains
     if (present(dropped)) then
       if (dropped >= 1) text = without(text, 'poisson = 0.3')
       if (dropped >= 2) text = without(text, 'young_gpa = 206')
-      text = text(:index(text, '&section') - 1)//text(index(text, '&dynamics'):)
     end if
     call read_case(text, case, error)
     call check_no_error(t, path, error)

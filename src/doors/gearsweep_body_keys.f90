@@ -16,46 +16,37 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(160) :: shape, support, looks
+    character(120) :: geared, shape, support, looks
     character(:), allocatable :: fixed(:), plane, member
 
     if (allocated(error)) return
-    shape = use_of('section, static or modal')
-    support = use_of('static or modal')
+    geared = unless(.not. case%prescribed, needs_gears)
+    shape = unless(case%needs_section() .or. case%needs_elements(), 'section, static, modal or a stiffness by elements')
+    support = unless(case%asks_any('static, modal') .or. case%needs_elements(), 'static, modal or a stiffness by elements')
+    ! Printed values may be a tooth's of this member.
+    looks = unless(case%needs_section() .or. allocated(case%published), 'section, static or modal')
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
-      call reader%get('section', 'teeth', section%teeth, error, unused=shape, at_least=0, at_most=100000)
-      call reader%get('section', 'half_angle_deg', section%half_angle, error, unused=shape, above=0.0_dp, below=180.0_dp, &
-                      scale=pi/180)
-      call reader%get('section', 'rim_mm', section%rim, error, unused=shape, above=0.0_dp, scale=1e-3_dp)
-      call reader%get('section', 'elements_across', section%elements_across, error, unused=shape, at_least=3, at_most=200)
+      call reader%get('section', 'teeth', section%teeth, error, waits=shape, unused=geared, at_least=0, at_most=100000)
+      call reader%get('section', 'half_angle_deg', section%half_angle, error, waits=shape, unused=geared, &
+                      above=0.0_dp, below=180.0_dp, scale=pi/180)
+      call reader%get('section', 'rim_mm', section%rim, error, waits=shape, unused=geared, above=0.0_dp, scale=1e-3_dp)
+      call reader%get('section', 'elements_across', section%elements_across, error, waits=shape, unused=geared, &
+                      at_least=3, at_most=200)
       allocate (fixed, source=[character(5) :: 'sides', 'rim'])
-      call reader%get('section', 'fixed', fixed, error, unused=support, allowed=[character(5) :: 'sides', 'rim'])
+      call reader%get('section', 'fixed', fixed, error, waits=support, unused=geared, &
+                      allowed=[character(5) :: 'sides', 'rim'])
       section%fixed_sides = any(fixed == 'sides')
       section%fixed_rim = any(fixed == 'rim')
       plane = 'strain'
-      call reader%get('section', 'plane', plane, error, unused=support, allowed=[character(6) :: 'stress', 'strain'])
+      call reader%get('section', 'plane', plane, error, waits=support, unused=geared, &
+                      allowed=[character(6) :: 'stress', 'strain'])
       section%plane_strain = plane == 'strain'
     end associate
     member = 'pinion'
-    ! Printed values may be a tooth's of this member.
-    looks = first_of(unless(.not. case%prescribed, needs_gears), &
-                     unless(allocated(case%published), for_tasks(case, 'section, static or modal')))
-    call reader%get('section', 'member', member, error, unused=looks, allowed=[character(6) :: 'pinion', 'gear'])
+    call reader%get('section', 'member', member, error, waits=looks, unused=geared, allowed=[character(6) :: 'pinion', 'gear'])
     case%root%member = merge(2, 1, member == 'gear')
-
-  contains
-
-    !> For these tasks, or the stiffness by finite elements.
-    pure function use_of(tasks) result(why)
-      character(*), intent(in) :: tasks
-      character(160) :: why
-
-      why = first_of(unless(.not. case%prescribed, needs_gears), unless(case%needs_elements() .or. case%asks_any(tasks), &
-                     'no task of this case uses it; add '//tasks//' to &case tasks, take &mesh model = ''fe'', or '// &
-                     'remove the key'))
-    end function use_of
   end subroutine read_section
 
   subroutine read_static(reader, case, error)
@@ -63,26 +54,27 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: sharing, spacing
-    character(160) :: rated
-    logical :: stated, free
+    character(120) :: geared, waits
+    logical :: stated
 
-    rated = first_of(unless(.not. case%prescribed, needs_gears), for_tasks(case, 'static'))
+    geared = unless(.not. case%prescribed, needs_gears)
+    waits = for_tasks(case, 'static')
     associate (root => case%root)
-      call reader%get('static', 'shares', root%shares, error, given=stated, unused=rated, at_least=0.0_dp, at_most=1.0_dp, &
-                      min_size=2)
-      free = .not. stated
-      call reader%get('static', 'positions', root%positions, error, at_least=2, at_most=1000, &
-                      unused=first_of(rated, unless(free, 'there are as many as shares; remove it')))
+      call reader%get('static', 'shares', root%shares, error, given=stated, waits=waits, unused=geared, &
+                      at_least=0.0_dp, at_most=1.0_dp, min_size=2)
+      call reader%get('static', 'positions', root%positions, error, at_least=2, at_most=1000, waits=waits, &
+                      unused=first_of(geared, unless(.not. stated, 'there are as many as shares; remove it')))
       spacing = 'path'
-      call reader%get('static', 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'], &
-                      unused=first_of(rated, unless(free, 'stated shares stand at equal arcs of the flank; remove it')))
-      root%spacing = merge(spaced_on_path, spaced_on_flank, spacing == 'path' .and. free)
+      call reader%get('static', 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'], waits=waits, &
+                      unused=first_of(geared, unless(.not. stated, 'stated shares stand at equal arcs of the flank; remove it')))
+      root%spacing = merge(spaced_on_flank, spaced_on_path, stated .or. spacing == 'flank')
       sharing = 'mesh'
-      call reader%get('static', 'sharing', sharing, error, allowed=[character(5) :: 'mesh', 'equal'], &
-                      unused=first_of(rated, unless(free, 'the shares are stated; give one of the two')))
+      call reader%get('static', 'sharing', sharing, error, allowed=[character(5) :: 'mesh', 'equal'], waits=waits, &
+                      unused=first_of(geared, unless(.not. stated, 'the shares are stated; give one of the two')))
       root%sharing = merge(shared_equally, shared_by_mesh, sharing == 'equal')
-      call reader%get('static', 'tangent_deg', root%tangent, error, unused=rated, above=0.0_dp, below=90.0_dp, scale=pi/180)
-      if (free .or. allocated(error)) return
+      call reader%get('static', 'tangent_deg', root%tangent, error, waits=waits, unused=geared, above=0.0_dp, below=90.0_dp, &
+                      scale=pi/180)
+      if (.not. stated .or. allocated(error)) return
       root%sharing = shares_stated
       root%positions = size(root%shares)
     end associate
@@ -94,6 +86,6 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call reader%get('modal', 'modes', case%modes, error, at_least=1, at_most=1000, &
-                    unused=first_of(unless(.not. case%prescribed, needs_gears), for_tasks(case, 'modal')))
+                    waits=for_tasks(case, 'modal'), unused=unless(.not. case%prescribed, needs_gears))
   end subroutine read_modal
 end module gearsweep_body_keys

@@ -1,7 +1,6 @@
 !> The case: what is wanted, in SI units.
 module gearsweep_case
   use gearsweep_kinds, only: dp
-  use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_gear, only: gear_spec_t
   use gearsweep_material, only: material_t
   use gearsweep_root_rating, only: root_options_t
@@ -9,10 +8,9 @@ module gearsweep_case
   use gearsweep_relief, only: linear
   use gearsweep_accuracy, only: accuracy_t
   use gearsweep_sweep, only: up
-  use gearsweep_text, only: join, lower, shown
   implicit none
   private
-  public :: case_t, keep_tasks, speeds
+  public :: case_t, speeds
 
   character(*), parameter, public :: task_names(8) = &
     [character(8) :: 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum']
@@ -56,6 +54,8 @@ module gearsweep_case
     type(root_options_t) :: root
     integer :: modes = 10
     character(:), allocatable :: published       !< file of printed values to set beside ours
+    !> Keys that are given for tasks that the case does not name: a line for each set of tasks.
+    character(:), allocatable :: unused
   contains
     procedure :: asks
     procedure :: asks_any
@@ -110,35 +110,6 @@ contains
 
     needs_motion = self%asks_any('load, sweep, optimum')
   end function needs_motion
-
-  !> Leaves only these of the case's tasks: words with commas between them. Other tasks than the geometry
-  !> must be among those that the case names.
-  pure subroutine keep_tasks(case, tasks, error)
-    type(case_t), intent(inout) :: case
-    character(*), intent(in) :: tasks
-    type(error_t), allocatable, intent(out) :: error
-    logical :: kept(size(task_names))
-    character(:), allocatable :: word
-    integer :: from, until, i
-
-    kept = .false.
-    from = 1
-    do while (from <= len(tasks) + 1)
-      until = index(tasks(from:)//',', ',') + from - 2
-      word = trim(adjustl(lower(tasks(from:until))))
-      from = until + 2
-      i = findloc(task_names == word, .true., 1)
-      if (i == 0) then
-        call fail(error, code_input, shown(word)//': must be one of '//join(task_names, ', '))
-        return
-      else if (.not. (case%wants(i) .or. (word == 'geometry' .and. .not. case%prescribed))) then
-        call fail(error, code_input, word//': the case does not name this task')
-        return
-      end if
-      kept(i) = .true.
-    end do
-    case%wants = kept
-  end subroutine keep_tasks
 
   !> The pinion speeds of the sweep (1/min), ascending.
   pure function speeds(case) result(rpm)

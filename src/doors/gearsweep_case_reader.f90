@@ -1,5 +1,5 @@
-!> Reads a case, one text for every door: takes each key once, in its unit, checks it, and refuses what
-!> has no effect on anything that the case wants.
+!> Reads a case, one text for every door: takes each key once, in its unit, and checks it. A key that no
+!> task could use is refused; one that waits for a task that the case does not name is listed.
 module gearsweep_case_reader
   use gearsweep_body_keys, only: read_modal, read_section, read_static
   use gearsweep_case, only: case_t, task_names
@@ -18,16 +18,15 @@ module gearsweep_case_reader
 
 contains
 
-  !> Reads and checks a case; the error names group, key, value and what is allowed. `also`: a task
-  !> that is wanted besides those that the case names. Any number of callers at once.
-  subroutine read_case(text, case, error, also)
+  !> Reads and checks a case; the error names group, key, value and what is allowed. Any number of
+  !> callers at once.
+  subroutine read_case(text, case, error)
     character(*), intent(in) :: text
     type(case_t), intent(out) :: case
     type(error_t), allocatable, intent(out) :: error
-    character(*), intent(in), optional :: also
     type(reader_t) :: reader
 
-    call read_all(text, reader, case, error, also)
+    call read_all(text, reader, case, error)
   end subroutine read_case
 
   !> Reads and checks a case and writes it with all its defaults.
@@ -43,17 +42,15 @@ contains
   end subroutine complete_case
 
   !> What a key is good for depends on others, which are read before it.
-  subroutine read_all(text, reader, case, error, also)
+  subroutine read_all(text, reader, case, error)
     character(*), intent(in) :: text
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: also
 
     case%text = text
     call open_reader(text, groups, reader, error)
     call read_tasks(reader, case, error)
-    if (present(also)) case%wants = case%wants .or. task_names == also
     call read_model(reader, case, error)
     call read_load(reader, case, error)
     call read_dynamics(reader, case, error)
@@ -69,7 +66,9 @@ contains
     call read_material(reader, case, error)
     call read_path(reader, case, error)
     call reader%finish(error)
-    if (.not. allocated(error)) call check_case(case, error)
+    if (allocated(error)) return
+    call check_case(case, error)
+    call reader%list_waiting(case%unused)
   end subroutine read_all
 
   subroutine read_tasks(reader, case, error)

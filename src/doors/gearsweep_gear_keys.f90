@@ -18,7 +18,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: degree = pi/180
     real(dp) :: module, width, drive_angle, coast_angle
-    character(160) :: geared
+    character(120) :: geared
     logical :: cut
 
     cut = .not. case%prescribed
@@ -40,7 +40,7 @@ contains
                     above=0.0_dp, scale=1e-3_dp)
     call reader%get('pair', 'tip_alteration', case%tip_alteration, error, unused=geared)
     call reader%get('pair', 'backlash_um', case%backlash, error, given=case%has_backlash, &
-                    unused=for_tasks(case, with_motion), at_least=0.0_dp, scale=1e-6_dp)
+                    waits=for_tasks(case, with_motion), at_least=0.0_dp, scale=1e-6_dp)
     case%spec%pressure_angle(1) = drive_angle
     if (cut) case%spec%pressure_angle(2) = coast_angle
     case%spec%module = module
@@ -54,15 +54,15 @@ contains
     integer, intent(in) :: member
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(160) :: geared
+    character(120) :: geared
     logical :: cut
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
     call reader%get(group, 'effective_mass_kg', case%mass(member), error, &
-                    unused=for_tasks(case, with_load), at_least=1e-12_dp, at_most=1e12_dp)
+                    waits=for_tasks(case, with_load), at_least=1e-12_dp, at_most=1e12_dp)
     call reader%get(group, 'inertia_kgm2', case%inertia(member), error, &
-                    unused=for_tasks(case, with_load), at_least=1e-15_dp, at_most=1e15_dp)
+                    waits=for_tasks(case, with_load), at_least=1e-15_dp, at_most=1e15_dp)
     associate (spec => case%spec(member))
       spec%name = group
       call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, &
@@ -74,51 +74,62 @@ contains
       call reader%get(group, 'dedendum', spec%dedendum, error, unused=geared, above=0.0_dp, at_most=5.0_dp)
       call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, unused=geared, &
                       at_least=0.0_dp, at_most=2.0_dp)
-      call reader%get(group, 'bore_mm', spec%bore_radius, error, unused=first_of(geared, &
-                      bore_use(case, member)), at_least=0.0_dp, scale=0.5e-3_dp)
+      call reader%get(group, 'bore_mm', spec%bore_radius, error, waits=bore_waits(case, member), &
+                      unused=first_of(geared, bore_use(case, member)), at_least=0.0_dp, scale=0.5e-3_dp)
     end associate
   end subroutine read_member
 
-  !> The bore ends the section, and takes its part off the mass of a solid body.
-  pure function bore_use(case, member) result(why)
+  !> The bore ends the section where no rim is stated, and takes its part off the mass of a solid body.
+  pure function bore_use(case, member) result(unused)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
-    character(160) :: why
-    logical :: has_section, mass_stated
+    character(120) :: unused
 
-    mass_stated = case%mass(member) > 0 .or. case%inertia(member) > 0
-    has_section = case%needs_elements() .or. (case%needs_section() .and. member == case%root%member)
-    why = ''
-    if (case%needs_load() .and. .not. mass_stated) return
-    if (.not. has_section) then
-      why = 'not used: no section of this member is made and its mass is stated or not needed; remove it'
-    else if (case%section%rim > 0) then
-      why = 'not used: &section rim_mm says where the body ends, and the mass is stated or not needed; remove it'
-    end if
+    unused = unless(case%section%rim <= 0 .or. .not. is_stated(case, member), &
+                    'not used: &section rim_mm says where the body ends, and the mass is stated; remove it')
   end function bore_use
+
+  pure function bore_waits(case, member) result(waits)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: member
+    character(120) :: waits
+    logical :: weighs, ends
+
+    weighs = case%needs_load() .and. .not. is_stated(case, member)
+    ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs_section() .and. member == case%root%member))
+    waits = unless(weighs .or. ends, 'tasks that need this member''s section or mass')
+  end function bore_waits
+
+  !> Is the member's mass or inertia given?
+  pure logical function is_stated(case, member)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: member
+
+    is_stated = case%mass(member) > 0 .or. case%inertia(member) > 0
+  end function is_stated
 
   !> After the members, whose masses decide about the density.
   subroutine read_material(reader, case, error)
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(160) :: geared
+    character(120) :: geared
     logical :: yields, weighs, compares
 
     if (allocated(error)) return
     geared = unless(.not. case%prescribed, needs_gears)
     yields = case%needs_load() .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
-    weighs = case%needs_load() .and. any(case%mass <= 0 .and. case%inertia <= 0)
+    weighs = case%needs_load() .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
     ! Printed values may be a tooth's as a beam.
     compares = allocated(case%published)
     call reader%get('material', 'young_gpa', case%material%young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp, &
-                    unused=first_of(geared, unless(yields .or. case%asks('modal') .or. compares, 'no task of this '// &
-                    'case computes a stiffness; add one, take another &mesh model, or remove the key')))
+                    waits=unless(yields .or. case%asks('modal') .or. compares, 'modal or a stiffness that is computed'), &
+                    unused=geared)
     call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
-                    unused=first_of(geared, unless((yields .and. case%model /= 'iso6336') .or. case%asks_any('static, modal'), &
-                    'not used by this &mesh model and these tasks; add static or modal to &case tasks, or remove the key')))
+                    waits=unless((yields .and. case%model /= 'iso6336') .or. case%asks_any('static, modal'), &
+                    'static, modal or a stiffness that depends on it'), unused=geared)
     call reader%get('material', 'density_kgm3', case%material%density, error, at_least=1.0_dp, at_most=1e5_dp, &
-                    unused=first_of(geared, unless(weighs .or. case%asks('modal') .or. compares, 'not used: the masses '// &
-                    'are stated or not needed; add modal to &case tasks, or remove the key')))
+                    waits=unless(weighs .or. case%asks('modal') .or. compares, 'modal or a mass that is not stated'), &
+                    unused=geared)
   end subroutine read_material
 end module gearsweep_gear_keys

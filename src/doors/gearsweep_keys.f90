@@ -7,12 +7,13 @@ module gearsweep_keys
   private
   public :: keys_t
 
-  !> Where it is given and has an effect, its entry in the namelist; else its
-  !> default as a case has it, not allocated where there is none.
+  !> Where it is given, its entry in the namelist; else its default as a case has
+  !> it, not allocated where there is none.
   type :: key_t
     character(name_length) :: group, name
     integer :: entry = 0
     character(:), allocatable :: default
+    character(:), allocatable :: waits           !< the tasks that would use it; blank where one does
   end type key_t
 
   type :: keys_t
@@ -21,18 +22,19 @@ module gearsweep_keys
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add, settle, why_unknown, write_case
+    procedure :: add, settle, why_unknown, list_waiting, write_case
   end type keys_t
 
 contains
 
-  !> A key that is asked for again stays one. `entry` is 0 where it is not given; `idle`: it has no
-  !> effect.
-  pure subroutine add(self, group, name, entry, idle)
+  !> A key that is asked for again stays one. `entry` is 0 where it is not given; `may_be`: it is not
+  !> refused in this case, so that its default counts.
+  pure subroutine add(self, group, name, entry, may_be, waits)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: group, name
     integer, intent(in) :: entry
-    logical, intent(in) :: idle
+    logical, intent(in) :: may_be
+    character(*), intent(in), optional :: waits
     integer, parameter :: most = 1000
     integer :: i
 
@@ -48,12 +50,14 @@ contains
     associate (key => self%key(self%last))
       key%group = lower(group)
       key%name = lower(name)
-      key%entry = merge(0, entry, idle)
+      key%entry = entry
+      key%waits = ''
+      if (present(waits)) key%waits = trim(waits)
     end associate
-    if (idle) self%last = 0
+    if (.not. may_be) self%last = 0
   end subroutine add
 
-  !> The default of the key added last, where it is not given; one without effect has none.
+  !> The default of the key added last, where it is not given.
   pure subroutine settle(self, default)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: default
@@ -82,6 +86,46 @@ contains
     end if
     why = why//'; the keys of &'//group//' are '//join(names, ', ')
   end subroutine why_unknown
+
+  !> The given keys that wait: for each set of tasks a line `tasks: &group key, key; &group key`.
+  pure subroutine list_waiting(self, text)
+    class(keys_t), intent(in) :: self
+    character(:), allocatable, intent(out) :: text
+    type(lines_t) :: lines
+    logical :: told(self%known)
+    integer :: i, k, before
+
+    told = .false.
+    do i = 1, self%known
+      if (told(i) .or. .not. waits(i)) cycle
+      call lines%put(self%key(i)%waits//':')
+      before = 0
+      do k = i, self%known
+        if (.not. waits(k)) cycle
+        if (self%key(k)%waits /= self%key(i)%waits) cycle
+        if (before == 0) then
+          call lines%put(' &'//trim(self%key(k)%group)//' ')
+        else if (self%key(k)%group == self%key(before)%group) then
+          call lines%put(', ')
+        else
+          call lines%put('; &'//trim(self%key(k)%group)//' ')
+        end if
+        call lines%put(trim(self%key(k)%name))
+        told(k) = .true.
+        before = k
+      end do
+      call lines%add('')
+    end do
+    text = lines%text()
+
+  contains
+
+    pure logical function waits(i)
+      integer, intent(in) :: i
+
+      waits = self%key(i)%entry > 0 .and. len(self%key(i)%waits) > 0
+    end function waits
+  end subroutine list_waiting
 
   !> All values in effect as a case: what `list` gives, and the defaults of the rest.
   pure subroutine write_case(self, list, text)

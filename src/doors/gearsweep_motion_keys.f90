@@ -18,9 +18,9 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
 
-    call reader%get('dynamics', 'damping_ratio', case%damping_ratio, error, unused=for_tasks(case, with_motion), &
+    call reader%get('dynamics', 'damping_ratio', case%damping_ratio, error, waits=for_tasks(case, with_motion), &
                     at_least=0.0_dp, at_most=1000.0_dp)
-    call reader%get('dynamics', 'friction', case%friction, error, unused=for_tasks(case, with_motion), &
+    call reader%get('dynamics', 'friction', case%friction, error, waits=for_tasks(case, with_motion), &
                     at_least=0.0_dp, below=1.0_dp)
   end subroutine read_dynamics
 
@@ -32,14 +32,14 @@ contains
     integer, parameter :: directions(*) = [up, down, each]
     character(:), allocatable :: direction
 
-    call reader%get('sweep', 'rpm_first', case%rpm_first, error, required=.true., unused=for_tasks(case, over_speed), &
+    call reader%get('sweep', 'rpm_first', case%rpm_first, error, required=.true., waits=for_tasks(case, over_speed), &
                     above=0.0_dp, at_most=1e9_dp)
-    call reader%get('sweep', 'rpm_last', case%rpm_last, error, required=.true., unused=for_tasks(case, over_speed), &
+    call reader%get('sweep', 'rpm_last', case%rpm_last, error, required=.true., waits=for_tasks(case, over_speed), &
                     above=0.0_dp, at_most=1e9_dp)
-    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=.true., unused=for_tasks(case, over_speed), above=0.0_dp)
+    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=.true., waits=for_tasks(case, over_speed), above=0.0_dp)
     direction = 'up'
-    call reader%get('sweep', 'direction', direction, error, unused=for_tasks(case, over_speed), allowed=ways)
-    call reader%get('sweep', 'load_rpm', case%load_rpm, error, required=.true., unused=for_tasks(case, 'load'), &
+    call reader%get('sweep', 'direction', direction, error, waits=for_tasks(case, over_speed), allowed=ways)
+    call reader%get('sweep', 'load_rpm', case%load_rpm, error, required=.true., waits=for_tasks(case, 'load'), &
                     above=0.0_dp, at_most=1e9_dp, max_size=1000)
     case%direction = sum(pack(directions, ways == direction))
   end subroutine read_sweep
@@ -51,12 +51,12 @@ contains
     character(:), allocatable :: method
 
     associate (accuracy => case%accuracy)
-      call reader%get('numerics', 'steps_per_period', accuracy%steps, error, unused=for_tasks(case, with_motion), &
+      call reader%get('numerics', 'steps_per_period', accuracy%steps, error, waits=for_tasks(case, with_motion), &
                       at_least=0, at_most=accuracy%most_steps)
-      call reader%get('numerics', 'tolerance', accuracy%steady%tolerance, error, unused=for_tasks(case, with_motion), &
+      call reader%get('numerics', 'tolerance', accuracy%steady%tolerance, error, waits=for_tasks(case, with_motion), &
                       at_least=1e-11_dp, at_most=0.1_dp)
       method = 'shooting'
-      call reader%get('numerics', 'steady_state', method, error, unused=for_tasks(case, with_motion), &
+      call reader%get('numerics', 'steady_state', method, error, waits=for_tasks(case, with_motion), &
                       allowed=[character(8) :: 'shooting', 'march'])
       accuracy%steady%method = merge(by_marching, by_shooting, method == 'march')
     end associate

@@ -1,8 +1,9 @@
 !> Takes typed values out of namelist text, each with its unit, its bounds and one clear error.
 !>
 !> A caller writes one `get` for each key of the format, then `finish`, and checks `error` once.
-!> Keys that are absent leave their variable as it was: its default. A key that has no effect on
-!> what the caller wants is asked for with `unused`, the reason why: then it must not be given.
+!> Keys that are absent leave their variable as it was: its default. A key that can have no effect is
+!> asked for with `unused`, the reason why: then it must not be given. One that has none for what the
+!> caller wants this time is asked for with `waits`, what it waits for: it is read and listed.
 module gearsweep_reader
   use gearsweep_bounds, only: bound_integer, bound_real, bounds_t
   use gearsweep_error, only: code_input, error_t, fail
@@ -21,15 +22,12 @@ module gearsweep_reader
     type(keys_t) :: keys
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
-    !> Entries that are given though they have no effect, and why the first has none.
-    integer, allocatable :: idle(:)
-    character(:), allocatable :: why_idle
   contains
-    !> `call reader%get(group, key, value, error, [given], [required], [unused], ...)`
+    !> `call reader%get(group, key, value, error, [given], [required], [waits], [unused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure :: has, has_group, finish, write_complete
-    procedure, private :: find, settle, check_names, check_idle
+    procedure :: has, has_group, finish, list_waiting, write_complete
+    procedure, private :: find, settle, check_names
   end type reader_t
 
 contains
@@ -40,13 +38,12 @@ contains
     type(reader_t), intent(out) :: reader
     type(error_t), allocatable, intent(inout) :: error
 
-    allocate (reader%idle(0))
     reader%keys%groups = groups
     call parse_namelist(text, reader%list, error)
   end subroutine open_reader
 
   !> One number; the bounds are in the unit of the key, the result is multiplied by `scale`.
-  pure subroutine get_real(self, group, key, value, error, given, required, unused, scale, &
+  pure subroutine get_real(self, group, key, value, error, given, required, waits, unused, scale, &
     & above, at_least, below, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
@@ -54,14 +51,14 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: unused
+    character(*), intent(in), optional :: waits, unused
     real(dp), intent(in), optional :: scale, above, at_least, below, at_most
     type(bounds_t) :: bounds
     real(dp), allocatable :: numbers(:)
     integer :: at
 
     call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, bounds%rule, at, error, given, required, unused)
+    call self%find(group, key, bounds%rule, at, error, given, required, waits, unused)
     if (at == 0 .and. .not. present(given)) call self%settle([value], bounds, scale)
     if (at == 0) return
     call check_size(self%list%entries(at), 'number', error)
@@ -70,7 +67,7 @@ contains
   end subroutine get_real
 
   !> A list of numbers; the bounds hold for each, `min_size` and `max_size` for how many there are.
-  pure subroutine get_reals(self, group, key, value, error, given, required, unused, scale, &
+  pure subroutine get_reals(self, group, key, value, error, given, required, waits, unused, scale, &
     & above, at_least, below, at_most, min_size, max_size)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
@@ -78,7 +75,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: unused
+    character(*), intent(in), optional :: waits, unused
     real(dp), intent(in), optional :: scale, above, at_least, below, at_most
     integer, intent(in), optional :: min_size, max_size
     type(bounds_t) :: bounds
@@ -86,7 +83,7 @@ contains
     integer :: at
 
     call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, bounds%rule, at, error, given, required, unused)
+    call self%find(group, key, bounds%rule, at, error, given, required, waits, unused)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%settle(value, bounds, scale)
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
@@ -94,21 +91,21 @@ contains
     if (.not. allocated(error)) call move_alloc(numbers, value)
   end subroutine get_reals
 
-  pure subroutine get_integer(self, group, key, value, error, given, required, unused, at_least, at_most)
+  pure subroutine get_integer(self, group, key, value, error, given, required, waits, unused, at_least, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     integer, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: unused
+    character(*), intent(in), optional :: waits, unused
     integer, intent(in), optional :: at_least, at_most
     type(bounds_t) :: bounds
     real(dp), allocatable :: numbers(:)
     integer :: at
 
     call bound_integer(bounds, at_least, at_most)
-    call self%find(group, key, bounds%rule, at, error, given, required, unused)
+    call self%find(group, key, bounds%rule, at, error, given, required, waits, unused)
     if (at == 0 .and. .not. present(given)) call self%settle([real(value, dp)], bounds)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
@@ -117,17 +114,17 @@ contains
   end subroutine get_integer
 
   !> `.true.`, `true`, `T` and the same for false.
-  pure subroutine get_logical(self, group, key, value, error, given, required, unused)
+  pure subroutine get_logical(self, group, key, value, error, given, required, waits, unused)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     logical, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: unused
+    character(*), intent(in), optional :: waits, unused
     integer :: at
 
-    call self%find(group, key, '.true. or .false.', at, error, given, required, unused)
+    call self%find(group, key, '.true. or .false.', at, error, given, required, waits, unused)
     if (at == 0 .and. .not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     call check_size(self%list%entries(at), 'logical', error)
@@ -135,20 +132,20 @@ contains
   end subroutine get_logical
 
   !> One text; with `allowed`, one of these words in any case, returned in lower case.
-  pure subroutine get_text(self, group, key, value, error, given, required, unused, allowed)
+  pure subroutine get_text(self, group, key, value, error, given, required, waits, unused, allowed)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     character(:), allocatable, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: unused
+    character(*), intent(in), optional :: waits, unused
     character(*), intent(in), optional :: allowed(:)
     character(:), allocatable :: texts(:), rule
     integer :: at
 
     call describe_texts(rule, allowed)
-    call self%find(group, key, rule, at, error, given, required, unused)
+    call self%find(group, key, rule, at, error, given, required, waits, unused)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
     if (at == 0) return
     call check_size(self%list%entries(at), 'text', error)
@@ -158,21 +155,21 @@ contains
   end subroutine get_text
 
   !> A list of texts, padded with blanks to the longest.
-  pure subroutine get_texts(self, group, key, value, error, given, required, unused, allowed, min_size, max_size)
+  pure subroutine get_texts(self, group, key, value, error, given, required, waits, unused, allowed, min_size, max_size)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     character(:), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: unused
+    character(*), intent(in), optional :: waits, unused
     character(*), intent(in), optional :: allowed(:)
     integer, intent(in), optional :: min_size, max_size
     character(:), allocatable :: rule
     integer :: at
 
     call describe_texts(rule, allowed)
-    call self%find(group, key, rule, at, error, given, required, unused)
+    call self%find(group, key, rule, at, error, given, required, waits, unused)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'texts', error, min_size, max_size)
@@ -196,15 +193,13 @@ contains
     if (allocated(self%list%groups)) has_group = any(self%list%groups == lower(group))
   end function has_group
 
-  !> Fails if the text has a group or a key that nobody asked for or that has no effect, or lacks a
-  !> required key.
+  !> Fails if the text has a group or a key that nobody asked for, or lacks a required key.
   pure subroutine finish(self, error)
     class(reader_t), intent(in) :: self
     type(error_t), allocatable, intent(inout) :: error
 
     if (allocated(error)) return
     call self%check_names(error)
-    call self%check_idle(error)
     if (allocated(self%missing)) call fail(error, self%missing%code, self%missing%message)
   end subroutine finish
 
@@ -231,25 +226,13 @@ contains
     end do
   end subroutine check_names
 
-  !> Tells of the first key without effect, and names the others.
-  pure subroutine check_idle(self, error)
+  !> The keys that wait: for each set of tasks a line `tasks: &group key, key; &group key`.
+  pure subroutine list_waiting(self, text)
     class(reader_t), intent(in) :: self
-    type(error_t), allocatable, intent(inout) :: error
-    integer, parameter :: most = 8
-    character(:), allocatable :: others
-    integer :: i
+    character(:), allocatable, intent(out) :: text
 
-    if (size(self%idle) == 0) return
-    others = ''
-    do i = 2, min(size(self%idle), most)
-      associate (entry => self%list%entries(self%idle(i)))
-        others = others//', &'//entry%group//' '//entry%key
-      end associate
-    end do
-    if (size(self%idle) > most) others = others//' and '//str(size(self%idle) - most)//' more'
-    if (len(others) > 0) others = ' (without effect too: '//others(3:)//')'
-    call fail_entry(self%list%entries(self%idle(1)), self%why_idle//others, error)
-  end subroutine check_idle
+    call self%keys%list_waiting(text)
+  end subroutine list_waiting
 
   !> The values in effect as a case: what is given, and the defaults of the rest.
   pure subroutine write_complete(self, text)
@@ -280,34 +263,37 @@ contains
   end subroutine settle
 
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
-  pure subroutine find(self, group, key, wanted, at, error, given, required, unused)
+  pure subroutine find(self, group, key, wanted, at, error, given, required, waits, unused)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, wanted
     integer, intent(out) :: at
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: unused
-    logical :: idle
+    character(*), intent(in), optional :: waits, unused
+    logical :: may, must
 
     at = 0
     if (present(given)) given = .false.
     if (allocated(error)) return
-    idle = .false.
-    if (present(unused)) idle = len_trim(unused) > 0
+    may = is_blank(unused)
+    must = .false.
+    if (present(required)) must = required .and. may .and. is_blank(waits)
     at = position(self%list, group, key)
+    if (at > 0 .and. .not. may) call fail_entry(self%list%entries(at), trim(unused), error)
+    if (.not. may) at = 0
+    call self%keys%add(group, key, at, may, waits)
     if (at > 0) self%list%entries(at)%used = .true.
-    call self%keys%add(group, key, at, idle)
-    if (idle) then
-      if (at > 0 .and. size(self%idle) == 0) self%why_idle = trim(unused)
-      if (at > 0) self%idle = [self%idle, at]
-      at = 0
-    else if (at > 0) then
-      if (present(given)) given = .true.
-    else if (present(required)) then
-      if (required) call fail(self%missing, code_input, '&'//group//' '//key//': missing; must be '//wanted)
-    end if
+    if (present(given)) given = at > 0
+    if (at == 0 .and. must) call fail(self%missing, code_input, '&'//group//' '//key//': missing; must be '//wanted)
   end subroutine find
+
+  pure logical function is_blank(words)
+    character(*), intent(in), optional :: words
+
+    is_blank = .true.
+    if (present(words)) is_blank = len_trim(words) == 0
+  end function is_blank
 
   pure integer function position(list, group, key) result(at)
     type(namelist_t), intent(in) :: list

@@ -41,8 +41,25 @@ contains
     if (allocated(study%sweep)) call add_sweep(study, lines)
     if (allocated(study%optimum)) call add_optimum(study, lines)
     if (allocated(study%published)) call add_published(study, lines)
+    if (allocated(study%case%unused)) call add_unused(study, lines)
     text = lines%text()
   end subroutine write_report
+
+  !> Keys that the case gives for other tasks than it names.
+  pure subroutine add_unused(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    integer :: from, until
+
+    associate (text => study%case%unused)
+      from = 1
+      do while (from <= len(text))
+        until = from + index(text(from:), new_line('a')) - 2
+        call lines%add(left(merge('Not used', '        ', from == 1), 19)//'for '//text(from:until))
+        from = until + 2
+      end do
+    end associate
+  end subroutine add_unused
 
   pure subroutine add_pair(study, lines)
     type(study_t), intent(in) :: study

@@ -1,40 +1,42 @@
-!> Why a key has no effect in the case at hand, and what would give it one. Blank: it has one.
+!> What a key is good for. A key waits where another task would use it: it is read, and named as not
+!> used. It is refused where no task could use it beside the case's other keys.
 module gearsweep_uses
   use gearsweep_case, only: case_t
   implicit none
   private
   public :: for_tasks, unless, first_of
 
-  integer, parameter :: longest = 160
+  integer, parameter :: longest = 120
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
   character(*), parameter, public :: with_load = 'mesh, static, load, sweep or optimum', with_motion = 'load, sweep or optimum'
 
 contains
 
-  !> Blank where the case names one of the tasks, which are told as in `load, sweep or optimum`.
-  pure function for_tasks(case, tasks) result(why)
+  !> What the key waits for: these tasks, told as in `load, sweep or optimum`, or nothing where the case
+  !> names one of them.
+  pure function for_tasks(case, tasks) result(what)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: tasks
-    character(longest) :: why
+    character(longest) :: what
 
-    why = unless(case%asks_any(tasks), 'no task of this case uses it; add '//tasks//' to &case tasks, or remove the key')
+    what = unless(case%asks_any(tasks), tasks)
   end function for_tasks
 
-  pure function unless(used, reason) result(why)
-    logical, intent(in) :: used
-    character(*), intent(in) :: reason
-    character(longest) :: why
+  !> Blank where that holds.
+  pure function unless(holds, words) result(what)
+    logical, intent(in) :: holds
+    character(*), intent(in) :: words
+    character(longest) :: what
 
-    why = ''
-    if (.not. used) why = reason
+    what = ''
+    if (.not. holds) what = words
   end function unless
 
-  !> The first reason there is.
-  pure function first_of(one, other) result(why)
+  pure function first_of(one, other) result(words)
     character(*), intent(in) :: one, other
-    character(longest) :: why
+    character(longest) :: words
 
-    why = one
-    if (len_trim(one) == 0) why = other
+    words = one
+    if (len_trim(one) == 0) words = other
   end function first_of
 end module gearsweep_uses
