@@ -40,7 +40,7 @@ contains
                     above=0.0_dp, scale=1e-3_dp)
     call reader%get('pair', 'tip_alteration', case%tip_alteration, error, unused=geared)
     call reader%get('pair', 'backlash_um', case%backlash, error, given=case%has_backlash, &
-                    waits=for_tasks(case, with_motion), at_least=0.0_dp, scale=1e-6_dp)
+                    waits=for_tasks(case, with_motion), at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp)
     case%spec%pressure_angle(1) = drive_angle
     if (cut) case%spec%pressure_angle(2) = coast_angle
     case%spec%module = module

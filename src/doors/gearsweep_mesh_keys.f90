@@ -35,8 +35,8 @@ contains
     if (allocated(error)) return
     ! What belongs to a missing model is no error of its own.
     open = len(case%model) == 0
-    call reader%get('mesh', 'coefficients', case%coefficients, error, required=.not. open, scale=1e6_dp, max_size=20, &
-                    waits=for_tasks(case, with_load), &
+    call reader%get('mesh', 'coefficients', case%coefficients, error, required=.not. open, &
+                    at_least=-1e12_dp, at_most=1e12_dp, scale=1e6_dp, max_size=20, waits=for_tasks(case, with_load), &
                     unused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''))
     call reader%get('mesh', 'file', case%file, error, required=.not. open, waits=for_tasks(case, with_load), &
                     unused=unless(open .or. case%model == 'table', 'needs model = ''table'''))
@@ -49,11 +49,11 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call reader%get('load', 'torque_nm', case%torque, error, waits=for_tasks(case, with_load), &
-                    above=0.0_dp, at_most=1e12_dp)
+                    at_least=1e-12_dp, at_most=1e12_dp)
     call reader%get('load', 'normal_force_n', case%normal_force, error, waits=for_tasks(case, with_load), &
-                    above=0.0_dp, at_most=1e12_dp)
+                    at_least=1e-12_dp, at_most=1e12_dp)
     call reader%get('load', 'line_load_n_mm', case%line_load, error, waits=for_tasks(case, with_load), &
-                    above=0.0_dp, at_most=1e7_dp, scale=1e3_dp)
+                    at_least=1e-12_dp, at_most=1e7_dp, scale=1e3_dp)
   end subroutine read_load
 
   !> After the root stress, whose load need not be shared by the mesh.
@@ -69,13 +69,14 @@ contains
     if (case%root%sharing /= shared_by_mesh) waits = for_tasks(case, 'mesh, load, sweep or optimum')
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, required=reader%has_group('relief'), waits=waits, &
-                    at_least=0.0_dp, scale=1e-6_dp, max_size=10000)
+                    at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp, max_size=10000)
     call reader%get('relief', 'pinion_fraction', case%fraction(1), error, waits=waits, at_least=0.0_dp, at_most=1000.0_dp)
     call reader%get('relief', 'gear_fraction', case%fraction(2), error, waits=waits, at_least=0.0_dp, at_most=1000.0_dp)
     shape = 'linear'
     call reader%get('relief', 'shape', shape, error, waits=waits, allowed=[character(9) :: 'linear', 'parabolic'])
     case%shape = merge(parabolic, linear, shape == 'parabolic')
-    call reader%get('relief', 'length_mm', case%length, error, given=has_length, waits=waits, above=0.0_dp, scale=1e-3_dp)
+    call reader%get('relief', 'length_mm', case%length, error, given=has_length, waits=waits, &
+                    at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp)
     call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, given=has_roll(1), waits=waits, above=0.0_dp, scale=pi/180)
     call reader%get('relief', 'gear_roll_deg', case%roll(2), error, given=has_roll(2), waits=waits, above=0.0_dp, scale=pi/180)
     case%start = 'hpstc'
@@ -97,8 +98,8 @@ contains
 
     waits = ''
     if (.not. (case%torque > 0 .or. any(case%inertia > 0) .or. case%length > 0)) waits = for_tasks(case, 'mesh')
-    call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, above=0.0_dp, scale=1e-3_dp, waits=waits, &
-                    unused=unless(case%prescribed, by_hand))
+    call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp, &
+                    waits=waits, unused=unless(case%prescribed, by_hand))
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, &
                     unused=first_of(unless(case%prescribed, by_hand), unless(case%friction > 0 .or. case%start == 'pitch', &
                     'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')))

@@ -33,14 +33,15 @@ contains
     character(:), allocatable :: direction
 
     call reader%get('sweep', 'rpm_first', case%rpm_first, error, required=.true., waits=for_tasks(case, over_speed), &
-                    above=0.0_dp, at_most=1e9_dp)
+                    at_least=1e-6_dp, at_most=1e9_dp)
     call reader%get('sweep', 'rpm_last', case%rpm_last, error, required=.true., waits=for_tasks(case, over_speed), &
-                    above=0.0_dp, at_most=1e9_dp)
-    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=.true., waits=for_tasks(case, over_speed), above=0.0_dp)
+                    at_least=1e-6_dp, at_most=1e9_dp)
+    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=.true., waits=for_tasks(case, over_speed), &
+                    at_least=1e-9_dp)
     direction = 'up'
     call reader%get('sweep', 'direction', direction, error, waits=for_tasks(case, over_speed), allowed=ways)
     call reader%get('sweep', 'load_rpm', case%load_rpm, error, required=.true., waits=for_tasks(case, 'load'), &
-                    above=0.0_dp, at_most=1e9_dp, max_size=1000)
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000)
     case%direction = sum(pack(directions, ways == direction))
   end subroutine read_sweep
 

@@ -3,7 +3,7 @@ module gearsweep_motion_report
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_optimum, only: peak_t, worst_of
-  use gearsweep_steady, only: has_answer, name_of
+  use gearsweep_steady, only: has_answer, name_of, point_chaotic
   use gearsweep_study, only: study_t
   use gearsweep_text, only: fixed, str
   implicit none
@@ -109,10 +109,12 @@ contains
 
     associate (sweep => study%sweep)
       n = count(.not. has_answer(sweep%status))
-      call lines%add(left('Points', 19)//str(size(sweep%status))//', without an answer '//str(n)// &
-                     '; estimated error of DF at most '//str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
-                     ' (asked for '//str(study%case%accuracy%steady%tolerance)//')')
-      do status = 1, 7
+      call lines%put(left('Points', 19)//str(size(sweep%status))//', without an answer '//str(n))
+      if (n < size(sweep%status)) call lines%put('; estimated error of DF at most '// &
+        str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
+        ' (asked for '//str(study%case%accuracy%steady%tolerance)//')')
+      call lines%add('')
+      do status = 1, point_chaotic
         n = count(sweep%status == status)
         if (n > 0) call lines%add(left('', 19)//str(n)//' '//name_of(status)//': '//trim(meaning(status)))
       end do
@@ -136,6 +138,8 @@ contains
       words = 'the periodic motion repels, and no steady motion was reached'
     case ('aperiodic')
       words = 'no periodic motion was found'
+    case ('chaotic')
+      words = 'no periodic motion was found, and disturbances keep growing'
     case ('unresolved')
       words = 'the speed is too low for the steps given or allowed'
     case default
