@@ -54,12 +54,15 @@ contains
       end do
     end do
     do k = 1, size(task_names)
+      ! These need a gear.
+      if (any(task_names(k) == [character(8) :: 'geometry', 'section', 'static', 'modal'])) cycle
       call walk(t, prescribed('polynomial', trim(task_names(k))), 'p', changes)
     end do
     call walk(t, prescribed('table', 'mesh'), 'p', changes)
     do i = 1, size(changes)
       associate (s => changes(i)%setting)
-        call check_true(t, '&'//trim(s%group)//' '//trim(s%key)//' counts somewhere', changes(i)%counted)
+        call check_true(t, '&'//trim(s%group)//' '//trim(s%key)//' counts somewhere', &
+                        same_in(pack(changes%setting, changes%counted), s) > 0)
       end associate
     end do
     call compare_keys(t, changes)
@@ -79,7 +82,7 @@ contains
     allocate (list(0))
     call add('case title', '''another''')
     call add('case tasks', '''mesh'', ''load''')
-    call add('case published', '''hassan2009.csv''')
+    call add('case published', '''data/hassan2009.csv''')
     call add('pair module_mm', '3.1')
     call add('pair face_width_mm', '21', 'g')
     call add('pair face_width_mm', '21', 'p', by_line//'load line_load_n_mm 200;pair face_width_mm 20')
@@ -101,7 +104,7 @@ contains
     call add('load normal_force_n', '4100')
     call add('load line_load_n_mm', '210', 'g', by_line//'load line_load_n_mm 200')
     call add('load line_load_n_mm', '210', 'p', by_line//'load line_load_n_mm 200;pair face_width_mm 20')
-    call add('relief amount_um', '0, 12')
+    call add('relief amount_um', '0, 40')
     call add('relief pinion_fraction', '0.9')
     call add('relief gear_fraction', '0.9')
     call add('relief start', '''pitch''')
@@ -112,9 +115,9 @@ contains
     call add('relief gear_roll_deg', '25', 'g', 'relief pinion_roll_deg 25;relief gear_roll_deg 24')
     call add('mesh model', '''weber''', 'g', only=stated)
     call add('mesh model', '''iso6336''', 'g', only=stated)
-    call add('mesh model', '''table''', 'p', only='mesh coefficients ;mesh file ''inputs_1.csv''')
+    call add('mesh model', '''table''', 'p', only='mesh coefficients ;mesh file ''build/inputs_1.csv''')
     call add('mesh coefficients', '410, 0, -50')
-    call add('mesh file', '''inputs_2.csv''')
+    call add('mesh file', '''build/inputs_2.csv''')
     call add('mesh contact_ratio', '1.5', 'p')
     call add('mesh base_pitch_mm', '10', 'p', 'mesh base_pitch_mm 9')
     call add('mesh base_pitch_mm', '10', 'p', by_torque//';mesh base_pitch_mm 9')
@@ -124,7 +127,7 @@ contains
     call add('mesh pitch_point', '0.6', 'g')
     call add('mesh ste_harmonics', '3')
     call add('section teeth', '3')
-    call add('section half_angle_deg', '9')
+    call add('section half_angle_deg', '8', 'g', 'gear teeth 21')
     call add('section rim_mm', '5')
     call add('section fixed', '''rim''')
     call add('section plane', '''stress''')
@@ -139,13 +142,15 @@ contains
     call add('dynamics damping_ratio', '0.03')
     call add('dynamics friction', '0.05', 'g')
     call add('dynamics friction', '0.05', 'p', rubbing)
-    call add('sweep rpm_first', '11000')
-    call add('sweep rpm_last', '16500')
-    call add('sweep rpm_step', '1000')
+    call add('sweep rpm_first', '13000', 'g')
+    call add('sweep rpm_first', '19000', 'p')
+    call add('sweep rpm_last', '13000', 'g')
+    call add('sweep rpm_last', '19000', 'p')
+    call add('sweep rpm_step', '2000')
     call add('sweep direction', '''down''')
     call add('sweep load_rpm', '5000')
     call add('numerics steps_per_period', '300')
-    call add('numerics tolerance', '1e-2')
+    call add('numerics tolerance', '1e-6')
     call add('numerics steady_state', '''march''')
 
   contains
@@ -164,7 +169,7 @@ contains
       call add(member//' effective_mass_kg', '0.6')
       call add(member//' inertia_kgm2', '2e-3', 'g', member//' inertia_kgm2 1e-3')
       call add(member//' inertia_kgm2', '2e-3', 'p', member//' effective_mass_kg ;'//member//' inertia_kgm2 1e-3;'// &
-               'mesh base_pitch_mm 9;pinion teeth 21')
+               'mesh base_pitch_mm 9;gear teeth 34')
     end subroutine add_member
 
     subroutine add(name, value, kind, beside, only)
@@ -187,10 +192,10 @@ contains
 
     call set(settings, 'case tasks '''//task//''';pair module_mm 3;pair face_width_mm 20;pinion teeth 21;gear teeth 34;'// &
              'load normal_force_n 4000;relief amount_um 0, 10;mesh model '''//model//''';section teeth 1;'// &
-             'section elements_across 3;static positions 3;modal modes 2;dynamics damping_ratio 0.02;'// &
+             'section elements_across 3;static positions 5;modal modes 2;dynamics damping_ratio 0.02;'// &
              'numerics tolerance 1e-3;sweep rpm_first 11500;sweep rpm_last 14500;sweep rpm_step 1500;sweep load_rpm 6000')
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
-    if (model == 'table') call set(settings, 'mesh file ''inputs_1.csv''')
+    if (model == 'table') call set(settings, 'mesh file ''build/inputs_1.csv''')
   end function geared
 
   function prescribed(model, task) result(settings)
@@ -199,10 +204,10 @@ contains
 
     call set(settings, 'case tasks '''//task//''';pinion teeth 21;pinion effective_mass_kg 0.5;gear effective_mass_kg 0.9;'// &
              'load normal_force_n 4000;relief amount_um 0, 10;mesh model '''//model//''';mesh contact_ratio 1.6;'// &
-             'dynamics damping_ratio 0.02;numerics tolerance 1e-3;sweep rpm_first 11500;sweep rpm_last 14500;'// &
-             'sweep rpm_step 1500;sweep load_rpm 6000')
+             'dynamics damping_ratio 0.02;numerics tolerance 1e-3;sweep rpm_first 17500;sweep rpm_last 20500;'// &
+             'sweep rpm_step 1500;sweep load_rpm 19000')
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
-    if (model == 'table') call set(settings, 'mesh file ''inputs_1.csv''')
+    if (model == 'table') call set(settings, 'mesh file ''build/inputs_1.csv''')
   end function prescribed
 
   !> A line of constant stiffness (N/um).
@@ -243,7 +248,8 @@ contains
       second = first
       call set(second, changes(i)%only)
       call put(second, changes(i)%setting)
-      if (text_of(first) == text_of(second)) cycle
+      if (any(first%group == changes(i)%setting%group .and. first%key == changes(i)%setting%key .and. &
+              first%value == changes(i)%setting%value)) cycle
       call compare(t, first, second, plain, len_trim(changes(i)%beside) == 0, changes(i))
     end do
   end subroutine walk
@@ -328,7 +334,7 @@ contains
 
     output%text = ''
     call read_case(text, case, error)
-    if (.not. allocated(error)) call run_study(case, merge('data/ ', 'build/', allocated(case%published)), 1, study, error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
     if (allocated(error)) then
       call check_true(t, text, .false., error%message)
       return
@@ -338,7 +344,8 @@ contains
     do i = 1, size(table_names)
       if (.not. has_table(study, table_names(i))) cycle
       call write_table(study, table_names(i), part)
-      output%text = output%text//part(index(part, lf//'#', back=.true.):)
+      part = part(index(part, lf//'#', back=.true.) + 1:)
+      output%text = output%text//part(index(part, lf):)
     end do
   end subroutine find_output
 
@@ -414,12 +421,14 @@ contains
     same_in = count(list%group == setting%group .and. list%key == setting%key)
   end function same_in
 
-  !> The rows ``| `key` |`` under each heading `### group` or `### group and group` of doc/case.md.
+  !> The rows ``| `key` |`` of the table `| key |` under each heading `### group` or `### group and group`
+  !> of doc/case.md.
   subroutine read_reference(keys)
     type(setting_t), allocatable, intent(out) :: keys(:)
     character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz_0123456789'
     character(:), allocatable :: text, heading, line
     type(error_t), allocatable :: error
+    logical :: of_keys
     integer :: from, until, last
 
     allocate (keys(0))
@@ -427,13 +436,16 @@ contains
     if (allocated(error)) return
     text = text(:index(text, lf//'## Finite elements'))
     heading = ''
+    of_keys = .false.
     from = 1
     do while (from <= len(text))
       until = from + index(text(from:), lf) - 2
       line = text(from:until)
       from = until + 2
       if (index(line, '### ') == 1) heading = line(5:)
-      if (index(line, '| `') /= 1 .or. heading == '') cycle
+      if (index(line, '|') /= 1) of_keys = .false.
+      if (index(line, '| key ') == 1) of_keys = .true.
+      if (index(line, '| `') /= 1 .or. .not. of_keys) cycle
       last = verify(line(4:), letters) + 2
       if (last < 4 .or. line(last + 1:last + 1) /= '`') cycle
       call note(heading(:index(heading//' ', ' ') - 1), line(4:last))
@@ -445,7 +457,6 @@ contains
     subroutine note(group, key)
       character(*), intent(in) :: group, key
 
-      ! The models, which have a table of their own, are words.
       keys = [keys, setting_t(group, key)]
     end subroutine note
   end subroutine read_reference

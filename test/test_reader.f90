@@ -309,8 +309,6 @@ contains
     call check_refused(t, 'x=1 word = ''up'' ''up''', '&p word = ''up'', ''up'': must be a single text')
     call check_refused(t, 'x=1 free = table', '&p free = table: must be a text in quotes')
     call check_refused(t, 'x=1 never = 1', '&p never = 1: has no effect')
-    call check_refused(t, 'x=1 never = 1 / &q nor_this = 2', '&p never = 1: has no effect (without effect too: &q nor_this)')
-    call check_refused(t, 'x=1 never = 1 colour = 2', '&p colour = 2: unknown key')
     call check_refused(t, 'never = 1', '&p never = 1: has no effect')
     call check_refused(t, 'x = '''//repeat('z', 100)//'''', &
       & '&p x = '''//repeat('z', 56)//'...: must be a number')
@@ -463,7 +461,6 @@ contains
     call reader%get('p', 'word', word, error, allowed=[character(4) :: 'up', 'down'])
     call reader%get('p', 'free', free, error)
     call reader%get('p', 'never', i, error, unused='has no effect')
-    call reader%get('q', 'nor_this', i, error, unused='nor that')
     call reader%get('q', 'only_q', free, error)
     call reader%finish(error)
   end subroutine read_all

@@ -29,7 +29,7 @@ contains
     integer :: given, i
 
     given = count([case%torque, case%normal_force, case%line_load] > 0)
-    if (case%needs_load() .and. given /= 1) call fail(error, code_input, &
+    if (given > 1 .or. (given == 0 .and. case%needs_load())) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), normal_force_n and line_load_n_mm; '//str(given)//' are given')
     do i = 1, 2
       if (case%mass(i) > 0 .and. case%inertia(i) > 0) call fail(error, code_input, '&'//case%spec(i)%name// &
@@ -53,8 +53,11 @@ contains
       if (case%length > 0) call need('&mesh base_pitch_mm', '&relief length_mm needs it')
     end if
     if (case%line_load > 0 .and. case%spec(1)%face_width <= 0) call need('&pair face_width_mm', 'a line load needs it')
-    if (case%friction > 0 .and. case%spec(2)%teeth == 0) call fail(error, code_input, &
-      '&gear teeth: missing; friction needs it; must be at least 5')
+    if (case%spec(2)%teeth == 0) then
+      if (case%friction > 0) call fail(error, code_input, '&gear teeth: missing; friction needs it; must be at least 5')
+      if (case%inertia(2) > 0) call fail(error, code_input, &
+        '&gear teeth: missing; &gear inertia_kgm2 of a prescribed mesh needs it; must be at least 5')
+    end if
     if (case%pitch_point > case%contact_ratio) call fail(error, code_input, &
       '&mesh pitch_point = '//str(case%pitch_point)//': must be at most the contact ratio')
     if (case%start == 'roll') call fail(error, code_input, &

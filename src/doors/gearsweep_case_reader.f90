@@ -26,6 +26,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(reader_t) :: reader
 
+    call open_reader(text, groups, reader, error)
     call read_all(text, reader, case, error)
   end subroutine read_case
 
@@ -37,6 +38,7 @@ contains
     type(case_t) :: case
     type(reader_t) :: reader
 
+    call open_reader(text, groups, reader, error, completes=.true.)
     call read_all(text, reader, case, error)
     if (.not. allocated(error)) call reader%write_complete(complete)
   end subroutine complete_case
@@ -49,7 +51,6 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     case%text = text
-    call open_reader(text, groups, reader, error)
     call read_tasks(reader, case, error)
     call read_model(reader, case, error)
     call read_load(reader, case, error)

@@ -18,11 +18,13 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: degree = pi/180
     real(dp) :: module, width, drive_angle, coast_angle
-    character(120) :: geared
+    character(120) :: geared, slides
     logical :: cut
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
+    slides = ''
+    if (case%prescribed) slides = for_tasks(case, with_motion)
     module = 0
     width = 0
     drive_angle = 20*degree
@@ -31,8 +33,9 @@ contains
     call reader%get('pair', 'face_width_mm', width, error, required=cut, unused=unless(cut .or. case%line_load > 0, &
                     'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=1e-3_dp, at_most=1e5_dp, &
                     scale=1e-3_dp)
-    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, unused=unless(cut .or. case%friction > 0, &
-                    'a prescribed mesh uses it with friction only; remove it'), above=3.0_dp, below=45.0_dp, scale=degree)
+    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, waits=slides, &
+                    unused=unless(cut .or. case%friction > 0, 'a prescribed mesh uses it with friction only; remove it'), &
+                    above=3.0_dp, below=45.0_dp, scale=degree)
     coast_angle = drive_angle
     call reader%get('pair', 'coast_angle_deg', coast_angle, error, unused=geared, above=3.0_dp, &
                     below=45.0_dp, scale=degree)
@@ -54,8 +57,8 @@ contains
     integer, intent(in) :: member
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(120) :: geared
-    logical :: cut
+    character(120) :: geared, waits
+    logical :: cut, rolls
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
@@ -63,11 +66,14 @@ contains
                     waits=for_tasks(case, with_load), at_least=1e-12_dp, at_most=1e12_dp)
     call reader%get(group, 'inertia_kgm2', case%inertia(member), error, &
                     waits=for_tasks(case, with_load), at_least=1e-15_dp, at_most=1e15_dp)
+    rolls = cut .or. member == 1 .or. case%inertia(member) > 0
     associate (spec => case%spec(member))
       spec%name = group
-      call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, &
-                      unused=unless(cut .or. member == 1 .or. case%friction > 0, &
-                      'a prescribed mesh uses it with friction only; remove it'), at_least=5, at_most=100000)
+      waits = ''
+      if (.not. rolls) waits = for_tasks(case, with_motion)
+      call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, waits=waits, &
+                      unused=unless(rolls .or. case%friction > 0, &
+                      'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000)
       call reader%get(group, 'profile_shift', spec%profile_shift, error, unused=geared, &
                       above=-5.0_dp, below=5.0_dp)
       call reader%get(group, 'addendum', spec%addendum, error, unused=geared, above=0.0_dp, at_most=5.0_dp)

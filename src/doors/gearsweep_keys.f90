@@ -36,20 +36,23 @@ contains
     logical, intent(in) :: may_be
     character(*), intent(in), optional :: waits
     integer, parameter :: most = 1000
+    character(name_length) :: in_group, of_name
     integer :: i
 
     if (.not. allocated(self%key)) allocate (self%key(most))
+    in_group = lower(group)
+    of_name = lower(name)
     self%last = 0
     do i = 1, self%known
-      if (self%key(i)%group == lower(group) .and. self%key(i)%name == lower(name)) self%last = i
+      if (self%key(i)%name == of_name .and. self%key(i)%group == in_group) self%last = i
     end do
     if (self%last == 0) then
       self%known = self%known + 1
       self%last = self%known
     end if
     associate (key => self%key(self%last))
-      key%group = lower(group)
-      key%name = lower(name)
+      key%group = in_group
+      key%name = of_name
       key%entry = entry
       key%waits = ''
       if (present(waits)) key%waits = trim(waits)

@@ -6,7 +6,7 @@ module gearsweep_mesh_keys
   use gearsweep_reader, only: reader_t
   use gearsweep_relief, only: linear, parabolic
   use gearsweep_root_rating, only: shared_by_mesh
-  use gearsweep_uses, only: first_of, for_tasks, unless, with_load
+  use gearsweep_uses, only: first_of, for_tasks, unless, with_load, with_motion
   implicit none
   private
   public :: read_model, read_load, read_relief, read_path
@@ -100,7 +100,9 @@ contains
     if (.not. (case%torque > 0 .or. any(case%inertia > 0) .or. case%length > 0)) waits = for_tasks(case, 'mesh')
     call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp, &
                     waits=waits, unused=unless(case%prescribed, by_hand))
-    call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, &
+    waits = ''
+    if (case%start /= 'pitch') waits = for_tasks(case, with_motion)
+    call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
                     unused=first_of(unless(case%prescribed, by_hand), unless(case%friction > 0 .or. case%start == 'pitch', &
                     'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')))
     call reader%get('mesh', 'ste_harmonics', case%harmonics, error, waits=for_tasks(case, 'mesh'), at_least=1, at_most=1000)

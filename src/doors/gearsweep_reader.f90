@@ -9,7 +9,7 @@ module gearsweep_reader
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
   use gearsweep_keys, only: keys_t
-  use gearsweep_namelist, only: namelist_t, parse_namelist
+  use gearsweep_namelist, only: name_length, namelist_t, parse_namelist
   use gearsweep_text, only: closest_word, join, lower, str
   use gearsweep_values, only: check_size, check_sizes, describe_texts, fail_entry, read_logical, read_numbers, read_texts
   implicit none
@@ -20,6 +20,7 @@ module gearsweep_reader
     private
     type(namelist_t) :: list
     type(keys_t) :: keys
+    logical :: completes = .false.               !< defaults are wanted, too
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
   contains
@@ -27,18 +28,20 @@ module gearsweep_reader
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure :: has, has_group, finish, list_waiting, write_complete
-    procedure, private :: find, settle, check_names
+    procedure, private :: find, miss, miss_number, miss_text, settle, check_names
   end type reader_t
 
 contains
 
-  !> `groups` are those of the format.
-  pure subroutine open_reader(text, groups, reader, error)
+  !> `groups` are those of the format; `completes`: `write_complete` will be called.
+  pure subroutine open_reader(text, groups, reader, error, completes)
     character(*), intent(in) :: text, groups(:)
     type(reader_t), intent(out) :: reader
     type(error_t), allocatable, intent(inout) :: error
+    logical, intent(in), optional :: completes
 
     reader%keys%groups = groups
+    if (present(completes)) reader%completes = completes
     call parse_namelist(text, reader%list, error)
   end subroutine open_reader
 
@@ -55,10 +58,12 @@ contains
     real(dp), intent(in), optional :: scale, above, at_least, below, at_most
     type(bounds_t) :: bounds
     real(dp), allocatable :: numbers(:)
+    logical :: lacks
     integer :: at
 
     call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, bounds%rule, at, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    if (lacks) call self%miss_number(group, key, bounds)
     if (at == 0 .and. .not. present(given)) call self%settle([value], bounds, scale)
     if (at == 0) return
     call check_size(self%list%entries(at), 'number', error)
@@ -80,10 +85,12 @@ contains
     integer, intent(in), optional :: min_size, max_size
     type(bounds_t) :: bounds
     real(dp), allocatable :: numbers(:)
+    logical :: lacks
     integer :: at
 
     call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, bounds%rule, at, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    if (lacks) call self%miss_number(group, key, bounds)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%settle(value, bounds, scale)
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
@@ -102,10 +109,12 @@ contains
     integer, intent(in), optional :: at_least, at_most
     type(bounds_t) :: bounds
     real(dp), allocatable :: numbers(:)
+    logical :: lacks
     integer :: at
 
     call bound_integer(bounds, at_least, at_most)
-    call self%find(group, key, bounds%rule, at, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    if (lacks) call self%miss_number(group, key, bounds)
     if (at == 0 .and. .not. present(given)) call self%settle([real(value, dp)], bounds)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
@@ -122,9 +131,11 @@ contains
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
     character(*), intent(in), optional :: waits, unused
+    logical :: lacks
     integer :: at
 
-    call self%find(group, key, '.true. or .false.', at, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    if (lacks) call self%miss(group, key, '.true. or .false.')
     if (at == 0 .and. .not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     call check_size(self%list%entries(at), 'logical', error)
@@ -141,11 +152,12 @@ contains
     logical, intent(in), optional :: required
     character(*), intent(in), optional :: waits, unused
     character(*), intent(in), optional :: allowed(:)
-    character(:), allocatable :: texts(:), rule
+    character(:), allocatable :: texts(:)
+    logical :: lacks
     integer :: at
 
-    call describe_texts(rule, allowed)
-    call self%find(group, key, rule, at, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    if (lacks) call self%miss_text(group, key, allowed)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
     if (at == 0) return
     call check_size(self%list%entries(at), 'text', error)
@@ -165,11 +177,11 @@ contains
     character(*), intent(in), optional :: waits, unused
     character(*), intent(in), optional :: allowed(:)
     integer, intent(in), optional :: min_size, max_size
-    character(:), allocatable :: rule
+    logical :: lacks
     integer :: at
 
-    call describe_texts(rule, allowed)
-    call self%find(group, key, rule, at, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    if (lacks) call self%miss_text(group, key, allowed)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'texts', error, min_size, max_size)
@@ -253,6 +265,7 @@ contains
     real(dp) :: number
     integer :: i
 
+    if (.not. self%completes) return
     do i = 1, size(values)
       number = values(i)
       if (present(scale)) number = number/scale
@@ -262,31 +275,59 @@ contains
     call self%keys%settle(join(words, ', '))
   end subroutine settle
 
-  !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
-  pure subroutine find(self, group, key, wanted, at, error, given, required, waits, unused)
+  !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read;
+  !> `lacks`: it must be given and is not.
+  pure subroutine find(self, group, key, at, lacks, error, given, required, waits, unused)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key, wanted
+    character(*), intent(in) :: group, key
     integer, intent(out) :: at
+    logical, intent(out) :: lacks
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
     character(*), intent(in), optional :: waits, unused
-    logical :: may, must
+    logical :: may
 
     at = 0
+    lacks = .false.
     if (present(given)) given = .false.
     if (allocated(error)) return
     may = is_blank(unused)
-    must = .false.
-    if (present(required)) must = required .and. may .and. is_blank(waits)
     at = position(self%list, group, key)
     if (at > 0 .and. .not. may) call fail_entry(self%list%entries(at), trim(unused), error)
     if (.not. may) at = 0
     call self%keys%add(group, key, at, may, waits)
     if (at > 0) self%list%entries(at)%used = .true.
     if (present(given)) given = at > 0
-    if (at == 0 .and. must) call fail(self%missing, code_input, '&'//group//' '//key//': missing; must be '//wanted)
+    if (present(required)) lacks = required .and. at == 0 .and. may .and. is_blank(waits)
   end subroutine find
+
+  pure subroutine miss(self, group, key, wanted)
+    class(reader_t), intent(inout) :: self
+    character(*), intent(in) :: group, key, wanted
+
+    call fail(self%missing, code_input, '&'//group//' '//key//': missing; must be '//wanted)
+  end subroutine miss
+
+  pure subroutine miss_number(self, group, key, bounds)
+    class(reader_t), intent(inout) :: self
+    character(*), intent(in) :: group, key
+    type(bounds_t), intent(in) :: bounds
+    character(:), allocatable :: rule
+
+    call bounds%describe(rule)
+    call self%miss(group, key, rule)
+  end subroutine miss_number
+
+  pure subroutine miss_text(self, group, key, allowed)
+    class(reader_t), intent(inout) :: self
+    character(*), intent(in) :: group, key
+    character(*), intent(in), optional :: allowed(:)
+    character(:), allocatable :: rule
+
+    call describe_texts(rule, allowed)
+    call self%miss(group, key, rule)
+  end subroutine miss_text
 
   pure logical function is_blank(words)
     character(*), intent(in), optional :: words
@@ -298,14 +339,16 @@ contains
   pure integer function position(list, group, key) result(at)
     type(namelist_t), intent(in) :: list
     character(*), intent(in) :: group, key
-    integer :: i
+    character(name_length) :: in_group, of_name
 
-    at = 0
-    if (.not. allocated(list%entries)) return
-    do i = 1, size(list%entries)
-      if (list%entries(i)%key /= lower(key) .or. list%entries(i)%group /= lower(group)) cycle
-      at = i
+    in_group = lower(group)
+    of_name = lower(key)
+    if (.not. allocated(list%entries)) then
+      at = 0
       return
+    end if
+    do at = size(list%entries), 1, -1
+      if (list%entries(at)%key == of_name .and. list%entries(at)%group == in_group) return
     end do
   end function position
 end module gearsweep_reader

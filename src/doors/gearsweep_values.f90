@@ -40,19 +40,21 @@ contains
     real(dp), intent(out) :: number
     type(error_t), allocatable, intent(inout) :: error
     type(entry_t), intent(in) :: entry
+    character(:), allocatable :: rule
     integer :: whole
     logical :: ok
 
-    if (bounds%kind == 'an integer') then
+    if (bounds%whole) then
       call to_number(value%text, whole, ok)
       number = whole
     else
       call to_number(value%text, number, ok)
     end if
     if (.not. ok .or. value%quoted) then
-      call fail_entry(entry, 'must be '//bounds%kind, error)
+      call fail_entry(entry, 'must be '//trim(merge('an integer', 'a number  ', bounds%whole)), error)
     else if (.not. bounds%allow(number)) then
-      call fail_entry(entry, 'must be '//bounds%rule, error)
+      call bounds%describe(rule)
+      call fail_entry(entry, 'must be '//rule, error)
     end if
   end subroutine read_number
 
