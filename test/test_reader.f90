@@ -272,7 +272,7 @@ contains
     call reader%get('p', 'x', x, error, given, scale=10.0_dp)
     call reader%get('p', 'i', i, error)
     call reader%get('p', 'text', text, error, allowed=['up'])
-    call reader%get('p', 'y', x, error, required=.true., unused='has no effect')
+    call reader%get('p', 'y', x, error, required=.true., refused='has no effect')
     call reader%finish(error)
     call check_no_error(t, 'nothing given', error)
     call check_true(t, 'not given', .not. given)
@@ -460,7 +460,7 @@ contains
     call reader%get('p', 'flag', flag, error)
     call reader%get('p', 'word', word, error, allowed=[character(4) :: 'up', 'down'])
     call reader%get('p', 'free', free, error)
-    call reader%get('p', 'never', i, error, unused='has no effect')
+    call reader%get('p', 'never', i, error, refused='has no effect')
     call reader%get('q', 'only_q', free, error)
     call reader%finish(error)
   end subroutine read_all

@@ -28,24 +28,24 @@ contains
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
-      call reader%get('section', 'teeth', section%teeth, error, waits=shape, unused=geared, at_least=0, at_most=100000)
-      call reader%get('section', 'half_angle_deg', section%half_angle, error, waits=shape, unused=geared, &
+      call reader%get('section', 'teeth', section%teeth, error, waits=shape, refused=geared, at_least=0, at_most=100000)
+      call reader%get('section', 'half_angle_deg', section%half_angle, error, waits=shape, refused=geared, &
                       above=0.0_dp, below=180.0_dp, scale=pi/180)
-      call reader%get('section', 'rim_mm', section%rim, error, waits=shape, unused=geared, above=0.0_dp, scale=1e-3_dp)
-      call reader%get('section', 'elements_across', section%elements_across, error, waits=shape, unused=geared, &
+      call reader%get('section', 'rim_mm', section%rim, error, waits=shape, refused=geared, above=0.0_dp, scale=1e-3_dp)
+      call reader%get('section', 'elements_across', section%elements_across, error, waits=shape, refused=geared, &
                       at_least=3, at_most=200)
       allocate (fixed, source=[character(5) :: 'sides', 'rim'])
-      call reader%get('section', 'fixed', fixed, error, waits=support, unused=geared, &
+      call reader%get('section', 'fixed', fixed, error, waits=support, refused=geared, &
                       allowed=[character(5) :: 'sides', 'rim'])
       section%fixed_sides = any(fixed == 'sides')
       section%fixed_rim = any(fixed == 'rim')
       plane = 'strain'
-      call reader%get('section', 'plane', plane, error, waits=support, unused=geared, &
+      call reader%get('section', 'plane', plane, error, waits=support, refused=geared, &
                       allowed=[character(6) :: 'stress', 'strain'])
       section%plane_strain = plane == 'strain'
     end associate
     member = 'pinion'
-    call reader%get('section', 'member', member, error, waits=looks, unused=geared, allowed=[character(6) :: 'pinion', 'gear'])
+    call reader%get('section', 'member', member, error, waits=looks, refused=geared, allowed=[character(6) :: 'pinion', 'gear'])
     case%root%member = merge(2, 1, member == 'gear')
   end subroutine read_section
 
@@ -60,19 +60,19 @@ contains
     geared = unless(.not. case%prescribed, needs_gears)
     waits = for_tasks(case, 'static')
     associate (root => case%root)
-      call reader%get('static', 'shares', root%shares, error, given=stated, waits=waits, unused=geared, &
+      call reader%get('static', 'shares', root%shares, error, given=stated, waits=waits, refused=geared, &
                       at_least=0.0_dp, at_most=1.0_dp, min_size=2)
       call reader%get('static', 'positions', root%positions, error, at_least=2, at_most=1000, waits=waits, &
-                      unused=first_of(geared, unless(.not. stated, 'there are as many as shares; remove it')))
+                      refused=first_of(geared, unless(.not. stated, 'there are as many as shares; remove it')))
       spacing = 'path'
       call reader%get('static', 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'], waits=waits, &
-                      unused=first_of(geared, unless(.not. stated, 'stated shares stand at equal arcs of the flank; remove it')))
+                      refused=first_of(geared, unless(.not. stated, 'stated shares stand at equal arcs of the flank; remove it')))
       root%spacing = merge(spaced_on_flank, spaced_on_path, stated .or. spacing == 'flank')
       sharing = 'mesh'
       call reader%get('static', 'sharing', sharing, error, allowed=[character(5) :: 'mesh', 'equal'], waits=waits, &
-                      unused=first_of(geared, unless(.not. stated, 'the shares are stated; give one of the two')))
+                      refused=first_of(geared, unless(.not. stated, 'the shares are stated; give one of the two')))
       root%sharing = merge(shared_equally, shared_by_mesh, sharing == 'equal')
-      call reader%get('static', 'tangent_deg', root%tangent, error, waits=waits, unused=geared, above=0.0_dp, below=90.0_dp, &
+      call reader%get('static', 'tangent_deg', root%tangent, error, waits=waits, refused=geared, above=0.0_dp, below=90.0_dp, &
                       scale=pi/180)
       if (.not. stated .or. allocated(error)) return
       root%sharing = shares_stated
@@ -86,6 +86,6 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call reader%get('modal', 'modes', case%modes, error, at_least=1, at_most=1000, &
-                    waits=for_tasks(case, 'modal'), unused=unless(.not. case%prescribed, needs_gears))
+                    waits=for_tasks(case, 'modal'), refused=unless(.not. case%prescribed, needs_gears))
   end subroutine read_modal
 end module gearsweep_body_keys

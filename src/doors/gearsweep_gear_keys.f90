@@ -28,20 +28,20 @@ contains
     module = 0
     width = 0
     drive_angle = 20*degree
-    call reader%get('pair', 'module_mm', module, error, required=.true., unused=geared, &
+    call reader%get('pair', 'module_mm', module, error, required=.true., refused=geared, &
                     at_least=1e-3_dp, at_most=1000.0_dp, scale=1e-3_dp)
-    call reader%get('pair', 'face_width_mm', width, error, required=cut, unused=unless(cut .or. case%line_load > 0, &
+    call reader%get('pair', 'face_width_mm', width, error, required=cut, refused=unless(cut .or. case%line_load > 0, &
                     'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=1e-3_dp, at_most=1e5_dp, &
                     scale=1e-3_dp)
     call reader%get('pair', 'pressure_angle_deg', drive_angle, error, waits=slides, &
-                    unused=unless(cut .or. case%friction > 0, 'a prescribed mesh uses it with friction only; remove it'), &
+                    refused=unless(cut .or. case%friction > 0, 'a prescribed mesh uses it with friction only; remove it'), &
                     above=3.0_dp, below=45.0_dp, scale=degree)
     coast_angle = drive_angle
-    call reader%get('pair', 'coast_angle_deg', coast_angle, error, unused=geared, above=3.0_dp, &
+    call reader%get('pair', 'coast_angle_deg', coast_angle, error, refused=geared, above=3.0_dp, &
                     below=45.0_dp, scale=degree)
-    call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, unused=geared, &
+    call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, refused=geared, &
                     above=0.0_dp, scale=1e-3_dp)
-    call reader%get('pair', 'tip_alteration', case%tip_alteration, error, unused=geared)
+    call reader%get('pair', 'tip_alteration', case%tip_alteration, error, refused=geared)
     call reader%get('pair', 'backlash_um', case%backlash, error, given=case%has_backlash, &
                     waits=for_tasks(case, with_motion), at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp)
     case%spec%pressure_angle(1) = drive_angle
@@ -72,26 +72,26 @@ contains
       waits = ''
       if (.not. rolls) waits = for_tasks(case, with_motion)
       call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, waits=waits, &
-                      unused=unless(rolls .or. case%friction > 0, &
+                      refused=unless(rolls .or. case%friction > 0, &
                       'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000)
-      call reader%get(group, 'profile_shift', spec%profile_shift, error, unused=geared, &
+      call reader%get(group, 'profile_shift', spec%profile_shift, error, refused=geared, &
                       above=-5.0_dp, below=5.0_dp)
-      call reader%get(group, 'addendum', spec%addendum, error, unused=geared, above=0.0_dp, at_most=5.0_dp)
-      call reader%get(group, 'dedendum', spec%dedendum, error, unused=geared, above=0.0_dp, at_most=5.0_dp)
-      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, unused=geared, &
+      call reader%get(group, 'addendum', spec%addendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp)
+      call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp)
+      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, &
                       at_least=0.0_dp, at_most=2.0_dp)
       call reader%get(group, 'bore_mm', spec%bore_radius, error, waits=bore_waits(case, member), &
-                      unused=first_of(geared, bore_use(case, member)), at_least=0.0_dp, scale=0.5e-3_dp)
+                      refused=first_of(geared, bore_use(case, member)), at_least=0.0_dp, scale=0.5e-3_dp)
     end associate
   end subroutine read_member
 
   !> The bore ends the section where no rim is stated, and takes its part off the mass of a solid body.
-  pure function bore_use(case, member) result(unused)
+  pure function bore_use(case, member) result(refused)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
-    character(120) :: unused
+    character(120) :: refused
 
-    unused = unless(case%section%rim <= 0 .or. .not. is_stated(case, member), &
+    refused = unless(case%section%rim <= 0 .or. .not. is_stated(case, member), &
                     'not used: &section rim_mm says where the body ends, and the mass is stated; remove it')
   end function bore_use
 
@@ -119,7 +119,8 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(120) :: geared
+    character(120) :: geared, waits
+    real(dp) :: young
     logical :: yields, weighs, compares
 
     if (allocated(error)) return
@@ -128,14 +129,17 @@ contains
     weighs = case%needs_load() .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
     ! Printed values may be a tooth's as a beam.
     compares = allocated(case%published)
-    call reader%get('material', 'young_gpa', case%material%young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp, &
-                    waits=unless(yields .or. case%asks('modal') .or. compares, 'modal or a stiffness that is computed'), &
-                    unused=geared)
+    waits = unless(yields .or. case%asks('modal') .or. compares, 'modal or a stiffness that is computed')
+    young = case%material%young
+    call reader%get('material', 'young_gpa', young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp, &
+                    waits=waits, refused=geared)
+    ! Stress depends on it by rounding alone.
+    if (len_trim(waits) == 0) case%material%young = young
     call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
                     waits=unless((yields .and. case%model /= 'iso6336') .or. case%asks_any('static, modal'), &
-                    'static, modal or a stiffness that depends on it'), unused=geared)
+                    'static, modal or a stiffness that depends on it'), refused=geared)
     call reader%get('material', 'density_kgm3', case%material%density, error, at_least=1.0_dp, at_most=1e5_dp, &
                     waits=unless(weighs .or. case%asks('modal') .or. compares, 'modal or a mass that is not stated'), &
-                    unused=geared)
+                    refused=geared)
   end subroutine read_material
 end module gearsweep_gear_keys

@@ -37,9 +37,9 @@ contains
     open = len(case%model) == 0
     call reader%get('mesh', 'coefficients', case%coefficients, error, required=.not. open, &
                     at_least=-1e12_dp, at_most=1e12_dp, scale=1e6_dp, max_size=20, waits=for_tasks(case, with_load), &
-                    unused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''))
+                    refused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''))
     call reader%get('mesh', 'file', case%file, error, required=.not. open, waits=for_tasks(case, with_load), &
-                    unused=unless(open .or. case%model == 'table', 'needs model = ''table'''))
+                    refused=unless(open .or. case%model == 'table', 'needs model = ''table'''))
   end subroutine read_model
 
   !> Exactly one of the three.
@@ -99,11 +99,11 @@ contains
     waits = ''
     if (.not. (case%torque > 0 .or. any(case%inertia > 0) .or. case%length > 0)) waits = for_tasks(case, 'mesh')
     call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp, &
-                    waits=waits, unused=unless(case%prescribed, by_hand))
+                    waits=waits, refused=unless(case%prescribed, by_hand))
     waits = ''
     if (case%start /= 'pitch') waits = for_tasks(case, with_motion)
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
-                    unused=first_of(unless(case%prescribed, by_hand), unless(case%friction > 0 .or. case%start == 'pitch', &
+                    refused=first_of(unless(case%prescribed, by_hand), unless(case%friction > 0 .or. case%start == 'pitch', &
                     'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')))
     call reader%get('mesh', 'ste_harmonics', case%harmonics, error, waits=for_tasks(case, 'mesh'), at_least=1, at_most=1000)
   end subroutine read_path

@@ -2,7 +2,7 @@
 !>
 !> A caller writes one `get` for each key of the format, then `finish`, and checks `error` once.
 !> Keys that are absent leave their variable as it was: its default. A key that can have no effect is
-!> asked for with `unused`, the reason why: then it must not be given. One that has none for what the
+!> asked for with `refused`, the reason why: then it must not be given. One that has none for what the
 !> caller wants this time is asked for with `waits`, what it waits for: it is read and listed.
 module gearsweep_reader
   use gearsweep_bounds, only: bound_integer, bound_real, bounds_t
@@ -24,7 +24,7 @@ module gearsweep_reader
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
   contains
-    !> `call reader%get(group, key, value, error, [given], [required], [waits], [unused], ...)`
+    !> `call reader%get(group, key, value, error, [given], [required], [waits], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure :: has, has_group, finish, list_waiting, write_complete
@@ -46,7 +46,7 @@ contains
   end subroutine open_reader
 
   !> One number; the bounds are in the unit of the key, the result is multiplied by `scale`.
-  pure subroutine get_real(self, group, key, value, error, given, required, waits, unused, scale, &
+  pure subroutine get_real(self, group, key, value, error, given, required, waits, refused, scale, &
     & above, at_least, below, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
@@ -54,7 +54,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, unused
+    character(*), intent(in), optional :: waits, refused
     real(dp), intent(in), optional :: scale, above, at_least, below, at_most
     type(bounds_t) :: bounds
     real(dp), allocatable :: numbers(:)
@@ -62,7 +62,7 @@ contains
     integer :: at
 
     call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, refused)
     if (lacks) call self%miss_number(group, key, bounds)
     if (at == 0 .and. .not. present(given)) call self%settle([value], bounds, scale)
     if (at == 0) return
@@ -72,7 +72,7 @@ contains
   end subroutine get_real
 
   !> A list of numbers; the bounds hold for each, `min_size` and `max_size` for how many there are.
-  pure subroutine get_reals(self, group, key, value, error, given, required, waits, unused, scale, &
+  pure subroutine get_reals(self, group, key, value, error, given, required, waits, refused, scale, &
     & above, at_least, below, at_most, min_size, max_size)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
@@ -80,7 +80,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, unused
+    character(*), intent(in), optional :: waits, refused
     real(dp), intent(in), optional :: scale, above, at_least, below, at_most
     integer, intent(in), optional :: min_size, max_size
     type(bounds_t) :: bounds
@@ -89,7 +89,7 @@ contains
     integer :: at
 
     call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, refused)
     if (lacks) call self%miss_number(group, key, bounds)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%settle(value, bounds, scale)
     if (at == 0) return
@@ -98,14 +98,14 @@ contains
     if (.not. allocated(error)) call move_alloc(numbers, value)
   end subroutine get_reals
 
-  pure subroutine get_integer(self, group, key, value, error, given, required, waits, unused, at_least, at_most)
+  pure subroutine get_integer(self, group, key, value, error, given, required, waits, refused, at_least, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     integer, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, unused
+    character(*), intent(in), optional :: waits, refused
     integer, intent(in), optional :: at_least, at_most
     type(bounds_t) :: bounds
     real(dp), allocatable :: numbers(:)
@@ -113,7 +113,7 @@ contains
     integer :: at
 
     call bound_integer(bounds, at_least, at_most)
-    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, refused)
     if (lacks) call self%miss_number(group, key, bounds)
     if (at == 0 .and. .not. present(given)) call self%settle([real(value, dp)], bounds)
     if (at == 0) return
@@ -123,18 +123,18 @@ contains
   end subroutine get_integer
 
   !> `.true.`, `true`, `T` and the same for false.
-  pure subroutine get_logical(self, group, key, value, error, given, required, waits, unused)
+  pure subroutine get_logical(self, group, key, value, error, given, required, waits, refused)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     logical, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, unused
+    character(*), intent(in), optional :: waits, refused
     logical :: lacks
     integer :: at
 
-    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, refused)
     if (lacks) call self%miss(group, key, '.true. or .false.')
     if (at == 0 .and. .not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
@@ -143,20 +143,20 @@ contains
   end subroutine get_logical
 
   !> One text; with `allowed`, one of these words in any case, returned in lower case.
-  pure subroutine get_text(self, group, key, value, error, given, required, waits, unused, allowed)
+  pure subroutine get_text(self, group, key, value, error, given, required, waits, refused, allowed)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     character(:), allocatable, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, unused
+    character(*), intent(in), optional :: waits, refused
     character(*), intent(in), optional :: allowed(:)
     character(:), allocatable :: texts(:)
     logical :: lacks
     integer :: at
 
-    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, refused)
     if (lacks) call self%miss_text(group, key, allowed)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
     if (at == 0) return
@@ -167,20 +167,20 @@ contains
   end subroutine get_text
 
   !> A list of texts, padded with blanks to the longest.
-  pure subroutine get_texts(self, group, key, value, error, given, required, waits, unused, allowed, min_size, max_size)
+  pure subroutine get_texts(self, group, key, value, error, given, required, waits, refused, allowed, min_size, max_size)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     character(:), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, unused
+    character(*), intent(in), optional :: waits, refused
     character(*), intent(in), optional :: allowed(:)
     integer, intent(in), optional :: min_size, max_size
     logical :: lacks
     integer :: at
 
-    call self%find(group, key, at, lacks, error, given, required, waits, unused)
+    call self%find(group, key, at, lacks, error, given, required, waits, refused)
     if (lacks) call self%miss_text(group, key, allowed)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
     if (at == 0) return
@@ -277,7 +277,7 @@ contains
 
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read;
   !> `lacks`: it must be given and is not.
-  pure subroutine find(self, group, key, at, lacks, error, given, required, waits, unused)
+  pure subroutine find(self, group, key, at, lacks, error, given, required, waits, refused)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key
     integer, intent(out) :: at
@@ -285,16 +285,16 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, unused
+    character(*), intent(in), optional :: waits, refused
     logical :: may
 
     at = 0
     lacks = .false.
     if (present(given)) given = .false.
     if (allocated(error)) return
-    may = is_blank(unused)
+    may = is_blank(refused)
     at = position(self%list, group, key)
-    if (at > 0 .and. .not. may) call fail_entry(self%list%entries(at), trim(unused), error)
+    if (at > 0 .and. .not. may) call fail_entry(self%list%entries(at), trim(refused), error)
     if (.not. may) at = 0
     call self%keys%add(group, key, at, may, waits)
     if (at > 0) self%list%entries(at)%used = .true.
