@@ -121,6 +121,18 @@ class Case:
         tasks = self.get('case', 'tasks')
         return tasks if isinstance(tasks, tuple) else (tasks,)
 
+    @property
+    def unused(self) -> list[str]:
+        """Keys that are given for tasks that the case does not name: `tasks: &group key, key; &group key`.
+
+        They are read and checked, but change nothing.
+
+        >>> Case("&case tasks = 'geometry' / &pair module_mm = 3  face_width_mm = 20 /"
+        ...      "&pinion teeth = 21 /  &gear teeth = 34 /  &modal modes = 5 /").unused
+        ['modal: &modal modes']
+        """
+        return _border.unused(self.text)
+
     def __str__(self) -> str:
         return self.text
 

@@ -214,6 +214,29 @@ subroutine gs_complete(text, complete, length, info, message)
   call tell(error, info, message)
 end subroutine gs_complete
 
+!> The keys that a case gives for tasks that it does not name. They are read and checked, but change
+!> nothing; the program's answer names them, too.
+!>
+!> unused  for each set of tasks a line `tasks: &group key, key; &group key`, ended by char(10)
+!> length  of `unused`; also where that is too short for it (then info is 1 and `unused` as it was)
+subroutine gs_unused(text, unused, length, info, message)
+  use gearsweep_border, only: give_text, open_case, tell
+  use gearsweep_case, only: case_t
+  use gearsweep_error, only: error_t
+  implicit none
+  character(*), intent(in) :: text
+  character(*), intent(inout) :: unused
+  integer, intent(inout) :: length
+  integer, intent(out) :: info
+  character(*), intent(out) :: message
+  type(case_t) :: case
+  type(error_t), allocatable :: error
+
+  call open_case(text, 'all', 1, case, error)
+  if (.not. allocated(error)) call give_text('unused', case%unused, unused, length, error)
+  call tell(error, info, message)
+end subroutine gs_unused
+
 !> Sets one key of a case, and leaves the rest of the text as it is, with its remarks.
 !>
 !> group, key  without &; a group that is missing is added

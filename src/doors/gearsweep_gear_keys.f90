@@ -119,8 +119,7 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(120) :: geared, waits
-    real(dp) :: young
+    character(120) :: geared
     logical :: yields, weighs, compares
 
     if (allocated(error)) return
@@ -129,12 +128,9 @@ contains
     weighs = case%needs_load() .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
     ! Printed values may be a tooth's as a beam.
     compares = allocated(case%published)
-    waits = unless(yields .or. case%asks('modal') .or. compares, 'modal or a stiffness that is computed')
-    young = case%material%young
-    call reader%get('material', 'young_gpa', young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp, &
-                    waits=waits, refused=geared)
-    ! Stress depends on it by rounding alone.
-    if (len_trim(waits) == 0) case%material%young = young
+    call reader%get('material', 'young_gpa', case%material%young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp, &
+                    waits=unless(yields .or. case%asks('modal') .or. compares, 'modal or a stiffness that is computed'), &
+                    refused=geared)
     call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
                     waits=unless((yields .and. case%model /= 'iso6336') .or. case%asks_any('static, modal'), &
                     'static, modal or a stiffness that depends on it'), refused=geared)

@@ -28,7 +28,7 @@ module gearsweep_keys
 contains
 
   !> A key that is asked for again stays one. `entry` is 0 where it is not given; `may_be`: it is not
-  !> refused in this case, so that its default counts.
+  !> refused in this case. Its default counts unless it waits.
   pure subroutine add(self, group, name, entry, may_be, waits)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: group, name
@@ -57,7 +57,7 @@ contains
       key%waits = ''
       if (present(waits)) key%waits = trim(waits)
     end associate
-    if (.not. may_be) self%last = 0
+    if (.not. may_be .or. len(self%key(self%last)%waits) > 0) self%last = 0
   end subroutine add
 
   !> The default of the key added last, where it is not given.
