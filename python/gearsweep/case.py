@@ -33,8 +33,8 @@ class Case:
     --------
     >>> case = Case("&pair module_mm = 3  face_width_mm = 20 /  &pinion teeth = 21 /  &gear teeth = 34 /"
     ...             "&load torque_nm = 100 /  &case tasks = 'mesh' /  ! a small pair")
-    >>> case.get('pair', 'module_mm'), case.get('dynamics', 'damping_ratio')
-    (3, 0.17)
+    >>> case.get('pair', 'module_mm'), case.get('pair', 'pressure_angle_deg')
+    (3, 20)
     >>> stronger = case.changed(pair={'module_mm': 3.5}, gear={'profile_shift': 0.1})
     >>> print(stronger)
     &pair module_mm = 3.5  face_width_mm = 20 /  &pinion teeth = 21 /  &gear teeth = 34 profile_shift = 0.1 ...

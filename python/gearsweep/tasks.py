@@ -63,8 +63,9 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
     }
     found: dict[str, Any] = {}
     _check(case)
-    for keys in case.unused:
-        warnings.warn(f'not used: for {keys}', _border.UnusedWarning, stacklevel=2)
+    if case.unused:
+        keys = ''.join(f'\n  for {line}' for line in case.unused)
+        warnings.warn(f'keys that no task of this case uses:{keys}', _border.UnusedWarning, stacklevel=2)
     if case.get('mesh', 'contact_ratio') is None:
         found['geometry'] = geometry(case)
     if not set(_MESH_TASKS).isdisjoint(case.tasks):

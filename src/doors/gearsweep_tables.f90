@@ -15,7 +15,7 @@ module gearsweep_tables
 
   character(*), parameter, public :: table_names(9) = [character(9) :: 'mesh', 'harmonics', 'load', 'sweep', 'vcurve', &
                                                        'outline', 'root', 'modes', 'published']
-  real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, mega = 1e-6_dp, degree = pi/180
+  real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, mega = 1e-6_dp
   character(7), parameter :: contact_names(0:3) = [character(7) :: 'full', 'partial', 'lost', 'coast']
 
 contains
@@ -156,7 +156,7 @@ contains
         do k = 1, size(amplitude)
           call lines%cell(micro*study%case%amount(i))
           call lines%cell(k - 1)
-          call lines%cell([micro*amplitude(k), phase(k)/degree, micro*ste%error_estimate])
+          call lines%cell([micro*amplitude(k), phase(k)*180/pi, micro*ste%error_estimate])
           call lines%end_row()
         end do
       end associate

@@ -184,7 +184,7 @@ static void refusals(void)
   check("unused keys", gsc_unused(idle, strlen(idle), complete, sizeof complete, &length, M) == 0 &&
         length == strlen(complete) && strcmp(complete, "modal: &modal modes\n") == 0);
   refused("no room for unused keys", gsc_unused(idle, strlen(idle), complete, 5, &length, M), GSC_INPUT,
-          "must be at least 20");
+          "must be at least 21");
 }
 
 static void partial(void)
