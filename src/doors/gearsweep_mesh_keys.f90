@@ -70,6 +70,9 @@ contains
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, required=reader%has_group('relief'), waits=waits, &
                     at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp, max_size=10000)
+    ! Nothing that is wanted differs between the reliefs.
+    if (len_trim(waits) > 0) case%amount = [0.0_dp]
+    waits = first_of(waits, unless(any(case%amount > 0) .or. case%asks('optimum'), 'optimum or an amount above 0'))
     call reader%get('relief', 'pinion_fraction', case%fraction(1), error, waits=waits, at_least=0.0_dp, at_most=1000.0_dp)
     call reader%get('relief', 'gear_fraction', case%fraction(2), error, waits=waits, at_least=0.0_dp, at_most=1000.0_dp)
     shape = 'linear'
@@ -84,8 +87,6 @@ contains
     if (any(has_roll)) case%start = 'roll'
     call reader%get('relief', 'start', case%start, error, waits=waits, &
                     allowed=[character(6) :: 'hpstc', 'pitch', 'length', 'roll'])
-    ! Nothing that is wanted differs between the reliefs.
-    if (len_trim(waits) > 0) case%amount = [0.0_dp]
   end subroutine read_relief
 
   !> What else a prescribed mesh needs to be told, and the harmonics: last, as it depends on the rest.
@@ -94,16 +95,20 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
-    character(120) :: waits
+    character(120) :: made, waits
+    logical :: relieves
 
+    made = unless(case%prescribed, by_hand)
+    relieves = any(case%amount > 0) .or. case%asks('optimum')
     waits = ''
-    if (.not. (case%torque > 0 .or. any(case%inertia > 0) .or. case%length > 0)) waits = for_tasks(case, 'mesh')
+    if (.not. (case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0))) waits = for_tasks(case, 'mesh')
     call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp, &
-                    waits=waits, refused=unless(case%prescribed, by_hand))
+                    waits=waits, refused=made)
     waits = ''
-    if (case%start /= 'pitch') waits = for_tasks(case, with_motion)
+    if (.not. (relieves .and. case%start == 'pitch')) waits = for_tasks(case, with_motion)
+    if (.not. (relieves .or. case%friction > 0)) waits = 'optimum or an amount above 0'
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
-                    refused=first_of(unless(case%prescribed, by_hand), unless(case%friction > 0 .or. case%start == 'pitch', &
+                    refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch', &
                     'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')))
     call reader%get('mesh', 'ste_harmonics', case%harmonics, error, waits=for_tasks(case, 'mesh'), at_least=1, at_most=1000)
   end subroutine read_path
