@@ -769,7 +769,7 @@ waits() {
 }
 run base.nml --out waits
 check 'nothing waits' lacks stdout 'Not used'
-waits "Not used           for tasks that need this member's section or mass: &pinion bore_mm" '/&pinion/,/^\//s/teeth = 25/teeth = 25 bore_mm = 20/'
+waits "Not used           for a section that ends at it or a mass that is not stated: &pinion bore_mm" '/&pinion/,/^\//s/teeth = 25/teeth = 25 bore_mm = 20/'
 waits 'Not used           for modal or a mass that is not stated: &material density_kgm3' 's/young/density_kgm3 = 7850 young/'
 waits 'Not used           for static, modal or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
 waits 'Not used           for modal or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"

@@ -4,7 +4,7 @@ module gearsweep_gear_keys
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_uses, only: first_of, for_tasks, needs_gears, unless, with_load, with_motion
+  use gearsweep_uses, only: for_tasks, needs_gears, unless, with_load, with_motion
   implicit none
   private
   public :: read_pair, read_member, read_material
@@ -80,21 +80,12 @@ contains
       call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp)
       call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, &
                       at_least=0.0_dp, at_most=2.0_dp)
-      call reader%get(group, 'bore_mm', spec%bore_radius, error, waits=bore_waits(case, member), &
-                      refused=first_of(geared, bore_use(case, member)), at_least=0.0_dp, scale=0.5e-3_dp)
+      call reader%get(group, 'bore_mm', spec%bore_radius, error, refused=geared, &
+                      waits=bore_waits(case, member), at_least=0.0_dp, scale=0.5e-3_dp)
     end associate
   end subroutine read_member
 
   !> The bore ends the section where no rim is stated, and takes its part off the mass of a solid body.
-  pure function bore_use(case, member) result(refused)
-    type(case_t), intent(in) :: case
-    integer, intent(in) :: member
-    character(120) :: refused
-
-    refused = unless(case%section%rim <= 0 .or. .not. is_stated(case, member), &
-                    'not used: &section rim_mm says where the body ends, and the mass is stated; remove it')
-  end function bore_use
-
   pure function bore_waits(case, member) result(waits)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
@@ -103,7 +94,7 @@ contains
 
     weighs = case%needs_load() .and. .not. is_stated(case, member)
     ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs_section() .and. member == case%root%member))
-    waits = unless(weighs .or. ends, 'tasks that need this member''s section or mass')
+    waits = unless(weighs .or. ends, 'a section that ends at it or a mass that is not stated')
   end function bore_waits
 
   !> Is the member's mass or inertia given?
