@@ -92,8 +92,9 @@ int gsc_write(const char *text, size_t text_length, const char *folder, int nwor
 int gsc_complete(const char *text, size_t text_length, char *complete, size_t complete_size,
                  size_t *length, char *message, size_t message_size);
 
-/* The keys that a case gives for tasks that it does not name: they are read and checked, but change
-   nothing; the answer names them, too. A line for each set of tasks: tasks: &group key, key; &group key.
+/* The keys that a case gives but does not use, mostly for tasks that it does not name: they are read and
+   checked, but change nothing; the answer names them, too. A line for each use that they would have, as
+   modal: &modal modes, and with more keys, load, sweep or optimum: &pair backlash_um; &dynamics friction.
    length: as for gsc_report. */
 int gsc_unused(const char *text, size_t text_length, char *unused, size_t unused_size, size_t *length,
                char *message, size_t message_size);

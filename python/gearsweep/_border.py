@@ -59,7 +59,7 @@ class PartialWarning(UserWarning):
 
 
 class UnusedWarning(UserWarning):
-    """The case gives keys for tasks that it does not name; they change nothing."""
+    """The case gives keys that it does not use, mostly for tasks that it does not name; they change nothing."""
 
 
 def version() -> str:

@@ -123,9 +123,10 @@ class Case:
 
     @property
     def unused(self) -> list[str]:
-        """Keys that are given for tasks that the case does not name: `tasks: &group key, key; &group key`.
+        """Keys that are given but not used, mostly for tasks that the case does not name.
 
-        They are read and checked, but change nothing.
+        They are read and checked, but change nothing. For each use that they would have, as in
+        `load, sweep or optimum: &pair backlash_um; &dynamics damping_ratio, friction`.
 
         >>> Case("&case tasks = 'geometry' / &pair module_mm = 3  face_width_mm = 20 /"
         ...      "&pinion teeth = 21 /  &gear teeth = 34 /  &modal modes = 5 /").unused

@@ -54,7 +54,7 @@ module gearsweep_case
     type(root_options_t) :: root
     integer :: modes = 10
     character(:), allocatable :: published       !< file of printed values to set beside ours
-    !> Keys that are given for tasks that the case does not name: a line for each set of tasks.
+    !> Keys that are given but not used: a line for each use that they would have.
     character(:), allocatable :: unused
   contains
     procedure :: asks

@@ -1,5 +1,5 @@
-!> Reads a case, one text for every door: takes each key once, in its unit, and checks it. A key that no
-!> task could use is refused; one that waits for a task that the case does not name is listed.
+!> Reads a case, one text for every door: takes each key once, in its unit, and checks it. A key that
+!> contradicts others is refused; one that the case has no use for is listed.
 module gearsweep_case_reader
   use gearsweep_body_keys, only: read_modal, read_section, read_static
   use gearsweep_case, only: case_t, task_names

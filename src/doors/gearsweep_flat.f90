@@ -211,10 +211,10 @@ subroutine gs_complete(text, complete, length, info, message)
   call tell(error, info, message)
 end subroutine gs_complete
 
-!> The keys that a case gives for tasks that it does not name. They are read and checked, but change
-!> nothing; the program's answer names them, too.
+!> The keys that a case gives but does not use, mostly for tasks that it does not name. They are read and
+!> checked, but change nothing; the program's answer names them, too.
 !>
-!> unused  for each set of tasks a line `tasks: &group key, key; &group key`, ended by char(10)
+!> unused  for each use that they would have, a line `use: &group key, key; &group key` ended by char(10)
 !> length  of `unused`; also where that is too short for it (then info is 1 and `unused` as it was)
 subroutine gs_unused(text, unused, length, info, message)
   use gearsweep_border, only: give_text, open_case, tell

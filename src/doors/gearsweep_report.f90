@@ -45,7 +45,7 @@ contains
     text = lines%text()
   end subroutine write_report
 
-  !> Keys that the case gives for other tasks than it names.
+  !> Keys that the case gives but does not use.
   pure subroutine add_unused(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines

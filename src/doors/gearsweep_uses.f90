@@ -1,5 +1,6 @@
-!> What a key is good for. A key waits where another task would use it: it is read, and named as not
-!> used. It is refused where no task could use it beside the case's other keys.
+!> What a key is good for. It waits where a task that the case does not name would use it, or where
+!> another of its values makes it idle: it is read, and named as not used. It is refused where it contradicts
+!> the case's other keys.
 module gearsweep_uses
   use gearsweep_case, only: case_t
   implicit none
