@@ -1,6 +1,7 @@
 # Sourced by app/run.sh and test/run.sh, with $root set: installs what is missing, builds what changed.
 # Messages go to stderr, details to the log. Nothing is fetched where all is there.
 
+: "${root:?}"
 fpm_version=0.12.0
 run_dir=$root/build/run
 log=$run_dir/log

@@ -92,6 +92,13 @@ int gsc_write(const char *text, size_t text_length, const char *folder, int nwor
 int gsc_complete(const char *text, size_t text_length, char *complete, size_t complete_size,
                  size_t *length, char *message, size_t message_size);
 
+/* The keys that a case gives but does not use, mostly for tasks that it does not name: they are read and
+   checked, but change nothing; the answer names them, too. A line for each use that they would have, as
+   modal: &modal modes, and with more keys, load, sweep or optimum: &pair backlash_um; &dynamics friction.
+   length: as for gsc_report. */
+int gsc_unused(const char *text, size_t text_length, char *unused, size_t unused_size, size_t *length,
+               char *message, size_t message_size);
+
 /* Sets one key of a case, and leaves the rest of the text as it is, with its remarks.
    group, key: without &; a group that is missing is added; value: as it stands in a case, such as
    "0, 5, 10" or "'fe'"; NULL or empty: the key is taken out; length: as for gsc_report.

@@ -39,9 +39,8 @@ module gearsweep
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_study, only: study_t, run_study
-  use gearsweep_report, only: report, failed_points
-  use gearsweep_tables, only: sweep_table, mesh_table, harmonics_table, load_table, optimum_table, &
-                              outline_table, root_table, mode_table, published_table
+  use gearsweep_report, only: report, write_report, failed_points
+  use gearsweep_tables, only: table_names, has_table, write_table
   implicit none
   public
 end module gearsweep

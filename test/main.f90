@@ -13,6 +13,7 @@ program check
   use test_geometry, only: run_geometry => run
   use test_honesty, only: run_honesty => run
   use test_harmonics, only: run_harmonics => run
+  use test_inputs, only: run_inputs => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
   use test_rating, only: run_rating => run
@@ -28,6 +29,7 @@ program check
   end if
   call run_wanted([ &
     & suite_t('reader', run_reader), &
+    & suite_t('inputs', run_inputs), &
     & suite_t('geometry', run_geometry), &
     & suite_t('mesh', run_mesh), &
     & suite_t('harmonics', run_harmonics), &

@@ -208,6 +208,12 @@ contains
     call check_true(t, 'defaults', info == code_ok .and. index(complete, 'damping_ratio = 0.17') > 0)
     call gs_complete(complete(:length), again, length, info, message)
     call check_true(t, 'the complete case is complete', info == code_ok .and. again == complete)
+    call gs_change(text, 'case', 'tasks', '''geometry''', changed, length, info, message)
+    call gs_unused(changed, again, length, info, message)
+    call check_true(t, 'what other tasks would use', info == code_ok .and. &
+                    index(again(:length), 'sweep or optimum: &sweep rpm_first, rpm_last, rpm_step'//achar(10)) > 0)
+    call gs_unused(text, again, length, info, message)
+    call check_true(t, 'all is used', info == code_ok .and. length == 0)
   end subroutine test_texts
 
   !> The program's files, made in the folder of the tests' build.

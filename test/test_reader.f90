@@ -60,9 +60,9 @@ contains
     call check_equal(t, 'joined words', join(['up  ', 'down'], ', '), 'up, down')
     call check_equal(t, 'a short text is shown', shown('a'//tab//'b'//char(200)), 'a?b?')
     call check_equal(t, 'a long text is cut', shown(repeat('x', 100)), repeat('x', 57)//'...')
-    call check_equal(t, 'the closest word', closest_word('modul_mm', ['module_mm', 'bore_mm  ']), 'module_mm')
-    call check_equal(t, 'a forgotten unit', closest_word('face_width', ['face_width_mm']), 'face_width_mm')
-    call check_equal(t, 'no close word', closest_word('colour', ['module_mm', 'bore_mm  ']), '')
+    call check_equal(t, 'the closest word', closest_word('modul_mm', ['bore_mm  ', 'module_mm']), 2)
+    call check_equal(t, 'a forgotten unit', closest_word('face_width', ['face_width_mm']), 1)
+    call check_equal(t, 'no close word', closest_word('colour', ['module_mm', 'bore_mm  ']), 0)
   end subroutine test_words
 
   subroutine test_to_number(t)
@@ -193,12 +193,15 @@ contains
     integer :: teeth
     logical :: flag, other, given
 
-    call open_reader('&Pair Module_mm=3d0 angle=-.5 teeth = +25 flag=T other=.FALSE./', reader, error)
+    module = 0
+    angle = 0
+    teeth = 0
+    flag = .false.
+    other = .true.
+    call open_reader('&Pair Module_mm=3d0 angle=-.5 teeth = +25 flag=T other=.FALSE./', [character(4) :: 'pair'], reader, error)
     call reader%get('pair', 'module_mm', module, error, given, scale=1e-3_dp, above=0.0_dp)
     call reader%get('pair', 'angle', angle, error, at_least=-0.5_dp, below=1.0_dp)
     call reader%get('pair', 'teeth', teeth, error, required=.true., at_least=25, at_most=25)
-    flag = .false.
-    other = .true.
     call reader%get('pair', 'flag', flag, error)
     call reader%get('pair', 'other', other, error)
     call reader%finish(error)
@@ -218,7 +221,7 @@ contains
     type(error_t), allocatable :: error
     real(dp), allocatable :: amounts(:), one(:), none(:)
 
-    call open_reader('&relief amount_um = 0, 5 2*10  one = 7 /', reader, error)
+    call open_reader('&relief amount_um = 0, 5 2*10  one = 7 /', ['relief'], reader, error)
     call reader%get('relief', 'amount_um', amounts, error, scale=1e-6_dp, at_least=0.0_dp, max_size=4)
     call reader%get('relief', 'one', one, error, min_size=1)
     call reader%get('relief', 'none', none, error, min_size=1)
@@ -238,7 +241,8 @@ contains
     character(:), allocatable :: title, model, tasks(:), names(:)
     character(*), parameter :: models(*) = [character(5) :: 'fe', 'weber']
 
-    call open_reader('&case title = "A & B"  model = Weber  tasks="FE", ''weber''  names = "ab", "c" /', reader, error)
+    call open_reader('&case title = "A & B"  model = Weber  tasks="FE", ''weber''  names = "ab", "c" /', ['case'], &
+      & reader, error)
     call reader%get('case', 'title', title, error)
     call reader%get('case', 'model', model, error, allowed=models)
     call reader%get('case', 'tasks', tasks, error, allowed=models, max_size=2)
@@ -264,11 +268,11 @@ contains
     x = 2.5_dp
     i = 3
     text = 'up'
-    call open_reader('&p x = /', reader, error)
+    call open_reader('&p x = /', ['p'], reader, error)
     call reader%get('p', 'x', x, error, given, scale=10.0_dp)
     call reader%get('p', 'i', i, error)
     call reader%get('p', 'text', text, error, allowed=['up'])
-    call reader%refuse('p', 'x', 'is refused', error)
+    call reader%get('p', 'y', x, error, required=.true., refused='has no effect')
     call reader%finish(error)
     call check_no_error(t, 'nothing given', error)
     call check_true(t, 'not given', .not. given)
@@ -304,7 +308,8 @@ contains
     call check_refused(t, 'x=1 word = ''left''', '&p word = ''left'': must be one of ''up'', ''down''')
     call check_refused(t, 'x=1 word = ''up'' ''up''', '&p word = ''up'', ''up'': must be a single text')
     call check_refused(t, 'x=1 free = table', '&p free = table: must be a text in quotes')
-    call check_refused(t, 'x=1 never = 1', '&p never = 1: cannot be given')
+    call check_refused(t, 'x=1 never = 1', '&p never = 1: has no effect')
+    call check_refused(t, 'never = 1', '&p never = 1: has no effect')
     call check_refused(t, 'x = '''//repeat('z', 100)//'''', &
       & '&p x = '''//repeat('z', 56)//'...: must be a number')
   end subroutine test_wrong_values
@@ -444,16 +449,18 @@ contains
     integer :: i
     logical :: flag
 
-    call open_reader(text, reader, error)
+    x = 1
+    i = 5
+    flag = .false.
+    call open_reader(text, ['p', 'q'], reader, error)
     call reader%get('p', 'x', x, error, required=.true., above=0.0_dp, at_most=1e6_dp)
     call reader%get('p', 'big', x, error, scale=1e9_dp)
     call reader%get('p', 'i', i, error, at_least=5)
     call reader%get('p', 'list', list, error, below=9.0_dp, min_size=2, max_size=3)
-    flag = .false.
     call reader%get('p', 'flag', flag, error)
     call reader%get('p', 'word', word, error, allowed=[character(4) :: 'up', 'down'])
     call reader%get('p', 'free', free, error)
-    call reader%refuse('p', 'never', 'cannot be given', error)
+    call reader%get('p', 'never', i, error, refused='has no effect')
     call reader%get('q', 'only_q', free, error)
     call reader%finish(error)
   end subroutine read_all

@@ -20,7 +20,7 @@ unit. Pictures, pandas and xarray are loaded when they are asked for.
 import importlib
 
 from . import _border
-from ._border import Code, Error, PartialWarning
+from ._border import Code, Error, PartialWarning, UnusedWarning
 from .case import Case
 from .results import (
     Contact,
@@ -64,6 +64,7 @@ __all__ = [
     'Stress',
     'Study',
     'Sweep',
+    'UnusedWarning',
     'geometry',
     'harmonics',
     'load',

@@ -9,7 +9,7 @@ import time
 import warnings
 from dataclasses import dataclass
 
-from . import Case, Code, Error, PartialWarning, __version__, _border, run
+from . import Case, Code, Error, PartialWarning, UnusedWarning, __version__, _border, run
 
 HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
 
@@ -130,6 +130,7 @@ def draw(case: Case, wanted: Arguments, name: str) -> None:
         return
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', PartialWarning)
+        warnings.simplefilter('ignore', UnusedWarning)
         study = run(case, threads=wanted.threads)
     for path in draw_all(study, wanted.out, name):
         if not wanted.quiet:

@@ -58,6 +58,10 @@ class PartialWarning(UserWarning):
     """Some operating points have no answer; they are NaN and their status says why."""
 
 
+class UnusedWarning(UserWarning):
+    """The case gives keys that it does not use, mostly for tasks that it does not name; they change nothing."""
+
+
 def version() -> str:
     return _call(_flat.gs_version)[0].decode()
 
@@ -137,6 +141,10 @@ def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:
 
 def complete(text: str) -> str:
     return _text(_flat.gs_complete, 2 * len(text) + 20_000, _bytes(text))
+
+
+def unused(text: str) -> list[str]:
+    return _text(_flat.gs_unused, 5_000, _bytes(text)).splitlines()
 
 
 def change(text: str, group: str, key: str, value: str) -> str:

@@ -33,8 +33,8 @@ class Case:
     --------
     >>> case = Case("&pair module_mm = 3  face_width_mm = 20 /  &pinion teeth = 21 /  &gear teeth = 34 /"
     ...             "&load torque_nm = 100 /  &case tasks = 'mesh' /  ! a small pair")
-    >>> case.get('pair', 'module_mm'), case.get('dynamics', 'damping_ratio')
-    (3, 0.17)
+    >>> case.get('pair', 'module_mm'), case.get('pair', 'pressure_angle_deg')
+    (3, 20)
     >>> stronger = case.changed(pair={'module_mm': 3.5}, gear={'profile_shift': 0.1})
     >>> print(stronger)
     &pair module_mm = 3.5  face_width_mm = 20 /  &pinion teeth = 21 /  &gear teeth = 34 profile_shift = 0.1 ...
@@ -120,6 +120,19 @@ class Case:
         """What the case asks for."""
         tasks = self.get('case', 'tasks')
         return tasks if isinstance(tasks, tuple) else (tasks,)
+
+    @property
+    def unused(self) -> list[str]:
+        """Keys that are given but not used, mostly for tasks that the case does not name.
+
+        They are read and checked, but change nothing. For each use that they would have, as in
+        `load, sweep or optimum: &pair backlash_um; &dynamics damping_ratio, friction`.
+
+        >>> Case("&case tasks = 'geometry' / &pair module_mm = 3  face_width_mm = 20 /"
+        ...      "&pinion teeth = 21 /  &gear teeth = 34 /  &modal modes = 5 /").unused
+        ['modal: &modal modes']
+        """
+        return _border.unused(self.text)
 
     def __str__(self) -> str:
         return self.text

@@ -7,6 +7,7 @@ for any number. Any number of threads may call at once; a call does not hold Pyt
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,8 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
     ------
     Error
         The case is not usable, a file is missing, or a method failed. Operating points without an answer are
-        no error: they are NaN, and a `PartialWarning` tells how many.
+        no error: they are NaN, and a `PartialWarning` tells how many. An `UnusedWarning` names keys that none of
+        the case's tasks uses.
 
     Examples
     --------
@@ -61,6 +63,9 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
     }
     found: dict[str, Any] = {}
     _check(case)
+    if case.unused:
+        keys = ''.join(f'\n  for {line}' for line in case.unused)
+        warnings.warn(f'keys that no task of this case uses:{keys}', _border.UnusedWarning, stacklevel=2)
     if case.get('mesh', 'contact_ratio') is None:
         found['geometry'] = geometry(case)
     if not set(_MESH_TASKS).isdisjoint(case.tasks):

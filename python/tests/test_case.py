@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT
 
+import gearsweep
 from gearsweep import Case, Code, Error
 from gearsweep.case import written
 
@@ -139,6 +140,23 @@ def test_build():
     assert case.get('relief', 'amount_um') == tuple(np.linspace(0, 1, 200))
     assert 'profile_shift' not in case.text
     assert case.tasks == ('mesh',)
+
+
+def test_keys_for_other_tasks():
+    """They change nothing, are named, and count again where their task is asked for."""
+    case = Case(GEARED)
+    assert case.unused == []
+    rest = case.changed(case={'tasks': ['geometry', 'modal']})
+    assert 'static: &static positions' in rest.unused and 'load: &sweep load_rpm' in rest.unused
+    assert gearsweep.geometry(rest).contact_ratio == gearsweep.geometry(case).contact_ratio
+    assert len(gearsweep.static(rest).s) == len(gearsweep.static(case).s)
+    # Without a value that is given, they have none in effect.
+    assert rest.get('static', 'positions') == 5 and rest.get('static', 'spacing') is None
+    assert 'spacing' not in rest.complete().text
+    assert rest.complete().unused == rest.unused
+    # They are checked all the same.
+    with pytest.raises(Error, match='&static positions = 1: must be at least 2'):
+        gearsweep.geometry(rest.changed(static={'positions': 1}))
 
 
 @pytest.mark.parametrize('value', [object(), {'a': 1}, b'x', 1j, [object()]])

@@ -288,7 +288,7 @@ def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):
     (PRESCRIBED, {'mesh': {'contact_ratio': 1.02}}),
     (PARTIAL, MANY),
 ])  # fmt: skip
-@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
+@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning', 'ignore::gearsweep.UnusedWarning')
 def test_all_text_is_large_enough_whole_and_free(text, changes, monkeypatch):
     drawn = {}
     draw = Text.draw

@@ -227,6 +227,7 @@ def bits(study):
 # --- many calls ----------------------------------------------------------------
 
 
+@pytest.mark.filterwarnings('ignore::gearsweep.UnusedWarning')
 def test_good_and_bad_calls_at_once():
     """Each caller gets its own answer, and its own message."""
     good = [Case(SMALL).changed(case={'tasks': ('mesh', 'sweep')}, relief={'amount_um': amount}) for amount in range(4)]

@@ -177,10 +177,12 @@ def test_stress_on_the_section():
 
 
 def test_run_leaves_out_what_is_not_asked_for():
-    study = gearsweep.run(Case(PRESCRIBED).changed(case={'tasks': 'mesh'}))
+    with pytest.warns(gearsweep.UnusedWarning, match='for load: &sweep load_rpm'):
+        study = gearsweep.run(Case(PRESCRIBED).changed(case={'tasks': 'mesh'}))
     assert study.geometry is study.sweep is study.modal is None
     assert study.mesh is not None and study.motion is not None
-    study = gearsweep.run(Case(GEARED).changed(case={'tasks': 'geometry'}, load={'normal_force_n': None}))
+    with pytest.warns(gearsweep.UnusedWarning, match='for modal: &modal modes'):
+        study = gearsweep.run(Case(GEARED).changed(case={'tasks': 'geometry'}, load={'normal_force_n': None}))
     assert study.motion is study.mesh is None and study.geometry is not None
 
 

@@ -1,18 +1,15 @@
-!> The answers of the tasks that look at one member's body, for screen and tables.
+!> The answer for the screen: what the tasks say of one member's body, and printed values beside ours.
 module gearsweep_body_report
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_contour, only: shown_contour
-  use gearsweep_gear, only: coast, drive
-  use gearsweep_lines, only: lines_t, field, left, right
+  use gearsweep_lines, only: left, lines_t, right
   use gearsweep_quantities, only: our_value
   use gearsweep_study, only: study_t
   use gearsweep_text, only: str
   implicit none
   private
   public :: add_section, add_root, add_modes, add_published
-  public :: outline_rows, root_rows, mode_rows, published_rows
 
-  real(dp), parameter :: mega = 1e-6_dp, milli = 1e3_dp, degree = pi/180
+  real(dp), parameter :: micro = 1e6_dp, mega = 1e-6_dp, milli = 1e3_dp, degree = pi/180
   character(*), parameter :: members(2) = [character(6) :: 'pinion', 'gear']
 
 contains
@@ -41,7 +38,7 @@ contains
     call lines%add('   relief um   tension MPa at tangent deg   compression MPa at tangent deg   error est. %')
     do i = 1, size(study%root)
       associate (stress => study%root(i)%stress)
-        call lines%add(right(str(1e6_dp*study%case%amount(i)), 12)//right(str(mega*stress%tension%stress, 5), 14)// &
+        call lines%add(right(str(micro*study%case%amount(i)), 12)//right(str(mega*stress%tension%stress, 5), 14)// &
                        right(str(stress%tension%tangent/degree, 3), 15)//right(str(mega*stress%compression%stress, 5), 18)// &
                        right(str(stress%compression%tangent/degree, 3), 15)//right(str(100*stress%error_estimate, 2), 15))
       end associate
@@ -49,39 +46,29 @@ contains
     associate (root => study%root(1))
       call lines%add('   ISO 6336-3: sigma_F0 '//str(mega*root%iso_stress, 5)//' MPa (Y_F '//str(root%iso%form_factor, 4)// &
                      ', Y_S '//str(root%iso%correction, 4)//'); Lewis '//str(mega*root%lewis_stress, 5)//' MPa (Y '// &
-                     str(root%lewis, 4)//'); for the whole load at point '//trim(merge('D', 'B', study%case%root%member == 1))//'')
+                     str(root%lewis, 4)//'); for the whole load at point '//merge('D', 'B', study%case%root%member == 1))
     end associate
   end subroutine add_root
 
   pure subroutine add_modes(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
-    integer :: i
+    integer, parameter :: most_teeth = 7
+    integer :: i, part
 
     associate (modes => study%modal%modes)
       call lines%add('')
       call lines%add('Natural frequencies of the section')
       call lines%add('   mode          Hz   error est. %   residual   kinetic energy of rim and teeth %')
       do i = 1, size(modes%frequency)
-        call lines%add(right(str(i), 7)//right(str(modes%frequency(i), 6), 12)// &
-                       right(str(100*study%modal%error_estimate(i), 2), 15)//right(str(modes%residual(i), 1), 11)//'   '// &
-                       shares(modes%participation(:, i)))
+        call lines%put(right(str(i), 7)//right(str(modes%frequency(i), 6), 12)// &
+                       right(str(100*study%modal%error_estimate(i), 2), 15)//right(str(modes%residual(i), 1), 11)//'   ')
+        do part = 0, min(ubound(modes%participation, 1), most_teeth)
+          call lines%put(right(str(nint(100*modes%participation(part, i))), 4))
+        end do
+        call lines%add('')
       end do
     end associate
-
-  contains
-
-    pure function shares(part) result(words)
-      real(dp), intent(in) :: part(0:)
-      character(:), allocatable :: words
-      integer :: tooth
-
-      words = ''
-      do tooth = 0, ubound(part, 1)
-        if (tooth > 7) exit
-        words = words//right(str(nint(100*part(tooth))), 4)
-      end do
-    end function shares
   end subroutine add_modes
 
   !> Printed values beside ours, for the screen.
@@ -98,100 +85,20 @@ contains
     do i = 1, size(study%published)
       associate (row => study%published(i))
         call our_value(study, row%quantity, value, known)
+        call lines%put('   '//left(row%quantity, 28)//left(row%place, 12)//right(str(row%printed), 11))
         if (known) then
-          call lines%add('   '//left(row%quantity, 28)//left(row%place, 12)//right(str(row%printed), 11)// &
-                         right(str(value), 12)//right(percent(value/row%printed - 1), 12)//'   '//row%status)
+          call lines%add(right(str(value), 12)//right(trim(percent(value/row%printed - 1)), 12)//'   '//row%status)
         else
-          call lines%add('   '//left(row%quantity, 28)//left(row%place, 12)//right(str(row%printed), 11)// &
-                         right('-', 12)//right('-', 12)//'   not computed by these tasks')
+          call lines%add(right('-', 12)//right('-', 12)//'   not computed by these tasks')
         end if
       end associate
     end do
   end subroutine add_published
 
-  !> The same as table rows.
-  pure subroutine published_rows(study, lines)
-    type(study_t), intent(in) :: study
-    type(lines_t), intent(inout) :: lines
-    character(:), allocatable :: ours
-    real(dp) :: value
-    logical :: known
-    integer :: i
-
-    do i = 1, size(study%published)
-      associate (row => study%published(i))
-        call our_value(study, row%quantity, value, known)
-        ours = 'NaN,NaN'
-        if (known) ours = field(value)//','//field(value/row%printed - 1)
-        call lines%add(row%quantity//','//row%place//','//field(row%printed)//','//ours//','//row%unit//','// &
-                       row%status//',"'//quoted(row%reason)//'"')
-      end associate
-    end do
-  end subroutine published_rows
-
-  !> Quotation marks doubled, as CSV wants them.
-  pure function quoted(words) result(text)
-    character(*), intent(in) :: words
-    character(:), allocatable :: text
-    integer :: i
-
-    text = ''
-    do i = 1, len(words)
-      text = text//words(i:i)
-      if (words(i:i) == '"') text = text//'"'
-    end do
-  end function quoted
-
-  !> Outline of both gears, centres at 0.
-  pure subroutine outline_rows(study, lines)
-    type(study_t), intent(in) :: study
-    type(lines_t), intent(inout) :: lines
-    real(dp), allocatable :: points(:, :)
-    integer :: i, k
-
-    do i = 1, 2
-      call shown_contour(study%pair%gear(i), points)
-      do k = 1, size(points, 2)
-        call lines%add(trim(members(i))//','//field(milli*points(1, k))//','//field(milli*points(2, k)))
-      end do
-    end do
-  end subroutine outline_rows
-
-  pure subroutine root_rows(study, lines)
-    type(study_t), intent(in) :: study
-    type(lines_t), intent(inout) :: lines
-    integer :: i, k, side
-
-    do i = 1, size(study%root)
-      associate (root => study%root(i))
-        do k = 1, size(root%s)
-          do side = drive, coast
-            call lines%add(field(1e6_dp*study%case%amount(i))//','//field(root%s(k))//','//field(milli*root%radius(k))//','// &
-                           field(root%share(k))//','//trim(merge('drive', 'coast', side == drive))//','// &
-                           field(mega*root%along(side, k))//','//field(mega*root%components(1, side, k))//','// &
-                           field(mega*root%components(2, side, k))//','//field(mega*root%components(3, side, k)))
-          end do
-        end do
-      end associate
-    end do
-  end subroutine root_rows
-
-  pure subroutine mode_rows(study, lines)
-    type(study_t), intent(in) :: study
-    type(lines_t), intent(inout) :: lines
-    integer :: i
-
-    associate (modes => study%modal%modes)
-      do i = 1, size(modes%frequency)
-        call lines%add(field(i)//','//field(modes%frequency(i))//','//field(study%modal%error_estimate(i))//','// &
-                       field(modes%residual(i))//','//field(modes%participation(0, i)))
-      end do
-    end associate
-  end subroutine mode_rows
-
+  !> With its sign.
   pure function percent(x) result(words)
     real(dp), intent(in) :: x
-    character(:), allocatable :: words
+    character(24) :: words
 
     words = str(100*x, 3)//' %'
     if (x > 0) words = '+'//words

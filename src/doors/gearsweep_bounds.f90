@@ -7,62 +7,36 @@ module gearsweep_bounds
   public :: bounds_t, bound_real, bound_integer
 
   type :: bounds_t
+    logical :: whole = .false.                   !< integers only
     real(dp) :: low = -huge(1.0_dp), high = huge(1.0_dp)
     logical :: low_is_out = .false., high_is_out = .false.
-    character(:), allocatable :: kind, rule
   contains
-    procedure :: allow
+    procedure :: allow, describe
   end type bounds_t
 
 contains
 
-  !> At most one lower and one upper bound; without any, the rule is the kind of number.
+  !> At most one lower and one upper bound.
   pure subroutine bound_real(bounds, above, at_least, below, at_most)
     type(bounds_t), intent(out) :: bounds
     real(dp), intent(in), optional :: above, at_least, below, at_most
 
-    bounds%kind = 'a number'
-    bounds%rule = bounds%kind
     bounds%low_is_out = present(above)
     bounds%high_is_out = present(below)
-    if (present(above)) call bound_low(bounds, above, 'above')
-    if (present(at_least)) call bound_low(bounds, at_least, 'at least')
-    if (present(below)) call bound_high(bounds, below, 'below')
-    if (present(at_most)) call bound_high(bounds, at_most, 'at most')
+    if (present(above)) bounds%low = above
+    if (present(at_least)) bounds%low = at_least
+    if (present(below)) bounds%high = below
+    if (present(at_most)) bounds%high = at_most
   end subroutine bound_real
 
   pure subroutine bound_integer(bounds, at_least, at_most)
     type(bounds_t), intent(out) :: bounds
     integer, intent(in), optional :: at_least, at_most
 
-    bounds%kind = 'an integer'
-    bounds%rule = bounds%kind
-    if (present(at_least)) call bound_low(bounds, real(at_least, dp), 'at least')
-    if (present(at_most)) call bound_high(bounds, real(at_most, dp), 'at most')
+    bounds%whole = .true.
+    if (present(at_least)) bounds%low = at_least
+    if (present(at_most)) bounds%high = at_most
   end subroutine bound_integer
-
-  pure subroutine bound_low(bounds, low, words)
-    type(bounds_t), intent(inout) :: bounds
-    real(dp), intent(in) :: low
-    character(*), intent(in) :: words
-
-    bounds%low = low
-    bounds%rule = words//' '//str(low, 12)
-  end subroutine bound_low
-
-  !> To be called after `bound_low`.
-  pure subroutine bound_high(bounds, high, words)
-    type(bounds_t), intent(inout) :: bounds
-    real(dp), intent(in) :: high
-    character(*), intent(in) :: words
-
-    if (bounds%rule == bounds%kind) then
-      bounds%rule = words//' '//str(high, 12)
-    else
-      bounds%rule = bounds%rule//' and '//words//' '//str(high, 12)
-    end if
-    bounds%high = high
-  end subroutine bound_high
 
   pure logical function allow(self, number)
     class(bounds_t), intent(in) :: self
@@ -72,4 +46,18 @@ contains
       & .or. (self%low_is_out .and. number <= self%low) &
       & .or. (self%high_is_out .and. number >= self%high))
   end function allow
+
+  !> As in `above 0 and at most 1000`; without bounds, the kind of number.
+  pure subroutine describe(self, words)
+    class(bounds_t), intent(in) :: self
+    character(:), allocatable, intent(out) :: words
+
+    words = ''
+    if (self%low > -huge(self%low)) words = trim(merge('above   ', 'at least', self%low_is_out))//' '//str(self%low, 12)
+    if (self%high < huge(self%high)) then
+      if (len(words) > 0) words = words//' and '
+      words = words//trim(merge('below  ', 'at most', self%high_is_out))//' '//str(self%high, 12)
+    end if
+    if (len(words) == 0) words = trim(merge('an integer', 'a number  ', self%whole))
+  end subroutine describe
 end module gearsweep_bounds

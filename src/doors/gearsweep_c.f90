@@ -8,7 +8,7 @@ module gearsweep_c
   use gearsweep_error, only: code_ok
   implicit none
   private
-  public :: gsc_version, gsc_sizes, gsc_prepare, gsc_report, gsc_write, gsc_complete, gsc_change
+  public :: gsc_version, gsc_sizes, gsc_prepare, gsc_report, gsc_write, gsc_complete, gsc_unused, gsc_change
   public :: gsc_geometry, gsc_motion, gsc_mesh, gsc_harmonics, gsc_load, gsc_sweep, gsc_resonances, gsc_optimum
   public :: gsc_outline, gsc_section, gsc_modes, gsc_root, gsc_stress
 
@@ -138,6 +138,25 @@ contains
     call give_answer('complete_size', room, used, complete, complete_size, length, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_complete
+
+  !> `length` is that of the list without its NUL.
+  function gsc_unused(text, text_length, unused, unused_size, length, message, message_size) result(info) bind(c)
+    type(c_ptr), value :: text, unused, message
+    integer(c_size_t), value :: text_length, unused_size, message_size
+    integer(c_size_t), intent(inout), optional :: length
+    integer(c_int) :: info
+    character(:), allocatable :: case, room
+    character(longest_message) :: words
+    integer :: used
+
+    call take_text(text, text_length, case, info, words)
+    call need_all([unused_size == 0 .or. c_associated(unused), present(length)], info, words)
+    call make_room('unused_size', unused_size, room, info, words)
+    used = -1
+    if (info == code_ok) call gs_unused(case, room, used, info, words)
+    call give_answer('unused_size', room, used, unused, unused_size, length, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_unused
 
   !> `length` is that of the changed case without its NUL.
   function gsc_change(text, text_length, group, key, value, changed, changed_size, length, message, message_size) &

@@ -3,7 +3,7 @@
 module gearsweep_calls
   implicit none
   private
-  public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_complete, gs_change
+  public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_complete, gs_unused, gs_change
   public :: gs_geometry, gs_motion, gs_mesh, gs_harmonics, gs_load, gs_sweep, gs_resonances, gs_optimum
   public :: gs_outline, gs_section, gs_modes, gs_root, gs_stress
 
@@ -57,6 +57,14 @@ module gearsweep_calls
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_complete
+
+    subroutine gs_unused(text, unused, length, info, message)
+      character(*), intent(in) :: text
+      character(*), intent(inout) :: unused
+      integer, intent(inout) :: length
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_unused
 
     subroutine gs_change(text, group, key, value, changed, length, info, message)
       character(*), intent(in) :: text, group, key, value

@@ -54,11 +54,15 @@ module gearsweep_case
     type(root_options_t) :: root
     integer :: modes = 10
     character(:), allocatable :: published       !< file of printed values to set beside ours
+    !> Keys that are given but not used: a line for each use that they would have.
+    character(:), allocatable :: unused
   contains
     procedure :: asks
+    procedure :: asks_any
     procedure :: needs_load
     procedure :: needs_motion
     procedure :: needs_section
+    procedure :: needs_elements
   end type case_t
 
 contains
@@ -71,24 +75,40 @@ contains
     asks = any(self%wants .and. task_names == task)
   end function asks
 
+  !> Is one of these the case's task? `tasks` names them as in a sentence.
+  pure logical function asks_any(self, tasks)
+    class(case_t), intent(in) :: self
+    character(*), intent(in) :: tasks
+    integer :: i
+
+    asks_any = any([(self%wants(i) .and. index(tasks, trim(task_names(i))) > 0, i=1, size(task_names))])
+  end function asks_any
+
   !> Does a task need the mesh, and with it the load?
   pure logical function needs_load(self)
     class(case_t), intent(in) :: self
 
-    needs_load = self%asks('mesh') .or. self%asks('static') .or. self%needs_motion()
+    needs_load = self%asks_any('mesh, static, load, sweep, optimum')
   end function needs_load
 
   !> Does a task look at one member's body by finite elements?
   pure logical function needs_section(self)
     class(case_t), intent(in) :: self
 
-    needs_section = self%asks('section') .or. self%asks('static') .or. self%asks('modal')
+    needs_section = self%asks_any('section, static, modal')
   end function needs_section
+
+  !> Does a task need both members' stiffness by finite elements?
+  pure logical function needs_elements(self)
+    class(case_t), intent(in) :: self
+
+    needs_elements = self%needs_load() .and. self%model == 'fe'
+  end function needs_elements
 
   pure logical function needs_motion(self)
     class(case_t), intent(in) :: self
 
-    needs_motion = self%asks('load') .or. self%asks('sweep') .or. self%asks('optimum')
+    needs_motion = self%asks_any('load, sweep, optimum')
   end function needs_motion
 
   !> The pinion speeds of the sweep (1/min), ascending.

@@ -65,7 +65,7 @@ contains
     fits = .not. allocated(wrong)
     if (fits) fits = size(list%groups) == 1 .and. size(list%entries) == min(1, len(value))
     if (fits) fits = list%groups(1) == lower(group)
-    if (fits .and. size(list%entries) == 1) fits = list%entries(1)%key == lower(key)
+    if (fits .and. len(value) > 0) fits = list%entries(1)%key == lower(key)
     if (.not. fits) call fail(error, code_input, '&'//shown(group)//' '//shown(key)//' = '//shown(value)// &
                               ': is no group, key and value')
   end subroutine check_value

@@ -7,7 +7,7 @@ module gearsweep_files
   use gearsweep_text, only: str
   implicit none
   private
-  public :: read_text, write_text, make_folder, remove_folder, read_table, folder_of
+  public :: read_text, write_text, make_folder, remove_folder, read_table, beside, folder_of
 
   interface
     integer(c_int) function c_rename(from, to) bind(c, name='rename')
@@ -133,6 +133,15 @@ contains
 
     folder = path(:index(path, '/', back=.true.))
   end function folder_of
+
+  !> A relative file lies in the folder, which has its slash.
+  pure function beside(folder, file) result(path)
+    character(*), intent(in) :: folder, file
+    character(len(file) + merge(0, len(folder), index(file, '/') == 1)) :: path
+
+    path = folder//file
+    if (index(file, '/') == 1) path = file
+  end function beside
 
   !> Two columns of numbers, separated by blanks, tabs, commas or semicolons;
   !> lines that begin with `#` or `!` are comments.

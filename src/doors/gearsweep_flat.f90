@@ -114,7 +114,7 @@ subroutine gs_report(text, folder, nwork, work, threads, answer, length, info, m
   use gearsweep_border, only: give_text, in_folder, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
-  use gearsweep_report, only: report
+  use gearsweep_report, only: write_report
   use gearsweep_study, only: study_t
   implicit none
   character(*), intent(in) :: text, folder
@@ -132,10 +132,7 @@ subroutine gs_report(text, folder, nwork, work, threads, answer, length, info, m
   call open_case(text, 'all', threads, case, error)
   call run_case(case, nwork, work, threads, study, error, in_folder(folder))
   if (.not. allocated(error)) then
-    ! Its texts have lengths that gfortran keeps in static memory; see gearsweep_text.
-    !$omp critical (gearsweep_texts)
-    words = report(study)
-    !$omp end critical (gearsweep_texts)
+    call write_report(study, words)
     call give_text('answer', words, answer, length, error)
   end if
   call tell(error, info, message, study)
@@ -157,7 +154,7 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, answer, lengt
   use gearsweep_error, only: error_t
   use gearsweep_files, only: make_folder, remove_folder
   use gearsweep_output, only: write_results
-  use gearsweep_report, only: report
+  use gearsweep_report, only: write_report
   use gearsweep_study, only: study_t
   implicit none
   character(*), intent(in) :: text, folder, out, name
@@ -178,9 +175,9 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, answer, lengt
   if (.not. allocated(error)) call make_folder(trim(out), made, error)
   call run_case(case, nwork, work, threads, study, error, in_folder(folder))
   if (.not. allocated(error)) then
-    ! As in gs_report.
+    call write_report(study, words)
+    ! Texts of grids have lengths that gfortran keeps in static memory; see gearsweep_text.
     !$omp critical (gearsweep_texts)
-    words = report(study)
     call write_results(study, trim(out)//'/'//trim(name), written, error)
     !$omp end critical (gearsweep_texts)
     length = len(words)
@@ -213,6 +210,29 @@ subroutine gs_complete(text, complete, length, info, message)
   if (.not. allocated(error)) call give_text('complete', words, complete, length, error)
   call tell(error, info, message)
 end subroutine gs_complete
+
+!> The keys that a case gives but does not use, mostly for tasks that it does not name. They are read and
+!> checked, but change nothing; the program's answer names them, too.
+!>
+!> unused  for each use that they would have, a line `use: &group key, key; &group key` ended by char(10)
+!> length  of `unused`; also where that is too short for it (then info is 1 and `unused` as it was)
+subroutine gs_unused(text, unused, length, info, message)
+  use gearsweep_border, only: give_text, open_case, tell
+  use gearsweep_case, only: case_t
+  use gearsweep_error, only: error_t
+  implicit none
+  character(*), intent(in) :: text
+  character(*), intent(inout) :: unused
+  integer, intent(inout) :: length
+  integer, intent(out) :: info
+  character(*), intent(out) :: message
+  type(case_t) :: case
+  type(error_t), allocatable :: error
+
+  call open_case(text, 'all', 1, case, error)
+  if (.not. allocated(error)) call give_text('unused', case%unused, unused, length, error)
+  call tell(error, info, message)
+end subroutine gs_unused
 
 !> Sets one key of a case, and leaves the rest of the text as it is, with its remarks.
 !>

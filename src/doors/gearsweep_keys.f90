@@ -13,40 +13,51 @@ module gearsweep_keys
     character(name_length) :: group, name
     integer :: entry = 0
     character(:), allocatable :: default
+    character(:), allocatable :: waits           !< the tasks that would use it; blank where one does
   end type key_t
 
   type :: keys_t
     private
+    character(name_length), allocatable, public :: groups(:)  !< of the format
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add, settle, forget, groups, why_unknown, write_case
+    procedure :: add, settle, why_unknown, list_waiting, write_case
   end type keys_t
 
 contains
 
-  !> A key that is asked for again stays one. `entry` is 0 where it is not given.
-  pure subroutine add(self, group, name, entry)
+  !> A key that is asked for again stays one. `entry` is 0 where it is not given; `may_be`: it is not
+  !> refused in this case. Its default counts unless it waits.
+  pure subroutine add(self, group, name, entry, may_be, waits)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: group, name
     integer, intent(in) :: entry
+    logical, intent(in) :: may_be
+    character(*), intent(in), optional :: waits
     integer, parameter :: most = 1000
+    character(name_length) :: in_group, of_name
     integer :: i
 
     if (.not. allocated(self%key)) allocate (self%key(most))
+    in_group = lower(group)
+    of_name = lower(name)
     self%last = 0
     do i = 1, self%known
-      if (self%key(i)%group == lower(group) .and. self%key(i)%name == lower(name)) self%last = i
+      if (self%key(i)%name == of_name .and. self%key(i)%group == in_group) self%last = i
     end do
     if (self%last == 0) then
       self%known = self%known + 1
       self%last = self%known
     end if
     associate (key => self%key(self%last))
-      key%group = lower(group)
-      key%name = lower(name)
+      key%group = in_group
+      key%name = of_name
       key%entry = entry
+      key%waits = ''
+      if (present(waits)) key%waits = trim(waits)
     end associate
+    if (.not. may_be .or. len(self%key(self%last)%waits) > 0) self%last = 0
   end subroutine add
 
   !> The default of the key added last, where it is not given.
@@ -57,69 +68,83 @@ contains
     if (self%last > 0) self%key(self%last)%default = default
   end subroutine settle
 
-  !> What the case must not have is not in effect.
-  pure subroutine forget(self, group, name)
-    class(keys_t), intent(inout) :: self
-    character(*), intent(in) :: group
-    character(*), intent(in), optional :: name
-    integer :: i
-
-    do i = 1, self%known
-      associate (key => self%key(i))
-        if (key%group /= lower(group)) cycle
-        if (present(name)) then
-          if (key%name /= lower(name)) cycle
-        end if
-        key%entry = 0
-        if (allocated(key%default)) deallocate (key%default)
-      end associate
-    end do
-  end subroutine forget
-
-  pure function groups(self)
-    class(keys_t), intent(in) :: self
-    character(name_length), allocatable :: groups(:)
-
-    groups = distinct(self%key(:self%known)%group)
-  end function groups
-
   !> Why there is no such key, and which would be right.
-  pure function why_unknown(self, group, name) result(why)
+  pure subroutine why_unknown(self, group, name, why)
     class(keys_t), intent(in) :: self
     character(*), intent(in) :: group, name
-    character(:), allocatable :: why
+    character(:), allocatable, intent(out) :: why
     character(name_length), allocatable :: names(:), homes(:)
+    integer :: closest, i
 
     associate (key => self%key(:self%known))
-      names = distinct(pack(key%name, key%group == group))
-      homes = pack(key%group, key%name == name)
+      names = pack(key%name, key%group == group)
+      homes = pack(self%groups, [(any(key%group == self%groups(i) .and. key%name == name), i=1, size(self%groups))])
     end associate
-    why = closest_word(name, names)
-    if (why /= '') then
-      why = ' (did you mean '//why//'?)'
+    closest = closest_word(name, names)
+    why = 'unknown key'
+    if (closest > 0) then
+      why = why//' (did you mean '//trim(names(closest))//'?)'
     else if (size(homes) > 0) then
-      why = '; it belongs to &'//trim(homes(1))
+      why = why//'; it belongs to &'//trim(homes(1))
     end if
-    why = 'unknown key'//why//'; the keys of &'//group//' are '//join(names, ', ')
-  end function why_unknown
+    why = why//'; the keys of &'//group//' are '//join(names, ', ')
+  end subroutine why_unknown
+
+  !> The given keys that wait: for each set of tasks a line `tasks: &group key, key; &group key`.
+  pure subroutine list_waiting(self, text)
+    class(keys_t), intent(in) :: self
+    character(:), allocatable, intent(out) :: text
+    type(lines_t) :: lines
+    logical :: told(self%known)
+    integer :: i, k, before
+
+    told = .false.
+    do i = 1, self%known
+      if (told(i) .or. .not. waits(i)) cycle
+      call lines%put(self%key(i)%waits//':')
+      before = 0
+      do k = i, self%known
+        if (.not. waits(k)) cycle
+        if (self%key(k)%waits /= self%key(i)%waits) cycle
+        if (before == 0) then
+          call lines%put(' &'//trim(self%key(k)%group)//' ')
+        else if (self%key(k)%group == self%key(before)%group) then
+          call lines%put(', ')
+        else
+          call lines%put('; &'//trim(self%key(k)%group)//' ')
+        end if
+        call lines%put(trim(self%key(k)%name))
+        told(k) = .true.
+        before = k
+      end do
+      call lines%add('')
+    end do
+    text = lines%text()
+
+  contains
+
+    pure logical function waits(i)
+      integer, intent(in) :: i
+
+      waits = self%key(i)%entry > 0 .and. len(self%key(i)%waits) > 0
+    end function waits
+  end subroutine list_waiting
 
   !> All values in effect as a case: what `list` gives, and the defaults of the rest.
   pure subroutine write_case(self, list, text)
     class(keys_t), intent(in) :: self
     type(namelist_t), intent(in) :: list
     character(:), allocatable, intent(out) :: text
-    character(name_length), allocatable :: names(:)
     type(lines_t) :: lines
     logical :: opened
     integer :: i, k
 
-    names = distinct(self%key(:self%known)%group)
-    do i = 1, size(names)
+    do i = 1, size(self%groups)
       opened = .false.
       do k = 1, self%known
         associate (key => self%key(k))
-          if (key%group /= names(i) .or. .not. (key%entry > 0 .or. allocated(key%default))) cycle
-          if (.not. opened) call lines%add('&'//trim(names(i)))
+          if (key%group /= self%groups(i) .or. .not. (key%entry > 0 .or. allocated(key%default))) cycle
+          if (.not. opened) call lines%add('&'//trim(self%groups(i)))
           opened = .true.
           if (key%entry > 0) then
             call add_values(lines, trim(key%name), list%entries(key%entry)%values)
@@ -139,49 +164,39 @@ contains
     character(*), intent(in) :: name
     type(value_t), intent(in) :: values(:)
     integer, parameter :: wide = 100
-    character(:), allocatable :: line
-    integer :: i
+    integer :: i, width
 
-    line = '  '//name//' ='
+    call lines%put('  '//name//' =')
+    width = 0
     do i = 1, size(values)
-      if (len(line) > wide) then
-        call lines%add(line)
-        line = '   '
+      if (width > wide) then
+        call lines%add('')
+        call lines%put('   ')
+        width = 0
       end if
-      line = line//' '//written(values(i))
-      if (i < size(values)) line = line//','
+      call lines%put(' ')
+      call put_value(lines, values(i))
+      if (i < size(values)) call lines%put(',')
+      width = width + len(values(i)%text) + 2
     end do
-    call lines%add(line)
+    call lines%add('')
   end subroutine add_values
 
   !> A value as a case has it: text in quotes, which are doubled inside.
-  pure function written(value) result(words)
+  pure subroutine put_value(lines, value)
+    type(lines_t), intent(inout) :: lines
     type(value_t), intent(in) :: value
-    character(:), allocatable :: words
     integer :: i
 
-    words = value%text
-    if (.not. value%quoted) return
-    words = ''''
+    if (.not. value%quoted) then
+      call lines%put(value%text)
+      return
+    end if
+    call lines%put('''')
     do i = 1, len(value%text)
-      words = words//value%text(i:i)
-      if (value%text(i:i) == '''') words = words//''''
+      call lines%put(value%text(i:i))
+      if (value%text(i:i) == '''') call lines%put('''')
     end do
-    words = words//''''
-  end function written
-
-  pure function distinct(words) result(once)
-    character(name_length), intent(in) :: words(:)
-    character(name_length), allocatable :: once(:)
-    integer :: i, n
-
-    allocate (once(size(words)))
-    n = 0
-    do i = 1, size(words)
-      if (any(once(:n) == words(i))) cycle
-      n = n + 1
-      once(n) = words(i)
-    end do
-    once = once(:n)
-  end function distinct
+    call lines%put('''')
+  end subroutine put_value
 end module gearsweep_keys

@@ -3,58 +3,26 @@
 !> Own code, as Fortran's namelist input cannot say what is unknown, missing or wrong.
 !> A key with nothing behind its `=` counts as not given. Strings end on their line.
 module gearsweep_namelist
-  use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_entries, only: builder_t, entry_t, fail_at, longest_text, name_length, namelist_t, value_t
+  use gearsweep_error, only: error_t
   use gearsweep_text, only: lower, shown, str, to_number
   implicit none
   private
-  public :: value_t, entry_t, namelist_t, parse_namelist
+  public :: value_t, entry_t, namelist_t, name_length, parse_namelist
 
-  !> Names are as long as Fortran's at most.
-  integer, parameter, public :: name_length = 63
-  !> Beyond these sizes no text is a case.
-  integer, parameter :: longest_text = 10*1000*1000, largest_count = 100000, most_names = 1000
+  integer, parameter :: largest_count = 100000
 
-  type :: value_t
-    character(:), allocatable :: text
-    logical :: quoted = .false.
-  end type value_t
-
-  !> One key that was given, with all its values (at least one).
-  type :: entry_t
-    character(:), allocatable :: group, key
-    type(value_t), allocatable :: values(:)
-    integer :: line = 0
-    !> Places in the text: the key's first character, its values' first and last.
-    integer :: at = 0, first = 0, last = 0
-    !> For the reader: somebody asked for this key.
-    logical :: used = .false.
-  end type entry_t
-
-  type :: namelist_t
-    character(name_length), allocatable :: groups(:)
-    integer, allocatable :: ends(:)              !< places in the text where the groups are closed
-    type(entry_t), allocatable :: entries(:)
-  end type namelist_t
-
-  !> How far the text has been read, and what is open at that place.
+  !> How far the text has been read.
   type :: scanner_t
     integer :: at = 1, line = 1
     integer :: item = 1                          !< where the last item began
-    logical :: in_group = .false., in_key = .false.
-    integer :: group_line = 0
-    !> Values of the open key, and commas since the last of them.
-    integer :: values = 0, commas = 0
-    !> All groups, entries and keys so far; keys without a value make no entry.
-    integer :: groups = 0, entries = 0, keys = 0
-    !> Room that the values take, which repeat counts could blow up.
-    integer(int64) :: stored = 0
+    type(builder_t) :: builder
   end type scanner_t
 
   character, parameter :: tab = achar(9), lf = achar(10), cr = achar(13)
   character(*), parameter :: blanks = ' '//tab//cr, quotes = '''"'
   character(*), parameter :: word_ends = blanks//lf//quotes//',/!=&'
-  character(*), parameter :: figures = '0123456789', letters = 'abcdefghijklmnopqrstuvwxyz_'
+  character(*), parameter :: figures = '0123456789'
 
 contains
 
@@ -67,85 +35,66 @@ contains
     type(scanner_t) :: s
 
     if (allocated(error)) return
-    allocate (namelist%groups(most_names), namelist%ends(most_names), namelist%entries(most_names))
     call check_characters(text, error)
     if (index(text(:min(3, len(text))), bom) == 1) s%at = len(bom) + 1
     do while (.not. allocated(error))
       call skip_blanks(text, s)
       if (s%at > len(text)) exit
-      call read_item(text, s, namelist, error)
+      call read_item(text, s, error)
     end do
-    if (s%in_group) call fail_open(s, namelist, error)
-    if (s%groups == 0) call fail_at(s%line, 'there is no group, such as &pair ... /', error)
-    namelist%groups = namelist%groups(:s%groups)
-    namelist%ends = namelist%ends(:s%groups)
-    namelist%entries = namelist%entries(:s%entries)
+    call s%builder%finish(s%line, namelist, error)
   end subroutine parse_namelist
 
   !> One step: the next character decides what comes.
-  pure subroutine read_item(text, s, namelist, error)
+  pure subroutine read_item(text, s, error)
     character(*), intent(in) :: text
     type(scanner_t), intent(inout) :: s
-    type(namelist_t), intent(inout) :: namelist
     type(error_t), allocatable, intent(inout) :: error
     character :: next
 
     next = text(s%at:s%at)
     s%item = s%at
     if (next == '&') then
-      call read_group_mark(text, s, namelist, error)
-    else if (.not. s%in_group) then
+      call read_group_mark(text, s, error)
+    else if (.not. s%builder%in_group) then
       call fail_at(s%line, 'text outside a group: '//shown(text(s%at:line_end(text, s%at))), error)
     else if (next == '/') then
       s%at = s%at + 1
-      call close_group(s, namelist)
+      call s%builder%close_group(s%item)
     else if (next == ',') then
       s%at = s%at + 1
-      s%commas = s%commas + 1
-      if (.not. s%in_key) call fail_at(s%line, 'a comma without a key', error)
-      if (s%commas > 1) call fail_at(s%line, 'no value between two commas', error)
+      call s%builder%add_comma(s%line, error)
     else if (next == '=') then
       call fail_at(s%line, 'no key in front of =', error)
     else if (scan(next, quotes) == 1) then
-      call read_string(text, s, 1, namelist, error)
+      call read_string(text, s, 1, error)
     else
-      call read_word(text, s, namelist, error)
+      call read_word(text, s, error)
     end if
   end subroutine read_item
 
   !> `&name` opens a group, `&end` closes one.
-  pure subroutine read_group_mark(text, s, namelist, error)
+  pure subroutine read_group_mark(text, s, error)
     character(*), intent(in) :: text
     type(scanner_t), intent(inout) :: s
-    type(namelist_t), intent(inout) :: namelist
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: name
+    integer :: last
 
-    name = lower(text(s%at + 1:word_end(text, s%at + 1)))
-    s%at = s%at + 1 + len(name)
-    if (s%in_group .and. name == 'end') then
-      call close_group(s, namelist)
-    else if (s%in_group) then
-      call fail_open(s, namelist, error)
-    else if (name == 'end' .or. .not. is_name(name)) then
-      call fail_at(s%line, 'no group can be called &'//shown(name), error)
-    else if (any(namelist%groups(:s%groups) == name)) then
-      call fail_at(s%line, 'group &'//name//' is given twice', error)
-    else if (s%groups == most_names) then
-      call fail_at(s%line, 'more than '//str(most_names)//' groups', error)
-    else
-      s%groups = s%groups + 1
-      namelist%groups(s%groups) = name
-      s%in_group = .true.
-      s%group_line = s%line
-    end if
+    last = word_end(text, s%at + 1)
+    associate (name => text(s%at + 1:last))
+      if (s%builder%in_group .and. lower(name) == 'end') then
+        call s%builder%close_group(s%item)
+      else
+        call s%builder%open_group(lower(name), s%line, error)
+      end if
+    end associate
+    s%at = last + 1
   end subroutine read_group_mark
 
   !> A bare word is a key if `=` follows, and a value otherwise.
-  pure subroutine read_word(text, s, namelist, error)
+  pure subroutine read_word(text, s, error)
     character(*), intent(in) :: text
     type(scanner_t), intent(inout) :: s
-    type(namelist_t), intent(inout) :: namelist
     type(error_t), allocatable, intent(inout) :: error
     integer :: first, last, line, count
 
@@ -156,16 +105,16 @@ contains
     call take_count(text, first, last, line, count, error)
     if (next_is(text, s%at, quotes)) then
       if (first <= last) call fail_at(line, 'a quote inside '//shown(text(first:s%at)), error)
-      call read_string(text, s, count, namelist, error)
+      call read_string(text, s, count, error)
       return
     end if
     call skip_blanks(text, s)
     if (count == 1 .and. next_is(text, s%at, '=')) then
       s%at = s%at + 1
-      call open_key(lower(text(first:last)), line, s, namelist, error)
+      call s%builder%open_key(lower(text(first:last)), s%item, line, error)
     else
       if (first > last) call fail_at(line, 'a repeat count without a value', error)
-      call add_value(value_t(text(first:last), .false.), count, line, last, s, namelist, error)
+      call s%builder%add_value(value_t(text(first:last), .false.), count, s%item, last, line, error)
     end if
   end subroutine read_word
 
@@ -192,11 +141,10 @@ contains
   end subroutine take_count
 
   !> A string in either kind of quotes, which stand for themselves when doubled.
-  pure subroutine read_string(text, s, count, namelist, error)
+  pure subroutine read_string(text, s, count, error)
     character(*), intent(in) :: text
     type(scanner_t), intent(inout) :: s
     integer, intent(in) :: count
-    type(namelist_t), intent(inout) :: namelist
     type(error_t), allocatable, intent(inout) :: error
     character :: quote
     character(:), allocatable :: string
@@ -219,7 +167,7 @@ contains
     s%at = s%at + 1
     if (s%at <= len(text) .and. .not. next_is(text, s%at, blanks//lf//',/!&=')) &
       & call fail_at(s%line, 'no blank or comma behind '//shown(text(first:s%at)), error)
-    call add_value(value_t(string(:n), .true.), count, s%line, s%at - 1, s, namelist, error)
+    call s%builder%add_value(value_t(string(:n), .true.), count, s%item, s%at - 1, s%line, error)
   end subroutine read_string
 
   !> Every quote that stands for itself comes twice: keeps one.
@@ -240,102 +188,6 @@ contains
       string(n:n) = text(i:i)
     end do
   end subroutine undouble
-
-  pure subroutine open_key(key, line, s, namelist, error)
-    character(*), intent(in) :: key
-    integer, intent(in) :: line
-    type(scanner_t), intent(inout) :: s
-    type(namelist_t), intent(inout) :: namelist
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    call close_key(s, namelist)
-    if (index(key, '(') > 0) call fail_at(line, 'keys with an index are not supported: '//shown(key), error)
-    if (index(key, '%') > 0) call fail_at(line, 'keys with parts are not supported: '//shown(key), error)
-    if (.not. is_name(key)) call fail_at(line, 'this is no key: '//shown(key), error)
-    s%keys = s%keys + 1
-    if (s%keys > most_names) call fail_at(line, 'more than '//str(most_names)//' keys', error)
-    if (allocated(error)) return
-    do i = 1, s%entries
-      if (namelist%entries(i)%key /= key) cycle
-      if (namelist%entries(i)%group /= namelist%groups(s%groups)) cycle
-      call fail_at(line, 'key '//key//' is given twice in &'//trim(namelist%groups(s%groups)), error)
-      return
-    end do
-    s%in_key = .true.
-    s%entries = s%entries + 1
-    associate (entry => namelist%entries(s%entries))
-      entry%group = trim(namelist%groups(s%groups))
-      entry%key = key
-      entry%at = s%item
-      entry%line = line
-    end associate
-  end subroutine open_key
-
-  !> Keeps the open key if it got values.
-  pure subroutine close_key(s, namelist)
-    type(scanner_t), intent(inout) :: s
-    type(namelist_t), intent(inout) :: namelist
-
-    if (s%in_key .and. s%values == 0) s%entries = s%entries - 1
-    if (s%values > 0) call resize(namelist%entries(s%entries)%values, s%values, s%values)
-    s%in_key = .false.
-    s%values = 0
-    s%commas = 0
-  end subroutine close_key
-
-  pure subroutine close_group(s, namelist)
-    type(scanner_t), intent(inout) :: s
-    type(namelist_t), intent(inout) :: namelist
-
-    call close_key(s, namelist)
-    namelist%ends(s%groups) = s%item
-    s%in_group = .false.
-  end subroutine close_group
-
-  !> `line` and `last` are where it stands.
-  pure subroutine add_value(value, count, line, last, s, namelist, error)
-    type(value_t), intent(in) :: value
-    integer, intent(in) :: count, line, last
-    type(scanner_t), intent(inout) :: s
-    type(namelist_t), intent(inout) :: namelist
-    type(error_t), allocatable, intent(inout) :: error
-    integer :: i
-
-    s%stored = s%stored + int(count, int64)*(len(value%text) + 1)
-    if (.not. s%in_key) call fail_at(line, 'a value without a key: '//shown(value%text), error)
-    if (s%values == 0 .and. s%commas > 0) call fail_at(line, 'no value in front of a comma', error)
-    if (s%stored > longest_text + 1) call fail_at(line, 'the repeated values are too many', error)
-    if (allocated(error)) return
-    s%commas = 0
-    associate (entry => namelist%entries(s%entries))
-      if (.not. allocated(entry%values)) allocate (entry%values(0))
-      if (s%values == 0) entry%first = s%item
-      entry%last = last
-      if (s%values + count > size(entry%values)) &
-        & call resize(entry%values, s%values, 2*(s%values + count))
-      do i = s%values + 1, s%values + count
-        entry%values(i) = value
-      end do
-    end associate
-    s%values = s%values + count
-  end subroutine add_value
-
-  !> Keeps the first `kept` values and moves their texts instead of copying them.
-  pure subroutine resize(values, kept, length)
-    type(value_t), allocatable, intent(inout) :: values(:)
-    integer, intent(in) :: kept, length
-    type(value_t), allocatable :: old(:)
-    integer :: i
-
-    if (length == size(values)) return
-    call move_alloc(values, old)
-    allocate (values(length))
-    do i = 1, kept
-      call move_alloc(old(i)%text, values(i)%text)
-      values(i)%quoted = old(i)%quoted
-    end do
-  end subroutine resize
 
   !> Blanks, line ends and comments.
   pure subroutine skip_blanks(text, s)
@@ -397,28 +249,4 @@ contains
     line_end = index(text(first:), lf) + first - 2
     if (line_end == first - 2) line_end = len(text)
   end function line_end
-
-  pure logical function is_name(text)
-    character(*), intent(in) :: text
-
-    is_name = .false.
-    if (len(text) == 0 .or. len(text) > name_length) return
-    is_name = scan(text(1:1), letters) == 1 .and. verify(text, letters//figures) == 0
-  end function is_name
-
-  pure subroutine fail_open(s, namelist, error)
-    type(scanner_t), intent(in) :: s
-    type(namelist_t), intent(in) :: namelist
-    type(error_t), allocatable, intent(inout) :: error
-
-    call fail_at(s%group_line, 'group &'//trim(namelist%groups(s%groups))//' is never closed with /', error)
-  end subroutine fail_open
-
-  pure subroutine fail_at(line, message, error)
-    integer, intent(in) :: line
-    character(*), intent(in) :: message
-    type(error_t), allocatable, intent(inout) :: error
-
-    call fail(error, code_input, 'line '//str(line)//': '//message)
-  end subroutine fail_at
 end module gearsweep_namelist

@@ -3,8 +3,7 @@ module gearsweep_output
   use gearsweep_error, only: error_t
   use gearsweep_files, only: write_text
   use gearsweep_study, only: study_t
-  use gearsweep_tables, only: harmonics_table, load_table, mesh_table, mode_table, optimum_table, outline_table, &
-                              published_table, root_table, sweep_table
+  use gearsweep_tables, only: has_table, table_names, write_table
   use gearsweep_text, only: str
   use gearsweep_vtu, only: vtu_field_t, vtu_text
   implicit none
@@ -20,17 +19,15 @@ contains
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: written
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: table
+    integer :: i
 
     written = ''
-    if (allocated(study%sharing)) call put('mesh.csv', mesh_table(study))
-    if (allocated(study%harmonics)) call put('harmonics.csv', harmonics_table(study))
-    if (allocated(study%response)) call put('load.csv', load_table(study))
-    if (allocated(study%sweep)) call put('sweep.csv', sweep_table(study))
-    if (allocated(study%optimum)) call put('vcurve.csv', optimum_table(study))
-    if (allocated(study%section)) call put('outline.csv', outline_table(study))
-    if (allocated(study%root)) call put('root.csv', root_table(study))
-    if (allocated(study%modal)) call put('modes.csv', mode_table(study))
-    if (allocated(study%published)) call put('published.csv', published_table(study))
+    do i = 1, size(table_names)
+      if (.not. has_table(study, table_names(i))) cycle
+      call write_table(study, table_names(i), table)
+      call put(trim(table_names(i))//'.csv', table)
+    end do
     if (allocated(study%section)) call put('section.vtu', vtu_text(study%section%grid, [vtu_field_t ::]))
     if (allocated(study%modal)) call put('modes.vtu', vtu_text(study%modal%section%grid, shapes(study)))
 

@@ -1,29 +1,25 @@
 !> From a case to its results, stage by stage; a stage runs only when a wanted
 !> result needs it.
 module gearsweep_study
-  use gearsweep_kinds, only: dp, pi
-  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t
   use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_case, only: case_t, speeds
-  use gearsweep_files, only: read_table, read_text
-  use gearsweep_published, only: published_t, read_published
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive
-  use gearsweep_pair, only: pair_t, make_pair, free_centre_distance, tip_alteration
-  use gearsweep_relief, only: relief_t, profile_error
-  use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
-  use gearsweep_weber, only: weber_stiffness
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_section, only: section_t, section_options_t, make_section
-  use gearsweep_modal, only: modal_t, section_modes
-  use gearsweep_root_rating, only: root_rating_t, rate_root
-  use gearsweep_mesh, only: mesh_t
-  use gearsweep_sharing, only: sharing_t, share_load
+  use gearsweep_files, only: beside, read_text
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
+  use gearsweep_mesh, only: mesh_t
+  use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_motion, only: oscillator_t, make_oscillator
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
-  use gearsweep_response, only: response_t, find_response
   use gearsweep_optimum, only: optimum_t, find_optimum, peak_t, find_resonances
+  use gearsweep_pair, only: pair_t
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_published, only: published_t, read_published
+  use gearsweep_response, only: response_t, find_response
+  use gearsweep_root_rating, only: root_rating_t, rate_root
+  use gearsweep_section, only: section_t, make_section
+  use gearsweep_sharing, only: sharing_t, share_load
+  use gearsweep_stages, only: build_mesh, build_pair, deepest_relief, find_load, relieve
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
   use gearsweep_text, only: str
   implicit none
   private
@@ -91,7 +87,9 @@ contains
     if (case%prescribed) then
       call note(study, 'geometry left out: the mesh is prescribed')
     else
-      call build_pair(study, error)
+      allocate (study%pair)
+      call build_pair(case, study%pair, error)
+      call note(study, 'geometry: pair built')
     end if
     if (allocated(error)) return
     call look_at_section(study, error)
@@ -100,8 +98,11 @@ contains
       call note(study, 'mesh and motion left out: no task needs them')
       return
     end if
-    call find_load(study)
-    call build_mesh(study, folder, error, stiffness)
+    call find_load(case, study%pair, study%base_pitch, study%load, study%mass)
+    allocate (study%mesh)
+    call build_mesh(case, study%pair, study%load, folder, study%mesh, error, stiffness)
+    if (present(stiffness)) call note(study, 'mesh: pair stiffness as passed in')
+    if (.not. present(stiffness)) call note(study, 'mesh: pair stiffness by model '//case%model)
     if (allocated(error)) return
     call build_motion(study, error)
     if (allocated(error)) return
@@ -150,131 +151,8 @@ contains
 
     path = beside(folder, study%case%published)
     call read_text(path, text, error)
-    if (allocated(error)) return
-    ! As in the case reader: one at a time.
-    !$omp critical (gearsweep_texts)
-    call read_published(path, text, study%published, error)
-    !$omp end critical (gearsweep_texts)
+    if (.not. allocated(error)) call read_published(path, text, study%published, error)
   end subroutine find_published
-
-  !> Gears, centre distance and path of contact.
-  subroutine build_pair(study, error)
-    type(study_t), intent(inout) :: study
-    type(error_t), allocatable, intent(out) :: error
-    type(gear_spec_t) :: spec(2)
-    type(gear_t) :: gear(2)
-    real(dp) :: distance
-    integer :: i
-
-    spec = study%case%spec
-    do i = 1, 2
-      call make_gear(spec(i), gear(i), error)
-      if (allocated(error)) return
-    end do
-    distance = study%case%centre_distance
-    if (distance <= 0) distance = free_centre_distance(gear(1), gear(2))
-    if (study%case%tip_alteration) then
-      spec%tip_alteration = tip_alteration(gear(1), gear(2), distance)
-      do i = 1, 2
-        call make_gear(spec(i), gear(i), error)
-        if (allocated(error)) return
-      end do
-    end if
-    allocate (study%pair)
-    call make_pair(gear(1), gear(2), distance, study%pair, error)
-    call note(study, 'geometry: pair built')
-  end subroutine build_pair
-
-  !> Static load and effective masses on the line of action.
-  subroutine find_load(study)
-    type(study_t), intent(inout) :: study
-    real(dp) :: base_radius(2)
-    integer :: i
-
-    associate (case => study%case)
-      if (allocated(study%pair)) then
-        study%base_pitch = study%pair%base_pitch
-      else
-        study%base_pitch = case%base_pitch
-      end if
-      base_radius = study%base_pitch*case%spec%teeth/(2*pi)
-      if (case%torque > 0) study%load = case%torque/base_radius(1)
-      if (case%normal_force > 0) study%load = case%normal_force
-      if (case%line_load > 0) study%load = case%line_load*case%spec(1)%face_width
-      do i = 1, 2
-        if (case%mass(i) > 0) then
-          study%mass(i) = case%mass(i)
-        else if (case%inertia(i) > 0) then
-          study%mass(i) = case%inertia(i)/base_radius(i)**2
-        else
-          study%mass(i) = solid_inertia(study%pair%gear(i), case%material%density)/base_radius(i)**2
-        end if
-      end do
-    end associate
-  end subroutine find_load
-
-  !> Polar inertia of a disc up to the reference circle, less its bore (kg m^2).
-  pure real(dp) function solid_inertia(gear, density)
-    type(gear_t), intent(in) :: gear
-    real(dp), intent(in) :: density
-
-    solid_inertia = pi/2*density*gear%spec%face_width*(gear%reference_radius**4 - gear%spec%bore_radius**4)
-  end function solid_inertia
-
-  !> Stiffness by the chosen model unless it is known, and the path's other data.
-  subroutine build_mesh(study, folder, error, known)
-    type(study_t), intent(inout) :: study
-    character(*), intent(in) :: folder
-    type(error_t), allocatable, intent(out) :: error
-    type(piecewise_t), intent(in), optional :: known
-    real(dp), allocatable :: s(:), stiffness(:)
-    real(dp) :: line_load, points(5)
-
-    allocate (study%mesh)
-    associate (case => study%case, mesh => study%mesh)
-      mesh%teeth = case%spec%teeth
-      if (case%prescribed) then
-        mesh%contact_ratio = case%contact_ratio
-        mesh%pitch_point = case%pitch_point
-        if (case%pitch_point < 0) mesh%pitch_point = case%contact_ratio/2
-        mesh%tan_angle = tan(case%spec(1)%pressure_angle(drive))
-      else
-        mesh%contact_ratio = study%pair%contact_ratio
-        points = study%pair%points()
-        mesh%pitch_point = points(3)
-        mesh%tan_angle = tan(study%pair%working_angle(drive))
-        line_load = study%load/case%spec(1)%face_width
-      end if
-      if (present(known)) then
-        mesh%stiffness = known
-        call note(study, 'mesh: pair stiffness as passed in')
-        return
-      end if
-      select case (case%model)
-      case ('fe')
-        call fe_stiffness(study%pair, case%material, fe_options_t(section=support(case)), line_load, mesh%stiffness, error)
-      case ('weber')
-        call weber_stiffness(study%pair, case%material, line_load, mesh%stiffness, error)
-      case ('iso6336')
-        call iso_stiffness(study%pair, case%material, line_load, mesh%stiffness, error)
-      case ('polynomial')
-        call polynomial_stiffness(mesh%contact_ratio, case%coefficients, mesh%stiffness, error)
-      case ('table')
-        call read_table(beside(folder, case%file), s, stiffness, error)
-        if (.not. allocated(error)) call table_stiffness(mesh%contact_ratio, s, 1e6_dp*stiffness, mesh%stiffness, error)
-      end select
-      call note(study, 'mesh: pair stiffness by model '//case%model)
-    end associate
-  end subroutine build_mesh
-
-  !> The section behind the teeth for the stiffness: the unloaded teeth may be coarser.
-  pure function support(case) result(options)
-    type(case_t), intent(in) :: case
-    type(section_options_t) :: options
-
-    options = case%section
-    options%others_across = min(4, options%elements_across)
-  end function support
 
   !> Grid and modes of the section of one member.
   subroutine look_at_section(study, error)
@@ -296,15 +174,6 @@ contains
     end associate
   end subroutine look_at_section
 
-  !> A relative file lies in the case's folder.
-  pure function beside(folder, file) result(path)
-    character(*), intent(in) :: folder, file
-    character(len(file) + merge(0, len(folder), index(file, '/') == 1)) :: path
-
-    path = folder//file
-    if (index(file, '/') == 1) path = file
-  end function beside
-
   !> One oscillator for each relief.
   subroutine build_motion(study, error)
     type(study_t), intent(inout) :: study
@@ -324,22 +193,9 @@ contains
     real(dp), intent(in) :: amount
     type(oscillator_t), intent(out) :: motion
     type(error_t), allocatable, intent(out) :: error
-    type(relief_t) :: relief
 
-    relief%amount = amount*study%case%fraction
-    relief%start = relief_start(study)
-    relief%shape = study%case%shape
     motion%mesh = study%mesh
-    if (amount > 0 .and. study%case%start == 'hpstc' .and. &
-        .not. modulo(study%mesh%contact_ratio, 1.0_dp) > 0) then
-      call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
-                str(study%mesh%contact_ratio)//'; use start = ''pitch'' or length_mm')
-    else if (amount > deepest_relief(study)) then
-      call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
-        ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(study)))
-    else
-      call profile_error(relief, motion%mesh%contact_ratio, motion%mesh%profile_error, error)
-    end if
+    call relieve(study%case, study%pair, study%base_pitch, amount, motion%mesh, error)
     if (allocated(error)) return
     motion%mass = study%mass
     motion%load = study%load
@@ -349,43 +205,6 @@ contains
     motion%backlash = study%case%backlash
     call make_oscillator(motion, error)
   end subroutine relieved
-
-  !> Half the tooth's thickness at the tip, over the larger fraction (m); for a
-  !> prescribed mesh nothing is known of the tooth.
-  pure real(dp) function deepest_relief(study) result(deepest)
-    type(study_t), intent(in) :: study
-    integer :: i
-
-    deepest = huge(deepest)
-    if (.not. allocated(study%pair)) return
-    do i = 1, 2
-      associate (gear => study%pair%gear(i))
-        if (study%case%fraction(i) > 0) deepest = min(deepest, gear%thickness(gear%tip_radius)/2/study%case%fraction(i))
-      end associate
-    end do
-  end function deepest_relief
-
-  !> Path coordinates at which the reliefs of pinion and gear begin.
-  pure function relief_start(study) result(start)
-    type(study_t), intent(in) :: study
-    real(dp) :: start(2)
-
-    associate (case => study%case, ratio => study%mesh%contact_ratio, pitch => study%base_pitch)
-      select case (case%start)
-      case ('pitch')
-        start = study%mesh%pitch_point
-      case ('length')
-        start = [ratio - case%length/pitch, case%length/pitch]
-      case ('roll')
-        associate (pair => study%pair)
-          start(1) = (case%roll(1)*pair%gear(1)%base_radius(drive) - pair%start_curvature)/pitch
-          start(2) = (pair%curvature(2, 0.0_dp) - case%roll(2)*pair%gear(2)%base_radius(drive))/pitch
-        end associate
-      case default
-        start = [aint(ratio), ratio - aint(ratio)]
-      end select
-    end associate
-  end function relief_start
 
   subroutine share_all(study)
     type(study_t), intent(inout) :: study
@@ -437,7 +256,7 @@ contains
     ! Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
     largest = max(maxval(study%case%amount), 1.5_dp*study%load &
                   /study%mesh%stiffness%value(study%mesh%contact_ratio/2)/maxval(study%case%fraction))
-    largest = min(largest, deepest_relief(study))
+    largest = min(largest, deepest_relief(study%case, study%pair))
     allocate (optimum)
     call find_optimum(relieved_study, study, largest, speeds(study%case), options, optimum, error, progress)
     if (allocated(error)) return

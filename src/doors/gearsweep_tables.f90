@@ -2,20 +2,82 @@
 !> the case; numbers have 15 significant digits.
 module gearsweep_tables
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_body_report, only: mode_rows, outline_rows, published_rows, root_rows
-  use gearsweep_lines, only: bare, lines_t, field
+  use gearsweep_contour, only: shown_contour
+  use gearsweep_gear, only: coast, drive
+  use gearsweep_lines, only: bare, lines_t
+  use gearsweep_quantities, only: our_value
   use gearsweep_steady, only: name_of
   use gearsweep_study, only: study_t
   use gearsweep_version, only: version
   implicit none
   private
-  public :: sweep_table, mesh_table, harmonics_table, load_table, optimum_table
-  public :: outline_table, root_table, mode_table, published_table
+  public :: has_table, write_table
 
-  real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
+  character(*), parameter, public :: table_names(9) = [character(9) :: 'mesh', 'harmonics', 'load', 'sweep', 'vcurve', &
+                                                       'outline', 'root', 'modes', 'published']
+  real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, mega = 1e-6_dp
   character(7), parameter :: contact_names(0:3) = [character(7) :: 'full', 'partial', 'lost', 'coast']
 
 contains
+
+  !> Does the study have what this table shows?
+  pure logical function has_table(study, name)
+    type(study_t), intent(in) :: study
+    character(*), intent(in) :: name
+
+    select case (name)
+    case ('mesh')
+      has_table = allocated(study%sharing)
+    case ('harmonics')
+      has_table = allocated(study%harmonics)
+    case ('load')
+      has_table = allocated(study%response)
+    case ('sweep')
+      has_table = allocated(study%sweep)
+    case ('vcurve')
+      has_table = allocated(study%optimum)
+    case ('outline')
+      has_table = allocated(study%section)
+    case ('root')
+      has_table = allocated(study%root)
+    case ('modes')
+      has_table = allocated(study%modal)
+    case ('published')
+      has_table = allocated(study%published)
+    case default
+      has_table = .false.
+    end select
+  end function has_table
+
+  !> One of the tables that the study has.
+  pure subroutine write_table(study, name, text)
+    type(study_t), intent(in) :: study
+    character(*), intent(in) :: name
+    character(:), allocatable, intent(out) :: text
+    type(lines_t) :: lines
+
+    select case (name)
+    case ('mesh')
+      call mesh_table(study, lines)
+    case ('harmonics')
+      call harmonics_table(study, lines)
+    case ('load')
+      call load_table(study, lines)
+    case ('sweep')
+      call sweep_table(study, lines)
+    case ('vcurve')
+      call optimum_table(study, lines)
+    case ('outline')
+      call outline_table(study, lines)
+    case ('root')
+      call root_table(study, lines)
+    case ('modes')
+      call mode_table(study, lines)
+    case ('published')
+      call published_table(study, lines)
+    end select
+    text = lines%text()
+  end subroutine write_table
 
   pure subroutine open_table(study, what, columns, lines)
     type(study_t), intent(in) :: study
@@ -37,36 +99,10 @@ contains
     call lines%add(columns)
   end subroutine open_table
 
-  !> One row an operating point. `contact`: full, partial (a pair was apart for
-  !> a while), lost (all were), coast (the coast sides touched).
-  pure function sweep_table(study) result(text)
-    type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
-    integer :: i, k
-
-    call open_table(study, 'dynamic factor over speed and relief; units: relief in um, speed of the pinion '// &
-                    'in 1/min, residual in static deflections', 'relief_um,rpm,dynamic_factor,error_estimate,status,'// &
-                    'contact,floquet_modulus,residual,steps,mesh_periods', lines)
-    associate (sweep => study%sweep)
-      do i = 1, size(sweep%status, 2)
-        do k = 1, size(sweep%rpm)
-          call lines%add(field(micro*study%case%amount(i))//','//field(sweep%rpm(k))//','// &
-                         field(sweep%dynamic_factor(k, i))//','//field(sweep%estimate(k, i))//','// &
-                         name_of(sweep%status(k, i))//','//trim(contact_names(sweep%contact(k, i)))//','// &
-                         field(sweep%multiplier(k, i))//','//field(sweep%residual(k, i))//','// &
-                         field(sweep%steps(k, i))//','//field(sweep%periods(k, i)))
-        end do
-      end do
-    end associate
-    text = lines%text()
-  end function sweep_table
-
   !> Static state of one pair along its path of contact, for each relief.
-  pure function mesh_table(study) result(text)
+  pure subroutine mesh_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
     character(:), allocatable :: columns
     integer :: i, j, k
 
@@ -80,37 +116,33 @@ contains
       associate (sharing => study%sharing(i))
         do j = 1, maxval(sharing%pairs)
           do k = 1, size(sharing%phase)
-            if (sharing%pairs(k) >= j) call lines%add(mesh_row(study, i, j, k))
+            if (sharing%pairs(k) >= j) call add_mesh_row(study, i, j, k, lines)
           end do
         end do
       end associate
     end do
-    text = lines%text()
-  end function mesh_table
+  end subroutine mesh_table
 
-  pure function mesh_row(study, i, j, k) result(row)
+  pure subroutine add_mesh_row(study, i, j, k, lines)
     type(study_t), intent(in) :: study
     integer, intent(in) :: i, j, k
-    character(:), allocatable :: row
+    type(lines_t), intent(inout) :: lines
     real(dp) :: s
 
     associate (sharing => study%sharing(i), mesh => study%motion(i)%mesh)
       s = sharing%s(j, k)
-      row = field(micro*study%case%amount(i))//','//field(s)//','//field(mesh%stiffness%value(s)/micro)//','// &
-            field(sharing%stiffness(k)/micro)//','//field(micro*mesh%profile_error%value(s))//','// &
-            field(sharing%load(j, k)/study%load)//','//field(micro*sharing%error(k))
+      call lines%cell([micro*study%case%amount(i), s, mesh%stiffness%value(s)/micro, sharing%stiffness(k)/micro, &
+                       micro*mesh%profile_error%value(s), sharing%load(j, k)/study%load, micro*sharing%error(k)])
     end associate
-    if (study%base_pitch > 0) row = row//','//field(milli*s*study%base_pitch)
-    if (allocated(study%pair)) row = row//','//field(milli*study%pair%radius(1, s))//','// &
-      field(milli*study%pair%curvature(1, s))//','// &
-      field(milli*study%pair%curvature(2, s))
-  end function mesh_row
+    if (study%base_pitch > 0) call lines%cell(milli*s*study%base_pitch)
+    if (allocated(study%pair)) call lines%cell(milli*[study%pair%radius(1, s), study%pair%curvature([1, 2], s)])
+    call lines%end_row()
+  end subroutine add_mesh_row
 
   !> Harmonics of the static transmission error for each relief; harmonic 0 is the mean.
-  pure function harmonics_table(study) result(text)
+  pure subroutine harmonics_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
     real(dp), allocatable :: amplitude(:), phase(:)
     integer :: i, k
 
@@ -122,19 +154,19 @@ contains
         amplitude = [ste%mean, ste%amplitude]
         phase = [0.0_dp, ste%phase]
         do k = 1, size(amplitude)
-          call lines%add(field(micro*study%case%amount(i))//','//field(k - 1)//','//field(micro*amplitude(k))//','// &
-                         field(phase(k)*180/pi)//','//field(micro*ste%error_estimate))
+          call lines%cell(micro*study%case%amount(i))
+          call lines%cell(k - 1)
+          call lines%cell([micro*amplitude(k), phase(k)*180/pi, micro*ste%error_estimate])
+          call lines%end_row()
         end do
       end associate
     end do
-    text = lines%text()
-  end function harmonics_table
+  end subroutine harmonics_table
 
   !> Load of one pair along its path at the speeds `load_rpm` (Dogan et al. 2021, Figs. 5, 6).
-  pure function load_table(study) result(text)
+  pure subroutine load_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
     integer :: i, k, row
 
     call open_table(study, 'dynamic load of one pair along the path of contact; units: s in base pitches from A, '// &
@@ -144,80 +176,153 @@ contains
       do i = 1, size(study%response, 1)
         associate (response => study%response(i, k))
           do row = 1, size(response%s)
-            call lines%add(field(micro*study%case%amount(i))//','//field(response%rpm)//','//field(response%s(row))// &
-                           ','//field(response%load(row))//','//field(response%load(row)/study%load)//','// &
-                           field(micro*response%error(row)))
+            call lines%cell([micro*study%case%amount(i), response%rpm, response%s(row), response%load(row), &
+                             response%load(row)/study%load, micro*response%error(row)])
+            call lines%end_row()
           end do
         end associate
       end do
     end do
-    text = lines%text()
-  end function load_table
+  end subroutine load_table
+
+  !> One row an operating point. `contact`: full, partial (a pair was apart for
+  !> a while), lost (all were), coast (the coast sides touched).
+  pure subroutine sweep_table(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    integer :: i, k
+
+    call open_table(study, 'dynamic factor over speed and relief; units: relief in um, speed of the pinion '// &
+                    'in 1/min, residual in static deflections', 'relief_um,rpm,dynamic_factor,error_estimate,status,'// &
+                    'contact,floquet_modulus,residual,steps,mesh_periods', lines)
+    associate (sweep => study%sweep)
+      do i = 1, size(sweep%status, 2)
+        do k = 1, size(sweep%rpm)
+          call lines%cell([micro*study%case%amount(i), sweep%rpm(k), sweep%dynamic_factor(k, i), sweep%estimate(k, i)])
+          call lines%cell(name_of(sweep%status(k, i)))
+          call lines%cell(trim(contact_names(sweep%contact(k, i))))
+          call lines%cell([sweep%multiplier(k, i), sweep%residual(k, i)])
+          call lines%cell(sweep%steps(k, i))
+          call lines%cell(sweep%periods(k, i))
+          call lines%end_row()
+        end do
+      end do
+    end associate
+  end subroutine sweep_table
 
   !> Largest dynamic factor over the speeds against the relief (Dogan et al. 2021, Fig. 8).
-  pure function optimum_table(study) result(text)
+  pure subroutine optimum_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
     integer :: i
 
     call open_table(study, 'largest dynamic factor over the speeds against the relief; units: relief in um, speed '// &
                     'of the pinion in 1/min', 'relief_um,worst_dynamic_factor,rpm,points_without_answer', lines)
     associate (optimum => study%optimum)
       do i = 1, size(optimum%amount)
-        call lines%add(field(micro*optimum%amount(i))//','//field(optimum%dynamic_factor(i))//','// &
-                       field(optimum%rpm(i))//','//field(optimum%failed(i)))
+        call lines%cell([micro*optimum%amount(i), optimum%dynamic_factor(i), optimum%rpm(i)])
+        call lines%cell(optimum%failed(i))
+        call lines%end_row()
       end do
     end associate
-    text = lines%text()
-  end function optimum_table
+  end subroutine optimum_table
 
   !> Outlines of both gears as points, clockwise, centres at the origin.
-  pure function outline_table(study) result(text)
+  pure subroutine outline_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
+    real(dp), allocatable :: points(:, :)
+    integer :: i, k
 
     call open_table(study, 'outline of both gears, each about its own centre; units: mm', 'member,x_mm,y_mm', lines)
-    call outline_rows(study, lines)
-    text = lines%text()
-  end function outline_table
+    do i = 1, 2
+      call shown_contour(study%pair%gear(i), points)
+      do k = 1, size(points, 2)
+        call lines%cell(study%pair%gear(i)%spec%name)
+        call lines%cell(milli*points(:, k))
+        call lines%end_row()
+      end do
+    end do
+  end subroutine outline_table
 
   !> Root stress of one member under the moving load, at the fillet tangent of the case.
-  pure function root_table(study) result(text)
+  pure subroutine root_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
+    integer :: i, k, side
 
     call open_table(study, 'stress at the fillet tangent; units: s in base pitches from A, radius of the load in mm, '// &
                     'share of the static load, stress in MPa (x across the tooth to the drive side, y along its axis)', &
                     'relief_um,s,radius_mm,load_share,side,sigma_mpa,sigma_x_mpa,sigma_y_mpa,tau_xy_mpa', lines)
-    call root_rows(study, lines)
-    text = lines%text()
-  end function root_table
+    do i = 1, size(study%root)
+      associate (root => study%root(i))
+        do k = 1, size(root%s)
+          do side = drive, coast
+            call lines%cell([micro*study%case%amount(i), root%s(k), milli*root%radius(k), root%share(k)])
+            call lines%cell(merge('drive', 'coast', side == drive))
+            call lines%cell(mega*[root%along(side, k), root%components(:, side, k)])
+            call lines%end_row()
+          end do
+        end do
+      end associate
+    end do
+  end subroutine root_table
 
   !> Natural frequencies of the section.
-  pure function mode_table(study) result(text)
+  pure subroutine mode_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
+    integer :: i
 
     call open_table(study, 'natural frequencies of the section; units: Hz, relative error estimate, residual of the '// &
                     'eigenvalue problem, share of the rim in the kinetic energy', &
                     'mode,frequency_hz,error_estimate,residual,rim_share', lines)
-    call mode_rows(study, lines)
-    text = lines%text()
-  end function mode_table
+    associate (modes => study%modal%modes)
+      do i = 1, size(modes%frequency)
+        call lines%cell(i)
+        call lines%cell([modes%frequency(i), study%modal%error_estimate(i), modes%residual(i), modes%participation(0, i)])
+        call lines%end_row()
+      end do
+    end associate
+  end subroutine mode_table
 
   !> Printed values beside ours; NaN where the tasks do not compute it.
-  pure function published_table(study) result(text)
+  pure subroutine published_table(study, lines)
     type(study_t), intent(in) :: study
-    character(:), allocatable :: text
-    type(lines_t) :: lines
+    type(lines_t), intent(inout) :: lines
+    real(dp) :: value
+    logical :: known
+    integer :: i
 
     call open_table(study, 'printed values and ours; deviation relative to the printed value', &
                     'quantity,place,printed,ours,deviation,unit,status,reason', lines)
-    call published_rows(study, lines)
-    text = lines%text()
-  end function published_table
+    do i = 1, size(study%published)
+      associate (row => study%published(i))
+        call our_value(study, row%quantity, value, known)
+        call lines%cell(row%quantity)
+        call lines%cell(row%place)
+        call lines%cell(row%printed)
+        if (known) call lines%cell([value, value/row%printed - 1])
+        if (.not. known) call lines%cell('NaN,NaN')
+        call lines%cell(row%unit)
+        call lines%cell(row%status)
+        call put_quoted(lines, row%reason)
+        call lines%add('')
+      end associate
+    end do
+  end subroutine published_table
+
+  !> Text in quotation marks, which are doubled inside, as CSV wants them.
+  pure subroutine put_quoted(lines, words)
+    type(lines_t), intent(inout) :: lines
+    character(*), intent(in) :: words
+    integer :: i
+
+    call lines%put('"')
+    do i = 1, len(words)
+      call lines%put(words(i:i))
+      if (words(i:i) == '"') call lines%put('"')
+    end do
+    call lines%put('"')
+  end subroutine put_quoted
 end module gearsweep_tables

@@ -49,15 +49,16 @@ module gearsweep_orbit
   !> Modulus above 1 by more than this means that a motion repels.
   real(dp), parameter :: neutral = 1e-7_dp
 
+  character(*), parameter :: names(0:8) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', &
+                                           'unstable', 'aperiodic', 'unresolved', 'chatter', 'chaotic']
+
 contains
 
   pure function name_of(status) result(name)
     integer, intent(in) :: status
-    character(:), allocatable :: name
-    character(11), parameter :: names(0:8) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', &
-                                              'unstable', 'aperiodic', 'unresolved', 'chatter', 'chaotic']
+    character(len_trim(names(status))) :: name
 
-    name = trim(names(status))
+    name = names(status)
   end function name_of
 
   elemental logical function has_answer(status)

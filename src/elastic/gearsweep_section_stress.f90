@@ -29,7 +29,9 @@ contains
 
     call make_section(gear, options, section, error)
     if (allocated(error)) return
-    call make_body(section%grid, material, options%plane_strain, 1.0_dp, spread(section%is_held(), 1, 2), &
+    ! Stress does not depend on Young's modulus; so not by rounding either.
+    call make_body(section%grid, material_t(poisson=material%poisson), options%plane_strain, 1.0_dp, &
+                   spread(section%is_held(), 1, 2), &
                    options%most_memory, body, error)
     if (allocated(error)) return
     allocate (x(body%unknowns, 1), source=0.0_dp)

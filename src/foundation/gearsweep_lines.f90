@@ -1,65 +1,108 @@
-!> A text that grows line by line in linear time.
+!> A text that grows in linear time: lines for the screen, rows for tables.
 module gearsweep_lines
   use gearsweep_kinds, only: dp
   use gearsweep_text, only: str
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: lines_t, bare, field, left, right
+  public :: lines_t, bare, left, right
 
   type :: lines_t
     private
     character(:), allocatable :: buffer
     integer(int64) :: used = 0
   contains
-    procedure :: add
-    procedure :: text
+    procedure :: put, add, text
+    !> `call lines%cell(x)` for each field of a table's row, then `call lines%end_row()`. Numbers have
+    !> 15 significant digits.
+    generic :: cell => cell_word, cell_integer, cell_real, cell_reals
+    procedure, private :: cell_word, cell_integer, cell_real, cell_reals
+    procedure :: end_row
   end type lines_t
-
-  !> A table field: integers plain, reals with 15 significant digits.
-  interface field
-    module procedure field_real, field_integer
-  end interface field
 
 contains
 
-  !> Appends `line` and a line end.
-  pure subroutine add(self, line)
+  !> Appends `words`.
+  pure subroutine put(self, words)
     class(lines_t), intent(inout) :: self
-    character(*), intent(in) :: line
+    character(*), intent(in) :: words
     character(:), allocatable :: larger
     integer(int64) :: needed
 
-    needed = self%used + len(line, int64) + 1
+    needed = self%used + len(words, int64)
     if (.not. allocated(self%buffer)) allocate (character(4096) :: self%buffer)
     if (needed > len(self%buffer, int64)) then
       allocate (character(2*needed) :: larger)
       larger(:self%used) = self%buffer(:self%used)
       call move_alloc(larger, self%buffer)
     end if
-    self%buffer(self%used + 1:needed) = line//new_line('a')
+    self%buffer(self%used + 1:needed) = words
     self%used = needed
+  end subroutine put
+
+  !> Appends `line` and a line end.
+  pure subroutine add(self, line)
+    class(lines_t), intent(inout) :: self
+    character(*), intent(in) :: line
+
+    call self%put(line)
+    call self%put(new_line('a'))
   end subroutine add
+
+  pure subroutine cell_word(self, word)
+    class(lines_t), intent(inout) :: self
+    character(*), intent(in) :: word
+
+    call self%put(word)
+    call self%put(',')
+  end subroutine cell_word
+
+  pure subroutine cell_integer(self, n)
+    class(lines_t), intent(inout) :: self
+    integer, intent(in) :: n
+
+    call self%cell_word(str(n))
+  end subroutine cell_integer
+
+  pure subroutine cell_real(self, x)
+    class(lines_t), intent(inout) :: self
+    real(dp), intent(in) :: x
+    character(24) :: word
+
+    write (word, '(es23.14e3)') x
+    call self%cell_word(trim(adjustl(word)))
+  end subroutine cell_real
+
+  pure subroutine cell_reals(self, x)
+    class(lines_t), intent(inout) :: self
+    real(dp), intent(in) :: x(:)
+    integer :: i
+
+    do i = 1, size(x)
+      call self%cell_real(x(i))
+    end do
+  end subroutine cell_reals
+
+  !> Ends a row of at least one cell.
+  pure subroutine end_row(self)
+    class(lines_t), intent(inout) :: self
+
+    self%buffer(self%used:self%used) = new_line('a')
+  end subroutine end_row
 
   pure function text(self)
     class(lines_t), intent(in) :: self
-    character(:), allocatable :: text
+    character(self%used) :: text
 
-    text = ''
     if (self%used > 0) text = self%buffer(:self%used)
   end function text
 
   !> Without the carriage return that some editors leave.
   pure function bare(line)
     character(*), intent(in) :: line
-    character(:), allocatable :: bare
-    integer :: length
+    character(len(line) - merge(1, 0, len(line) > 0 .and. index(line, achar(13), back=.true.) == len(line))) :: bare
 
-    length = len(line)
-    if (length > 0) then
-      if (line(length:) == achar(13)) length = length - 1
-    end if
-    bare = line(:length)
+    bare = line
   end function bare
 
   !> `words` at the right end of a column.
@@ -79,20 +122,4 @@ contains
 
     column = words
   end function left
-
-  pure function field_real(x) result(word)
-    real(dp), intent(in) :: x
-    character(:), allocatable :: word
-    character(24) :: buffer
-
-    write (buffer, '(es23.14e3)') x
-    word = trim(adjustl(buffer))
-  end function field_real
-
-  pure function field_integer(n) result(word)
-    integer, intent(in) :: n
-    character(:), allocatable :: word
-
-    word = str(n)
-  end function field_integer
 end module gearsweep_lines

@@ -1,16 +1,15 @@
 !> Small text helpers for messages, tables and readers.
 !>
-!> Most results have stated lengths, not `len=:`: where a function with such a
+!> All results have stated lengths, not `len=:`: where a function with such a
 !> result is called, gfortran keeps its length in static memory (seen with GCC 12),
-!> so that callers at once would spoil each other's texts. `join` and
-!> `closest_word` are for readers, which one caller at a time enters.
+!> so that callers at once would spoil each other's texts.
 module gearsweep_text
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: str, lower, join, shown, closest_word, to_number
+  public :: str, fixed, lower, join, shown, closest_word, to_number
 
   !> The shortest sensible text of a number or logical: `3.18`, `1600`, `1.2e-7`, `true`.
   interface str
@@ -128,6 +127,34 @@ contains
     end if
   end subroutine place
 
+  pure integer function fixed_length(x, decimals) result(length)
+    real(dp), intent(in) :: x
+    integer, intent(in) :: decimals
+
+    length = len_trim(fixed_padded(x, decimals))
+  end function fixed_length
+
+  pure function fixed_padded(x, decimals) result(text)
+    real(dp), intent(in) :: x
+    integer, intent(in) :: decimals
+    character(48) :: text, form
+
+    text = str_real(x)
+    if (.not. abs(x) < 1e6_dp) return
+    write (form, '(a, i0, a)') '(f48.', decimals, ')'
+    write (text, form) x
+    text = adjustl(text)
+  end function fixed_padded
+
+  !> With so many decimals; very large numbers as `str` has them.
+  pure function fixed(x, decimals) result(text)
+    real(dp), intent(in) :: x
+    integer, intent(in) :: decimals
+    character(fixed_length(x, decimals)) :: text
+
+    text = fixed_padded(x, decimals)
+  end function fixed
+
   !> ASCII letters in lower case, all else as it is.
   pure function lower(text) result(small)
     character(*), intent(in) :: text
@@ -144,16 +171,28 @@ contains
     end do
   end function lower
 
+  pure integer function joined_length(words, separator) result(length)
+    character(*), intent(in) :: words(:), separator
+    integer :: i
+
+    length = len(separator)*max(0, size(words) - 1)
+    do i = 1, size(words)
+      length = length + len_trim(words(i))
+    end do
+  end function joined_length
+
   !> The trimmed words with the separator between them.
   pure function join(words, separator) result(text)
     character(*), intent(in) :: words(:), separator
-    character(:), allocatable :: text
-    integer :: i
+    character(joined_length(words, separator)) :: text
+    integer :: i, from
 
-    text = ''
+    from = 1
     do i = 1, size(words)
-      if (i > 1) text = text//separator
-      text = text//trim(words(i))
+      if (i > 1) text(from:from + len(separator) - 1) = separator
+      if (i > 1) from = from + len(separator)
+      text(from:from + len_trim(words(i)) - 1) = words(i)
+      from = from + len_trim(words(i))
     end do
   end function join
 
@@ -170,13 +209,12 @@ contains
     end do
   end function shown
 
-  !> The word most like `word`, or an empty text where none is close enough to be meant.
-  pure function closest_word(word, words) result(best)
+  !> Which of the words is most like `word`; 0 where none is close enough to be meant.
+  pure integer function closest_word(word, words) result(best)
     character(*), intent(in) :: word, words(:)
-    character(:), allocatable :: best
     integer :: i, d, least
 
-    best = ''
+    best = 0
     least = max(2, len(word)/3) + 1
     do i = 1, size(words)
       d = edit_distance(word, trim(words(i)))
@@ -184,7 +222,7 @@ contains
       if (index(words(i), word) == 1 .or. index(word, trim(words(i))) == 1) d = min(d, 1)
       if (d >= least .or. d >= len(word)) cycle
       least = d
-      best = trim(words(i))
+      best = i
     end do
   end function closest_word
 

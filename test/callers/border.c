@@ -41,6 +41,9 @@ static const char prescribed[] =
   "&case tasks = 'sweep' / &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /"
   "&load normal_force_n = 6858 / &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /"
   "&numerics steps_per_period = 20 / &sweep rpm_first = 1 rpm_last = 6001 rpm_step = 1000 /";
+static const char idle[] =
+  "&case tasks = 'geometry' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /"
+  "&modal modes = 3 /";
 
 enum { MOST = 4000 };
 
@@ -179,6 +182,10 @@ static void refusals(void)
   static char complete[20000];
   check("the complete case", gsc_complete(geared, n, complete, sizeof complete, &length, M) == 0 &&
         length == strlen(complete) && strstr(complete, "damping_ratio = 0.17"));
+  check("unused keys", gsc_unused(idle, strlen(idle), complete, sizeof complete, &length, M) == 0 &&
+        length == strlen(complete) && strcmp(complete, "modal: &modal modes\n") == 0);
+  refused("no room for unused keys", gsc_unused(idle, strlen(idle), complete, 5, &length, M), GSC_INPUT,
+          "must be at least 21");
 }
 
 static void partial(void)

@@ -162,6 +162,7 @@ static void spoilt_text(void)
       info = gsc_change(text, n, group, key, value, fresh(much, 1), much, &length, message, words_room());
       break;
     case 3: info = gsc_outline(text, n, (int)below(4), much / 8, &points, D(much / 8), D(much / 8), message, words_room()); break;
+    case 4: info = gsc_unused(text, n, fresh(much, 1), much, &length, message, words_room()); break;
     default: info = gsc_sizes(text, n, below(9) ? NULL : "no/folder", I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1),
                               message, words_room());
   }

@@ -1,0 +1,132 @@
+!> What a case says of the gears: &pair, &pinion, &gear and &material.
+module gearsweep_gear_keys
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_case, only: case_t
+  use gearsweep_error, only: error_t
+  use gearsweep_reader, only: reader_t
+  use gearsweep_uses, only: for_tasks, needs_gears, unless, with_load, with_motion
+  implicit none
+  private
+  public :: read_pair, read_member, read_material
+
+contains
+
+  !> After load and friction, which decide what a prescribed mesh needs of it.
+  subroutine read_pair(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: degree = pi/180
+    real(dp) :: module, width, drive_angle, coast_angle
+    character(120) :: geared, slides
+    logical :: cut
+
+    cut = .not. case%prescribed
+    geared = unless(cut, needs_gears)
+    slides = ''
+    if (case%prescribed) slides = for_tasks(case, with_motion)
+    module = 0
+    width = 0
+    drive_angle = 20*degree
+    call reader%get('pair', 'module_mm', module, error, required=.true., refused=geared, &
+                    at_least=1e-3_dp, at_most=1000.0_dp, scale=1e-3_dp)
+    call reader%get('pair', 'face_width_mm', width, error, required=cut, refused=unless(cut .or. case%line_load > 0, &
+                    'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=1e-3_dp, at_most=1e5_dp, &
+                    scale=1e-3_dp)
+    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, waits=slides, &
+                    refused=unless(cut .or. case%friction > 0, 'a prescribed mesh uses it with friction only; remove it'), &
+                    above=3.0_dp, below=45.0_dp, scale=degree)
+    coast_angle = drive_angle
+    call reader%get('pair', 'coast_angle_deg', coast_angle, error, refused=geared, above=3.0_dp, &
+                    below=45.0_dp, scale=degree)
+    call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, refused=geared, &
+                    above=0.0_dp, scale=1e-3_dp)
+    call reader%get('pair', 'tip_alteration', case%tip_alteration, error, refused=geared)
+    call reader%get('pair', 'backlash_um', case%backlash, error, given=case%has_backlash, &
+                    waits=for_tasks(case, with_motion), at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp)
+    case%spec%pressure_angle(1) = drive_angle
+    if (cut) case%spec%pressure_angle(2) = coast_angle
+    case%spec%module = module
+    case%spec%face_width = width
+  end subroutine read_pair
+
+  !> After the section, which may end at the bore.
+  subroutine read_member(reader, group, member, case, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: group
+    integer, intent(in) :: member
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(120) :: geared, waits
+    logical :: cut, rolls
+
+    cut = .not. case%prescribed
+    geared = unless(cut, needs_gears)
+    call reader%get(group, 'effective_mass_kg', case%mass(member), error, &
+                    waits=for_tasks(case, with_load), at_least=1e-12_dp, at_most=1e12_dp)
+    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, &
+                    waits=for_tasks(case, with_load), at_least=1e-15_dp, at_most=1e15_dp)
+    rolls = cut .or. member == 1 .or. case%inertia(member) > 0
+    associate (spec => case%spec(member))
+      spec%name = group
+      waits = ''
+      if (.not. rolls) waits = for_tasks(case, with_motion)
+      call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, waits=waits, &
+                      refused=unless(rolls .or. case%friction > 0, &
+                      'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000)
+      call reader%get(group, 'profile_shift', spec%profile_shift, error, refused=geared, &
+                      above=-5.0_dp, below=5.0_dp)
+      call reader%get(group, 'addendum', spec%addendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp)
+      call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp)
+      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, &
+                      at_least=0.0_dp, at_most=2.0_dp)
+      call reader%get(group, 'bore_mm', spec%bore_radius, error, refused=geared, &
+                      waits=bore_waits(case, member), at_least=0.0_dp, scale=0.5e-3_dp)
+    end associate
+  end subroutine read_member
+
+  !> The bore ends the section where no rim is stated, and takes its part off the mass of a solid body.
+  pure function bore_waits(case, member) result(waits)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: member
+    character(120) :: waits
+    logical :: weighs, ends
+
+    weighs = case%needs_load() .and. .not. is_stated(case, member)
+    ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs_section() .and. member == case%root%member))
+    waits = unless(weighs .or. ends, 'a section that ends at it or a mass that is not stated')
+  end function bore_waits
+
+  !> Is the member's mass or inertia given?
+  pure logical function is_stated(case, member)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: member
+
+    is_stated = case%mass(member) > 0 .or. case%inertia(member) > 0
+  end function is_stated
+
+  !> After the members, whose masses decide about the density.
+  subroutine read_material(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(120) :: geared
+    logical :: yields, weighs, compares
+
+    if (allocated(error)) return
+    geared = unless(.not. case%prescribed, needs_gears)
+    yields = case%needs_load() .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
+    weighs = case%needs_load() .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
+    ! Printed values may be a tooth's as a beam.
+    compares = allocated(case%published)
+    call reader%get('material', 'young_gpa', case%material%young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp, &
+                    waits=unless(yields .or. case%asks('modal') .or. compares, 'modal or a stiffness that is computed'), &
+                    refused=geared)
+    call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
+                    waits=unless((yields .and. case%model /= 'iso6336') .or. case%asks_any('static, modal'), &
+                    'static, modal or a stiffness that depends on it'), refused=geared)
+    call reader%get('material', 'density_kgm3', case%material%density, error, at_least=1.0_dp, at_most=1e5_dp, &
+                    waits=unless(weighs .or. case%asks('modal') .or. compares, 'modal or a mass that is not stated'), &
+                    refused=geared)
+  end subroutine read_material
+end module gearsweep_gear_keys

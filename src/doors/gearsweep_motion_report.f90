@@ -1,0 +1,168 @@
+!> The answer for the screen: what the motion does, where it resonates and which relief is best.
+module gearsweep_motion_report
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_optimum, only: peak_t, worst_of
+  use gearsweep_steady, only: has_answer, name_of, point_chaotic
+  use gearsweep_study, only: study_t
+  use gearsweep_text, only: fixed, str
+  implicit none
+  private
+  public :: add_responses, add_sweep, add_optimum
+
+  real(dp), parameter :: micro = 1e6_dp
+
+contains
+
+  pure subroutine add_responses(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    integer :: i, k
+
+    call lines%add('')
+    call lines%add('Dynamic factor at chosen speeds')
+    call lines%add('   relief um         rpm        DF     error est.   status')
+    do k = 1, size(study%response, 2)
+      do i = 1, size(study%response, 1)
+        associate (response => study%response(i, k), point => study%response(i, k)%point)
+          call lines%put(right(str(micro*study%case%amount(i)), 12)//right(str(response%rpm), 12))
+          if (has_answer(point%steady%status)) then
+            call lines%put(right(fixed(point%dynamic_factor, 4), 10)//right(str(point%estimate, 2), 15))
+          else
+            call lines%put(right('none', 10)//right('-', 15))
+          end if
+          call lines%add('   '//name_of(point%steady%status))
+        end associate
+      end do
+    end do
+  end subroutine add_responses
+
+  pure subroutine add_sweep(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    integer :: k
+
+    associate (rpm => study%sweep%rpm, resonance => study%resonance)
+      call lines%add('')
+      call lines%add('Dynamic factor over '//str(size(rpm))//' speeds, '//str(rpm(1))//' to '//str(rpm(size(rpm)))//' rpm')
+      call lines%put('   relief um     worst    at rpm')
+      if (size(resonance) > 0) then
+        call lines%add('   in resonance at rpm (within 15 %)')
+        call lines%put(repeat(' ', 32))
+        do k = 1, size(resonance)
+          call lines%put(right(str(anint(resonance(k)%rpm)), 10))
+        end do
+      end if
+      call lines%add('')
+    end associate
+    call add_reliefs(study, lines)
+    call add_quality(study, lines)
+  end subroutine add_sweep
+
+  !> A line for each relief, and which is the best.
+  pure subroutine add_reliefs(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    type(peak_t) :: worst
+    real(dp) :: least
+    integer :: i, k, best
+
+    best = 0
+    least = huge(least)
+    associate (sweep => study%sweep, amount => study%case%amount)
+      do i = 1, size(amount)
+        worst = worst_of(sweep%rpm, sweep%dynamic_factor(:, i))
+        if (.not. worst%rpm > 0) then
+          call lines%add(right(str(micro*amount(i)), 12)//right('none', 10))
+          cycle
+        end if
+        if (worst%dynamic_factor < least) best = i
+        least = min(least, worst%dynamic_factor)
+        call lines%put(right(str(micro*amount(i)), 12)//right(fixed(worst%dynamic_factor, 4), 10)//right(str(worst%rpm), 10))
+        do k = 1, size(study%resonance)
+          call put_near(lines, sweep%rpm, sweep%dynamic_factor(:, i), study%resonance(k)%rpm)
+        end do
+        call lines%add('')
+      end do
+      if (best > 0 .and. size(amount) > 1) call lines%add(left('Best of the list', 19)//str(micro*amount(best))// &
+        ' um: worst DF '//fixed(least, 4))
+    end associate
+  end subroutine add_reliefs
+
+  !> Largest value within 15 % of a speed.
+  pure subroutine put_near(lines, rpm, dynamic_factor, centre)
+    type(lines_t), intent(inout) :: lines
+    real(dp), intent(in) :: rpm(:), dynamic_factor(:), centre
+    type(peak_t) :: worst
+
+    worst = worst_of(pack(rpm, abs(rpm - centre) <= 0.15_dp*centre), &
+                     pack(dynamic_factor, abs(rpm - centre) <= 0.15_dp*centre))
+    if (worst%rpm > 0) call lines%put(right(fixed(worst%dynamic_factor, 4), 10))
+    if (.not. worst%rpm > 0) call lines%put(right('none', 10))
+  end subroutine put_near
+
+  !> How exact, and what failed.
+  pure subroutine add_quality(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    integer :: status, n
+
+    associate (sweep => study%sweep)
+      n = count(.not. has_answer(sweep%status))
+      call lines%put(left('Points', 19)//str(size(sweep%status))//', without an answer '//str(n))
+      if (n < size(sweep%status)) call lines%put('; estimated error of DF at most '// &
+        str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
+        ' (asked for '//str(study%case%accuracy%steady%tolerance)//')')
+      call lines%add('')
+      do status = 1, point_chaotic
+        n = count(sweep%status == status)
+        if (n > 0) call lines%add(left('', 19)//str(n)//' '//name_of(status)//': '//trim(meaning(status)))
+      end do
+      n = count(sweep%contact >= 2)
+      if (n > 0) call lines%add(left('', 19)//str(n)//' with loss of contact')
+    end associate
+  end subroutine add_quality
+
+  pure function meaning(status) result(words)
+    integer, intent(in) :: status
+    character(64) :: words
+
+    select case (name_of(status))
+    case ('marginal')
+      words = 'periodic, but transients do not die out'
+    case ('subharmonic')
+      words = 'the motion repeats only after several mesh periods'
+    case ('inexact')
+      words = 'the estimated error exceeds the tolerance'
+    case ('unstable')
+      words = 'the periodic motion repels, and no steady motion was reached'
+    case ('aperiodic')
+      words = 'no periodic motion was found'
+    case ('chaotic')
+      words = 'no periodic motion was found, and disturbances keep growing'
+    case ('unresolved')
+      words = 'the speed is too low for the steps given or allowed'
+    case default
+      words = 'contact changes without end'
+    end select
+  end function meaning
+
+  pure subroutine add_optimum(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+
+    associate (optimum => study%optimum)
+      if (optimum%best == 0) then
+        call lines%add(left('Optimum relief', 19)//'none: no operating point has an answer')
+        return
+      end if
+      call lines%add(left('Optimum relief', 19)//str(micro*optimum%amount(optimum%best), 4)//' um (within '// &
+                     str(micro*optimum%resolution, 1)//'): worst DF '// &
+                     fixed(optimum%dynamic_factor(optimum%best), 4)//' at '//str(optimum%rpm(optimum%best))//' rpm')
+      if (optimum%best == size(optimum%amount)) call lines%add(left('', 19)// &
+        'at the end of the range searched: more relief may be better still')
+      if (optimum%failed(optimum%best) > 0) call lines%add(left('', 19)//str(optimum%failed(optimum%best))// &
+                                                           ' speeds have no answer there')
+    end associate
+  end subroutine add_optimum
+end module gearsweep_motion_report

@@ -1,0 +1,218 @@
+!> From a case to the products of its first stages: gear pair, load and masses, mesh, relief.
+module gearsweep_stages
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_case, only: case_t
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_files, only: beside, read_table
+  use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_mesh, only: mesh_t
+  use gearsweep_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_relief, only: profile_error, relief_t
+  use gearsweep_section, only: section_options_t
+  use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
+  use gearsweep_text, only: str
+  use gearsweep_weber, only: weber_stiffness
+  implicit none
+  private
+  public :: build_pair, find_load, build_mesh, relieve, deepest_relief
+
+contains
+
+  !> Gears, centre distance and path of contact.
+  subroutine build_pair(case, pair, error)
+    type(case_t), intent(in) :: case
+    type(pair_t), intent(out) :: pair
+    type(error_t), allocatable, intent(out) :: error
+    type(gear_spec_t) :: spec(2)
+    type(gear_t) :: gear(2)
+    real(dp) :: distance
+
+    spec = case%spec
+    call make_gears(spec, gear, error)
+    if (allocated(error)) return
+    distance = case%centre_distance
+    if (distance <= 0) distance = free_centre_distance(gear(1), gear(2))
+    if (case%tip_alteration) then
+      spec%tip_alteration = tip_alteration(gear(1), gear(2), distance)
+      call make_gears(spec, gear, error)
+      if (allocated(error)) return
+    end if
+    call make_pair(gear(1), gear(2), distance, pair, error)
+  end subroutine build_pair
+
+  subroutine make_gears(spec, gear, error)
+    type(gear_spec_t), intent(in) :: spec(2)
+    type(gear_t), intent(out) :: gear(2)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    do i = 1, 2
+      call make_gear(spec(i), gear(i), error)
+      if (allocated(error)) return
+    end do
+  end subroutine make_gears
+
+  !> Static load (N) and effective masses (kg) on the line of action; its base pitch (m), 0 where it is
+  !> not known. `pair`: not allocated for a prescribed mesh.
+  pure subroutine find_load(case, pair, base_pitch, load, mass)
+    type(case_t), intent(in) :: case
+    type(pair_t), allocatable, intent(in) :: pair
+    real(dp), intent(out) :: base_pitch, load, mass(2)
+    real(dp) :: base_radius(2)
+    integer :: i
+
+    base_pitch = case%base_pitch
+    if (allocated(pair)) base_pitch = pair%base_pitch
+    base_radius = base_pitch*case%spec%teeth/(2*pi)
+    load = 0
+    if (case%torque > 0) load = case%torque/base_radius(1)
+    if (case%normal_force > 0) load = case%normal_force
+    if (case%line_load > 0) load = case%line_load*case%spec(1)%face_width
+    do i = 1, 2
+      if (case%mass(i) > 0) then
+        mass(i) = case%mass(i)
+      else if (case%inertia(i) > 0) then
+        mass(i) = case%inertia(i)/base_radius(i)**2
+      else
+        mass(i) = solid_inertia(pair%gear(i), case%material%density)/base_radius(i)**2
+      end if
+    end do
+  end subroutine find_load
+
+  !> Polar inertia of a disc up to the reference circle, less its bore (kg m^2).
+  pure real(dp) function solid_inertia(gear, density)
+    type(gear_t), intent(in) :: gear
+    real(dp), intent(in) :: density
+
+    solid_inertia = pi/2*density*gear%spec%face_width*(gear%reference_radius**4 - gear%spec%bore_radius**4)
+  end function solid_inertia
+
+  !> The path's data, and the stiffness by the chosen model under `load` (N) unless it is `known`.
+  !> `folder` is where the case's files lie.
+  subroutine build_mesh(case, pair, load, folder, mesh, error, known)
+    type(case_t), intent(in) :: case
+    type(pair_t), allocatable, intent(in) :: pair
+    real(dp), intent(in) :: load
+    character(*), intent(in) :: folder
+    type(mesh_t), intent(out) :: mesh
+    type(error_t), allocatable, intent(out) :: error
+    type(piecewise_t), intent(in), optional :: known
+    real(dp) :: points(5)
+
+    mesh%teeth = case%spec%teeth
+    if (case%prescribed) then
+      mesh%contact_ratio = case%contact_ratio
+      mesh%pitch_point = case%pitch_point
+      if (case%pitch_point < 0) mesh%pitch_point = case%contact_ratio/2
+      mesh%tan_angle = tan(case%spec(1)%pressure_angle(drive))
+    else
+      points = pair%points()
+      mesh%contact_ratio = pair%contact_ratio
+      mesh%pitch_point = points(3)
+      mesh%tan_angle = tan(pair%working_angle(drive))
+    end if
+    if (present(known)) then
+      mesh%stiffness = known
+    else
+      call build_stiffness(case, pair, load, folder, mesh%contact_ratio, mesh%stiffness, error)
+    end if
+  end subroutine build_mesh
+
+  subroutine build_stiffness(case, pair, load, folder, contact_ratio, stiffness, error)
+    type(case_t), intent(in) :: case
+    type(pair_t), allocatable, intent(in) :: pair
+    real(dp), intent(in) :: load, contact_ratio
+    character(*), intent(in) :: folder
+    type(piecewise_t), intent(out) :: stiffness
+    type(error_t), allocatable, intent(out) :: error
+    type(section_options_t) :: body
+    real(dp), allocatable :: s(:), values(:)
+
+    select case (case%model)
+    case ('fe')
+      ! The unloaded teeth may be coarser.
+      body = case%section
+      body%others_across = min(4, body%elements_across)
+      call fe_stiffness(pair, case%material, fe_options_t(section=body), line_load(), stiffness, error)
+    case ('weber')
+      call weber_stiffness(pair, case%material, line_load(), stiffness, error)
+    case ('iso6336')
+      call iso_stiffness(pair, case%material, line_load(), stiffness, error)
+    case ('polynomial')
+      call polynomial_stiffness(contact_ratio, case%coefficients, stiffness, error)
+    case ('table')
+      call read_table(beside(folder, case%file), s, values, error)
+      if (.not. allocated(error)) call table_stiffness(contact_ratio, s, 1e6_dp*values, stiffness, error)
+    end select
+
+  contains
+
+    real(dp) function line_load()
+      line_load = load/case%spec(1)%face_width
+    end function line_load
+  end subroutine build_stiffness
+
+  !> Gives a mesh one amount of relief (m).
+  subroutine relieve(case, pair, base_pitch, amount, mesh, error)
+    type(case_t), intent(in) :: case
+    type(pair_t), allocatable, intent(in) :: pair
+    real(dp), intent(in) :: base_pitch, amount
+    type(mesh_t), intent(inout) :: mesh
+    type(error_t), allocatable, intent(out) :: error
+    type(relief_t) :: relief
+
+    relief%amount = amount*case%fraction
+    relief%start = relief_start(case, pair, mesh, base_pitch)
+    relief%shape = case%shape
+    if (amount > 0 .and. case%start == 'hpstc' .and. .not. modulo(mesh%contact_ratio, 1.0_dp) > 0) then
+      call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
+                str(mesh%contact_ratio)//'; use start = ''pitch'' or length_mm')
+    else if (amount > deepest_relief(case, pair)) then
+      call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
+        ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(case, pair)))
+    else
+      call profile_error(relief, mesh%contact_ratio, mesh%profile_error, error)
+    end if
+  end subroutine relieve
+
+  !> Half the tooth's thickness at the tip, over the larger fraction (m); for a
+  !> prescribed mesh nothing is known of the tooth.
+  pure real(dp) function deepest_relief(case, pair) result(deepest)
+    type(case_t), intent(in) :: case
+    type(pair_t), allocatable, intent(in) :: pair
+    integer :: i
+
+    deepest = huge(deepest)
+    if (.not. allocated(pair)) return
+    do i = 1, 2
+      associate (gear => pair%gear(i))
+        if (case%fraction(i) > 0) deepest = min(deepest, gear%thickness(gear%tip_radius)/2/case%fraction(i))
+      end associate
+    end do
+  end function deepest_relief
+
+  !> Path coordinates at which the reliefs of pinion and gear begin.
+  pure function relief_start(case, pair, mesh, base_pitch) result(start)
+    type(case_t), intent(in) :: case
+    type(pair_t), allocatable, intent(in) :: pair
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: base_pitch
+    real(dp) :: start(2)
+
+    associate (ratio => mesh%contact_ratio)
+      select case (case%start)
+      case ('pitch')
+        start = mesh%pitch_point
+      case ('length')
+        start = [ratio - case%length/base_pitch, case%length/base_pitch]
+      case ('roll')
+        start(1) = (case%roll(1)*pair%gear(1)%base_radius(drive) - pair%start_curvature)/base_pitch
+        start(2) = (pair%curvature(2, 0.0_dp) - case%roll(2)*pair%gear(2)%base_radius(drive))/base_pitch
+      case default
+        start = [aint(ratio), ratio - aint(ratio)]
+      end select
+    end associate
+  end function relief_start
+end module gearsweep_stages

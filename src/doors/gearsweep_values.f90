@@ -1,0 +1,178 @@
+!> The values of a namelist entry as numbers, words and texts, with one clear error.
+module gearsweep_values
+  use gearsweep_bounds, only: bounds_t
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_kinds, only: dp
+  use gearsweep_namelist, only: entry_t, value_t
+  use gearsweep_text, only: join, lower, shown, str, to_number
+  implicit none
+  private
+  public :: read_numbers, read_logical, read_texts, check_size, check_sizes, describe_texts, fail_entry
+
+contains
+
+  !> All values of the entry as numbers within bounds, times `scale`.
+  pure subroutine read_numbers(entry, bounds, numbers, error, scale)
+    type(entry_t), intent(in) :: entry
+    type(bounds_t), intent(in) :: bounds
+    real(dp), allocatable, intent(out) :: numbers(:)
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), intent(in), optional :: scale
+    integer :: i
+
+    if (allocated(error)) return
+    allocate (numbers(size(entry%values)))
+    do i = 1, size(numbers)
+      call read_number(entry%values(i), bounds, numbers(i), error, entry)
+      if (allocated(error)) return
+    end do
+    if (.not. present(scale)) return
+    if (any(abs(numbers) > huge(scale)/max(1.0_dp, abs(scale)))) then
+      call fail_entry(entry, 'is too large', error)
+    else
+      numbers = numbers*scale
+    end if
+  end subroutine read_numbers
+
+  pure subroutine read_number(value, bounds, number, error, entry)
+    type(value_t), intent(in) :: value
+    type(bounds_t), intent(in) :: bounds
+    real(dp), intent(out) :: number
+    type(error_t), allocatable, intent(inout) :: error
+    type(entry_t), intent(in) :: entry
+    character(:), allocatable :: rule
+    integer :: whole
+    logical :: ok
+
+    if (bounds%whole) then
+      call to_number(value%text, whole, ok)
+      number = whole
+    else
+      call to_number(value%text, number, ok)
+    end if
+    if (.not. ok .or. value%quoted) then
+      call fail_entry(entry, 'must be '//trim(merge('an integer', 'a number  ', bounds%whole)), error)
+    else if (.not. bounds%allow(number)) then
+      call bounds%describe(rule)
+      call fail_entry(entry, 'must be '//rule, error)
+    end if
+  end subroutine read_number
+
+  !> `.true.`, `true`, `T` and the same for false.
+  pure subroutine read_logical(entry, value, error)
+    type(entry_t), intent(in) :: entry
+    logical, intent(inout) :: value
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: yes(*) = [character(7) :: '.true.', 'true', '.t.', 't']
+    character(*), parameter :: no(*) = [character(7) :: '.false.', 'false', '.f.', 'f']
+
+    if (allocated(error)) return
+    associate (word => entry%values(1))
+      if (word%quoted .or. all([yes, no] /= lower(word%text))) then
+        call fail_entry(entry, 'must be .true. or .false.', error)
+      else
+        value = any(yes == lower(word%text))
+      end if
+    end associate
+  end subroutine read_logical
+
+  !> All values of the entry as texts, padded with blanks to the longest; with `allowed`, these words
+  !> in any case, returned in lower case. Bare words pass where they are allowed ones: they cannot
+  !> mean anything else.
+  pure subroutine read_texts(entry, texts, error, allowed)
+    type(entry_t), intent(in) :: entry
+    character(:), allocatable, intent(inout) :: texts(:)
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: allowed(:)
+    character(:), allocatable :: rule
+    logical :: ok
+    integer :: i, longest
+
+    if (allocated(error)) return
+    do i = 1, size(entry%values)
+      ok = entry%values(i)%quoted
+      if (present(allowed)) ok = any(lower_all(allowed) == lower(entry%values(i)%text))
+      if (ok) cycle
+      call describe_texts(rule, allowed)
+      call fail_entry(entry, 'must be '//rule, error)
+      return
+    end do
+    if (allocated(texts)) deallocate (texts)
+    longest = maxval([(len(entry%values(i)%text), i=1, size(entry%values))])
+    allocate (character(longest) :: texts(size(entry%values)))
+    do i = 1, size(texts)
+      texts(i) = entry%values(i)%text
+      if (present(allowed)) texts(i) = lower(texts(i))
+    end do
+  end subroutine read_texts
+
+  pure function lower_all(words) result(small)
+    character(*), intent(in) :: words(:)
+    character(len(words)) :: small(size(words))
+    integer :: i
+
+    do i = 1, size(words)
+      small(i) = lower(words(i))
+    end do
+  end function lower_all
+
+  !> What texts must be.
+  pure subroutine describe_texts(rule, allowed)
+    character(:), allocatable, intent(out) :: rule
+    character(*), intent(in), optional :: allowed(:)
+
+    rule = 'a text in quotes'
+    if (.not. present(allowed)) return
+    rule = ''''//join(allowed, ''', ''')//''''
+    if (size(allowed) > 1) rule = 'one of '//rule
+  end subroutine describe_texts
+
+  pure subroutine check_size(entry, what, error)
+    type(entry_t), intent(in) :: entry
+    character(*), intent(in) :: what
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (size(entry%values) > 1) call fail_entry(entry, 'must be a single '//what, error)
+  end subroutine check_size
+
+  pure subroutine check_sizes(entry, what, error, min_size, max_size)
+    type(entry_t), intent(in) :: entry
+    character(*), intent(in) :: what
+    type(error_t), allocatable, intent(inout) :: error
+    integer, intent(in), optional :: min_size, max_size
+
+    if (present(min_size)) then
+      if (size(entry%values) < min_size) &
+        & call fail_entry(entry, 'must be at least '//str(min_size)//' '//what, error)
+    end if
+    if (present(max_size)) then
+      if (size(entry%values) > max_size) &
+        & call fail_entry(entry, 'must be at most '//str(max_size)//' '//what, error)
+    end if
+  end subroutine check_sizes
+
+  !> `&group key = values: why`
+  pure subroutine fail_entry(entry, why, error)
+    type(entry_t), intent(in) :: entry
+    character(*), intent(in) :: why
+    type(error_t), allocatable, intent(inout) :: error
+    integer, parameter :: enough = 100
+    character(:), allocatable :: values
+    integer :: i
+
+    values = ''
+    do i = 1, size(entry%values)
+      if (i > 1) values = values//', '
+      associate (value => entry%values(i))
+        if (value%quoted) then
+          values = values//''''//value%text//''''
+        else
+          values = values//value%text
+        end if
+      end associate
+      if (len(values) > enough) exit
+    end do
+    call fail(error, code_input, '&'//shown(entry%group)//' '//shown(entry%key)//' = ' &
+      & //shown(values)//': '//why)
+  end subroutine fail_entry
+end module gearsweep_values

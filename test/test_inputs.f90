@@ -1,0 +1,536 @@
+!> Every input counts: changing a key's value changes an output, or the answer names the key as not used
+!> and nothing else changes, or the key is refused. For every key, model and task.
+module test_inputs
+  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_error, only: code_input, error_t
+  use gearsweep_files, only: read_text
+  use gearsweep_report, only: write_report
+  use gearsweep_study, only: run_study, study_t
+  use gearsweep_tables, only: has_table, table_names, write_table
+  use testing, only: check_equal, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  character, parameter :: lf = new_line('a')
+
+  !> A value that a case gives to a key; a blank one takes the key out.
+  type :: setting_t
+    character(8) :: group
+    character(20) :: key
+    character(60) :: value = ''
+  end type setting_t
+
+  !> What to change. `kind`: for gears (g), a prescribed mesh (p) or both (blank). `beside`: settings that
+  !> it needs, in both cases that are compared; `only`: in the second one. As `group key value;`.
+  type :: change_t
+    type(setting_t) :: setting
+    character :: kind = ' '
+    character(120) :: beside = '', only = ''
+    logical :: counted = .false.                 !< it changed an output somewhere
+  end type change_t
+
+  type :: output_t
+    character(:), allocatable :: text
+  end type output_t
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+    type(change_t), allocatable :: changes(:)
+    character(*), parameter :: models(5) = [character(10) :: 'weber', 'iso6336', 'polynomial', 'table', 'fe']
+    integer :: i, k
+
+    call list_changes(changes)
+    call write_stiffness('build/inputs_1.csv', 400)
+    call write_stiffness('build/inputs_2.csv', 350)
+    do i = 1, size(models)
+      do k = 1, size(task_names)
+        ! Without a mesh the model does not matter, and the sweeps' motion is that of the task load.
+        if (i > 1 .and. all(task_names(k) /= [character(8) :: 'mesh', 'static', 'load'])) cycle
+        call walk(t, geared(trim(models(i)), trim(task_names(k))), 'g', changes)
+      end do
+    end do
+    do k = 1, size(task_names)
+      ! These need a gear.
+      if (any(task_names(k) == [character(8) :: 'geometry', 'section', 'static', 'modal'])) cycle
+      call walk(t, prescribed('polynomial', trim(task_names(k))), 'p', changes)
+    end do
+    call walk(t, prescribed('table', 'mesh'), 'p', changes)
+    do i = 1, size(changes)
+      associate (s => changes(i)%setting)
+        call check_true(t, '&'//trim(s%group)//' '//trim(s%key)//' counts somewhere', &
+                        same_in(pack(changes%setting, changes%counted), s) > 0)
+      end associate
+    end do
+    call compare_keys(t, changes)
+    call remove('build/inputs_1.csv')
+    call remove('build/inputs_2.csv')
+  end subroutine run
+
+  ! --- what is walked ---------------------------------------------------------
+
+  !> A second value for each key.
+  subroutine list_changes(list)
+    type(change_t), allocatable, intent(out) :: list(:)
+    character(*), parameter :: by_torque = 'load normal_force_n ;load torque_nm 100', by_line = 'load normal_force_n ;'
+    character(*), parameter :: rubbing = 'dynamics friction 0.04;gear teeth 34;'
+    character(*), parameter :: stated = 'mesh coefficients ;mesh file ;'
+
+    allocate (list(0))
+    call add('case title', '''another''')
+    call add('case tasks', '''mesh'', ''load''')
+    call add('case published', '''data/hassan2009.csv''')
+    call add('pair module_mm', '3.1')
+    call add('pair face_width_mm', '21', 'g')
+    call add('pair face_width_mm', '21', 'p', by_line//'load line_load_n_mm 200;pair face_width_mm 20')
+    call add('pair pressure_angle_deg', '21', 'g')
+    call add('pair pressure_angle_deg', '21', 'p', rubbing)
+    call add('pair coast_angle_deg', '22')
+    call add('pair centre_distance_mm', '82.6')
+    call add('pair tip_alteration', '.true.', 'g', 'pinion profile_shift 0.3;gear profile_shift 0.3')
+    call add('pair backlash_um', '1')
+    call add_member('pinion', '22')
+    call add_member('gear', '35')
+    call add('pinion teeth', '22', 'p')
+    call add('gear teeth', '35', 'p', rubbing)
+    call add('material young_gpa', '200')
+    call add('material poisson', '0.28')
+    call add('material density_kgm3', '7000')
+    call add('load torque_nm', '110', 'g', by_torque)
+    call add('load torque_nm', '110', 'p', by_torque//';mesh base_pitch_mm 9')
+    call add('load normal_force_n', '4100')
+    call add('load line_load_n_mm', '210', 'g', by_line//'load line_load_n_mm 200')
+    call add('load line_load_n_mm', '210', 'p', by_line//'load line_load_n_mm 200;pair face_width_mm 20')
+    call add('relief amount_um', '0, 40')
+    call add('relief pinion_fraction', '0.9')
+    call add('relief gear_fraction', '0.9')
+    call add('relief start', '''pitch''')
+    call add('relief shape', '''parabolic''')
+    call add('relief shape', '''parabolic''', ' ', 'relief amount_um 0')
+    call add('relief start', '''pitch''', ' ', 'relief amount_um 0')
+    call add('relief length_mm', '3.5', 'g', 'relief length_mm 3')
+    call add('relief length_mm', '3.5', 'p', 'relief length_mm 3;mesh base_pitch_mm 9')
+    call add('relief pinion_roll_deg', '26', 'g', 'relief pinion_roll_deg 25;relief gear_roll_deg 24')
+    call add('relief gear_roll_deg', '25', 'g', 'relief pinion_roll_deg 25;relief gear_roll_deg 24')
+    call add('mesh model', '''weber''', 'g', only=stated)
+    call add('mesh model', '''iso6336''', 'g', only=stated)
+    call add('mesh model', '''table''', 'p', only='mesh coefficients ;mesh file ''build/inputs_1.csv''')
+    call add('mesh coefficients', '410, 0, -50')
+    call add('mesh file', '''build/inputs_2.csv''')
+    call add('mesh contact_ratio', '1.5', 'p')
+    call add('mesh base_pitch_mm', '10', 'p', 'mesh base_pitch_mm 9')
+    call add('mesh base_pitch_mm', '10', 'p', by_torque//';mesh base_pitch_mm 9')
+    call add('mesh base_pitch_mm', '10', 'g')
+    call add('mesh pitch_point', '0.6', 'p', rubbing)
+    call add('mesh pitch_point', '0.6', 'p', 'relief start ''pitch''')
+    call add('mesh pitch_point', '0.6', 'p', 'relief start ''pitch'';relief amount_um 0')
+    call add('mesh pitch_point', '0.6', 'g')
+    call add('mesh ste_harmonics', '3')
+    call add('section teeth', '3')
+    call add('section half_angle_deg', '8', 'g', 'gear teeth 21')
+    call add('section rim_mm', '5')
+    call add('section fixed', '''rim''')
+    call add('section plane', '''stress''')
+    call add('section elements_across', '4')
+    call add('section member', '''gear''')
+    call add('static positions', '4')
+    call add('static spacing', '''flank''')
+    call add('static sharing', '''equal''')
+    call add('static shares', '0.5, 1', only='static positions ;')
+    call add('static tangent_deg', '35')
+    call add('modal modes', '3')
+    call add('dynamics damping_ratio', '0.03')
+    call add('dynamics friction', '0.05', 'g')
+    call add('dynamics friction', '0.05', 'p', rubbing)
+    call add('sweep rpm_first', '15000')
+    call add('sweep rpm_last', '24000')
+    call add('sweep rpm_step', '1000')
+    call add('sweep direction', '''down''')
+    call add('sweep load_rpm', '5000')
+    call add('numerics steps_per_period', '300')
+    call add('numerics tolerance', '1e-10')
+    call add('numerics steady_state', '''march''')
+
+  contains
+
+    subroutine add_member(member, teeth)
+      character(*), intent(in) :: member, teeth
+
+      call add(member//' teeth', teeth, 'g')
+      call add(member//' profile_shift', '0.1')
+      call add(member//' addendum', '0.95')
+      call add(member//' dedendum', '1.3')
+      call add(member//' rack_tip_radius', '0.2')
+      call add(member//' bore_mm', '12')
+      call add(member//' bore_mm', '12', 'g', 'section rim_mm 5')
+      call add(member//' bore_mm', '12', 'g', member//' effective_mass_kg 0.5')
+      call add(member//' effective_mass_kg', '0.6')
+      call add(member//' inertia_kgm2', '2e-3', 'g', member//' inertia_kgm2 1e-3')
+      call add(member//' inertia_kgm2', '2e-3', 'p', member//' effective_mass_kg ;'//member//' inertia_kgm2 1e-3;'// &
+               'mesh base_pitch_mm 9;'//member//' teeth '//merge('21', '34', member == 'pinion'))
+    end subroutine add_member
+
+    subroutine add(name, value, kind, beside, only)
+      character(*), intent(in) :: name, value
+      character(*), intent(in), optional :: kind, beside, only
+      type(change_t) :: change
+
+      change%setting = setting_t(name(:index(name, ' ') - 1), name(index(name, ' ') + 1:), value)
+      if (present(kind)) change%kind = kind
+      if (present(beside)) change%beside = beside
+      if (present(only)) change%only = only
+      list = [list, change]
+    end subroutine add
+  end subroutine list_changes
+
+  !> Low-damped and near resonance, so that contact is lost and motions coexist; solid bodies; a coarse section.
+  function geared(model, task) result(settings)
+    character(*), intent(in) :: model, task
+    type(setting_t), allocatable :: settings(:)
+
+    call set(settings, 'case tasks '''//task//''';pair module_mm 3;pair face_width_mm 20;pinion teeth 21;gear teeth 34;'// &
+             'load normal_force_n 4000;relief amount_um 0, 5;mesh model '''//model//''';section teeth 1;'// &
+             'section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
+             'numerics tolerance 1e-3')
+    if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
+    if (model == 'table') call set(settings, 'mesh file ''build/inputs_1.csv''')
+    select case (model)
+    case ('weber')
+      call set(settings, 'sweep rpm_first 16000;sweep rpm_last 20000;sweep rpm_step 2000;sweep load_rpm 20000')
+    case ('iso6336')
+      call set(settings, 'sweep rpm_first 14000;sweep rpm_last 18000;sweep rpm_step 2000;sweep load_rpm 18000')
+    case default
+      call set(settings, 'sweep rpm_first 18000;sweep rpm_last 22000;sweep rpm_step 2000;sweep load_rpm 22000')
+    end select
+  end function geared
+
+  function prescribed(model, task) result(settings)
+    character(*), intent(in) :: model, task
+    type(setting_t), allocatable :: settings(:)
+
+    call set(settings, 'case tasks '''//task//''';pinion teeth 21;pinion effective_mass_kg 0.5;gear effective_mass_kg 0.9;'// &
+             'load normal_force_n 4000;relief amount_um 0, 5;mesh model '''//model//''';mesh contact_ratio 1.6;'// &
+             'dynamics damping_ratio 0.02;numerics tolerance 1e-3;sweep rpm_first 14000;sweep rpm_last 18000;'// &
+             'sweep rpm_step 2000;sweep load_rpm 18000')
+    if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
+    if (model == 'table') call set(settings, 'mesh file ''build/inputs_1.csv''')
+  end function prescribed
+
+  !> A line of constant stiffness (N/um).
+  subroutine write_stiffness(path, stiffness)
+    character(*), intent(in) :: path
+    integer, intent(in) :: stiffness
+    integer :: unit
+
+    open (newunit=unit, file=path, status='replace', action='write')
+    write (unit, '(a, i0)') '0 ', stiffness, '1 ', stiffness - 20, '2 ', stiffness
+    close (unit)
+  end subroutine write_stiffness
+
+  subroutine remove(path)
+    character(*), intent(in) :: path
+    integer :: unit
+
+    open (newunit=unit, file=path, status='old')
+    close (unit, status='delete')
+  end subroutine remove
+
+  ! --- the walk ---------------------------------------------------------------
+
+  !> All changes to one case. Those that the answer names as not used are tried together.
+  subroutine walk(t, base, kind, changes)
+    type(tally_t), intent(inout) :: t
+    type(setting_t), intent(in) :: base(:)
+    character, intent(in) :: kind
+    type(change_t), intent(inout) :: changes(:)
+    type(setting_t), allocatable :: first(:), second(:), idle(:), more(:)
+    type(output_t) :: plain, after
+    integer :: i
+
+    call find_output(t, text_of(base), plain)
+    idle = base
+    do i = 1, size(changes)
+      associate (change => changes(i))
+        if (change%kind /= ' ' .and. change%kind /= kind) cycle
+        first = base
+        call set(first, change%beside)
+        second = first
+        call set(second, change%only)
+        call put(second, change%setting)
+        if (any(first%group == change%setting%group .and. first%key == change%setting%key .and. &
+                first%value == change%setting%value)) cycle
+        if (change%beside == '' .and. change%only == '') then
+          more = idle
+          call put(more, change%setting)
+          if (is_unused(more, change%setting)) then
+            call move_alloc(more, idle)
+            cycle
+          end if
+        end if
+        call compare(t, first, second, plain, change)
+      end associate
+    end do
+    call find_output(t, text_of(idle), after)
+    call check_true(t, text_of(idle), plain%text == after%text, 'some key is said to be unused, but changes an output')
+  end subroutine walk
+
+  !> The key is refused, or named as not used and changes nothing, or changes an output. `plain`: the
+  !> output of the case with nothing beside.
+  subroutine compare(t, first, second, plain, change)
+    type(tally_t), intent(inout) :: t
+    type(setting_t), intent(in) :: first(:), second(:)
+    type(output_t), intent(in) :: plain
+    type(change_t), intent(inout) :: change
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    type(output_t) :: before, after
+    character(:), allocatable :: name, key, text
+    logical :: same
+
+    key = '&'//trim(change%setting%group)//' '//trim(change%setting%key)
+    text = text_of(second)
+    name = key//' = '//trim(change%setting%value)//' in '//text
+    call read_case(text, case, error)
+    if (allocated(error)) then
+      call check_true(t, name, is_refusal(error, key), error%message)
+      return
+    end if
+    before = plain
+    if (change%beside /= '') call find_output(t, text_of(first), before)
+    call find_output(t, text, after)
+    same = before%text == after%text
+    if (is_unused(second, change%setting)) then
+      call check_true(t, name, same, 'is said to be unused, but changes an output')
+    else
+      call check_true(t, name, .not. same, 'changes nothing')
+      change%counted = .true.
+    end if
+  end subroutine compare
+
+  !> The case is read, and the answer will name this key as not used.
+  logical function is_unused(settings, setting)
+    type(setting_t), intent(in) :: settings(:), setting
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+
+    is_unused = .false.
+    call read_case(text_of(settings), case, error)
+    if (.not. allocated(error)) is_unused = names(case%unused, setting)
+  end function is_unused
+
+  !> The key itself, or what the mesh is, is the fault; not the size of a number.
+  logical function is_refusal(error, key)
+    type(error_t), intent(in) :: error
+    character(*), intent(in) :: key
+
+    is_refusal = error%code == code_input .and. (index(error%message, key) == 1 .or. index(error%message, '&case tasks') == 1) &
+                 .and. index(error%message, 'must be a') == 0
+  end function is_refusal
+
+  !> Does a list as `tasks: &group key, key; &group key` name the key?
+  logical function names(list, setting)
+    character(*), intent(in) :: list
+    type(setting_t), intent(in) :: setting
+    character(:), allocatable :: keys
+    integer :: from, until
+
+    names = .false.
+    from = index(list, '&'//trim(setting%group)//' ')
+    do while (from > 0)
+      until = from + scan(list(from:)//lf, ';'//lf) - 2
+      keys = list(from + len_trim(setting%group) + 1:until)//','
+      names = names .or. index(keys, ' '//trim(setting%key)//',') > 0
+      until = index(list(from + 1:), '&'//trim(setting%group)//' ')
+      if (until == 0) exit
+      from = from + until
+    end do
+  end function names
+
+  !> All that a case gives: its answer but for what it names as not used, and its tables but for their
+  !> echo of the case.
+  subroutine find_output(t, text, output)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: text
+    type(output_t), intent(out) :: output
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+    character(:), allocatable :: part
+    integer :: i
+
+    output%text = ''
+    call read_case(text, case, error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+    if (allocated(error)) then
+      call check_true(t, text, .false., error%message)
+      return
+    end if
+    call write_report(study, part)
+    output%text = part(:index(part//lf//'Not used', lf//'Not used'))
+    do i = 1, size(table_names)
+      if (.not. has_table(study, table_names(i))) cycle
+      call write_table(study, table_names(i), part)
+      part = part(index(part, lf//'#', back=.true.) + 1:)
+      output%text = output%text//part(index(part, lf):)
+    end do
+  end subroutine find_output
+
+  ! --- settings ---------------------------------------------------------------
+
+  !> Takes settings as `group key value;group key value`.
+  subroutine set(settings, list)
+    type(setting_t), allocatable, intent(inout) :: settings(:)
+    character(*), intent(in) :: list
+    integer :: from, until, at
+
+    if (.not. allocated(settings)) allocate (settings(0))
+    from = 1
+    do while (from <= len_trim(list))
+      until = from + index(list(from:)//';', ';') - 2
+      associate (item => list(from:until))
+        at = index(item, ' ')
+        call put(settings, setting_t(item(:at - 1), item(at + 1:at + index(item(at + 1:)//' ', ' ') - 1), &
+                                     item(min(len(item) + 1, at + index(item(at + 1:)//' ', ' ') + 1):)))
+      end associate
+      from = until + 2
+    end do
+  end subroutine set
+
+  subroutine put(settings, setting)
+    type(setting_t), allocatable, intent(inout) :: settings(:)
+    type(setting_t), intent(in) :: setting
+
+    settings = [pack(settings, settings%group /= setting%group .or. settings%key /= setting%key), setting]
+  end subroutine put
+
+  function text_of(settings) result(text)
+    type(setting_t), intent(in) :: settings(:)
+    character(:), allocatable :: text
+    integer :: i, k
+
+    text = ''
+    do i = 1, size(settings)
+      if (any(settings(:i - 1)%group == settings(i)%group)) cycle
+      text = text//'&'//trim(settings(i)%group)
+      do k = i, size(settings)
+        if (settings(k)%group == settings(i)%group .and. settings(k)%value /= '') &
+          text = text//' '//trim(settings(k)%key)//' = '//trim(settings(k)%value)
+      end do
+      text = text//' / '
+    end do
+  end function text_of
+
+  ! --- which keys there are ---------------------------------------------------
+
+  !> The keys of the reference of the case, of the reader and of the walk are the same.
+  subroutine compare_keys(t, changes)
+    type(tally_t), intent(inout) :: t
+    type(change_t), intent(in) :: changes(:)
+    type(setting_t), allocatable :: documented(:), known(:)
+    integer :: i
+
+    call read_reference(documented)
+    call ask_reader(known)
+    call check_true(t, 'keys are documented', size(documented) > 60)
+    do i = 1, size(known)
+      call check_equal(t, 'documented once: &'//known(i)%group//known(i)%key, same_in(documented, known(i)), 1)
+      call check_true(t, 'walked: &'//known(i)%group//known(i)%key, same_in(changes%setting, known(i)) > 0)
+    end do
+    do i = 1, size(documented)
+      call check_equal(t, 'known: &'//documented(i)%group//documented(i)%key, same_in(known, documented(i)), 1)
+    end do
+  end subroutine compare_keys
+
+  integer function same_in(list, setting)
+    type(setting_t), intent(in) :: list(:), setting
+
+    same_in = count(list%group == setting%group .and. list%key == setting%key)
+  end function same_in
+
+  !> The rows ``| `key` |`` of the table `| key |` under each heading `### group` or `### group and group`
+  !> of doc/case.md.
+  subroutine read_reference(keys)
+    type(setting_t), allocatable, intent(out) :: keys(:)
+    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz_0123456789'
+    character(:), allocatable :: text, heading, line
+    type(error_t), allocatable :: error
+    logical :: of_keys
+    integer :: from, until, last
+
+    allocate (keys(0))
+    call read_text('doc/case.md', text, error)
+    if (allocated(error)) return
+    text = text(:index(text, lf//'## Finite elements'))
+    heading = ''
+    of_keys = .false.
+    from = 1
+    do while (from <= len(text))
+      until = from + index(text(from:), lf) - 2
+      line = text(from:until)
+      from = until + 2
+      if (index(line, '### ') == 1) heading = line(5:)
+      if (index(line, '|') /= 1) of_keys = .false.
+      if (index(line, '| key ') == 1) of_keys = .true.
+      if (index(line, '| `') /= 1 .or. .not. of_keys) cycle
+      last = verify(line(4:), letters) + 2
+      if (last < 4 .or. line(last + 1:last + 1) /= '`') cycle
+      call note(heading(:index(heading//' ', ' ') - 1), line(4:last))
+      if (index(heading, ' and ') > 0) call note(heading(index(heading, ' and ') + 5:), line(4:last))
+    end do
+
+  contains
+
+    subroutine note(group, key)
+      character(*), intent(in) :: group, key
+
+      keys = [keys, setting_t(group, key)]
+    end subroutine note
+  end subroutine read_reference
+
+  !> The reader tells its groups and keys where one is unknown.
+  subroutine ask_reader(keys)
+    type(setting_t), allocatable, intent(out) :: keys(:)
+    character(:), allocatable :: groups, group, names
+    integer :: from, until
+
+    allocate (keys(0))
+    groups = told('&nothing /', 'the groups are ')//','
+    from = 1
+    do while (from <= len(groups))
+      until = from + index(groups(from:), ',') - 2
+      group = trim(adjustl(groups(from:until)))
+      from = until + 2
+      names = told('&'//group//' nothing = 1 /', 'the keys of &'//group//' are ')
+      call set(keys, listed(group, names))
+    end do
+
+  contains
+
+    !> `a, b` as `group a;group b`.
+    function listed(group, names) result(list)
+      character(*), intent(in) :: group, names
+      character(:), allocatable :: list
+      integer :: i
+
+      list = group//' '
+      do i = 1, len(names)
+        if (names(i:i) == ',') list = list//' ;'//group
+        if (names(i:i) /= ',') list = list//names(i:i)
+      end do
+      list = list//' '
+    end function listed
+
+    function told(text, mark) result(words)
+      character(*), intent(in) :: text, mark
+      character(:), allocatable :: words
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case(text, case, error)
+      words = error%message(index(error%message, mark) + len(mark):)
+    end function told
+  end subroutine ask_reader
+end module test_inputs
