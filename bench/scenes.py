@@ -15,11 +15,11 @@ PAIR, SECTION = (BENCH.parent / 'data' / name for name in ('case1.nml', 'hassan.
 # Title, what is left out, why the answers may differ.
 SCENES = {
     'geometry': ('geometry only', 'all other tasks: stiffness, grids, modes, motion', ''),
-    'speed': ('one speed, five reliefs', 'the other 326 speeds', 'neighbours decide the steps; within the error estimates'),
+    'speed': ('one speed, five reliefs', 'the other 326 speeds', 'neighbours decide the steps; both within 1e-6'),
     'reliefs': ('3267 speeds, one relief', 'four other reliefs', ''),
     'stiffness': ('sweep, stiffness passed in', 'finite elements', ''),
-    'friction': ('no friction', 'friction factors, steps that end at the pitch point', 'other steps; within the error estimates'),
-    'relief': ('no relief', 'steps that end where relief begins', 'other steps; within the error estimates'),
+    'friction': ('no friction', 'friction factors, steps that end at the pitch point', 'other steps; both within 1e-6'),
+    'relief': ('no relief', 'steps that end where relief begins', 'other steps; both within 1e-6'),
     'coast': ('no backlash', 'coast side', ''),
     'contact': ('no contact loss possible', 'looking for what touches', 'other order of sums; at most 1e-12'),
     'gears': ('equal gears', "the second gear's finite elements", ''),
