@@ -18,6 +18,7 @@ program check
   use test_motion, only: run_motion => run
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
+  use test_scenes, only: run_scenes => run
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
@@ -43,6 +44,7 @@ program check
     & suite_t('elastic_modes', run_elastic_modes), &
     & suite_t('elastic_stiffness', run_elastic_stiffness), &
     & suite_t('elastic_stress', run_elastic_stress), &
+    & suite_t('scenes', run_scenes), &
     & suite_t('flat', run_flat)])
   print '(i0, a, i0, a)', all%passed, ' passed, ', all%failed, ' failed'
   if (all%failed > 0 .or. all%passed == 0) stop 1, quiet=.true.

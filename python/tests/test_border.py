@@ -147,11 +147,32 @@ def factors(threads):
     return gearsweep.sweep(Case(PRESCRIBED), threads=threads).dynamic_factor
 
 
-def test_import_is_lean():
-    code = 'import sys, gearsweep; print(*sys.modules)'
-    loaded = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True).stdout.split()
-    assert 'gearsweep' in loaded
-    assert not {'matplotlib', 'pandas', 'xarray', 'scipy', 'gearsweep.plots', 'gearsweep.tables'} & set(loaded)
+HEAVY = {'matplotlib', 'pandas', 'xarray', 'scipy', 'gearsweep.plots', 'gearsweep.tables'}
+MAIN = "from gearsweep.__main__ import main; main([{case!r}, '--quiet', '--out', {out!r}, {more}])"
+
+
+@pytest.mark.parametrize(
+    ('program', 'needed'),
+    [
+        ('import gearsweep', set()),
+        ('import gearsweep; gearsweep.run(gearsweep.Case.read({case!r}))', set()),
+        (MAIN.replace('{more}', "'--no-pictures'"), set()),
+        (MAIN.replace('{more}', "'--threads', '1'"), {'matplotlib', 'gearsweep.plots'}),
+        ('import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_pandas()', {'pandas', 'gearsweep.tables'}),
+        (
+            'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_xarray()',
+            {'pandas', 'xarray', 'gearsweep.tables'},
+        ),
+    ],
+)
+def test_only_what_is_needed_is_loaded(program, needed, tmp_path):
+    """xarray itself loads pandas."""
+    (tmp_path / 'case.nml').write_text(PRESCRIBED)
+    code = program.format(case=str(tmp_path / 'case.nml'), out=str(tmp_path))
+    done = subprocess.run([sys.executable, '-c', code + '; import sys; print(*sys.modules)'], capture_output=True, text=True)
+    loaded = set(done.stdout.split())
+    assert 'gearsweep' in loaded, done.stderr
+    assert HEAVY & loaded == needed
 
 
 def test_one_version():

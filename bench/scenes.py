@@ -1,0 +1,101 @@
+"""What leaving out saves: scenes without something beside the same scenes with it.
+
+    python bench/scenes.py PROGRAMS         (bench/run.sh scenes sets up and does this)
+"""
+import pathlib
+import sys
+import tempfile
+import time
+from statistics import median
+
+from report import BENCH, Report, machine, run
+
+PRESCRIBED = BENCH / 'problems' / 'case1.nml'
+PAIR, SECTION = (BENCH.parent / 'data' / name for name in ('case1.nml', 'hassan.nml'))
+# Title, what is left out, why the answers may differ.
+SCENES = {
+    'geometry': ('geometry only', 'all other tasks: stiffness, grids, modes, motion', ''),
+    'speed': ('one speed, five reliefs', 'the other 326 speeds', 'neighbours decide the steps; both within 1e-6'),
+    'reliefs': ('3267 speeds, one relief', 'four other reliefs', ''),
+    'stiffness': ('sweep, stiffness passed in', 'finite elements', ''),
+    'friction': ('no friction', 'friction factors, steps that end at the pitch point', 'other steps; both within 1e-6'),
+    'relief': ('no relief', 'steps that end where relief begins', 'other steps; both within 1e-6'),
+    'coast': ('no backlash', 'coast side', ''),
+    'contact': ('no contact loss possible', 'looking for what touches', 'other order of sums; at most 1e-12'),
+    'gears': ('equal gears', "the second gear's finite elements", ''),
+    'modes': ('modes only', 'stress, load sharing', ''),
+    'mode': ('one frequency', 'nine others', 'rounding; at most 1e-11'),
+    'stress': ('stress only', 'modes, mass matrix', ''),
+}
+PACKAGES = ('matplotlib', 'pandas', 'xarray', 'scipy')
+ROUNDS = 5
+MAIN = "import sys; from gearsweep.__main__ import main; main([{case!r}, '--quiet', '--out', {out!r}{more}])"
+PYTHON = {
+    'import gearsweep': 'import gearsweep',
+    'a sweep': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r}))',
+    'python -m gearsweep CASE --no-pictures': MAIN.replace('{more}', ", '--no-pictures'"),
+    'python -m gearsweep CASE': MAIN.replace('{more}', ''),
+    'sweep.to_pandas()': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_pandas()',
+    'sweep.to_xarray()': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_xarray()',
+}
+
+programs = pathlib.Path(sys.argv[1])
+
+
+def duration(seconds):
+    for unit, size in (('s', 1), ('ms', 1e-3)):
+        if seconds >= size:
+            return f'{seconds / size:.3g} {unit}'
+    return f'{1e6 * seconds:.3g} us'
+
+
+def scenes(report):
+    found = {name: map(float, rest) for name, *rest in map(str.split, run(programs / 'scenes', PRESCRIBED, PAIR, SECTION).splitlines())}
+    rows, table = [], []
+    for name, (title, left_out, reason) in SCENES.items():
+        lean, full, off, allowed = found[name]
+        answers = f'{off:.0e}: {reason}' if off > 0 else 'the same bits'
+        table.append((title, left_out, duration(lean), duration(full), f'{full / lean:.3g}', answers))
+        rows.append((title, lean, full, off, allowed))
+    report.table(('scene', 'left out', 'without it', 'with it', 'ratio', 'answers differ by'), table)
+    report.csv('scenes', ('scene', 'seconds_without', 'seconds_with', 'difference', 'allowed'), rows)
+
+
+def modules(program):
+    """Names of all modules that a Python program loads."""
+    return set(run(sys.executable, '-c', program + '; import sys; print(*sys.modules)').split())
+
+
+def seconds(program):
+    start = time.perf_counter()
+    run(sys.executable, '-c', program)
+    return time.perf_counter() - start
+
+
+def packages(report):
+    table = []
+    with tempfile.TemporaryDirectory() as out:
+        for title, program in PYTHON.items():
+            program = program.replace('{case!r}', repr(str(PRESCRIBED))).replace('{out!r}', repr(out))
+            loaded = modules(program)
+            spared = [name for name in PACKAGES if name not in loaded]
+            burdened = f'import {", ".join(spared)}; {program}' if spared else program
+            taken = [(seconds(program), seconds(burdened)) for _ in range(ROUNDS)]
+            lean, full = map(median, zip(*taken))
+            table.append((title, ', '.join(spared) or 'none', duration(lean), duration(full) if spared else '', str(len(loaded))))
+    report.add('**Packages.** What Python does not load (`sys.modules`), the time of the whole process as it is and with these loaded\n'
+               'first, and the number of modules it loads as it is.\n')
+    report.table(('process', 'not loaded', 'as it is', 'with them', 'modules'), table)
+
+
+def main():
+    report = Report('scenes', 'What is left out')
+    report.add(f'{machine()}, one thread, medians. Both ways in turn in one process. The prescribed mesh of\n'
+               '`bench/problems/case1.nml` (327 speeds, five reliefs), `data/case1.nml` for geometry, passed-in stiffness and equal\n'
+               'gears, `data/hassan.nml` for modes and stress. Differences are relative; the run fails where they are larger than said.\n')
+    scenes(report)
+    packages(report)
+    report.save()
+
+
+main()

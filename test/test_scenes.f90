@@ -1,0 +1,285 @@
+!> Nothing in vain: what a scene leaves out is not there, and what it gives is what
+!> the whole gives, to the last bit or within a stated error.
+module test_scenes
+  use gearsweep_accuracy, only: mesh_period
+  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_error, only: error_t
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_gauss, only: lanes
+  use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
+  use gearsweep_kinds, only: dp
+  use gearsweep_motion, only: oscillator_t, table_t, resolution_t, tabulate
+  use gearsweep_orbit, only: newton_step
+  use gearsweep_pair, only: pair_t
+  use gearsweep_period, only: period_t, run_lanes
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_study, only: study_t, run_study
+  use gearsweep_text, only: str
+  use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
+  implicit none
+  private
+  public :: run
+
+  character(*), parameter :: text = &
+    '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 /'// &
+    '&relief amount_um = 0, 8, 20 / &mesh model = ''fe'' / &section elements_across = 4 / &static positions = 5 /'// &
+    '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
+    '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'' /'
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+
+    call read_case(text, case, error)
+    call check_no_error(t, 'case', error)
+    call single_tasks(t, case)
+    call single_reliefs(t, case)
+    call one_speed(t, case)
+    call no_coast(t, case)
+    call no_friction(t, case)
+    call no_relief(t, case)
+    call one_mode(t, case)
+    call no_contact_loss(t, case)
+    call equal_gears(t)
+  end subroutine run
+
+  subroutine study_of(t, case, study, task)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(study_t), intent(out) :: study
+    character(*), intent(in), optional :: task
+    type(case_t) :: wanted
+    type(error_t), allocatable :: error
+
+    wanted = case
+    if (present(task)) wanted%wants = task_names == task
+    call run_study(wanted, '', 1, study, error)
+    call check_no_error(t, 'study', error)
+  end subroutine study_of
+
+  !> What a task gives; nothing where it was not run.
+  function numbers_of(study, task) result(numbers)
+    type(study_t), intent(in) :: study
+    character(*), intent(in) :: task
+    real(dp), allocatable :: numbers(:)
+    integer :: i
+
+    numbers = [real(dp) ::]
+    select case (task)
+    case ('geometry')
+      if (allocated(study%pair)) numbers = [study%pair%contact_ratio, study%pair%points(), study%pair%gear%tip_radius]
+    case ('section')
+      if (allocated(study%section)) numbers = reshape(study%section%grid%x, [size(study%section%grid%x)])
+    case ('mesh')
+      if (allocated(study%sharing)) numbers = [(study%sharing(i)%error, study%harmonics(i)%amplitude, i=1, size(study%sharing))]
+    case ('static')
+      if (allocated(study%root)) numbers = [(reshape(study%root(i)%along, [size(study%root(i)%along)]), i=1, size(study%root))]
+    case ('modal')
+      if (allocated(study%modal)) numbers = [study%modal%modes%frequency, study%modal%error_estimate]
+    case ('load')
+      if (allocated(study%response)) numbers = [(study%response(i, 1)%load, i=1, size(study%response))]
+    case ('sweep')
+      if (allocated(study%sweep)) numbers = reshape(study%sweep%dynamic_factor, [size(study%sweep%dynamic_factor)])
+    case ('optimum')
+      if (allocated(study%optimum)) numbers = [study%optimum%amount, study%optimum%dynamic_factor]
+    end select
+  end function numbers_of
+
+  pure logical function same_bits(a, b)
+    real(dp), intent(in) :: a(:), b(:)
+
+    same_bits = size(a) == size(b) .and. size(a) > 0
+    if (same_bits) same_bits = all(transfer(a, [0]) == transfer(b, [0]))
+  end function same_bits
+
+  !> Each task alone gives what it gives among all, and nothing else; the geometry comes with all.
+  subroutine single_tasks(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(study_t) :: all_tasks, alone
+    integer :: i, k
+
+    call study_of(t, case, all_tasks)
+    do i = 1, size(task_names)
+      call study_of(t, case, alone, task_names(i))
+      call check_true(t, trim(task_names(i))//' alone: the same bits', &
+                      same_bits(numbers_of(alone, task_names(i)), numbers_of(all_tasks, task_names(i))))
+      do k = 2, size(task_names)
+        if (k /= i) call check_equal(t, trim(task_names(i))//' alone: no '//trim(task_names(k)), &
+                                     size(numbers_of(alone, task_names(k))), 0)
+      end do
+      call check_true(t, trim(task_names(i))//' alone: stiffness only where it is needed', allocated(alone%mesh) .eqv. &
+                      .not. any(task_names(i) == [character(8) :: 'geometry', 'section', 'modal']))
+    end do
+  end subroutine single_tasks
+
+  subroutine single_reliefs(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(case_t) :: alone
+    type(study_t) :: all_reliefs, one
+    integer :: i
+
+    call study_of(t, case, all_reliefs, 'sweep')
+    alone = case
+    do i = 1, size(case%amount)
+      alone%amount = case%amount(i:i)
+      call study_of(t, alone, one, 'sweep')
+      call check_true(t, 'one relief: the same bits', &
+                      same_bits(one%sweep%dynamic_factor(:, 1), all_reliefs%sweep%dynamic_factor(:, i)))
+    end do
+  end subroutine single_reliefs
+
+  !> Two sweeps agree within the tolerance that both were asked for.
+  subroutine check_within(t, name, a, b)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name
+    type(study_t), intent(in) :: a, b
+    integer :: i, k
+
+    do i = 1, size(a%sweep%dynamic_factor, 2)
+      do k = 1, size(a%sweep%rpm)
+        call check_close(t, name//' at '//str(a%sweep%rpm(k))//' rpm, relief '//str(i), a%sweep%dynamic_factor(k, i), &
+                         b%sweep%dynamic_factor(k, i), absolute=2*a%case%accuracy%steady%tolerance)
+      end do
+    end do
+  end subroutine check_within
+
+  !> The steps at a speed may follow from its neighbours'.
+  subroutine one_speed(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(case_t) :: alone
+    type(study_t) :: one, many
+
+    call study_of(t, case, many, 'sweep')
+    alone = case
+    alone%rpm_last = case%rpm_first
+    call study_of(t, alone, one, 'sweep')
+    call check_within(t, 'one speed', one, many)
+  end subroutine one_speed
+
+  !> A backlash that no motion comes through.
+  subroutine no_coast(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(case_t) :: with
+    type(study_t) :: lean, full
+
+    with = case
+    with%has_backlash = .true.
+    with%backlash = 1
+    call study_of(t, case, lean, 'sweep')
+    call study_of(t, with, full, 'sweep')
+    call check_true(t, 'no coast side: the same bits', same_bits(numbers_of(lean, 'sweep'), numbers_of(full, 'sweep')))
+    call check_true(t, 'with separation among them', any(lean%sweep%contact > 0))
+    call check_equal(t, 'no coast side: no member for it', lean%motion(1)%members, full%motion(1)%members - 1)
+  end subroutine no_coast
+
+  !> A friction too small for any digit has its break, at the pitch point, all the same.
+  subroutine no_friction(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(case_t) :: with
+    type(study_t) :: lean, full
+
+    with = case
+    with%friction = 1e-30_dp
+    call study_of(t, case, lean, 'sweep')
+    call study_of(t, with, full, 'sweep')
+    call check_within(t, 'no friction', lean, full)
+    call check_equal(t, 'no friction: no break', size(lean%motion(1)%zones), size(full%motion(1)%zones) - 1)
+  end subroutine no_friction
+
+  !> So has such a relief, where it begins.
+  subroutine no_relief(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(case_t) :: with
+    type(study_t) :: lean, full
+
+    with = case
+    with%start = 'pitch'
+    with%amount = [0.0_dp]
+    call study_of(t, with, lean, 'sweep')
+    with%amount = [1e-30_dp]
+    call study_of(t, with, full, 'sweep')
+    call check_within(t, 'no relief', lean, full)
+    call check_equal(t, 'no relief: no break', size(lean%motion(1)%zones), size(full%motion(1)%zones) - 1)
+  end subroutine no_relief
+
+  !> Frequencies err by the square of the shapes' error, 1e-9, and by rounding.
+  subroutine one_mode(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(case_t) :: alone
+    type(study_t) :: one, ten
+
+    call study_of(t, case, ten, 'modal')
+    alone = case
+    alone%modes = 1
+    call study_of(t, alone, one, 'modal')
+    call check_equal(t, 'one mode', size(one%modal%modes%frequency), 1)
+    call check_close(t, 'one mode of ten', one%modal%modes%frequency(1), ten%modal%modes%frequency(1), relative=1e-11_dp)
+  end subroutine one_mode
+
+  !> Motions that keep contact: without looking for what touches, and with.
+  subroutine no_contact_loss(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    type(study_t) :: study
+    type(table_t) :: table
+    type(lane_work_t) :: work
+    type(period_t), dimension(lanes) :: map, held, free
+    real(dp) :: duration(lanes), from(2, lanes)
+    logical :: solved
+    integer :: l
+
+    call study_of(t, case, study, 'mesh')
+    associate (osc => study%motion(1))
+      call tabulate(osc, resolution_t(20.0_dp, 2), table)
+      duration = mesh_period(osc%mesh%teeth(1), [(3000 + 100.0_dp*l, l=1, lanes)])
+      call hold_maps(osc, table, duration, work, map)
+      do l = 1, lanes
+        call newton_step(map(l)%map, map(l)%state, from(:, l), solved)
+      end do
+      call hold_motion(osc, table, duration, from, work, held)
+      call run_lanes(osc, table, duration, from, [(.true., l=1, lanes)], free)
+    end associate
+    call check_true(t, 'all pairs in contact', .not. any(held%partial .or. free%partial))
+    do l = 1, lanes
+      call check_close(t, 'largest load', held(l)%peak, free(l)%peak)
+      call check_close(t, 'end of the period', held(l)%state(1), free(l)%state(1))
+    end do
+  end subroutine no_contact_loss
+
+  !> A bore that the rim does not reach makes gears unequal and changes nothing else.
+  subroutine equal_gears(t)
+    type(tally_t), intent(inout) :: t
+    type(case_t) :: case
+    type(study_t) :: study
+    type(pair_t) :: pair
+    type(fe_options_t) :: options
+    type(piecewise_t) :: once, twice
+    type(error_t), allocatable :: error
+
+    call read_case('&case tasks = ''geometry'' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 25 /'// &
+                   '&gear teeth = 25 /', case, error)
+    call check_no_error(t, 'equal gears', error)
+    call study_of(t, case, study)
+    pair = study%pair
+    options%section%rim = 15e-3_dp
+    options%section%elements_across = 6
+    call fe_stiffness(pair, case%material, options, 280e3_dp, once, error)
+    call check_no_error(t, 'equal gears', error)
+    pair%gear(2)%spec%bore_radius = 1e-3_dp
+    call fe_stiffness(pair, case%material, options, 280e3_dp, twice, error)
+    call check_no_error(t, 'the same twice', error)
+    call check_true(t, 'equal gears: the same bits', same_bits(reshape(once%coef, [size(once%coef)]), &
+                                                               reshape(twice%coef, [size(twice%coef)])))
+  end subroutine equal_gears
+end module test_scenes
