@@ -12,6 +12,7 @@ program check
   use test_motion, only: run_motion => run
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
+  use test_stability, only: run_stability => run
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
@@ -25,6 +26,7 @@ program check
     & suite_t('mesh', run_mesh), &
     & suite_t('motion', run_motion), &
     & suite_t('sweep', run_sweep), &
+    & suite_t('stability', run_stability), &
     & suite_t('rating', run_rating), &
     & suite_t('band', run_band), &
     & suite_t('elastic_body', run_elastic_body), &
