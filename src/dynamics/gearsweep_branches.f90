@@ -1,0 +1,144 @@
+!> Steady motions followed up and down over the speed, as a machine that speeds up and slows down slowly
+!> meets them, and the speeds at which they change: jumps to another motion, doubled periods, the end of
+!> periodic motion.
+module gearsweep_branches
+  use gearsweep_kinds, only: dp
+  use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t, solve_point, tables_t
+  use gearsweep_motion, only: oscillator_t
+  use gearsweep_steady, only: has_answer
+  implicit none
+  private
+  public :: branch_t, change_t, follow_branch
+
+  !> Between two speeds, the motion before and the motion after.
+  type :: change_t
+    real(dp) :: rpm(2) = 0                       !< in the direction of travel
+    type(point_t) :: point(2)
+  end type change_t
+
+  type :: branch_t
+    type(point_t), allocatable :: point(:)       !< at each speed
+    type(change_t), allocatable :: change(:)     !< in the order met
+  end type branch_t
+
+  !> A motion and where it is.
+  type :: stand_t
+    real(dp) :: rpm = 0
+    type(point_t) :: point
+  end type stand_t
+
+contains
+
+  !> Goes through the speeds `rpm` (1/min, in the direction of travel), by steps so small that the dynamic
+  !> factor changes by less than `jump` or, where it does not, lies between speeds that are closer than
+  !> `closeness` (relative): there the motion changes.
+  pure subroutine follow_branch(osc, rpm, options, jump, closeness, branch)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm(:), jump, closeness
+    type(accuracy_t), intent(in) :: options
+    type(branch_t), intent(out) :: branch
+    type(tables_t), allocatable :: tables
+    type(stand_t) :: here
+    integer :: i
+
+    allocate (tables, branch%point(size(rpm)), branch%change(0))
+    do i = 1, size(rpm)
+      if (i == 1) then
+        call step_to(osc, rpm(i), options, tables, here)
+      else
+        call travel(osc, rpm(i), options, jump, closeness, tables, here, branch%change)
+      end if
+      branch%point(i) = here%point
+    end do
+  end subroutine follow_branch
+
+  !> To the next speed, by half the step where the motion there is another one.
+  pure subroutine travel(osc, rpm, options, jump, closeness, tables, here, changes)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm, jump, closeness
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(stand_t), intent(inout) :: here
+    type(change_t), allocatable, intent(inout) :: changes(:)
+    type(accuracy_t) :: brief
+    type(stand_t) :: there
+    real(dp) :: step
+
+    ! Whether the motion is still there is clear soon.
+    brief = options
+    brief%steady%most_cycles = min(options%steady%most_cycles, 200)
+    step = rpm - here%rpm
+    do while (abs(rpm - here%rpm) > 0)
+      if (abs(step) > 0.7_dp*abs(rpm - here%rpm)) step = rpm - here%rpm
+      there = here
+      call step_to(osc, merge(rpm, here%rpm + step, .not. abs(rpm - here%rpm) > abs(step)), brief, tables, there)
+      if (is_alike(here%point, there%point, jump)) then
+        here = there
+        step = 2*step
+      else if (abs(step) > closeness*rpm) then
+        step = step/2
+      else
+        call land(osc, rpm, options, tables, here, there, jump, changes)
+      end if
+    end do
+  end subroutine travel
+
+  !> The motion changes between `here` and `there`, which are close to each other. Just beyond, it may
+  !> linger for so long that no answer is found: then the one that it leads to further on is taken.
+  pure subroutine land(osc, rpm, options, tables, here, there, jump, changes)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm, jump
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(stand_t), intent(inout) :: here
+    type(stand_t), intent(in) :: there
+    type(change_t), allocatable, intent(inout) :: changes(:)
+    type(stand_t) :: landing
+    real(dp) :: step
+
+    landing = there
+    step = there%rpm - here%rpm
+    do while (.not. has_answer(landing%point%steady%status) .and. abs(rpm - landing%rpm) > 0)
+      step = 2*step
+      landing = here
+      call step_to(osc, merge(rpm, here%rpm + step, abs(step) > abs(rpm - here%rpm)), options, tables, landing)
+    end do
+    if (.not. is_alike(here%point, landing%point, jump)) &
+      changes = [changes, change_t([here%rpm, there%rpm], [here%point, landing%point])]
+    here = landing
+  end subroutine land
+
+  !> The motion at `rpm` that the one at hand leads to.
+  pure subroutine step_to(osc, rpm, options, tables, stand)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(stand_t), intent(inout) :: stand
+    type(point_t) :: next
+    real(dp) :: duration
+
+    duration = mesh_period(osc%mesh%teeth(1), rpm)
+    associate (now => stand%point%steady)
+      ! While all pairs stay in contact there is one periodic motion: nothing to follow.
+      if (.not. (now%partial .and. has_answer(now%status))) call solve_point(osc, duration, options, tables, next)
+      if (.not. has_answer(now%status) .or. .not. (now%partial .or. next%steady%partial)) then
+        stand = stand_t(rpm, next)
+        return
+      end if
+      ! The same motion in time: the derivative over the phase scales with the period.
+      call solve_point(osc, duration, options, tables, next, now%state*[1.0_dp, stand%rpm/rpm])
+    end associate
+    stand = stand_t(rpm, next)
+  end subroutine step_to
+
+  !> Are these motions at neighbouring speeds one and the same? Those without an answer count as such.
+  pure logical function is_alike(a, b, jump)
+    type(point_t), intent(in) :: a, b
+    real(dp), intent(in) :: jump
+
+    is_alike = has_answer(a%steady%status) .eqv. has_answer(b%steady%status)
+    if (is_alike .and. has_answer(a%steady%status)) is_alike = a%steady%periods == b%steady%periods .and. &
+      abs(a%dynamic_factor - b%dynamic_factor) < jump
+  end function is_alike
+end module gearsweep_branches
