@@ -14,12 +14,8 @@ install_library() (
   mkdir -p "$run_dir" && cd "$root" || exit
   if command -v flock >/dev/null; then flock 9; fi
   install_packages && make_venv || exit
-  # As in setup.sh: after a build that broke off, fpm takes stale modules for current ones.
-  if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/gfortran_*; fi
-  : >"$run_dir/unfinished"
-  quietly "installing into $prefix" "$venv/bin/fpm" install --profile release --no-prune --prefix "$prefix" \
+  run_fpm "installing into $prefix" install --profile release --no-prune --prefix "$prefix" \
     --libdir lib --includedir include/gearsweep || exit
-  rm -f "$run_dir/unfinished"
   cp include/gearsweep.h "$prefix/include/gearsweep/" || exit
   mkdir -p "$prefix/lib/pkgconfig" && write_pc >"$prefix/lib/pkgconfig/gearsweep.pc"
 ) 9>"$run_dir/lock"

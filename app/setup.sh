@@ -78,6 +78,21 @@ fingerprint() {
 
 is_current() { [ -x "$1" ] && [ "$(cat "$1.stamp" 2>/dev/null)" = "$2" ]; }
 
+# run_fpm WHAT ARGUMENTS...: from the start where the last build broke off, and where this one fails on
+# what an earlier one left: fpm takes stale modules for current ones.
+run_fpm() {
+  if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/gfortran_*; fi
+  : >"$run_dir/unfinished"
+  task=$1
+  shift
+  if [ -n "$(find "$root/build" -maxdepth 1 -name 'gfortran_*')" ]; then
+    quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished" && return
+    rm -rf "$root"/build/gfortran_*
+    task="$task from the start"
+  fi
+  quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished"
+}
+
 # build NAME FOLDERS FPM-ARGUMENTS...: makes build/run/NAME unless it is current.
 build() {
   name=$1
@@ -92,11 +107,7 @@ build() {
     is_current "$target" "$now" && exit
     cd "$root" && install_packages && make_venv || exit
     # With echo as its runner, fpm builds and tells where, but runs nothing.
-    # After a build that broke off, fpm takes stale modules for current ones.
-    if [ -e "$run_dir/unfinished" ]; then rm -rf "$root"/build/gfortran_*; fi
-    : >"$run_dir/unfinished"
-    quietly "building $name" "$venv/bin/fpm" "$@" --runner echo || exit
-    rm -f "$run_dir/unfinished"
+    run_fpm "building $name" "$@" --runner echo || exit
     built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)
     # A copy, as fpm may put another version in its place.
     cp "$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"

@@ -186,6 +186,13 @@ int gsc_root(const char *text, size_t text_length, int nwork, const double *work
              double *compression_mpa, double *compression_deg, double *estimate, double *iso_mpa,
              double *lewis_mpa, char *message, size_t message_size);
 
+/* Task static: stress all over the section for one position of the load and one relief, counted from 1
+   as in gsc_root; at the nodes of gsc_section. relief_um, s, radius_mm, share: what gsc_root has there;
+   sigma_mpa[3*nodes]: in x, in y, and shear */
+int gsc_stress(const char *text, size_t text_length, int nwork, const double *work, int position,
+               int relief, int nodes, double *relief_um, double *s, double *radius_mm, double *share,
+               double *sigma_mpa, char *message, size_t message_size);
+
 #ifdef __cplusplus
 }
 #endif

@@ -30,6 +30,7 @@ module gearsweep
   use gearsweep_vtu, only: vtu_field_t, vtu_text
   use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: sharing_t, share_load
+  use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_motion, only: oscillator_t, make_oscillator
   use gearsweep_accuracy, only: accuracy_t
   use gearsweep_response, only: response_t, find_response
@@ -39,7 +40,7 @@ module gearsweep
   use gearsweep_case_reader, only: read_case
   use gearsweep_study, only: study_t, run_study
   use gearsweep_report, only: report, failed_points
-  use gearsweep_tables, only: sweep_table, mesh_table, load_table, optimum_table, &
+  use gearsweep_tables, only: sweep_table, mesh_table, harmonics_table, load_table, optimum_table, &
                               outline_table, root_table, mode_table, published_table
   implicit none
   public

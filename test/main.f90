@@ -8,6 +8,7 @@ program check
   use test_elastic_stress, only: run_elastic_stress => run
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
+  use test_harmonics, only: run_harmonics => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
   use test_rating, only: run_rating => run
@@ -24,6 +25,7 @@ program check
     & suite_t('reader', run_reader), &
     & suite_t('geometry', run_geometry), &
     & suite_t('mesh', run_mesh), &
+    & suite_t('harmonics', run_harmonics), &
     & suite_t('motion', run_motion), &
     & suite_t('sweep', run_sweep), &
     & suite_t('stability', run_stability), &

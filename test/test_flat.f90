@@ -1,7 +1,7 @@
 !> The flat layer under run-time checks: sizes, what is refused, what is left alone, messages.
 module test_flat
   use gearsweep_calls
-  use gearsweep_error, only: code_input, code_ok
+  use gearsweep_error, only: code_file, code_input, code_ok
   use gearsweep_kinds, only: dp
   use testing, only: check_close, check_equal, check_true, tally_t
   implicit none
@@ -14,6 +14,8 @@ module test_flat
   character(*), parameter :: text = '&case tasks = ''mesh'', ''load'', ''sweep'', ''optimum'', ''static'', ''modal'' / '// &
     pair//'&mesh model = ''fe'' / &static positions = 5 / &modal modes = 3 / '// &
     '&sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 load_rpm = 4000 /    '
+  character(*), parameter :: with_section = '&case tasks = ''section'', ''modal'', ''static'', ''sweep'' / '// &
+    text(index(text, '/') + 1:)
   real(dp), parameter :: mark = -7
 
 contains
@@ -25,6 +27,9 @@ contains
     call test_geometry_call(t)
     call test_results(t)
     call test_static_results(t)
+    call test_shapes(t)
+    call test_texts(t)
+    call test_files(t)
   end subroutine run
 
   subroutine test_messages(t)
@@ -140,4 +145,84 @@ contains
     call gs_report(text, '', 0, none, 1, answer, length, info, message)
     call check_true(t, 'report', info == code_ok .and. len_trim(answer) >= length - 1)
   end subroutine test_static_results
+
+  !> Outline, grid, mode shapes and stress on the grid fit each other.
+  subroutine test_shapes(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), allocatable :: x(:), y(:), shape(:, :, :), sigma(:, :), outline(:, :)
+    integer, allocatable :: element(:, :), tooth(:)
+    real(dp) :: modes(3, 4), none(1), place(4)
+    integer :: n(9), points, info
+    character(200) :: message
+
+    none = 0
+    call gs_sizes(with_section, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    call check_true(t, 'the grid has nodes and elements', info == code_ok .and. n(7) > n(8) .and. n(8) > 0)
+    allocate (x(n(7)), y(n(7)), element(8, n(8) + 1), tooth(n(8) + 1), shape(2, n(7), 3), sigma(3, n(7)), outline(5000, 2))
+    call gs_section(with_section, n(7) - 1, n(8), x, y, element, tooth, info, message)
+    call check_true(t, 'a node is missing', info == code_input .and. index(message, 'nodes') > 0)
+    element = -7
+    call gs_section(with_section, n(7), n(8) + 1, x, y, element, tooth, info, message)
+    call check_equal(t, 'section', info, code_ok)
+    call check_true(t, 'elements have nodes', minval(element(:, :n(8))) == 1 .and. maxval(element) == n(7))
+    call check_true(t, 'what lies beyond is not touched', all(element(:, n(8) + 1) == -7))
+    call gs_outline(with_section, 1, 7, points, outline(:, 1), outline(:, 2), info, message)
+    call check_true(t, 'outline: too little room', info == code_input .and. points == 72*21)
+    call gs_outline(with_section, 1, 5000, points, outline(:, 1), outline(:, 2), info, message)
+    call check_close(t, 'the tip is the grid''s', maxval(norm2(outline(:points, :), 2)), maxval(sqrt(x**2 + y**2)))
+    call gs_outline(with_section, 0, 5000, points, outline(:, 1), outline(:, 2), info, message)
+    call check_true(t, 'no such gear', info == code_input .and. index(message, 'member') > 0)
+    shape = mark
+    call gs_modes(with_section, 3, n(7), modes(:, 1), modes(:, 2), modes(:, 3), modes(:, 4), shape, info, message)
+    call check_true(t, 'shapes', info == code_ok .and. all(abs(shape - mark) > 0))
+    call gs_stress(with_section, 0, none, 2, 1, n(7), place(1), place(2), place(3), place(4), sigma, info, message)
+    call check_true(t, 'stress', info == code_ok .and. maxval(sigma) > 0 .and. minval(sigma) < 0)
+    call gs_stress(with_section, 0, none, 99, 1, n(7), place(1), place(2), place(3), place(4), sigma, info, message)
+    call check_true(t, 'no such position', info == code_input .and. index(message, 'position') > 0)
+    call gs_stress(with_section, 0, none, 1, 3, n(7), place(1), place(2), place(3), place(4), sigma, info, message)
+    call check_true(t, 'no such relief', info == code_input .and. index(message, 'relief') > 0)
+  end subroutine test_shapes
+
+  subroutine test_texts(t)
+    type(tally_t), intent(inout) :: t
+    character(len(text) + 100) :: changed
+    character(9000) :: complete, again
+    integer :: length, info
+    character(200) :: message
+
+    call gs_change(text, 'pair', 'module_mm', '3.5', changed, length, info, message)
+    call check_true(t, 'a key is changed', info == code_ok .and. index(changed, 'module_mm = 3.5 face') > 0)
+    call gs_change(text, 'pair', 'backlash_um', '', changed, length, info, message)
+    call check_true(t, 'a key that is not there is taken out', info == code_ok .and. changed == text)
+    call gs_change(text, 'pair', 'backlash_um', '5 / &x y = 1', changed, length, info, message)
+    call check_equal(t, 'one key and no more', info, code_input)
+    call gs_complete(text, complete(:5), length, info, message)
+    call check_true(t, 'the complete case needs room', info == code_input .and. length > len(text))
+    call gs_complete(text, complete, length, info, message)
+    call check_true(t, 'defaults', info == code_ok .and. index(complete, 'damping_ratio = 0.17') > 0)
+    call gs_complete(complete(:length), again, length, info, message)
+    call check_true(t, 'the complete case is complete', info == code_ok .and. again == complete)
+  end subroutine test_texts
+
+  !> The program's files, made in the folder of the tests' build.
+  subroutine test_files(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: out = 'build/run/flat'
+    character(3000) :: answer, said
+    character(2000) :: stages, files
+    real(dp) :: none(1)
+    integer :: length, info
+    logical :: there
+    character(200) :: message
+
+    none = 0
+    call gs_write(with_section, '', 0, none, 1, out, 'case', answer, length, stages, files, info, message)
+    call check_true(t, 'write', info == code_ok .and. index(stages, 'sweep') > 0)
+    inquire (file=out//'/case.sweep.csv', exist=there)
+    call check_true(t, 'the table is there', there .and. index(files, out//'/case.sweep.csv'//new_line('a')) > 0)
+    call gs_report(with_section, '', 0, none, 1, said, length, info, message)
+    call check_true(t, 'the answer is the report', info == code_ok .and. answer == said)
+    call gs_write(with_section, '', 0, none, 1, 'build/run/no/folder', 'case', answer, length, stages, files, info, message)
+    call check_equal(t, 'no folder', info, code_file)
+  end subroutine test_files
 end module test_flat

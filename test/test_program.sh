@@ -164,8 +164,8 @@ rm -rf results
 run base.nml --out out
 cp stdout answer
 check 'good: exit code with --out' exits 0
-check 'good: the four tables and nothing else' test \
-  "$(files_in out)" = 'base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+check 'good: the five tables and nothing else' test \
+  "$(files_in out)" = 'base.harmonics.csv base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
 for text in 'contact ratio 1.61165' 'Stiffness' 'Natural frequency' 'Static transmission error' 'worst' \
   'in resonance' 'Best of the list' 'Points ' 'without an answer 0' 'Optimum relief' 'Time' out/base.sweep.csv; do
   check "good: the answer has $text" says answer "$text"
@@ -175,6 +175,7 @@ check 'good: not verbose' lacks answer 'left out'
 columns_of() {
   case $1 in
     sweep) echo relief_um,rpm,dynamic_factor,error_estimate,status,contact,floquet_modulus,residual,steps,mesh_periods ;;
+    harmonics) echo relief_um,harmonic,amplitude_um,phase_deg,error_estimate_um ;;
     mesh) echo relief_um,s,pair_stiffness_n_um,mesh_stiffness_n_um,profile_error_um,load_share,ste_um ;;
     load) echo relief_um,rpm,s,pair_load_n,load_ratio,dte_um ;;
     vcurve) echo relief_um,worst_dynamic_factor,rpm,points_without_answer ;;
@@ -195,7 +196,7 @@ well_formed() {
 echoes() { sed -n '/^# case:$/,$p' "$1" | sed -n 's/^#   //p' | cmp -s - "$2"; }
 header_first() { awk '/^#/ && seen { bad = 1 } !/^#/ { seen = 1 } END { exit bad }' "$1"; }
 
-for kind in sweep mesh load vcurve; do
+for kind in sweep mesh harmonics load vcurve; do
   table=out/base.$kind.csv
   wanted=$(columns_of $kind)
   [ $kind = mesh ] && wanted=$wanted$geometry_columns
@@ -213,6 +214,12 @@ check 'sweep: all ok' test "$(rows out/base.sweep.csv | cut -d, -f5 | sort -u)" 
 check 'sweep: errors within the tolerance' test "$(rows out/base.sweep.csv | awk -F, '$4 > 1e-6' | wc -l)" -eq 0
 check 'load: chosen speed' test "$(rows out/base.load.csv | awk -F, '{ print $2 + 0 }' | sort -u)" = 1600
 check 'mesh: a pair carries all the load alone' test "$(rows out/base.mesh.csv | awk -F, '$6 > m { m = $6 } END { printf "%.9f", m }')" = 1.000000000
+check 'harmonics: eight and the mean for each relief' test "$(rows out/base.harmonics.csv | awk -F, '{ printf "%d", $2 }')" = 012345678012345678
+# Mean and harmonics add up to the static transmission error of the mesh table, but for its steep steps.
+check 'harmonics: add up to the transmission error' test "$({ rows out/base.harmonics.csv | grep '^0\.0'; rows out/base.mesh.csv | grep '^0\.0'; } |
+  awk -F, 'NF == 5 { a[$2] = $3; p[$2] = $4; next } $2 < 1 { x = 0
+    for (k in a) x += a[k]*cos(6.283185307179586*k*$2 + 0.017453292519943295*p[k]); d += (x - $7)^2; v += (a[0] - $7)^2; n++ }
+  END { print (n > 100 && d < 0.1*v) }')" = 1
 # DF of the load table is the largest load ratio of each relief, and that of the screen.
 check 'load: largest ratio is the answer' says answer "$(rows out/base.load.csv |
   awk -F, '$1 == 0 && $5 > m { m = $5 } END { printf "%.3f", m }' | cut -c1-4)"
@@ -221,13 +228,13 @@ check 'vcurve: the optimum' test "$(rows out/base.vcurve.csv |
   awk -F, 'NR == 1 || $2 < m { m = $2; a = $1 } END { print (a > 13 && a < 17 && m < 1.1) }')" = 1
 
 run base.nml --out again
-for kind in sweep mesh load vcurve; do check "twice: $kind" same out/base.$kind.csv again/base.$kind.csv; done
+for kind in sweep mesh harmonics load vcurve; do check "twice: $kind" same out/base.$kind.csv again/base.$kind.csv; done
 sed '/^Time/d; /^Wrote/d' answer >first
 sed '/^Time/d; /^Wrote/d' stdout >second
 check 'twice: the answer' same first second
 run base.nml --out out
 check 'a second run into the same folder' exits 0
-check 'a second run leaves nothing else' test "$(files_in out)" = 'base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+check 'a second run leaves nothing else' test "$(files_in out)" = 'base.harmonics.csv base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
 
 run base.nml --out out --quiet
 check 'quiet: exit code' exits 0
@@ -490,9 +497,9 @@ cp prescribed.nml base.nml
 run base.nml --out prescribed --verbose
 check 'prescribed: exit code' exits 0
 check 'prescribed: no geometry' says stdout 'geometry left out: the mesh is prescribed'
-check 'prescribed: the tables' test "$(files_in prescribed)" = 'base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+check 'prescribed: the tables' test "$(files_in prescribed)" = 'base.harmonics.csv base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
 check 'prescribed: columns of the mesh' test "$(columns prescribed/base.mesh.csv)" = "$(columns_of mesh)"
-for kind in sweep mesh load vcurve; do check "prescribed: numbers of $kind" well_formed prescribed/base.$kind.csv; done
+for kind in sweep mesh harmonics load vcurve; do check "prescribed: numbers of $kind" well_formed prescribed/base.$kind.csv; done
 sed "s/model = 'polynomial'/model = 'table' file = 'pair.csv'/; /coefficients/d" base.nml >tabled.nml
 mkdir -p elsewhere
 cp tabled.nml pair.csv elsewhere

@@ -32,11 +32,12 @@ from .results import (
     Section,
     Static,
     Status,
+    Stress,
     Study,
     Sweep,
 )
 from .store import read
-from .tasks import geometry, load, mesh, modal, motion, optimum, prepare, report, run, section, static, sweep
+from .tasks import geometry, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
 
 __version__ = _border.version()
 
@@ -56,6 +57,7 @@ __all__ = [
     'Section',
     'Static',
     'Status',
+    'Stress',
     'Study',
     'Sweep',
     'geometry',
@@ -70,6 +72,7 @@ __all__ = [
     'run',
     'section',
     'static',
+    'stress',
     'sweep',
 ]
 

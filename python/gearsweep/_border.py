@@ -121,6 +121,11 @@ def root(text: str, work: np.ndarray, positions: int, reliefs: int) -> list:
     return _call(_flat.gs_root, _bytes(text), _work(work), positions, reliefs)
 
 
+def stress(text: str, work: np.ndarray, position: int, relief: int, nodes: int) -> list:
+    """Here position and relief are counted from 0."""
+    return _call(_flat.gs_stress, _bytes(text), _work(work), index(position) + 1, index(relief) + 1, nodes)
+
+
 def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:
     return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), index(threads))
 

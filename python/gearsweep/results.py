@@ -385,6 +385,28 @@ class Modal(Section):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Stress(Section):
+    """Stress all over the section for one position of the load, for pictures.
+
+    Attributes
+    ----------
+    sigma_mpa : array (part, node)
+        In x, in y, and shear (xy); the mean of the elements that meet in a node.
+    relief_um, s, radius_mm, share : float
+        Relief; where the load acts, and how much of the static load it is.
+    """
+
+    relief_um: float = _field('um')
+    s: float = _field('base pitch')
+    radius_mm: float = _field('mm')
+    share: float = _field('')
+    sigma_mpa: Reals = _field('MPa', 'part', 'node')
+
+    labels = {'part': ['x', 'y', 'xy']}
+    rows = ('node',)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Static(Result):
     """Root stress of one member while the load moves over the path with its real share.
 

@@ -19,7 +19,7 @@ _KINDS = {
     kind.__name__: kind
     for kind in (
         results.Geometry, results.Motion, results.Mesh, results.Static, results.Modal, results.Section,
-        results.Load, results.Sweep, results.Optimum, results.Study,
+        results.Stress, results.Load, results.Sweep, results.Optimum, results.Study,
     )
 }  # fmt: skip
 

@@ -121,6 +121,25 @@ def static(case: Case, *, work: np.ndarray | None = None) -> results.Static:
     return results.Static(case, _VERSION, *_border.root(named.text, work, n['positions'], n['reliefs']))
 
 
+def stress(case: Case, position: int, relief: int = 0, *, work: np.ndarray | None = None) -> results.Stress:
+    """Stress all over the section, for a picture, with the load at one of the positions of `static`.
+
+    Parameters
+    ----------
+    case : Case
+        What to compute.
+    position, relief : int
+        Which position of the load and which relief, counted from 0.
+    work : array, optional
+        From `prepare`.
+    """
+    named, work = _naming(case, 'static'), _ready(case, work)
+    named = _naming(named, 'section')
+    n = _sizes(named)
+    grid = _border.section(named.text, n['nodes'], n['elements'])
+    return results.Stress(case, _VERSION, *grid, *_border.stress(named.text, work, position, relief, n['nodes']))
+
+
 def load(case: Case, *, work: np.ndarray | None = None) -> results.Load:
     """Dynamic load of one pair along its path, at the speeds `load_rpm`."""
     named, work = _naming(case, 'load'), _ready(case, work)

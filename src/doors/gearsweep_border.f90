@@ -87,7 +87,7 @@ contains
     if (allocated(error)) return
     cheap = case
     cheap%wants = (case%needs_load() .and. task_names == 'mesh') .or. &
-                  ((case%asks('section') .or. case%asks('modal')) .and. task_names == 'section')
+                  (case%needs_section() .and. task_names == 'section')
     if (allocated(cheap%published)) deallocate (cheap%published)
     if (case%model == 'fe') then
       call run_study(cheap, folder, 1, study, error, stiffness=constant(0.0_dp, 20.0_dp, 1e8_dp))

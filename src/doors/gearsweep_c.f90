@@ -10,7 +10,7 @@ module gearsweep_c
   private
   public :: gsc_version, gsc_sizes, gsc_prepare, gsc_report, gsc_write, gsc_complete, gsc_change
   public :: gsc_geometry, gsc_motion, gsc_mesh, gsc_load, gsc_sweep, gsc_resonances, gsc_optimum
-  public :: gsc_outline, gsc_section, gsc_modes, gsc_root
+  public :: gsc_outline, gsc_section, gsc_modes, gsc_root, gsc_stress
 
 contains
 
@@ -396,4 +396,22 @@ contains
                                       words)
     call give_text(trim(words), message, message_size)
   end function gsc_root
+
+  function gsc_stress(text, text_length, nwork, work, position, relief, nodes, relief_um, s, radius_mm, share, &
+                      sigma_mpa, message, message_size) result(info) bind(c)
+    type(c_ptr), value :: text, work, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), value :: nwork, position, relief, nodes
+    real(c_double), intent(inout), optional :: relief_um, s, radius_mm, share, sigma_mpa(3, nodes)
+    integer(c_int) :: info
+    character(:), allocatable :: case
+    character(longest_message) :: words
+
+    call take_text(text, text_length, case, info, words)
+    call need_all([nwork == 0 .or. c_associated(work), present(relief_um), present(s), present(radius_mm), &
+                   present(share), present(sigma_mpa)], info, words)
+    if (info == code_ok) call gs_stress(case, nwork, numbers(work, nwork), position, relief, nodes, relief_um, s, &
+                                        radius_mm, share, sigma_mpa, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_stress
 end module gearsweep_c

@@ -5,7 +5,7 @@ module gearsweep_calls
   private
   public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_complete, gs_change
   public :: gs_geometry, gs_motion, gs_mesh, gs_load, gs_sweep, gs_resonances, gs_optimum
-  public :: gs_outline, gs_section, gs_modes, gs_root
+  public :: gs_outline, gs_section, gs_modes, gs_root, gs_stress
 
   interface
     subroutine gs_version(version, info, message)
@@ -178,5 +178,15 @@ module gearsweep_calls
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_root
+
+    subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, radius_mm, share, sigma_mpa, &
+                         info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, position, relief, nodes
+      double precision, intent(in) :: work(*)
+      double precision, intent(inout) :: relief_um, s, radius_mm, share, sigma_mpa(3, nodes)
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_stress
   end interface
 end module gearsweep_calls

@@ -91,6 +91,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
 
+    call reader%get('mesh', 'ste_harmonics', case%harmonics, error, at_least=1, at_most=1000)
     case%prescribed = reader%has('mesh', 'contact_ratio')
     case%model = 'weber'
     if (case%prescribed) then

@@ -190,3 +190,53 @@ subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_m
   end if
   call tell(error, info, message)
 end subroutine gs_root
+
+!> Stress all over the section for one position of the load: task static; at the nodes of gs_section.
+!>
+!> position, relief     which of gs_root's, counted from 1
+!> relief_um, s, radius_mm, share: what gs_root has there
+!> sigma_mpa(3, nodes)  in x, in y, and shear
+subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, radius_mm, share, sigma_mpa, &
+                     info, message)
+  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_case, only: case_t, task_names
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_root_rating, only: load_positions, load_radius, load_shares
+  use gearsweep_section_stress, only: section_stress
+  use gearsweep_study, only: study_t
+  implicit none
+  character(*), intent(in) :: text
+  integer, intent(in) :: nwork, position, relief, nodes
+  double precision, intent(in) :: work(*)
+  double precision, intent(inout) :: relief_um, s, radius_mm, share, sigma_mpa(3, nodes)
+  integer, intent(out) :: info
+  character(*), intent(out) :: message
+  type(case_t) :: case
+  type(study_t) :: study
+  type(error_t), allocatable :: error
+  double precision, allocatable :: path(:), radius(:), part(:), stress(:, :)
+
+  call open_case(text, 'static', 1, case, error)
+  case%wants = task_names == 'mesh'
+  call run_case(case, nwork, work, 1, study, error)
+  if (.not. allocated(error)) then
+    path = load_positions(study%pair, case%root)
+    if (position < 1 .or. position > size(path)) call fail(error, code_input, 'position: is none of gs_root')
+    if (relief < 1 .or. relief > size(case%amount)) call fail(error, code_input, 'relief: is none of the case')
+  end if
+  if (.not. allocated(error)) then
+    radius = load_radius(study%pair, case%root, path)
+    part = load_shares(study%motion(relief)%mesh, study%load, case%root, path)
+    call section_stress(study%pair%gear(case%root%member), case%material, case%section, radius(position), &
+                        part(position)*study%load/minval(study%pair%gear%spec%face_width), stress, error)
+  end if
+  if (.not. allocated(error)) call need_room('nodes', nodes, size(stress, 2), error)
+  if (.not. allocated(error)) then
+    relief_um = 1d6*case%amount(relief)
+    s = path(position)
+    radius_mm = 1d3*radius(position)
+    share = part(position)
+    sigma_mpa(:, :size(stress, 2)) = 1d-6*stress
+  end if
+  call tell(error, info, message)
+end subroutine gs_stress

@@ -3,8 +3,8 @@ module gearsweep_output
   use gearsweep_error, only: error_t
   use gearsweep_files, only: write_text
   use gearsweep_study, only: study_t
-  use gearsweep_tables, only: load_table, mesh_table, mode_table, optimum_table, outline_table, published_table, &
-                              root_table, sweep_table
+  use gearsweep_tables, only: harmonics_table, load_table, mesh_table, mode_table, optimum_table, outline_table, &
+                              published_table, root_table, sweep_table
   use gearsweep_text, only: str
   use gearsweep_vtu, only: vtu_field_t, vtu_text
   implicit none
@@ -23,6 +23,7 @@ contains
 
     written = ''
     if (allocated(study%sharing)) call put('mesh.csv', mesh_table(study))
+    if (allocated(study%harmonics)) call put('harmonics.csv', harmonics_table(study))
     if (allocated(study%response)) call put('load.csv', load_table(study))
     if (allocated(study%sweep)) call put('sweep.csv', sweep_table(study))
     if (allocated(study%optimum)) call put('vcurve.csv', optimum_table(study))

@@ -111,16 +111,21 @@ contains
   pure subroutine add_sharing(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
-    integer :: i
+    character(:), allocatable :: line
+    integer :: i, k
 
     call lines%add('')
     call lines%add('Static transmission error')
-    call lines%add('   relief um   peak-to-peak um   mean um   largest pair load/static')
+    call lines%add('   relief um   peak-to-peak um   mean um   harmonics 1, 2, 3 um         largest pair load/static')
     do i = 1, size(study%sharing)
-      associate (sharing => study%sharing(i))
-        call lines%add(right(str(micro*study%case%amount(i)), 12)//right(str(micro*sharing%peak_to_peak(), 4), 18)// &
-                       right(str(micro*sharing%mean_error(), 4), 10)// &
-                       right(fixed(maxval(sharing%load)/study%load, 4), 27))
+      associate (ste => study%harmonics(i))
+        line = right(str(micro*study%case%amount(i)), 12)//right(str(micro*ste%peak_to_peak(), 4), 18)// &
+               right(str(micro*ste%mean, 4), 10)//'  '
+        do k = 1, 3
+          if (k > size(ste%amplitude)) line = line//repeat(' ', 9)
+          if (k <= size(ste%amplitude)) line = line//right(str(micro*ste%amplitude(k), 3), 9)
+        end do
+        call lines%add(line//right(fixed(maxval(study%sharing(i)%load)/study%load, 4), 26))
       end associate
     end do
   end subroutine add_sharing

@@ -19,6 +19,7 @@ module gearsweep_study
   use gearsweep_root_rating, only: root_rating_t, rate_root
   use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: sharing_t, share_load
+  use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_motion, only: oscillator_t, make_oscillator
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
   use gearsweep_response, only: response_t, find_response
@@ -38,6 +39,7 @@ module gearsweep_study
     real(dp) :: mass(2) = 0                      !< effective masses, kg
     type(oscillator_t), allocatable :: motion(:) !< one for each relief
     type(sharing_t), allocatable :: sharing(:)   !< one for each relief
+    type(harmonics_t), allocatable :: harmonics(:)  !< of the static transmission error, one for each relief
     type(response_t), allocatable :: response(:, :)  !< one for each relief and load_rpm
     type(section_t), allocatable :: section      !< of the member that is looked at
     type(modal_t), allocatable :: modal          !< of that section
@@ -390,11 +392,12 @@ contains
     integer, parameter :: samples = 200
     integer :: i
 
-    allocate (study%sharing(size(study%motion)))
+    allocate (study%sharing(size(study%motion)), study%harmonics(size(study%motion)))
     do i = 1, size(study%motion)
       call share_load(study%motion(i)%mesh, study%load, samples, study%sharing(i))
+      call find_harmonics(study%motion(i)%mesh, study%load, study%case%harmonics, study%harmonics(i))
     end do
-    call note(study, 'mesh: static load sharing')
+    call note(study, 'mesh: static load sharing and transmission error')
   end subroutine share_all
 
   subroutine respond(study)

@@ -1,7 +1,7 @@
 !> The results as CSV text. Lines that begin with `#` carry version, units and
 !> the case; numbers have 15 significant digits.
 module gearsweep_tables
-  use gearsweep_kinds, only: dp
+  use gearsweep_kinds, only: dp, pi
   use gearsweep_body_report, only: mode_rows, outline_rows, published_rows, root_rows
   use gearsweep_lines, only: bare, lines_t, field
   use gearsweep_steady, only: name_of
@@ -9,7 +9,7 @@ module gearsweep_tables
   use gearsweep_version, only: version
   implicit none
   private
-  public :: sweep_table, mesh_table, load_table, optimum_table
+  public :: sweep_table, mesh_table, harmonics_table, load_table, optimum_table
   public :: outline_table, root_table, mode_table, published_table
 
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
@@ -105,6 +105,30 @@ contains
       field(milli*study%pair%curvature(1, s))//','// &
       field(milli*study%pair%curvature(2, s))
   end function mesh_row
+
+  !> Harmonics of the static transmission error for each relief; harmonic 0 is the mean.
+  pure function harmonics_table(study) result(text)
+    type(study_t), intent(in) :: study
+    character(:), allocatable :: text
+    type(lines_t) :: lines
+    real(dp), allocatable :: amplitude(:), phase(:)
+    integer :: i, k
+
+    call open_table(study, 'static transmission error as mean + sum of amplitude cos(2 pi harmonic tau + phase) over the '// &
+                    'mesh phase tau, 0 where a pair enters at A; units: um, degrees', &
+                    'relief_um,harmonic,amplitude_um,phase_deg,error_estimate_um', lines)
+    do i = 1, size(study%harmonics)
+      associate (ste => study%harmonics(i))
+        amplitude = [ste%mean, ste%amplitude]
+        phase = [0.0_dp, ste%phase]
+        do k = 1, size(amplitude)
+          call lines%add(field(micro*study%case%amount(i))//','//field(k - 1)//','//field(micro*amplitude(k))//','// &
+                         field(phase(k)*180/pi)//','//field(micro*ste%error_estimate))
+        end do
+      end associate
+    end do
+    text = lines%text()
+  end function harmonics_table
 
   !> Load of one pair along its path at the speeds `load_rpm` (Dogan et al. 2021, Figs. 5, 6).
   pure function load_table(study) result(text)

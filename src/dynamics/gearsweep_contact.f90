@@ -3,7 +3,7 @@
 module gearsweep_contact
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: nodes
-  use gearsweep_motion, only: oscillator_t, table_t, mobility, acceleration
+  use gearsweep_motion, only: oscillator_t, table_t, mobility, acceleration, end_acceleration
   use gearsweep_quintic, only: first_zero, may_pass, quintic, shape_of, value_of
   use gearsweep_step, only: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
   use gearsweep_trace, only: trace_t, record
@@ -46,36 +46,92 @@ contains
     end do
   end function contact_changes
 
-  !> Goes through step i from one change of contact to the next. Within the step, stiffness and profile
-  !> error are taken as quintics through what the table knows of its ends.
-  pure subroutine cross(osc, table, i, duration, walk, out, trace)
+  !> Goes through step i, which would end at `state`, from one change of contact to the next, if there is
+  !> one: `changed`. Within the step, stiffness and profile error are then taken as quintics through what
+  !> the table knows of its ends.
+  pure subroutine cross(osc, table, i, duration, state, walk, out, changed, trace)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
-    real(dp), intent(in) :: duration
+    real(dp), intent(in) :: duration, state(2)
     type(walk_t), intent(inout) :: walk
     type(period_t), intent(inout) :: out
+    logical, intent(out) :: changed
     type(trace_t), intent(inout), optional :: trace
     type(stretch_t) :: stretch
-    real(dp) :: left, part
+    real(dp) :: part
     integer :: count, member
 
+    call first_change_of_step(osc, table, i, duration, walk, state, part, member)
+    changed = member > 0
+    if (.not. changed) return
     call take_step(osc, table, i, walk)
-    left = 0
+    stretch%i = i
+    stretch%left = 0
+    stretch%width = 1
     do count = 1, most_events
-      call make_stretch(osc, table, i, duration, walk, left, 1 - left, stretch)
-      call first_change(osc, table, duration, walk, stretch, part, member)
-      if (member > 0) call close_in(osc, table, duration, walk, part, member, stretch)
+      call close_in(osc, table, duration, walk, part, member, stretch)
       call accept(osc, table, duration, stretch, walk, out, trace)
-      if (member == 0) return
-      left = stretch%left + stretch%width
-      call switch_contact(osc, table, i, duration, left, member, walk)
+      stretch%left = stretch%left + stretch%width
+      stretch%width = 1 - stretch%left
+      call switch_contact(osc, table, i, duration, stretch%left, member, walk)
       out%events = out%events + 1
       call note_contact(osc, walk%contact, out)
-      if (left >= 1) return
+      if (stretch%width <= 0) return
+      call follow_stretch(osc, table, duration, walk, stretch)
+      call first_change(osc, table, duration, walk, stretch, part, member)
+      if (member > 0) cycle
+      call accept(osc, table, duration, stretch, walk, out, trace)
+      return
     end do
     out%failed = .true.
   end subroutine cross
+
+  !> The first change of contact in step i as the table knows it: its place in the step and the member; 0
+  !> where there is none.
+  pure subroutine first_change_of_step(osc, table, i, duration, walk, state, place, member)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    real(dp), intent(in) :: duration, state(2)
+    type(walk_t), intent(in) :: walk
+    real(dp), intent(out) :: place
+    integer, intent(out) :: member
+    real(dp) :: motion(0:2, 2), overlap(0:2, 2)
+    integer :: j, k
+
+    motion(0, :) = [walk%x, state(1)]
+    motion(1, :) = [walk%y, state(2)]
+    do k = 1, 2
+      motion(2, k) = end_acceleration(osc, table, i, k, walk%contact, duration, motion(0, k), motion(1, k))
+    end do
+    place = 1
+    member = 0
+    do j = 1, osc%members
+      if (j > table%pairs(i) .and. j <= osc%pairs) cycle
+      do k = 0, 2
+        overlap(k, :) = table%width(i)**k*(motion(k, :) - table%end_error(k, j, :, i))
+      end do
+      call take_earlier(osc, walk, overlap, j, place, member)
+    end do
+  end subroutine first_change_of_step
+
+  !> Takes member j's change of contact, if there is one and it is earlier than that at `place`.
+  pure subroutine take_earlier(osc, walk, overlap, j, place, member)
+    type(oscillator_t), intent(in) :: osc
+    type(walk_t), intent(in) :: walk
+    real(dp), intent(in) :: overlap(0:2, 2)
+    integer, intent(in) :: j
+    real(dp), intent(inout) :: place
+    integer, intent(inout) :: member
+    real(dp) :: zero
+    logical :: found
+
+    call first_zero(quintic(overlap(:, 1), overlap(:, 2)), walk%contact(j) .eqv. j <= osc%pairs, zero, found)
+    if (.not. found .or. zero >= place) return
+    place = zero
+    member = j
+  end subroutine take_earlier
 
   !> The quintics of step i.
   pure subroutine take_step(osc, table, i, walk)
@@ -110,7 +166,7 @@ contains
     push = 0
     coast = 0
     s = table%left(i) + place*table%width(i)
-    associate (zone => table%zones(table%zone(i)))
+    associate (zone => osc%zones(table%zone(i)))
       do j = 1, zone%pairs
         stiffness = value_of(walk%stiffness(:, j), place)
         coast = coast + stiffness
@@ -127,28 +183,26 @@ contains
     push = push - rate*osc%backlash
   end subroutine sum_up
 
-  !> The motion over [left, left + width] of step i.
-  pure subroutine make_stretch(osc, table, i, duration, walk, left, width, stretch)
+  !> The motion over the stretch, whose place is set.
+  pure subroutine follow_stretch(osc, table, duration, walk, stretch)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i
-    real(dp), intent(in) :: duration, left, width
+    real(dp), intent(in) :: duration
     type(walk_t), intent(in) :: walk
-    type(stretch_t), intent(out) :: stretch
+    type(stretch_t), intent(inout) :: stretch
     real(dp) :: square(3), push(3), state(2)
     integer :: k
 
-    do k = 1, size(nodes)
-      call sum_up(osc, table, i, walk, left + width*nodes(k), square(k), push(k))
-    end do
-    stretch%i = i
-    stretch%left = left
-    stretch%width = width
-    stretch%step = step_of(osc, square, push, sqrt(square), duration, width*table%width(i))
+    associate (i => stretch%i, left => stretch%left, width => stretch%width)
+      do k = 1, size(nodes)
+        call sum_up(osc, table, i, walk, left + width*nodes(k), square(k), push(k))
+      end do
+      stretch%step = step_of(osc, square, push, sqrt(square), duration, width*table%width(i))
+    end associate
     state = follow(stretch%step, walk%x, walk%y)
     stretch%x = [walk%x, state(1)]
     stretch%y = [walk%y, state(2)]
-  end subroutine make_stretch
+  end subroutine follow_stretch
 
   !> Second derivative of the motion over the stretch at its ends.
   pure function curvature(osc, table, duration, walk, stretch) result(c)
@@ -189,8 +243,7 @@ contains
     type(stretch_t), intent(in) :: stretch
     real(dp), intent(out) :: part
     integer, intent(out) :: member
-    real(dp) :: motion(0:2, 2), overlap(0:2, 2), place
-    logical :: found
+    real(dp) :: motion(0:2, 2)
     integer :: j
 
     part = 1
@@ -200,11 +253,7 @@ contains
     motion(2, :) = curvature(osc, table, duration, walk, stretch)
     do j = 1, osc%members
       if (j > table%pairs(stretch%i) .and. j <= osc%pairs) cycle
-      overlap = motion - ends_of(stretch, walk%error(:, j))
-      call first_zero(quintic(overlap(:, 1), overlap(:, 2)), walk%contact(j) .eqv. j <= osc%pairs, place, found)
-      if (.not. found .or. place >= part) cycle
-      part = place
-      member = j
+      call take_earlier(osc, walk, motion - ends_of(stretch, walk%error(:, j)), j, part, member)
     end do
   end subroutine first_change
 
@@ -218,17 +267,17 @@ contains
     type(stretch_t), intent(inout) :: stretch
     ! A hair beyond the zero, as the zero itself is on neither side; the force is continuous there.
     real(dp), parameter :: hair = 1e-13_dp, close = 1e-11_dp
-    real(dp) :: left, width, low, high, part, error(0:2), overlap, slope, miss
+    real(dp) :: width, low, high, part, error(0:2), overlap, slope, miss
     integer :: iteration
 
-    left = stretch%left
     width = stretch%width
     low = 0
     high = 1
     part = guess
     do iteration = 1, 50
-      call make_stretch(osc, table, stretch%i, duration, walk, left, part*width, stretch)
-      error = shape_of(walk%error(:, member), left + part*width)
+      stretch%width = part*width
+      call follow_stretch(osc, table, duration, walk, stretch)
+      error = shape_of(walk%error(:, member), stretch%left + stretch%width)
       overlap = stretch%x(2) - error(0)
       slope = width*(table%width(stretch%i)*stretch%y(2) - error(1))
       miss = huge(miss)

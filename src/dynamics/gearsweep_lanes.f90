@@ -169,13 +169,13 @@ contains
     changes = open .and. lowest < 0
   end subroutine find_changes
 
-  !> Takes lanes through step i one by one.
+  !> Takes lanes through step i one by one; `changes` keeps those in which contact did change.
   pure subroutine cross_lanes(osc, table, i, duration, changes, flock, walk, member, x, y, total, out)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
     real(dp), intent(in) :: duration(lanes)
-    logical, intent(in) :: changes(lanes)
+    logical, intent(inout) :: changes(lanes)
     type(flock_t), intent(inout) :: flock
     type(walk_t), intent(inout) :: walk
     type(member_t), intent(inout) :: member(osc%members)
@@ -187,7 +187,8 @@ contains
       if (.not. changes(l)) cycle
       call take_lane(osc, l, flock, member, walk)
       out(l)%peak = flock%peak(l)
-      call cross(osc, table, i, duration(l), walk, out(l))
+      call cross(osc, table, i, duration(l), [x(l), y(l)], walk, out(l), changes(l))
+      if (.not. changes(l)) cycle
       flock%peak(l) = out(l)%peak
       flock%open(l) = .not. out(l)%failed
       x(l) = walk%x

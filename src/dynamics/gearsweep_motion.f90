@@ -31,6 +31,7 @@ module gearsweep_motion
     real(dp) :: natural_frequency = 0  !< at mean stiffness, without friction and relief, rad/s
     real(dp) :: highest_frequency = 0  !< bound of w over the period, rad/s
     real(dp) :: static_scale = 0       !< deflection at mean stiffness, m: the unit of residuals
+    type(zone_t), allocatable :: zones(:)
   end type oscillator_t
 
   !> How finely the period is cut: each zone gets `times` steps for each of its shares of `base` steps.
@@ -44,7 +45,6 @@ module gearsweep_motion
   type :: table_t
     integer :: steps = 0
     integer :: members = 0             !< pairs at most, and the coast side
-    type(zone_t), allocatable :: zones(:)
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
     real(dp), allocatable :: left(:), width(:)      !< phases
@@ -64,7 +64,6 @@ contains
   subroutine make_oscillator(osc, error)
     type(oscillator_t), intent(inout) :: osc
     type(error_t), allocatable, intent(out) :: error
-    type(zone_t), allocatable :: zones(:)
 
     call demand(osc%mesh%contact_ratio > 1, 'contact ratio', osc%mesh%contact_ratio, 'must be above 1')
     call demand(all(osc%mass > 0), 'effective mass', minval(osc%mass), 'must be above 0')
@@ -76,8 +75,8 @@ contains
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
       osc%friction, 'needs the teeth of both members and the pressure angle')
     if (allocated(error)) return
-    zones = make_zones(osc%mesh, osc%friction > 0)
-    osc%pairs = maxval(zones%pairs)
+    osc%zones = make_zones(osc%mesh, osc%friction > 0)
+    osc%pairs = maxval(osc%zones%pairs)
     osc%members = osc%pairs + merge(1, 0, osc%has_backlash)
     osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))
@@ -147,20 +146,21 @@ contains
     integer, allocatable :: counts(:)
     integer :: i, j, first, last
 
-    table%zones = make_zones(osc%mesh, osc%friction > 0)
-    counts = resolution%times*max(1, ceiling(resolution%base*(table%zones%last - table%zones%first) - 1e-6_dp))
+    counts = resolution%times*max(1, ceiling(resolution%base*(osc%zones%last - osc%zones%first) - 1e-6_dp))
     call allocate_table(osc, sum(counts), table)
     last = 0
-    do i = 1, size(table%zones)
+    do i = 1, size(osc%zones)
       first = last + 1
       last = last + counts(i)
-      associate (zone => table%zones(i))
+      associate (zone => osc%zones(i))
         table%zone(first:last) = i
         table%pairs(first:last) = zone%pairs
         table%width(first:last) = (zone%last - zone%first)/counts(i)
         table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
         do j = 1, zone%pairs
-          call fill_pair(osc, zone, j, first, last, table)
+          call fill_pair(osc, zone, j, counts(i), table%left(first:last), table%width(first), &
+                         table%rate(:, :, first:last), table%error(:, :, first:last), table%end_rate(:, :, first:last), &
+                         table%end_stiffness(:, :, :, first:last), table%end_error(:, :, :, first:last))
         end do
       end associate
     end do
@@ -190,39 +190,40 @@ contains
     end associate
   end subroutine allocate_table
 
-  !> Pair j over the steps of one zone; its piece of stiffness is followed, not looked for.
-  pure subroutine fill_pair(osc, zone, j, first, last, table)
+  !> Pair j over the `n` steps of one zone; its piece of stiffness is followed, not looked for.
+  pure subroutine fill_pair(osc, zone, j, n, left, width, rate, error, end_rate, end_stiffness, end_error)
     type(oscillator_t), intent(in) :: osc
     type(zone_t), intent(in) :: zone
-    integer, intent(in) :: j, first, last
-    type(table_t), intent(inout) :: table
-    real(dp) :: s, left
+    integer, intent(in) :: j, n
+    real(dp), intent(in) :: left(n), width
+    real(dp), intent(inout) :: rate(osc%members, 3, n), error(osc%members, 3, n), end_rate(osc%members, 2, n)
+    real(dp), intent(inout) :: end_stiffness(0:2, osc%pairs, 2, n), end_error(0:2, osc%members, 2, n)
+    real(dp) :: s, stiffness(0:2), deviation(0:2), end
     integer :: i, k, piece
 
-    associate (stiffness => osc%mesh%stiffness, profile_error => osc%mesh%profile_error, &
-               own => zone%piece(j), recess => zone%recess(j))
-      piece = stiffness%locate(zone%first + j - 1)
-      do i = first, last
-        left = table%left(i) + j - 1
+    associate (recess => zone%recess(j), own => zone%piece(j))
+      piece = osc%mesh%stiffness%locate(left(1) + j - 1)
+      stiffness = osc%mesh%stiffness%shape(left(1) + j - 1, piece)
+      deviation = osc%mesh%profile_error%shape(left(1) + j - 1, own)
+      end = stiffness(0)*mobility(osc, left(1) + j - 1, recess)
+      do i = 1, n
+        end_stiffness(:, j, 1, i) = stiffness
+        end_error(:, j, 1, i) = deviation
+        end_rate(j, 1, i) = end
         do k = 1, size(nodes)
-          s = left + table%width(i)*nodes(k)
-          call stiffness%climb(s, piece)
-          table%rate(j, k, i) = stiffness%value_on(piece, s)*mobility(osc, s, recess)
-          table%error(j, k, i) = profile_error%value_on(own, s)
+          s = left(i) + j - 1 + width*nodes(k)
+          call osc%mesh%stiffness%climb(s, piece)
+          rate(j, k, i) = osc%mesh%stiffness%value_on(piece, s)*mobility(osc, s, recess)
+          error(j, k, i) = osc%mesh%profile_error%value_on(own, s)
         end do
-        do k = 1, 2
-          s = left + table%width(i)*(k - 1)
-          if (k == 1 .and. i > first) then
-            table%end_stiffness(:, j, 1, i) = table%end_stiffness(:, j, 2, i - 1)
-            table%end_error(:, j, 1, i) = table%end_error(:, j, 2, i - 1)
-            table%end_rate(j, 1, i) = table%end_rate(j, 2, i - 1)
-          else
-            if (k == 2) call stiffness%climb(s, piece)
-            table%end_stiffness(:, j, k, i) = stiffness%shape(s, piece)
-            table%end_error(:, j, k, i) = profile_error%shape(s, own)
-            table%end_rate(j, k, i) = table%end_stiffness(0, j, k, i)*mobility(osc, s, recess)
-          end if
-        end do
+        s = left(i) + j - 1 + width
+        call osc%mesh%stiffness%climb(s, piece)
+        stiffness = osc%mesh%stiffness%shape(s, piece)
+        deviation = osc%mesh%profile_error%shape(s, own)
+        end = stiffness(0)*mobility(osc, s, recess)
+        end_stiffness(:, j, 2, i) = stiffness
+        end_error(:, j, 2, i) = deviation
+        end_rate(j, 2, i) = end
       end do
     end associate
   end subroutine fill_pair
@@ -237,7 +238,7 @@ contains
       table%error(coast, :, :) = -osc%backlash
       table%end_error(0, coast, :, :) = -osc%backlash
       do i = 1, table%steps
-        associate (zone => table%zones(table%zone(i)))
+        associate (zone => osc%zones(table%zone(i)))
           do j = 1, zone%pairs
             do k = 1, size(nodes)
               table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &

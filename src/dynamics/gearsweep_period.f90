@@ -24,7 +24,7 @@ contains
     type(walk_t) :: walk
     type(step_t) :: step
     real(dp) :: square(3), push(3), state(2)
-    logical :: all_hold
+    logical :: all_hold, changed
     integer :: i, j, zone
 
     walk%x = start(1)
@@ -55,10 +55,10 @@ contains
       state = follow(step, walk%x, walk%y)
       if (.not. hold) then
         if (contact_changes(osc, table, i, walk, state(1), state(2))) then
-          call cross(osc, table, i, duration, walk, out, trace)
+          call cross(osc, table, i, duration, state, walk, out, changed, trace)
           if (out%failed) return
           all_hold = full(osc, walk%contact, table%pairs(i))
-          cycle
+          if (changed) cycle
         end if
       end if
       call track_step(osc, table, i, duration, walk, state, out%peak)

@@ -4,7 +4,7 @@ module gearsweep_sharing
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
   implicit none
   private
-  public :: sharing_t, share_load, load_share, static_deflection
+  public :: sharing_t, share_load, load_share, pairs_at, static_deflection
 
   !> The static state along the mesh period; one-sided at every break.
   type :: sharing_t
@@ -14,9 +14,6 @@ module gearsweep_sharing
     real(dp), allocatable :: s(:, :)             !< path coordinate of each pair; 2nd index as phase
     real(dp), allocatable :: load(:, :)          !< load of each pair, N; 0 where separated
     integer, allocatable :: pairs(:)             !< pairs between A and E
-  contains
-    procedure :: peak_to_peak
-    procedure :: mean_error
   end type sharing_t
 
 contains
@@ -38,6 +35,20 @@ contains
       carries(last) = .false.
     end do
   end function static_deflection
+
+  !> Stiffness (N/m) and profile error (m) of each pair at a phase of `zone`, one-sided at its ends.
+  pure subroutine pairs_at(mesh, zone, phase, stiffness, error)
+    type(mesh_t), intent(in) :: mesh
+    type(zone_t), intent(in) :: zone
+    real(dp), intent(in) :: phase
+    real(dp), intent(out) :: stiffness(zone%pairs), error(zone%pairs)
+    integer :: j
+
+    do j = 1, zone%pairs
+      stiffness(j) = mesh%stiffness%value(phase + j - 1)
+      error(j) = mesh%profile_error%value(phase + j - 1, zone%piece(j))
+    end do
+  end subroutine pairs_at
 
   !> Samples the period with about `samples` points. Source: Dogan et al. 2021,
   !> Eqs. 7, 8, with separation.
@@ -75,11 +86,8 @@ contains
     real(dp), dimension(zone%pairs) :: stiffness, error, gap
     integer :: j
 
-    do j = 1, zone%pairs
-      sharing%s(j, row) = sharing%phase(row) + j - 1
-      stiffness(j) = mesh%stiffness%value(sharing%s(j, row))
-      error(j) = mesh%profile_error%value(sharing%s(j, row), zone%piece(j))
-    end do
+    sharing%s(:zone%pairs, row) = [(sharing%phase(row) + j - 1, j=1, zone%pairs)]
+    call pairs_at(mesh, zone, sharing%phase(row), stiffness, error)
     sharing%pairs(row) = zone%pairs
     sharing%error(row) = static_deflection(stiffness, error, load)
     gap = sharing%error(row) - error
@@ -105,20 +113,4 @@ contains
     j = 1 + floor(s)
     load_share = stiffness(j)*max(0.0_dp, static_deflection(stiffness, error, load) - error(j))/load
   end function load_share
-
-  !> Peak-to-peak static transmission error (m), over the samples.
-  pure real(dp) function peak_to_peak(sharing)
-    class(sharing_t), intent(in) :: sharing
-
-    peak_to_peak = maxval(sharing%error) - minval(sharing%error)
-  end function peak_to_peak
-
-  !> Mean static transmission error over the period (m), by the trapezoidal rule.
-  pure real(dp) function mean_error(sharing)
-    class(sharing_t), intent(in) :: sharing
-
-    associate (n => size(sharing%phase), x => sharing%error)
-      mean_error = sum((sharing%phase(2:) - sharing%phase(:n - 1))*(x(2:) + x(:n - 1)))/2
-    end associate
-  end function mean_error
 end module gearsweep_sharing

@@ -12,7 +12,7 @@ module gearsweep_root_rating
   use gearsweep_stress, only: root_stress_t, root_stress
   implicit none
   private
-  public :: root_options_t, root_rating_t, rate_root, load_positions
+  public :: root_options_t, root_rating_t, rate_root, load_positions, load_radius, load_shares
 
   integer, parameter, public :: shared_by_mesh = 0, shared_equally = 1, shares_stated = 2
   integer, parameter, public :: spaced_on_path = 0, spaced_on_flank = 1
@@ -61,17 +61,13 @@ contains
 
     allocate (rating(size(mesh)))
     s = load_positions(pair, options)
-    allocate (radius, source=min(pair%radius(options%member, s), pair%gear(options%member)%tip_radius))
+    allocate (radius, source=load_radius(pair, options, s))
     call root_stress(pair%gear(options%member), material, section, radius, spread(1.0_dp, 1, size(s)), unit, error)
     if (allocated(error)) return
     do i = 1, size(mesh)
       rating(i)%s = s
       rating(i)%radius = radius
-      if (options%sharing == shares_stated) then
-        rating(i)%share = options%shares
-      else
-        rating(i)%share = shares(mesh(i), load, s, options%sharing)
-      end if
+      rating(i)%share = load_shares(mesh(i), load, options, s)
       rating(i)%stress = unit%under_loads(rating(i)%share*load/minval(pair%gear%spec%face_width))
       call read_off(options%tangent, rating(i), error)
       if (allocated(error)) return
@@ -172,19 +168,31 @@ contains
     end do
   end function sorted
 
-  pure function shares(mesh, load, s, sharing) result(share)
+  !> Where the load acts on the member at the positions `s` (m).
+  pure function load_radius(pair, options, s) result(radius)
+    type(pair_t), intent(in) :: pair
+    type(root_options_t), intent(in) :: options
+    real(dp), intent(in) :: s(:)
+    real(dp) :: radius(size(s))
+
+    radius = min(pair%radius(options%member, s), pair%gear(options%member)%tip_radius)
+  end function load_radius
+
+  !> What one pair carries of the static `load` (N) at the positions `s`.
+  pure function load_shares(mesh, load, options, s) result(share)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, s(:)
-    integer, intent(in) :: sharing
+    type(root_options_t), intent(in) :: options
     real(dp) :: share(size(s))
     integer :: i
 
-    do i = 1, size(s)
-      if (sharing == shared_by_mesh) then
-        share(i) = load_share(mesh, load, s(i))
-      else
-        share(i) = 1.0_dp/(1 + floor(s(i)) + max(0, ceiling(mesh%contact_ratio - s(i)) - 1))
-      end if
-    end do
-  end function shares
+    select case (options%sharing)
+    case (shares_stated)
+      share = options%shares
+    case (shared_equally)
+      share = 1.0_dp/(1 + floor(s) + max(0, ceiling(mesh%contact_ratio - s) - 1))
+    case default
+      share = [(load_share(mesh, load, s(i)), i=1, size(s))]
+    end select
+  end function load_shares
 end module gearsweep_root_rating

@@ -1,0 +1,41 @@
+!> Stress all over a section whose tooth is loaded, for pictures.
+module gearsweep_section_stress
+  use gearsweep_kinds, only: dp
+  use gearsweep_body, only: body_t, make_body
+  use gearsweep_compliance, only: flank_load
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: gear_t
+  use gearsweep_material, only: material_t
+  use gearsweep_nodal_stress, only: nodal_stress
+  use gearsweep_section, only: section_options_t, section_t, make_section
+  implicit none
+  private
+  public :: section_stress
+
+contains
+
+  !> Stress components sigma_x, sigma_y, tau_xy at the nodes of the section's
+  !> grid (3, nodes), Pa, under `line_load` (N/m) on the drive flank at `radius` (m).
+  subroutine section_stress(gear, material, options, radius, line_load, stress, error)
+    type(gear_t), intent(in) :: gear
+    type(material_t), intent(in) :: material
+    type(section_options_t), intent(in) :: options
+    real(dp), intent(in) :: radius, line_load
+    real(dp), allocatable, intent(out) :: stress(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    type(section_t) :: section
+    type(body_t) :: body
+    real(dp), allocatable :: x(:, :)
+
+    call make_section(gear, options, section, error)
+    if (allocated(error)) return
+    call make_body(section%grid, material, options%plane_strain, 1.0_dp, spread(section%is_held(), 1, 2), &
+                   options%most_memory, body, error)
+    if (allocated(error)) return
+    allocate (x(body%unknowns, 1), source=0.0_dp)
+    call flank_load(section, body, radius, x(:, 1), error)
+    if (allocated(error)) return
+    call body%stiffness%solve(x)
+    stress = line_load*nodal_stress(body, body%spread_out(x(:, 1)))
+  end subroutine section_stress
+end module gearsweep_section_stress

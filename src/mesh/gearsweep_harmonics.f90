@@ -1,0 +1,211 @@
+!> Harmonics of the static transmission error: what excites gear whine.
+!>
+!> Over one mesh period of phase tau, x = mean + sum of amplitude(k) cos(2 pi k tau + phase(k)).
+!> Where pairs come and go x jumps, and where one separates it has a kink, so that the transform
+!> of n samples is off by 1/n or 1/n^2. Here every smooth segment is integrated by itself.
+module gearsweep_harmonics
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_mesh, only: mesh_t, zone_t
+  use gearsweep_quadrature, only: gauss_legendre
+  use gearsweep_segments, only: segment_t, smooth_segments
+  use gearsweep_sharing, only: pairs_at, static_deflection
+  implicit none
+  private
+  public :: harmonics_t, find_harmonics
+
+  type :: harmonics_t
+    real(dp) :: mean = 0                         !< of the static transmission error, m
+    real(dp) :: rms = 0                          !< of its deviation from the mean, m
+    real(dp) :: least = 0, largest = 0           !< m
+    real(dp), allocatable :: amplitude(:)        !< of harmonic 1, 2 .. of the mesh frequency, m
+    real(dp), allocatable :: phase(:)            !< rad, at the phase 0 where a pair enters at A
+    real(dp) :: error_estimate = 0               !< of mean and amplitudes, m
+  contains
+    procedure :: peak_to_peak
+  end type harmonics_t
+
+  integer, parameter :: points = 16              !< of Gauss's rule on a panel
+  integer, parameter :: most_halvings = 16
+
+  !> What is integrated: the transmission error over its scale, less 1.
+  type :: integrand_t
+    type(mesh_t) :: mesh
+    real(dp) :: load = 0, scale = 1
+    real(dp) :: node(points) = 0, weight(points) = 0   !< on 0 to 1
+    real(dp) :: tolerance = 0
+  end type integrand_t
+
+contains
+
+  !> The first `count` harmonics of the static transmission error of `mesh` under `load` (N).
+  pure subroutine find_harmonics(mesh, load, count, harmonics)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load
+    integer, intent(in) :: count
+    type(harmonics_t), intent(out) :: harmonics
+    type(zone_t), allocatable :: zones(:)
+    type(segment_t), allocatable :: segments(:)
+    type(integrand_t) :: f
+    complex(dp) :: total(-1:count), whole(-1:count)
+    integer :: i
+
+    call smooth_segments(mesh, load, zones, segments)
+    call set_up(mesh, load, count, zones, segments, f)
+    harmonics%least = huge(1.0_dp)
+    harmonics%largest = -huge(1.0_dp)
+    total = 0
+    do i = 1, size(segments)
+      associate (zone => zones(segments(i)%zone), a => segments(i)%first, b => segments(i)%last)
+        whole = panel(f, zone, a, b, count)
+        call refine(f, zone, a, b, whole, most_halvings, total, harmonics%error_estimate)
+        call extremes(f, zone, a, b, harmonics%least, harmonics%largest)
+      end associate
+    end do
+    harmonics%mean = f%scale*(1 + real(total(0), dp))
+    harmonics%rms = f%scale*sqrt(max(0.0_dp, real(total(-1), dp) - real(total(0), dp)**2))
+    harmonics%amplitude = 2*f%scale*abs(total(1:))
+    harmonics%phase = atan2(aimag(total(1:)), real(total(1:), dp))
+    harmonics%error_estimate = 2*f%scale*harmonics%error_estimate
+  end subroutine find_harmonics
+
+  pure real(dp) function peak_to_peak(self)
+    class(harmonics_t), intent(in) :: self
+
+    peak_to_peak = self%largest - self%least
+  end function peak_to_peak
+
+  pure subroutine set_up(mesh, load, count, zones, segments, f)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load
+    integer, intent(in) :: count
+    type(zone_t), intent(in) :: zones(:)
+    type(segment_t), intent(in) :: segments(:)
+    type(integrand_t), intent(out) :: f
+    integer :: i
+
+    f%mesh = mesh
+    f%load = load
+    call gauss_legendre(f%node, f%weight)
+    f%node = (1 + f%node)/2
+    f%weight = f%weight/2
+    f%scale = maxval([(error_at(f, zones(segments(i)%zone), segments(i)%first), i=1, size(segments))])
+    ! Rounding errors of the phase grow with the harmonic.
+    f%tolerance = 1e-13_dp + 4e-15_dp*count
+  end subroutine set_up
+
+  !> The static transmission error, m.
+  pure real(dp) function error_at(f, zone, phase)
+    type(integrand_t), intent(in) :: f
+    type(zone_t), intent(in) :: zone
+    real(dp), intent(in) :: phase
+    real(dp), dimension(zone%pairs) :: stiffness, error
+
+    call pairs_at(f%mesh, zone, phase, stiffness, error)
+    error_at = static_deflection(stiffness, error, f%load)
+  end function error_at
+
+  !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k tau) in part(k), k = 0 to
+  !> `count`, and of x**2 in part(-1).
+  pure function panel(f, zone, a, b, count) result(part)
+    type(integrand_t), intent(in) :: f
+    type(zone_t), intent(in) :: zone
+    real(dp), intent(in) :: a, b
+    integer, intent(in) :: count
+    complex(dp) :: part(-1:count)
+    complex(dp) :: turn, term
+    real(dp) :: phase, x
+    integer :: i, k
+
+    part = 0
+    do i = 1, points
+      phase = a + (b - a)*f%node(i)
+      x = error_at(f, zone, phase)/f%scale - 1
+      part(-1) = part(-1) + (b - a)*f%weight(i)*x**2
+      turn = exp(cmplx(0.0_dp, -2*pi*phase, dp))
+      term = (b - a)*f%weight(i)*x
+      do k = 0, count
+        part(k) = part(k) + term
+        term = term*turn
+      end do
+    end do
+  end function panel
+
+  !> Adds the integrals from a to b to `total`: those of the halves where they agree with `whole`,
+  !> else halved again. `estimate` grows by how far they disagree.
+  pure recursive subroutine refine(f, zone, a, b, whole, halvings, total, estimate)
+    type(integrand_t), intent(in) :: f
+    type(zone_t), intent(in) :: zone
+    real(dp), intent(in) :: a, b
+    complex(dp), intent(in) :: whole(-1:)
+    integer, intent(in) :: halvings
+    complex(dp), intent(inout) :: total(-1:)
+    real(dp), intent(inout) :: estimate
+    complex(dp), dimension(-1:ubound(whole, 1)) :: left, right
+    real(dp) :: off
+
+    associate (middle => (a + b)/2)
+      left = panel(f, zone, a, middle, ubound(whole, 1))
+      right = panel(f, zone, middle, b, ubound(whole, 1))
+      off = maxval(abs(whole - left - right))
+      if (off <= f%tolerance*(b - a) .or. halvings == 0) then
+        total = total + left + right
+        estimate = estimate + off
+      else
+        call refine(f, zone, a, middle, left, halvings - 1, total, estimate)
+        call refine(f, zone, middle, b, right, halvings - 1, total, estimate)
+      end if
+    end associate
+  end subroutine refine
+
+  !> Widens `least` and `largest` by what x reaches from a to b.
+  pure subroutine extremes(f, zone, a, b, least, largest)
+    type(integrand_t), intent(in) :: f
+    type(zone_t), intent(in) :: zone
+    real(dp), intent(in) :: a, b
+    real(dp), intent(inout) :: least, largest
+    real(dp) :: phase(0:points + 1), x(0:points + 1)
+    integer :: i, highest, lowest
+
+    phase = [a, a + (b - a)*f%node, b]
+    do i = 0, points + 1
+      x(i) = error_at(f, zone, phase(i))
+    end do
+    least = min(least, minval(x))
+    largest = max(largest, maxval(x))
+    highest = maxloc(x, 1) - 1
+    lowest = minloc(x, 1) - 1
+    if (highest > 0 .and. highest <= points) &
+      largest = max(largest, summit(f, zone, phase(highest - 1), phase(highest + 1), 1))
+    if (lowest > 0 .and. lowest <= points) &
+      least = min(least, -summit(f, zone, phase(lowest - 1), phase(lowest + 1), -1))
+  end subroutine extremes
+
+  !> The largest value of way*x between two phases with one summit between them, by golden section.
+  pure real(dp) function summit(f, zone, first, last, way)
+    type(integrand_t), intent(in) :: f
+    type(zone_t), intent(in) :: zone
+    real(dp), intent(in) :: first, last
+    integer, intent(in) :: way
+    real(dp), parameter :: golden = (sqrt(5.0_dp) - 1)/2
+    integer, parameter :: cuts = 40
+    real(dp) :: a, b, inner(2), x(2)
+    integer :: i
+
+    a = first
+    b = last
+    inner = [b - golden*(b - a), a + golden*(b - a)]
+    x = way*[error_at(f, zone, inner(1)), error_at(f, zone, inner(2))]
+    do i = 1, cuts
+      if (x(1) > x(2)) then
+        b = inner(2)
+        inner = [b - golden*(b - a), inner(1)]
+        x = [way*error_at(f, zone, inner(1)), x(1)]
+      else
+        a = inner(1)
+        inner = [inner(2), a + golden*(b - a)]
+        x = [x(2), way*error_at(f, zone, inner(2))]
+      end if
+    end do
+    summit = maxval(x)
+  end function summit
+end module gearsweep_harmonics
