@@ -20,6 +20,7 @@ unit. Pictures, pandas and xarray are loaded when they are asked for.
 from . import _border
 from ._border import Code, Error, PartialWarning
 from .case import Case
+from .maps import Hysteresis, StabilityMap, Strobe, hysteresis, stability_map, strobe
 from .results import (
     Contact,
     Geometry,
@@ -47,6 +48,7 @@ __all__ = [
     'Contact',
     'Error',
     'Geometry',
+    'Hysteresis',
     'Load',
     'Mesh',
     'Modal',
@@ -55,12 +57,15 @@ __all__ = [
     'PartialWarning',
     'Result',
     'Section',
+    'StabilityMap',
     'Static',
     'Status',
     'Stress',
+    'Strobe',
     'Study',
     'Sweep',
     'geometry',
+    'hysteresis',
     'load',
     'mesh',
     'modal',
@@ -71,8 +76,10 @@ __all__ = [
     'report',
     'run',
     'section',
+    'stability_map',
     'static',
     'stress',
+    'strobe',
     'sweep',
 ]
 

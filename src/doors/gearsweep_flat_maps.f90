@@ -63,14 +63,14 @@ end subroutine gs_stability
 !> rpm(speeds)                of the pinion, in the direction of travel
 !> jump                       a dynamic factor that changes by more at once has jumped (0.02)
 !> closeness                  of the speeds before and after a change, relative (1e-6)
+!> changes                    that there are (given: room for them); also where room is too small
+!> change_rpm, change_factor, change_status, change_periods (2, room)  before and after each
 !> dynamic_factor, estimate, status, contact, floquet_modulus, periods (speeds)  as from gs_sweep
 !> x_um(speeds), v_mm_s(speeds)  dynamic transmission error and its rate as a new pair enters; NaN without
 !>                            an answer
-!> changes                    that there are (given: room for them); also where room is too small
-!> change_rpm, change_factor, change_status, change_periods (2, room)  before and after each
-subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, room, dynamic_factor, estimate, &
-                     status, contact, floquet_modulus, periods, x_um, v_mm_s, changes, change_rpm, &
-                     change_factor, change_status, change_periods, info, message)
+subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, room, changes, change_rpm, &
+                     change_factor, change_status, change_periods, dynamic_factor, estimate, status, contact, &
+                     floquet_modulus, periods, x_um, v_mm_s, info, message)
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_accuracy, only: mesh_period
   use gearsweep_border, only: need_between, need_order, need_room, open_case, run_case, tell
@@ -100,8 +100,9 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
   integer :: i
 
   call open_case(text, 'motion', 1, case, error)
+  call need_room('speeds', speeds, 1, error)
   call need_between('rpm', rpm, slowest, fastest, error)
-  call need_order('rpm', rpm, merge(-1, 1, rpm(speeds) < rpm(1)), error)
+  if (.not. allocated(error)) call need_order('rpm', rpm, merge(-1, 1, rpm(speeds) < rpm(1)), error)
   call need_between('jump', [jump], 1d-6, 1d6, error)
   call need_between('closeness', [closeness], 1d-12, 1d0, error)
   if (.not. allocated(error)) call need_between('relief', [dble(relief)], 1d0, dble(size(case%amount)), error)
@@ -140,16 +141,19 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
   call tell(error, info, message)
 end subroutine gs_follow
 
-!> The motion seen once a mesh period, as a new pair enters, for one relief: started at rest, and at each
-!> further speed where it was at the one before.
+!> The motion seen once a mesh period, as a new pair enters, for one relief; at each further speed it starts
+!> where it was at the one before.
 !>
 !> relief                     which of the case's, from 1
 !> rpm(speeds)                of the pinion, in the direction of travel
+!> start_um, start_mm_s       where it starts, as from gs_follow; NaN: at rest under the static load
 !> settle, keep               mesh periods passed over at each speed, and kept after them
 !> x_um(keep, speeds), v_mm_s(keep, speeds)  dynamic transmission error and its rate; NaN where the speed is
 !>                            too low or contact changes without end
 !> exponent(speeds)           largest Lyapunov exponent, of a mesh period: above 0 where the motion is chaotic
-subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, settle, keep, x_um, v_mm_s, exponent, info, message)
+subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_s, settle, keep, x_um, v_mm_s, &
+                     exponent, info, message)
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_border, only: need_between, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
@@ -158,7 +162,7 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, settle, keep, x_um,
   implicit none
   character(*), intent(in) :: text
   integer, intent(in) :: nwork, relief, speeds, settle, keep
-  double precision, intent(in) :: work(*), rpm(speeds)
+  double precision, intent(in) :: work(*), rpm(speeds), start_um, start_mm_s
   double precision, intent(inout), dimension(keep, speeds) :: x_um, v_mm_s
   double precision, intent(inout) :: exponent(speeds)
   integer, intent(out) :: info
@@ -176,7 +180,11 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, settle, keep, x_um,
   if (.not. allocated(error)) call need_between('relief', [dble(relief)], 1d0, dble(size(case%amount)), error)
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
-    call strobe_motion(study%motion(relief), rpm, settle, keep, strobe)
+    if (ieee_is_nan(start_um) .or. ieee_is_nan(start_mm_s)) then
+      call strobe_motion(study%motion(relief), rpm, settle, keep, strobe)
+    else
+      call strobe_motion(study%motion(relief), rpm, settle, keep, strobe, [1d-6*start_um, 1d-3*start_mm_s])
+    end if
     x_um = 1d6*strobe%x
     v_mm_s = 1d3*strobe%v
     exponent = strobe%exponent

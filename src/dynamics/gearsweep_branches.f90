@@ -8,7 +8,7 @@ module gearsweep_branches
   use gearsweep_steady, only: has_answer
   implicit none
   private
-  public :: branch_t, change_t, follow_branch
+  public :: branch_t, change_t, follow_branch, go_on, carried
 
   !> Between two speeds, the motion before and the motion after.
   type :: change_t
@@ -116,21 +116,40 @@ contains
     type(tables_t), intent(inout) :: tables
     type(stand_t), intent(inout) :: stand
     type(point_t) :: next
-    real(dp) :: duration
 
-    duration = mesh_period(osc%mesh%teeth(1), rpm)
-    associate (now => stand%point%steady)
-      ! While all pairs stay in contact there is one periodic motion: nothing to follow.
-      if (.not. (now%partial .and. has_answer(now%status))) call solve_point(osc, duration, options, tables, next)
-      if (.not. has_answer(now%status) .or. .not. (now%partial .or. next%steady%partial)) then
-        stand = stand_t(rpm, next)
-        return
-      end if
-      ! The same motion in time: the derivative over the phase scales with the period.
-      call solve_point(osc, duration, options, tables, next, now%state*[1.0_dp, stand%rpm/rpm])
-    end associate
+    call go_on(osc, rpm, options, tables, stand%point, stand%rpm, next)
     stand = stand_t(rpm, next)
   end subroutine step_to
+
+  !> The steady motion at `rpm` that the one at a neighbouring speed leads to; where that has no answer, as
+  !> from rest. While all pairs stay in contact there is one periodic motion, and nothing to follow.
+  pure subroutine go_on(osc, rpm, options, tables, neighbour, rpm_there, point)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm, rpm_there
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(in) :: neighbour
+    type(point_t), intent(out) :: point
+    real(dp) :: duration
+    logical :: known
+
+    duration = mesh_period(osc%mesh%teeth(1), rpm)
+    known = has_answer(neighbour%steady%status)
+    if (.not. (known .and. neighbour%steady%partial)) then
+      call solve_point(osc, duration, options, tables, point)
+      if (.not. (known .and. point%steady%partial)) return
+    end if
+    call solve_point(osc, duration, options, tables, point, carried(neighbour, rpm_there, rpm))
+  end subroutine go_on
+
+  !> The same state in time: the derivative over the phase scales with the period.
+  pure function carried(point, rpm_from, rpm_to) result(state)
+    type(point_t), intent(in) :: point
+    real(dp), intent(in) :: rpm_from, rpm_to
+    real(dp) :: state(2)
+
+    state = point%steady%state*[1.0_dp, rpm_from/rpm_to]
+  end function carried
 
   !> Are these motions at neighbouring speeds one and the same? Those without an answer count as such.
   pure logical function is_alike(a, b, jump)

@@ -26,18 +26,21 @@ module gearsweep_strobe
 contains
 
   !> Follows the transient for `settle` mesh periods at each pinion speed of `rpm` (1/min), then the motion for
-  !> `keep` more. It starts at rest under the static load, then at each speed where it was at the one before.
-  pure subroutine strobe_motion(osc, rpm, settle, keep, strobe)
+  !> `keep` more. It starts from `start` (m, m/s) or at rest under the static load, then at each speed where it
+  !> was at the one before.
+  pure subroutine strobe_motion(osc, rpm, settle, keep, strobe, start)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
     integer, intent(in) :: settle, keep
     type(strobe_t), intent(out) :: strobe
+    real(dp), intent(in), optional :: start(2)
     real(dp) :: state(2)
     integer :: i
 
     allocate (strobe%x(keep, size(rpm)), strobe%v(keep, size(rpm)), strobe%exponent(size(rpm)), &
               source=ieee_value(1.0_dp, ieee_quiet_nan))
     state = [osc%static_scale, 0.0_dp]
+    if (present(start)) state = start*[1.0_dp, mesh_period(osc%mesh%teeth(1), rpm(1))]
     do i = 1, size(rpm)
       if (i > 1) state(2) = state(2)*rpm(i - 1)/rpm(i)
       call follow(osc, mesh_period(osc%mesh%teeth(1), rpm(i)), settle, state, strobe%x(:, i), strobe%v(:, i), &
