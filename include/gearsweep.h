@@ -48,7 +48,8 @@ enum {
   GSC_UNSTABLE = 4,    /* the periodic motion repels; no steady motion was reached */
   GSC_APERIODIC = 5,   /* no periodic motion was found */
   GSC_UNRESOLVED = 6,  /* the speed is too low for the steps given or allowed */
-  GSC_CHATTER = 7      /* contact changes without end */
+  GSC_CHATTER = 7,     /* contact changes without end */
+  GSC_CHAOTIC = 8      /* no periodic motion was found, and disturbances keep growing */
 };
 
 /* What contact of gsc_sweep says: all pairs touch, one was apart for a while, all were, the coast

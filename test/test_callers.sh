@@ -96,7 +96,7 @@ check 'mesh as in the table' agrees legacy.mesh 1-7 mesh legacy.out
 check 'sweep as in the table' agrees legacy.sweep 1-4,7,8 sweep legacy.out
 check 'optimum as in the table' agrees legacy.vcurve 1-3 vcurve legacy.out
 names() {
-  awk -F'[, ]+' 'BEGIN { split("ok marginal subharmonic inexact unstable aperiodic unresolved chatter", s, " ")
+  awk -F'[, ]+' 'BEGIN { split("ok marginal subharmonic inexact unstable aperiodic unresolved chatter chaotic", s, " ")
     split("full partial lost coast", c, " ") } /^status/ { print s[$2 + 1] "," c[$3 + 1] "," $4 "," $5 }' legacy.out | numbers - >ours
   columns legacy.sweep 5,6,9,10 >theirs
   same theirs ours

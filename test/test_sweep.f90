@@ -212,7 +212,8 @@ contains
     call check_true(t, 'contact lost above', all(pack(falling%contact(:, 1), between) >= contact_lost))
   end subroutine branches
 
-  !> Speeds without an answer get NaN and a status; the others are as without them.
+  !> Speeds without an answer get NaN and a status; the others are as without
+  !> them, but for the rounding of other lanes.
   subroutine failures_stay_local(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t), allocatable :: osc(:)
@@ -227,7 +228,8 @@ contains
     call run_sweep(osc, [5000.0_dp], options, alone, error)
     call check_true(t, 'no answer', all(.not. has_answer(both%status(1, :))))
     call check_true(t, 'NaN', all(both%dynamic_factor(1, :) /= both%dynamic_factor(1, :)))
-    call check_true(t, 'neighbour unharmed', all(both%dynamic_factor(2, :) == alone%dynamic_factor(1, :)))
+    call check_true(t, 'neighbour unharmed', &
+                    maxval(abs(both%dynamic_factor(2, :) - alone%dynamic_factor(1, :))) < 1e-14_dp)
   end subroutine failures_stay_local
 
   subroutine too_many_points(t)

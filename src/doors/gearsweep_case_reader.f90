@@ -99,7 +99,7 @@ contains
       call reader%get('mesh', 'model', case%model, error, required=.true., &
                       allowed=[character(10) :: 'polynomial', 'table'])
       call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp)
-      call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, above=0.0_dp, scale=1e-3_dp)
+      call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp)
       call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp)
       if (case%pitch_point > case%contact_ratio) call fail(error, code_input, &
         '&mesh pitch_point = '//str(case%pitch_point)//': must be at most the contact ratio')
@@ -120,7 +120,8 @@ contains
       return
     end if
     if (case%model == 'polynomial') then
-      call reader%get('mesh', 'coefficients', case%coefficients, error, required=.true., scale=1e6_dp, max_size=20)
+      call reader%get('mesh', 'coefficients', case%coefficients, error, required=.true., &
+                      at_least=-1e12_dp, at_most=1e12_dp, scale=1e6_dp, max_size=20)
     else
       call reader%refuse('mesh', 'coefficients', 'needs model = ''polynomial''', error)
     end if
@@ -163,7 +164,8 @@ contains
     case%spec%pressure_angle(1) = drive_angle
     case%spec%module = module
     case%spec%face_width = width
-    call reader%get('pair', 'backlash_um', case%backlash, error, given=given, at_least=0.0_dp, scale=1e-6_dp)
+    call reader%get('pair', 'backlash_um', case%backlash, error, given=given, at_least=0.0_dp, at_most=1e9_dp, &
+                    scale=1e-6_dp)
     case%has_backlash = given
   end subroutine read_pair
 
@@ -240,9 +242,9 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     integer :: given
 
-    call reader%get('load', 'torque_nm', case%torque, error, above=0.0_dp, at_most=1e12_dp)
-    call reader%get('load', 'normal_force_n', case%normal_force, error, above=0.0_dp, at_most=1e12_dp)
-    call reader%get('load', 'line_load_n_mm', case%line_load, error, above=0.0_dp, at_most=1e7_dp, scale=1e3_dp)
+    call reader%get('load', 'torque_nm', case%torque, error, at_least=1e-12_dp, at_most=1e12_dp)
+    call reader%get('load', 'normal_force_n', case%normal_force, error, at_least=1e-12_dp, at_most=1e12_dp)
+    call reader%get('load', 'line_load_n_mm', case%line_load, error, at_least=1e-12_dp, at_most=1e7_dp, scale=1e3_dp)
     given = count([case%torque, case%normal_force, case%line_load] > 0)
     if (given > 1 .or. (given == 0 .and. case%needs_load())) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), normal_force_n and line_load_n_mm; '//str(given)//' are given')
@@ -266,13 +268,14 @@ contains
 
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, required=reader%has_group('relief'), &
-                    at_least=0.0_dp, scale=1e-6_dp, max_size=10000)
+                    at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp, max_size=10000)
     call reader%get('relief', 'pinion_fraction', case%fraction(1), error, at_least=0.0_dp, at_most=1000.0_dp)
     call reader%get('relief', 'gear_fraction', case%fraction(2), error, at_least=0.0_dp, at_most=1000.0_dp)
     shape = 'linear'
     call reader%get('relief', 'shape', shape, error, allowed=[character(9) :: 'linear', 'parabolic'])
     case%shape = merge(parabolic, linear, shape == 'parabolic')
-    call reader%get('relief', 'length_mm', case%length, error, given=has_length, above=0.0_dp, scale=1e-3_dp)
+    call reader%get('relief', 'length_mm', case%length, error, given=has_length, at_least=1e-6_dp, at_most=1e6_dp, &
+                    scale=1e-3_dp)
     call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, given=has_roll(1), above=0.0_dp, scale=pi/180)
     call reader%get('relief', 'gear_roll_deg', case%roll(2), error, given=has_roll(2), above=0.0_dp, scale=pi/180)
     case%start = 'hpstc'
@@ -321,12 +324,12 @@ contains
     logical :: needed
 
     needed = case%asks('sweep') .or. case%asks('optimum')
-    call reader%get('sweep', 'rpm_first', case%rpm_first, error, required=needed, above=0.0_dp, at_most=1e9_dp)
-    call reader%get('sweep', 'rpm_last', case%rpm_last, error, required=needed, above=0.0_dp, at_most=1e9_dp)
-    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=needed, above=0.0_dp)
+    call reader%get('sweep', 'rpm_first', case%rpm_first, error, required=needed, at_least=1e-6_dp, at_most=1e9_dp)
+    call reader%get('sweep', 'rpm_last', case%rpm_last, error, required=needed, at_least=1e-6_dp, at_most=1e9_dp)
+    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=needed, at_least=1e-9_dp)
     direction = 'up'
     call reader%get('sweep', 'direction', direction, error, allowed=[character(4) :: 'up', 'down', 'each'])
-    call reader%get('sweep', 'load_rpm', case%load_rpm, error, required=case%asks('load'), above=0.0_dp, &
+    call reader%get('sweep', 'load_rpm', case%load_rpm, error, required=case%asks('load'), at_least=1e-6_dp, &
                     at_most=1e9_dp, max_size=1000)
     if (allocated(error)) return
     select case (direction)

@@ -190,7 +190,7 @@ end subroutine gs_load
 !> dynamic_factor(speeds, reliefs)  NaN without an answer
 !> estimate(speeds, reliefs)        of its error
 !> status(speeds, reliefs)          0 ok, 1 marginal, 2 subharmonic, 3 inexact; without an answer:
-!>                                  4 unstable, 5 aperiodic, 6 unresolved, 7 chatter
+!>                                  4 unstable, 5 aperiodic, 6 unresolved, 7 chatter, 8 chaotic
 !> contact(speeds, reliefs)         0 full, 1 partial, 2 lost, 3 coast sides touched
 !> floquet_modulus(speeds, reliefs) largest of the multipliers: what is left of a disturbance
 !> residual(speeds, reliefs)        by how much the motion fails to repeat, static deflections

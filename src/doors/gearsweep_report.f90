@@ -5,7 +5,7 @@ module gearsweep_report
   use gearsweep_body_report, only: add_modes, add_published, add_root, add_section
   use gearsweep_lines, only: lines_t, right
   use gearsweep_optimum, only: peak_t, worst_of
-  use gearsweep_steady, only: has_answer, name_of
+  use gearsweep_steady, only: has_answer, name_of, point_chaotic
   use gearsweep_study, only: study_t
   use gearsweep_text, only: str
   implicit none
@@ -200,14 +200,17 @@ contains
   pure subroutine add_quality(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
+    character(:), allocatable :: error
     integer :: status, n
 
     associate (sweep => study%sweep)
       n = count(.not. has_answer(sweep%status))
-      call lines%add(row('Points', str(size(sweep%status))//', without an answer '//str(n)// &
-                         '; estimated error of DF at most '//str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
-                         ' (asked for '//str(study%case%accuracy%steady%tolerance)//')'))
-      do status = 1, 7
+      error = ''
+      if (n < size(sweep%status)) error = '; estimated error of DF at most '// &
+        str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
+        ' (asked for '//str(study%case%accuracy%steady%tolerance)//')'
+      call lines%add(row('Points', str(size(sweep%status))//', without an answer '//str(n)//error))
+      do status = 1, point_chaotic
         n = count(sweep%status == status)
         if (n > 0) call lines%add(row('', str(n)//' '//name_of(status)//': '//meaning(status)))
       end do
@@ -231,6 +234,8 @@ contains
       words = 'the periodic motion repels, and no steady motion was reached'
     case ('aperiodic')
       words = 'no periodic motion was found'
+    case ('chaotic')
+      words = 'no periodic motion was found, and disturbances keep growing'
     case ('unresolved')
       words = 'the speed is too low for the steps given or allowed'
     case default

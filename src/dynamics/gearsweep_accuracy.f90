@@ -6,7 +6,7 @@ module gearsweep_accuracy
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_hold, only: lane_work_t
   use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, &
-                              has_answer, point_inexact, point_unresolved, by_shooting
+                              has_answer, near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
   implicit none
   private
   public :: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
@@ -17,7 +17,7 @@ module gearsweep_accuracy
   type :: accuracy_t
     type(steady_options_t) :: steady
     integer :: steps = 0                         !< a period; 0: chosen for the tolerance
-    integer :: most_steps = 2**18
+    integer :: most_steps = 2**18                !< a period; fewer where more than four pairs touch
   end type accuracy_t
 
   !> The answer at one speed.
@@ -26,6 +26,7 @@ module gearsweep_accuracy
     real(dp) :: dynamic_factor = 0
     real(dp) :: estimate = 0                     !< of the error of the dynamic factor
     real(dp) :: step_error = 0                   !< its part that more steps reduce
+    real(dp) :: work = 0                         !< steps in all, on every table tried; not told by lanes
     integer :: steps = 0                         !< of the period
     type(resolution_t) :: resolution             !< of the table that has them
   end type point_t
@@ -72,13 +73,20 @@ contains
     rung = min(most_rungs, octave + max(0, ceiling(octave*log(max(steps, 12.0_dp)/12)/log(2.0_dp) - 1e-9_dp)))
   end function rung_for
 
-  !> Makes the tables of a rung and of its half, unless they are there.
+  !> Makes the tables of a rung and of its half, unless they are there. Of the
+  !> large ones no others are kept: one of 2**18 steps takes 0.2 GB.
   pure subroutine need_rungs(osc, rung, tables)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: rung
     type(tables_t), intent(inout) :: tables
+    real(dp), parameter :: large = 2**15
     integer :: i
 
+    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large .and. .not. tables%made(rung))
+      if (.not. tables%made(i) .or. rung_steps(i) <= large .or. i == rung - octave) cycle
+      tables%rung(i) = table_t()
+      tables%made(i) = .false.
+    end do
     do i = rung - octave, rung, octave
       if (.not. tables%made(i)) call tabulate(osc, resolution_of(i), tables%rung(i))
       tables%made(i) = .true.
@@ -94,7 +102,7 @@ contains
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
     real(dp) :: least
-    integer :: rung, trial
+    integer :: rung, last, trial
     logical :: done
 
     if (options%steps > 0) then
@@ -103,14 +111,15 @@ contains
     end if
     point%steady%status = point_unresolved
     least = 2*resolving_steps(osc, duration)
-    rung = rung_for(max(least, first_guess(osc, duration, options, tables)))
+    last = last_rung(osc, options)
+    if (rung_steps(last) < least) return
+    rung = min(last, rung_for(max(least, first_guess(osc, duration, options, tables))))
     do trial = 1, most_trials
-      if (rung_steps(rung) > options%most_steps .or. rung_steps(rung) < least) return
       call need_rungs(osc, rung, tables)
       call solve_on(osc, tables%rung(rung), tables%rung(rung - octave), duration, options, point, start)
       point%resolution = resolution_of(rung)
       if (.not. has_answer(point%steady%status)) exit
-      call next_rung(options, point%step_error, duration, tables, rung, done)
+      call next_rung(osc, options, point%step_error, duration, tables, rung, done)
       if (done) exit
     end do
     call note_inexact(options, point)
@@ -147,14 +156,15 @@ contains
       call compare(osc, duration, half, points)
       points%steps = tables%rung(rung)%steps
       points%resolution = resolution_of(rung)
-      call next_rung(options, maxval(points%step_error, mask=solved), longest, tables, rung, done)
+      call next_rung(osc, options, maxval(points%step_error, mask=solved), longest, tables, rung, done)
       if (done) exit
     end do
     call note_inexact(options, points)
   end subroutine solve_lanes
 
   !> Whether an error of the last rung is small enough; if not, the rung to try next.
-  pure subroutine next_rung(options, step_error, duration, tables, rung, done)
+  pure subroutine next_rung(osc, options, step_error, duration, tables, rung, done)
+    type(oscillator_t), intent(in) :: osc
     type(accuracy_t), intent(in) :: options
     real(dp), intent(in) :: step_error, duration
     type(tables_t), intent(inout) :: tables
@@ -164,15 +174,18 @@ contains
 
     excess = min(step_error/options%steady%tolerance, 1e8_dp)
     tables%steps_per_second = rung_steps(rung)*min(max((2.5_dp*excess)**root, 0.5_dp), 2.0_dp)/duration
-    done = excess <= 1 .or. rung_steps(rung + 1) > options%most_steps
-    if (.not. done) rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**root, 4.0_dp)), last_rung(options))
+    done = excess <= 1 .or. rung >= last_rung(osc, options)
+    if (.not. done) rung = min(rung_for(rung_steps(rung)*min(1.1_dp*excess**root, 4.0_dp)), last_rung(osc, options))
   end subroutine next_rung
 
-  !> The finest rung that `options` allows.
-  pure integer function last_rung(options) result(rung)
+  !> The finest rung that `options` and the memory allow.
+  pure integer function last_rung(osc, options) result(rung)
+    type(oscillator_t), intent(in) :: osc
     type(accuracy_t), intent(in) :: options
+    real(dp) :: steps
 
-    rung = min(most_rungs, floor(octave*log(options%most_steps/6.0_dp)/log(2.0_dp) + 1e-9_dp))
+    steps = options%most_steps*min(1.0_dp, 4.0_dp/osc%members)
+    rung = min(most_rungs, floor(octave*log(steps/6)/log(2.0_dp) + 1e-9_dp))
   end function last_rung
 
   !> The same with the number of steps given.
@@ -209,13 +222,14 @@ contains
     type(table_t), intent(in) :: fine, coarse
     real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
-    type(point_t), intent(out) :: point
+    type(point_t), intent(inout) :: point
     real(dp), intent(in), optional :: start(2)
     type(steady_options_t) :: alike
     type(steady_t) :: half
 
-    call find_steady(osc, fine, duration, options%steady, point%steady, start)
+    call follow_or_find(osc, fine, duration, options, point%steady, start)
     point%steps = fine%steps
+    point%work = point%work + point%steady%work
     if (.not. has_answer(point%steady%status)) return
     if (point%steady%partial) then
       call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, half)
@@ -224,8 +238,33 @@ contains
       alike%method = by_shooting
       call find_steady(osc, coarse, duration, alike, half)
     end if
+    point%work = point%work + half%work
     call compare(osc, duration, half, point)
   end subroutine solve_on
+
+  !> `steady` is known from fewer steps, or not yet. Where the search was long,
+  !> Newton's method goes on from what it found.
+  pure subroutine follow_or_find(osc, table, duration, options, steady, start)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(steady_t), intent(inout) :: steady
+    real(dp), intent(in), optional :: start(2)
+    real(dp), parameter :: long = 40
+    type(steady_t) :: before
+    real(dp) :: work
+
+    work = 0
+    if (has_answer(steady%status) .and. steady%work > long*table%steps .and. options%steady%method == by_shooting) then
+      before = steady
+      call shoot(osc, table, duration, options%steady%tolerance, before%periods, before%state, steady)
+      if (has_answer(steady%status) .and. distance(osc, duration, steady%state - before%state) < near) return
+      work = steady%work
+    end if
+    call find_steady(osc, table, duration, options%steady, steady, start)
+    steady%work = steady%work + work
+  end subroutine follow_or_find
 
   !> Dynamic factor, and its error by the solution with half the steps.
   elemental subroutine compare(osc, duration, half, point)
@@ -235,10 +274,14 @@ contains
     type(point_t), intent(inout) :: point
 
     point%dynamic_factor = point%steady%peak/osc%load
-    point%step_error = huge(point%step_error)
-    if (has_answer(half%status)) point%step_error = &
-      doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
-                     distance(osc, duration, point%steady%state - half%state))
+    point%step_error = unbounded
+    if (has_answer(half%status)) then
+      point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
+                                        distance(osc, duration, point%steady%state - half%state))
+      ! So near to 1 that the steps' error decides on which side.
+      if (has_answer(point%steady%status) .and. &
+          abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = point_marginal
+    end if
     point%estimate = point%step_error + point%steady%closure
   end subroutine compare
 

@@ -11,7 +11,12 @@ module gearsweep_contact
   private
   public :: contact_changes, cross
 
-  integer, parameter :: most_events = 40         ! within one step; beyond, contact chatters
+  !> Changes of contact within one step, and beyond those of free oscillation
+  !> within one period; with more, contact chatters.
+  integer, parameter :: most_events = 40, most_extra = 1000
+
+  !> What one change costs, in steps.
+  real(dp), parameter :: cost = 20
 
   !> A part of step `i` with the contact as it is; places count from 0 to 1 over the step.
   type :: stretch_t
@@ -70,12 +75,14 @@ contains
     stretch%left = 0
     stretch%width = 1
     do count = 1, most_events
+      if (out%events > most_extra + osc%members*osc%highest_frequency*duration) exit
       call close_in(osc, table, duration, walk, part, member, stretch)
       call accept(osc, table, duration, stretch, walk, out, trace)
       stretch%left = stretch%left + stretch%width
       stretch%width = 1 - stretch%left
       call switch_contact(osc, table, i, duration, stretch%left, member, walk)
       out%events = out%events + 1
+      out%work = out%work + cost
       call note_contact(osc, walk%contact, out)
       if (stretch%width <= 0) return
       call follow_stretch(osc, table, duration, walk, stretch)

@@ -31,6 +31,7 @@ module gearsweep_motion
     real(dp) :: natural_frequency = 0  !< at mean stiffness, without friction and relief, rad/s
     real(dp) :: highest_frequency = 0  !< bound of w over the period, rad/s
     real(dp) :: static_scale = 0       !< deflection at mean stiffness, m: the unit of residuals
+    real(dp) :: rest = 0               !< deflection whose mean load over the period is the static one, m
     type(zone_t), allocatable :: zones(:)
   end type oscillator_t
 
@@ -81,6 +82,7 @@ contains
     osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))
     osc%static_scale = osc%load/osc%mesh%mean_stiffness()
+    osc%rest = mean_deflection(osc)
 
   contains
 
@@ -92,6 +94,37 @@ contains
       if (.not. met) call fail(error, code_input, what//' = '//str(value)//': '//allowed)
     end subroutine demand
   end subroutine make_oscillator
+
+  !> The deflection at which the pairs' mean load over the period, with relief, is
+  !> the static one: the motion's limit at high speed. Newton's method from above
+  !> comes down to it, as the load is convex in the deflection.
+  pure real(dp) function mean_deflection(osc) result(x)
+    type(oscillator_t), intent(in) :: osc
+    integer, parameter :: samples = 32, most = 100
+    real(dp), dimension(osc%pairs, samples, size(osc%zones)) :: stiffness, error
+    real(dp) :: excess, s
+    integer :: i, j, k
+
+    stiffness = 0
+    error = 0
+    do i = 1, size(osc%zones)
+      associate (zone => osc%zones(i))
+        do k = 1, samples
+          do j = 1, zone%pairs
+            s = zone%first + (zone%last - zone%first)*(k - 0.5_dp)/samples + j - 1
+            stiffness(j, k, i) = osc%mesh%stiffness%value(s)*(zone%last - zone%first)/samples
+            error(j, k, i) = osc%mesh%profile_error%value(s, zone%piece(j))
+          end do
+        end do
+      end associate
+    end do
+    x = osc%load/sum(stiffness) + maxval(error)
+    do i = 1, most
+      excess = sum(stiffness*max(0.0_dp, x - error)) - osc%load
+      if (excess <= 1e-12_dp*osc%load) exit
+      x = x - excess/sum(stiffness, mask=x > error)
+    end do
+  end function mean_deflection
 
   !> What a pair's force makes of the acceleration (1/kg): the friction factors of pinion and gear over
   !> their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards

@@ -17,10 +17,11 @@ module gearsweep_step
     real(dp) :: map(2, 2) = 0          !< derivative of that by the initial state
     real(dp) :: peak = 0               !< largest load on one pair, N
     integer :: events = 0              !< changes of contact within the period
+    real(dp) :: work = 0               !< what it cost, in steps
     logical :: partial = .false.       !< a pair between A and E was apart for a while
     logical :: flight = .false.        !< all flanks were apart for a while
     logical :: coast = .false.         !< the coast sides touched
-    logical :: failed = .false.        !< contact changed too often within one step
+    logical :: failed = .false.        !< contact changed too often
   end type period_t
 
   !> The motion at one phase, while it is followed.

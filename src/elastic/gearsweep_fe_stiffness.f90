@@ -4,7 +4,7 @@ module gearsweep_fe_stiffness
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t, make_body
   use gearsweep_compliance, only: deflection_at_depth
-  use gearsweep_flattening, only: contact_half_width, surface_to_depth
+  use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_gear, only: gear_t, drive
   use gearsweep_material, only: material_t
@@ -43,19 +43,20 @@ contains
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
     type(piecewise_t) :: tooth(2)
-    real(dp) :: s(fe_knots), flat(fe_knots), total(fe_knots)
+    real(dp) :: s(fe_knots), half_width(fe_knots), flat(fe_knots), total(fe_knots)
     integer :: i
 
     if (.not. line_load > 0) then
       call fail(error, code_input, '&load line_load_n_mm = '//str(line_load/1000)//': must be above 0')
       return
     end if
-    call both_teeth(pair, material, options, tooth, error)
-    if (allocated(error)) return
     s = [(pair%contact_ratio*i/(fe_knots - 1), i=0, fe_knots - 1)]
     associate (r1 => pair%curvature(1, s), r2 => pair%curvature(2, s), strain => options%section%plane_strain)
-      flat = surface_to_depth(material, strain, contact_half_width(material, strain, line_load, r1, r2), &
-                              pair%gear(1)%spec%module)
+      half_width = contact_half_width(material, strain, line_load, r1, r2)
+      call check_contact(maxval(half_width), pair%gear(1)%spec%module, line_load, error)
+      if (.not. allocated(error)) call both_teeth(pair, material, options, tooth, error)
+      if (allocated(error)) return
+      flat = surface_to_depth(material, strain, half_width, pair%gear(1)%spec%module)
       do i = 1, fe_knots
         total(i) = tooth(1)%value(r1(i)) + tooth(2)%value(r2(i)) + 2*flat(i)
       end do

@@ -1,10 +1,12 @@
 !> Hertz's line contact, and how far a flank yields between its surface and a depth.
 module gearsweep_flattening
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_material, only: material_t
+  use gearsweep_text, only: str
   implicit none
   private
-  public :: contact_half_width, surface_to_depth
+  public :: contact_half_width, surface_to_depth, check_contact
 
 contains
 
@@ -21,6 +23,17 @@ contains
     if (plane_strain) modulus = modulus/(1 - material%poisson**2)
     a = sqrt(4*line_load*r1*r2/((r1 + r2)*pi*modulus))
   end function contact_half_width
+
+  !> Refuses a `line_load` (N/m) whose contact, of this largest half width (m), is
+  !> wider than one module (m): no tooth is a half plane then.
+  pure subroutine check_contact(half_width, module, line_load, error)
+    real(dp), intent(in) :: half_width, module, line_load
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (.not. 2*half_width <= module) call fail(error, code_input, '&load line_load_n_mm = '//str(line_load/1000)// &
+      ' (the load over the face width): flattens the flanks over '//str(2000*half_width, 3)// &
+      ' mm, where Hertz''s contact does not hold; must be at most '//str(line_load/1000*(module/(2*half_width))**2, 3))
+  end subroutine check_contact
 
   !> Displacement (m2/N, per line load) in a half plane of the middle of the
   !> contact under Hertz's pressure over the half width `a` (m), relative to the

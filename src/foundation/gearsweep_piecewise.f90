@@ -248,26 +248,76 @@ contains
     end do
   end function integral
 
-  !> Smallest value on a scan of 33 points a piece: enough to refuse what is not positive.
+  !> Smallest value over all pieces.
   pure real(dp) function minimum(p)
     class(piecewise_t), intent(in) :: p
 
     minimum = -maximum(p%scaled(-1.0_dp))
   end function minimum
 
-  !> Largest value on a scan of 33 points a piece.
+  !> Largest value over all pieces.
   pure real(dp) function maximum(p)
     class(piecewise_t), intent(in) :: p
-    integer, parameter :: points = 32
+    real(dp), allocatable :: v(:)
     integer :: i, k
 
     maximum = -huge(maximum)
     do i = 1, size(p%coef, 2)
-      do k = 0, points
-        maximum = max(maximum, p%value(p%breaks(i) + (p%breaks(i + 1) - p%breaks(i))*k/points, i))
+      v = turning_points(p%coef(:, i))
+      do k = 1, size(v)
+        maximum = max(maximum, horner(p%coef(:, i), v(k)))
       end do
     end do
   end function maximum
+
+  !> Points of [-1, 1], its ends among them, between which the polynomial with
+  !> these coefficients is monotone: the roots of its slope, which lie between
+  !> the turning points of the slope.
+  pure recursive function turning_points(coef) result(points)
+    real(dp), intent(in) :: coef(0:)
+    real(dp), allocatable :: points(:)
+    real(dp), allocatable :: slope(:), ends(:)
+    integer :: i, k
+
+    points = [-1.0_dp, 1.0_dp]
+    if (size(coef) <= 2) return
+    slope = [(k*coef(k), k=1, ubound(coef, 1))]
+    ends = turning_points(slope)
+    points = [-1.0_dp]
+    do i = 1, size(ends) - 1
+      if (horner(slope, ends(i)) < 0 .neqv. horner(slope, ends(i + 1)) < 0) &
+        points = [points, change_of_sign(slope, ends(i), ends(i + 1))]
+    end do
+    points = [points, 1.0_dp]
+  end function turning_points
+
+  !> By halving, to rounding.
+  pure real(dp) function change_of_sign(coef, first, last) result(middle)
+    real(dp), intent(in) :: coef(:), first, last
+    real(dp) :: low, high
+    integer :: i
+
+    low = first
+    high = last
+    do i = 1, 60
+      middle = (low + high)/2
+      if (horner(coef, middle) < 0 .eqv. horner(coef, low) < 0) then
+        low = middle
+      else
+        high = middle
+      end if
+    end do
+  end function change_of_sign
+
+  pure real(dp) function horner(coef, v)
+    real(dp), intent(in) :: coef(:), v
+    integer :: k
+
+    horner = 0
+    do k = size(coef), 1, -1
+      horner = horner*v + coef(k)
+    end do
+  end function horner
 
   pure function scaled(p, factor) result(q)
     class(piecewise_t), intent(in) :: p

@@ -51,11 +51,18 @@ contains
     type(piecewise_t), intent(in) :: curve
     character(*), intent(in) :: key
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: least
+    real(dp), parameter :: softest = 1e-6_dp, stiffest = 1e18_dp
+    real(dp) :: least, largest
 
     least = curve%minimum()
-    if (.not. least > 0) call fail(error, code_input, '&mesh '//key// &
-      ': the pair stiffness must be above 0 everywhere; it falls to '//str(least*1e-6_dp)//' N/um')
+    largest = curve%maximum()
+    if (.not. least >= softest) then
+      call fail(error, code_input, '&mesh '//key//': the pair stiffness must be above 0 everywhere, at least '// &
+                str(softest*1e-6_dp)//' N/um; it falls to '//str(least*1e-6_dp)//' N/um')
+    else if (.not. largest <= stiffest) then
+      call fail(error, code_input, '&mesh '//key//': the pair stiffness must be at most '//str(stiffest*1e-6_dp)// &
+                ' N/um; it rises to '//str(largest*1e-6_dp)//' N/um')
+    end if
   end subroutine check_positive
 
   !> ISO 6336-1:2006 method B: the largest single stiffness c' and, over the

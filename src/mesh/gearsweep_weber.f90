@@ -7,7 +7,7 @@ module gearsweep_weber
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_piecewise, only: piecewise_t, spline
-  use gearsweep_flattening, only: contact_half_width, surface_to_depth
+  use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
   use gearsweep_material, only: material_t
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_outline, only: involute_point, fillet_point, fillet_parameter
@@ -42,6 +42,9 @@ contains
     beam(1) = tooth_beam(pair%gear(1))
     beam(2) = tooth_beam(pair%gear(2))
     s = [(pair%contact_ratio*i/(points - 1), i=0, points - 1)]
+    call check_contact(maxval(contact_half_width(material, .true., line_load, pair%curvature(1, s), pair%curvature(2, s))), &
+                       pair%gear(1)%spec%module, line_load, error)
+    if (allocated(error)) return
     do i = 1, points
       stiffness(i) = minval(pair%gear%spec%face_width)/compliance(s(i))
     end do

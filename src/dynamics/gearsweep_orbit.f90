@@ -1,0 +1,253 @@
+!> A periodic motion: x(T) = x(0) after one or several mesh periods, by Newton's
+!> method on the period map, and whether it attracts.
+module gearsweep_orbit
+  use gearsweep_kinds, only: dp
+  use gearsweep_motion, only: oscillator_t, table_t
+  use gearsweep_period, only: period_t, run_period
+  implicit none
+  private
+  public :: steady_t, name_of, has_answer, settled, adopt
+  public :: shoot, is_closed, newton_step, run_periods, judge, distance, largest_multiplier
+
+  !> What is known of an operating point. Up to `inexact` there is a dynamic factor.
+  integer, parameter, public :: &
+    point_ok = 0, &            !< stable and periodic with the mesh
+    point_marginal = 1, &      !< periodic, but transients never die (|multiplier| = 1)
+    point_subharmonic = 2, &   !< stable and periodic with several mesh periods
+    point_inexact = 3, &       !< the error estimate stays above the tolerance
+    point_unstable = 4, &      !< the periodic motion repels; no steady motion was reached
+    point_aperiodic = 5, &     !< no periodic motion was found
+    point_unresolved = 6, &    !< stability needs more steps than given or allowed
+    point_chatter = 7, &       !< contact changes without end
+    point_chaotic = 8          !< no periodic motion was found, and disturbances keep growing
+
+  type :: steady_t
+    integer :: status = point_aperiodic
+    real(dp) :: state(2) = 0
+    real(dp) :: peak = 0                         !< largest load on one pair, N
+    !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean
+    !> growth of a disturbance over a mesh period.
+    real(dp) :: multiplier = 0
+    real(dp) :: residual = 0                     !< of x(T) = x(0), in static deflections
+    real(dp) :: closure = 0                      !< error of the state that the residual leaves, the same unit
+    integer :: periods = 1                       !< mesh periods until the motion repeats
+    real(dp) :: work = 0                         !< to find it, in Runge-Kutta steps
+    logical :: partial = .false., flight = .false., coast = .false.
+  end type steady_t
+
+  !> A solution within so many static deflections of where Newton's method
+  !> started belongs to the motion it started from.
+  real(dp), parameter, public :: near = 0.5_dp
+
+  !> Runge-Kutta steps spent at most on one search.
+  real(dp), parameter, public :: most_work = 5e6_dp
+
+  !> An error of which nothing is known.
+  real(dp), parameter, public :: unbounded = 1e30_dp
+
+  !> Modulus above 1 by more than this means that a motion repels.
+  real(dp), parameter :: neutral = 1e-7_dp
+
+contains
+
+  pure function name_of(status) result(name)
+    integer, intent(in) :: status
+    character(:), allocatable :: name
+    character(11), parameter :: names(0:8) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', &
+                                              'unstable', 'aperiodic', 'unresolved', 'chatter', 'chaotic']
+
+    name = trim(names(status))
+  end function name_of
+
+  elemental logical function has_answer(status)
+    integer, intent(in) :: status
+
+    has_answer = status <= point_inexact
+  end function has_answer
+
+  elemental logical function settled(steady)
+    type(steady_t), intent(in) :: steady
+
+    settled = steady%status == point_ok .or. steady%status == point_marginal
+  end function settled
+
+  !> Takes over a result, and adds what it cost.
+  pure subroutine adopt(found, steady)
+    type(steady_t), intent(in) :: found
+    type(steady_t), intent(inout) :: steady
+    real(dp) :: work
+
+    work = steady%work
+    steady = found
+    steady%work = work + found%work
+  end subroutine adopt
+
+  !> Solves (I - map) step = defect, unless rounding decides the answer: map is
+  !> near 1 far above resonance, so that its products tell, not its elements.
+  pure subroutine newton_step(map, defect, step, solved)
+    real(dp), intent(in) :: map(2, 2), defect(2)
+    real(dp), intent(out) :: step(2)
+    logical, intent(out) :: solved
+    real(dp) :: a(2, 2), determinant
+
+    a = -map
+    a(1, 1) = a(1, 1) + 1
+    a(2, 2) = a(2, 2) + 1
+    determinant = a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1)
+    solved = abs(determinant) > 1e-14_dp*max(abs(a(1, 1)*a(2, 2)), abs(a(1, 2)*a(2, 1)), abs(a(1, 1)) + abs(a(2, 2)))
+    step = 0
+    if (solved) step = [a(2, 2)*defect(1) - a(1, 2)*defect(2), a(1, 1)*defect(2) - a(2, 1)*defect(1)]/determinant
+    solved = solved .and. all(abs(step) < huge(step))
+  end subroutine newton_step
+
+  !> Several periods in a row, as one map.
+  pure subroutine run_periods(osc, table, duration, start, periods, run)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration, start(2)
+    integer, intent(in) :: periods
+    type(period_t), intent(out) :: run
+    type(period_t) :: next
+    integer :: i
+
+    call run_period(osc, table, duration, start, .false., run)
+    do i = 2, periods
+      if (run%failed) return
+      call run_period(osc, table, duration, run%state, .false., next)
+      run%state = next%state
+      run%map = matmul(next%map, run%map)
+      run%work = run%work + next%work
+      run%peak = max(run%peak, next%peak)
+      run%partial = run%partial .or. next%partial
+      run%flight = run%flight .or. next%flight
+      run%coast = run%coast .or. next%coast
+      run%failed = next%failed
+    end do
+  end subroutine run_periods
+
+  !> Newton's method on the map of `periods` periods, steps halved while the
+  !> residual grows, until what it leaves is far below the tolerance of the
+  !> dynamic factor.
+  pure subroutine shoot(osc, table, duration, tolerance, periods, start, steady)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration, tolerance, start(2)
+    integer, intent(in) :: periods
+    type(steady_t), intent(out) :: steady
+    integer, parameter :: most_iterations = 20, most_halvings = 4
+    real(dp), parameter :: acceptable = 1e-9_dp
+    type(period_t) :: run, trial_run
+    real(dp) :: state(2), trial(2), step(2), residual, trial_residual, work
+    integer :: iteration, halving
+    logical :: solved
+
+    state = start
+    call run_periods(osc, table, duration, state, periods, run)
+    work = run%work
+    residual = distance(osc, duration, run%state - state)
+    do iteration = 1, most_iterations
+      if (run%failed .or. work > most_work .or. is_closed(osc, duration, tolerance, state, run)) exit
+      call newton_step(run%map, run%state - state, step, solved)
+      if (.not. solved) exit
+      do halving = 0, most_halvings
+        trial = state + step/2**halving
+        call run_periods(osc, table, duration, trial, periods, trial_run)
+        work = work + trial_run%work
+        trial_residual = distance(osc, duration, trial_run%state - trial)
+        if (trial_residual < residual .and. .not. trial_run%failed) exit
+      end do
+      if (halving > most_halvings) exit
+      state = trial
+      run = trial_run
+      residual = trial_residual
+    end do
+    if (run%failed) then
+      steady%status = point_chatter
+    else if (closure_of(osc, duration, state, run) < acceptable .or. is_closed(osc, duration, tolerance, state, run) .or. &
+             (.not. solved .and. residual < acceptable)) then
+      call judge(osc, duration, state, run, periods, steady)
+    end if
+    steady%work = work
+  end subroutine shoot
+
+  !> Is what the residual leaves far below the tolerance of the dynamic factor, or rounding? A small
+  !> residual alone proves little: far above resonance any state hardly moves in a period.
+  pure logical function is_closed(osc, duration, tolerance, state, run)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, tolerance, state(2)
+    type(period_t), intent(in) :: run
+
+    is_closed = closure_of(osc, duration, state, run) < max(1e-3_dp*tolerance, 1e-12_dp)
+  end function is_closed
+
+  !> Size of a difference of states, in static deflections.
+  pure real(dp) function distance(osc, duration, difference)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, difference(2)
+
+    distance = max(abs(difference(1)), abs(difference(2))/max(1.0_dp, osc%natural_frequency*duration)) &
+               /osc%static_scale
+    if (.not. distance < huge(distance)) distance = huge(distance)
+  end function distance
+
+  !> Fills in a converged motion and whether it attracts.
+  pure subroutine judge(osc, duration, state, run, periods, steady)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, state(2)
+    type(period_t), intent(in) :: run
+    integer, intent(in) :: periods
+    type(steady_t), intent(out) :: steady
+
+    steady%state = state
+    steady%peak = run%peak
+    steady%partial = run%partial
+    steady%flight = run%flight
+    steady%coast = run%coast
+    steady%periods = periods
+    steady%residual = distance(osc, duration, run%state - state)
+    steady%closure = closure_of(osc, duration, state, run)
+    steady%multiplier = largest_multiplier(run%map)
+    if (steady%multiplier > 1 + neutral) then
+      steady%status = point_unstable
+    else if (steady%multiplier > 1 - neutral) then
+      steady%status = point_marginal
+    else if (periods > 1) then
+      steady%status = point_subharmonic
+    else
+      steady%status = point_ok
+    end if
+  end subroutine judge
+
+  !> How far the state is from the periodic one: (I - map)^-1 times the residual,
+  !> which is taken to be no smaller than rounding.
+  pure real(dp) function closure_of(osc, duration, state, run)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, state(2)
+    type(period_t), intent(in) :: run
+    real(dp) :: angle, residual(2), column(2, 2)
+    logical :: solved(2)
+
+    angle = osc%natural_frequency*duration
+    residual = max(abs(run%state - state), epsilon(1.0_dp)* &
+                   [abs(state(1)), abs(state(2)) + angle*min(1.0_dp, angle)*abs(state(1))])
+    call newton_step(run%map, [residual(1), 0.0_dp], column(:, 1), solved(1))
+    call newton_step(run%map, [0.0_dp, residual(2)], column(:, 2), solved(2))
+    closure_of = unbounded
+    if (all(solved)) closure_of = distance(osc, duration, sum(abs(column), 2))
+  end function closure_of
+
+  !> Largest modulus of the eigenvalues of a 2 x 2 map.
+  pure real(dp) function largest_multiplier(map) result(modulus)
+    real(dp), intent(in) :: map(2, 2)
+    real(dp) :: half_trace, determinant, square
+
+    half_trace = (map(1, 1) + map(2, 2))/2
+    determinant = map(1, 1)*map(2, 2) - map(1, 2)*map(2, 1)
+    square = ((map(1, 1) - map(2, 2))/2)**2 + map(1, 2)*map(2, 1)
+    if (square < 0) then
+      modulus = sqrt(max(0.0_dp, determinant))
+    else
+      modulus = abs(half_trace) + sqrt(square)
+    end if
+  end function largest_multiplier
+end module gearsweep_orbit
