@@ -6,6 +6,7 @@ module gearsweep_branches
   use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t, solve_point, tables_t
   use gearsweep_motion, only: oscillator_t
   use gearsweep_steady, only: has_answer
+  use gearsweep_strobe, only: strobe_motion, strobe_t
   implicit none
   private
   public :: branch_t, change_t, follow_branch, go_on, carried
@@ -21,11 +22,15 @@ module gearsweep_branches
     type(change_t), allocatable :: change(:)     !< in the order met
   end type branch_t
 
-  !> A motion and where it is.
+  !> A motion and where it is; `state` also where it has no answer.
   type :: stand_t
     real(dp) :: rpm = 0
+    real(dp) :: state(2) = 0
     type(point_t) :: point
   end type stand_t
+
+  !> Mesh periods for which a motion without an answer is followed at each speed.
+  integer, parameter :: lingering = 300
 
 contains
 
@@ -43,11 +48,8 @@ contains
 
     allocate (tables, branch%point(size(rpm)), branch%change(0))
     do i = 1, size(rpm)
-      if (i == 1) then
-        call step_to(osc, rpm(i), options, tables, here)
-      else
-        call travel(osc, rpm(i), options, jump, closeness, tables, here, branch%change)
-      end if
+      if (i == 1) call step_to(osc, rpm(i), options, tables, here)
+      if (i > 1) call travel(osc, rpm(i), options, jump, closeness, tables, here, branch%change)
       branch%point(i) = here%point
     end do
   end subroutine follow_branch
@@ -60,18 +62,18 @@ contains
     type(tables_t), intent(inout) :: tables
     type(stand_t), intent(inout) :: here
     type(change_t), allocatable, intent(inout) :: changes(:)
-    type(accuracy_t) :: brief
+    type(accuracy_t) :: enough
     type(stand_t) :: there
     real(dp) :: step
 
-    ! Whether the motion is still there is clear soon.
-    brief = options
-    brief%steady%most_cycles = min(options%steady%most_cycles, 200)
     step = rpm - here%rpm
     do while (abs(rpm - here%rpm) > 0)
       if (abs(step) > 0.7_dp*abs(rpm - here%rpm)) step = rpm - here%rpm
+      ! Whether a motion is still there is clear soon.
+      enough = options
+      if (has_answer(here%point%steady%status)) enough%steady%most_cycles = min(options%steady%most_cycles, 200)
       there = here
-      call step_to(osc, merge(rpm, here%rpm + step, .not. abs(rpm - here%rpm) > abs(step)), brief, tables, there)
+      call step_to(osc, merge(rpm, here%rpm + step, .not. abs(rpm - here%rpm) > abs(step)), enough, tables, there)
       if (is_alike(here%point, there%point, jump)) then
         here = there
         step = 2*step
@@ -83,8 +85,8 @@ contains
     end do
   end subroutine travel
 
-  !> The motion changes between `here` and `there`, which are close to each other. Just beyond, it may
-  !> linger for so long that no answer is found: then the one that it leads to further on is taken.
+  !> The motion changes between `here` and `there`, which are close to each other. Just beyond, the old one may
+  !> linger for so long that no answer is found: then the one further on is taken, at most at `rpm`.
   pure subroutine land(osc, rpm, options, tables, here, there, jump, changes)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm, jump
@@ -93,32 +95,49 @@ contains
     type(stand_t), intent(inout) :: here
     type(stand_t), intent(in) :: there
     type(change_t), allocatable, intent(inout) :: changes(:)
+    type(accuracy_t) :: patient
     type(stand_t) :: landing
     real(dp) :: step
+    logical :: last
 
+    patient = options
     landing = there
     step = there%rpm - here%rpm
-    do while (.not. has_answer(landing%point%steady%status) .and. abs(rpm - landing%rpm) > 0)
-      step = 2*step
+    last = .false.
+    do while (.not. (last .or. has_answer(landing%point%steady%status)))
+      step = 8*step
+      last = abs(step) >= abs(rpm - here%rpm)
+      if (last) patient%steady%most_cycles = 10*options%steady%most_cycles
       landing = here
-      call step_to(osc, merge(rpm, here%rpm + step, abs(step) > abs(rpm - here%rpm)), options, tables, landing)
+      call step_to(osc, merge(rpm, here%rpm + step, last), patient, tables, landing)
     end do
     if (.not. is_alike(here%point, landing%point, jump)) &
       changes = [changes, change_t([here%rpm, there%rpm], [here%point, landing%point])]
     here = landing
   end subroutine land
 
-  !> The motion at `rpm` that the one at hand leads to.
+  !> The motion at `rpm` that the one at hand leads to; the first, from rest.
   pure subroutine step_to(osc, rpm, options, tables, stand)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm
     type(accuracy_t), intent(in) :: options
     type(tables_t), intent(inout) :: tables
     type(stand_t), intent(inout) :: stand
+    type(strobe_t) :: strobe
     type(point_t) :: next
+    real(dp) :: duration, start(2)
 
-    call go_on(osc, rpm, options, tables, stand%point, stand%rpm, next)
-    stand = stand_t(rpm, next)
+    duration = mesh_period(osc%mesh%teeth(1), rpm)
+    start = stand%state*[1.0_dp, stand%rpm/rpm]
+    if (has_answer(stand%point%steady%status) .or. .not. stand%rpm > 0) then
+      call go_on(osc, rpm, options, tables, stand%point, stand%rpm, next)
+    else
+      call solve_point(osc, duration, options, tables, next, start)
+    end if
+    stand = stand_t(rpm, next%steady%state, next)
+    if (has_answer(next%steady%status)) return
+    call strobe_motion(osc, [rpm], lingering, 1, strobe, start/[1.0_dp, duration])
+    stand%state = [strobe%x(1, 1), strobe%v(1, 1)*duration]
   end subroutine step_to
 
   !> The steady motion at `rpm` that the one at a neighbouring speed leads to; where that has no answer, as
