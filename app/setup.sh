@@ -8,6 +8,9 @@ venv=$root/.venv
 # What pyproject.toml asks for before it can build, as no environment apart is made for it.
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow'
+# For test/sanitize.sh; C callers are compiled and linked with the C flags.
+sanitize_flags='-g -O1 -std=f2018 -fPIC -fno-omit-frame-pointer -fcheck=all,no-array-temps -fsanitize=address,undefined -fno-sanitize-recover=undefined'
+sanitize_c_flags='-g -O1 -fPIC -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined'
 
 say() { printf 'gearsweep: %s\n' "$*" >&2; }
 
@@ -139,3 +142,8 @@ build_program() { build gearsweep "src app" run gearsweep --profile release; }
 build_check_release() { build check-release "src test" test check --profile release; }
 # Without a profile, these flags are all there are: the debug profile warns of every array temporary.
 build_check_debug() { build check-debug "src test" test check --flag "$debug_flags"; }
+# The suites and the library with the address and undefined-behaviour sanitizers.
+build_check_sanitized() {
+  build check-sanitized "src test" test check --flag "$sanitize_flags" --c-flag "$sanitize_c_flags" \
+    --link-flag -fsanitize=address,undefined
+}

@@ -61,10 +61,10 @@ int gsc_version(char *version, size_t version_size, char *message, size_t messag
 
 /* Sizes of the results, 0 for tasks that the case does not name. No finite elements run.
    rows: of gsc_mesh; tried: of gsc_optimum; positions: of gsc_root; modes: of gsc_modes;
-   nodes, elements: of the section's grid; nwork: of gsc_prepare. */
+   nodes, elements: of the section's grid; harmonics: of gsc_harmonics; nwork: of gsc_prepare. */
 int gsc_sizes(const char *text, size_t text_length, const char *folder, int *speeds, int *reliefs,
-              int *rows, int *tried, int *positions, int *modes, int *nodes, int *elements, int *nwork,
-              char *message, size_t message_size);
+              int *rows, int *tried, int *positions, int *modes, int *nodes, int *elements,
+              int *harmonics, int *nwork, char *message, size_t message_size);
 
 /* The pair stiffness, by finite elements where the case says so: the costly part of a mesh, for the
    calls below. It holds for cases that differ in reliefs, speeds, masses, damping, friction,
@@ -122,6 +122,15 @@ int gsc_motion(const char *text, size_t text_length, int nwork, const double *wo
 int gsc_mesh(const char *text, size_t text_length, int nwork, const double *work, int rows,
              double *relief_um, double *s, double *pair_n_um, double *mesh_n_um, double *error_um,
              double *share, double *ste_um, char *message, size_t message_size);
+
+/* Task mesh: static transmission error over one mesh period, for each relief. Over the phase tau, 0 where
+   a pair enters at A, it is mean + sum of amplitude[k] cos(2 pi k tau + phase[k]), k from 1.
+   amplitude_um, phase_deg: [harmonics*reliefs], harmonic first; the others: [reliefs]
+   rms_um: of the deviation from the mean; estimate_um: error of mean and amplitudes */
+int gsc_harmonics(const char *text, size_t text_length, int nwork, const double *work, int harmonics,
+                  int reliefs, double *relief_um, double *mean_um, double *rms_um,
+                  double *peak_to_peak_um, double *amplitude_um, double *phase_deg,
+                  double *estimate_um, char *message, size_t message_size);
 
 /* Task load: dynamic load of one pair along its path at the speeds load_rpm; arrays of room.
    rows: that there are; also where room is too small (then GSC_INPUT).

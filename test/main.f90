@@ -8,6 +8,7 @@ program check
   use test_elastic_stress, only: run_elastic_stress => run
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
+  use test_honesty, only: run_honesty => run
   use test_harmonics, only: run_harmonics => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
@@ -29,6 +30,7 @@ program check
     & suite_t('motion', run_motion), &
     & suite_t('sweep', run_sweep), &
     & suite_t('stability', run_stability), &
+    & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
     & suite_t('band', run_band), &
     & suite_t('elastic_body', run_elastic_body), &

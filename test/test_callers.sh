@@ -119,6 +119,8 @@ case $counts in
     ;;
   *) fails 'C border: broke off' ;;
 esac
+check 'spoilt calls compile' compile "cc $flags fuzz.c \$(pkg-config --cflags --libs gearsweep) -o fuzz"
+check 'spoilt calls' ./fuzz
 cat >other.nml <<'END'
 &case tasks = 'mesh', 'load', 'static', 'modal', 'section' /
 &pair module_mm = 3 face_width_mm = 20 /
@@ -147,6 +149,7 @@ check 'nodes as in the grid' like_grid other.section points 1,2 node
 check 'elements as in the grid' like_grid other.section connectivity 1-8 element
 check 'mode shape as in the grid' like_grid other.modes mode_1 1,2 shape
 check 'teeth as in the grid' like_grid other.section tooth 1 tooth
+check 'harmonics as in the table' agrees other.harmonics 1-5 harmonics other.out
 check 'root stress as in the table' agrees other.root 1-9 root other.out
 check 'pair loads as in the table' agrees other.load 1-4,6 load other.out
 said_alike() {

@@ -37,16 +37,16 @@ contains
     character(200) :: message
     character(6) :: short
     character(5) :: version
-    integer :: n(9), info
+    integer :: n(10), info
 
     n = -7
-    call gs_sizes('', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    call gs_sizes('', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), info, message)
     call check_equal(t, 'an empty case is refused', info, code_input)
     call check_true(t, 'it says why', index(message, '&') > 0)
     call check_true(t, 'and leaves the results', all(n == -7))
-    call gs_sizes('&colour red = 1 /', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, short)
+    call gs_sizes('&colour red = 1 /', '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), info, short)
     call check_true(t, 'a short message is cut', info == code_input .and. len_trim(short) == 6)
-    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), info, message)
     call check_equal(t, 'sizes', info, code_ok)
     call check_true(t, 'no message', message == '')
     call check_true(t, 'speeds, reliefs, modes', all(n([1, 2, 6]) == [4, 2, 3]))
@@ -75,24 +75,24 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: most = 6, room = 60
     real(dp) :: rpm(most), relief(3), df(most, 3, 2), estimate(most, 3), modulus(most, 3), residual(most, 3), none(1)
-    real(dp) :: curve(room, 3), best(4), peak(5, 2), rows(3000, 5)
+    real(dp) :: curve(room, 3), best(4), peak(5, 2), rows(3000, 5), ste(2, 4), amplitude(8, 2), phase(8, 2)
     real(dp), allocatable :: work(:)
-    integer :: n(9), status(most, 3), contact(most, 3), steps(most, 3), periods(most, 3), failed(room), tried, found, info
+    integer :: n(10), status(most, 3), contact(most, 3), steps(most, 3), periods(most, 3), failed(room), tried, found, info
     character(200) :: message
 
     none = 0
-    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
-    allocate (work(n(9)), source=mark)
-    call gs_prepare(text, '', n(9) - 1, work, info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), info, message)
+    allocate (work(n(10)), source=mark)
+    call gs_prepare(text, '', n(10) - 1, work, info, message)
     call check_true(t, 'work too small', info == code_input .and. index(message, 'at least') > 0)
     call check_true(t, 'work is as it was', all(.not. abs(work - mark) > 0))
-    call gs_prepare(text, '', n(9), work, info, message)
+    call gs_prepare(text, '', n(10), work, info, message)
     call check_equal(t, 'prepare', info, code_ok)
     df = mark
-    call gs_sweep(text, n(9), work, 1, 3, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
+    call gs_sweep(text, n(10), work, 1, 3, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
                   modulus, residual, steps, periods, info, message)
     call check_true(t, 'too few speeds', info == code_input .and. all(.not. abs(df - mark) > 0))
-    call gs_sweep(text, n(9), work, 1, most, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
+    call gs_sweep(text, n(10), work, 1, most, 3, rpm, relief, df(:, :, 1), estimate, status, contact, &
                   modulus, residual, steps, periods, info, message)
     call gs_sweep(text, 0, none, 2, most, 3, rpm, relief, df(:, :, 2), estimate, status, contact, &
                   modulus, residual, steps, periods, info, message)
@@ -103,15 +103,21 @@ contains
                     all(.not. abs(df(:, 3, 1) - mark) > 0))
     call gs_resonances(4, rpm, df(:4, 1, 1), found, peak(:, 1), peak(:, 2), info, message)
     call check_true(t, 'resonances', info == code_ok .and. found >= 0)
-    call gs_optimum(text, n(9), work, 1, room, tried, curve(:, 1), curve(:, 2), curve(:, 3), failed, best(1), best(2), &
+    call gs_optimum(text, n(10), work, 1, room, tried, curve(:, 1), curve(:, 2), curve(:, 3), failed, best(1), best(2), &
                     best(3), best(4), info, message)
     call check_true(t, 'optimum', info == code_ok .and. tried > 16 .and. tried <= n(4))
     call check_close(t, 'the best is the least of the curve', best(2), minval(curve(:tried, 2)))
-    call gs_load(text, n(9), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_harmonics(text, n(10), work, n(9), 2, relief, ste(:, 1), ste(:, 2), ste(:, 3), amplitude, phase, ste(:, 4), &
+                      info, message)
+    call check_true(t, 'harmonics', info == code_ok .and. n(9) == 8 .and. all(amplitude > 0) .and. all(ste(:, 3) > ste(:, 2)))
+    call gs_harmonics(text, n(10), work, n(9) - 1, 2, relief, ste(:, 1), ste(:, 2), ste(:, 3), amplitude, phase, ste(:, 4), &
+                      info, message)
+    call check_true(t, 'too few harmonics', info == code_input .and. index(message, 'at least 8') > 0)
+    call gs_load(text, n(10), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
     call check_true(t, 'load: too little room', info == code_input .and. found > 10)
-    call gs_load(text, n(9), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_load(text, n(10), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
     call check_true(t, 'load', info == code_ok .and. maxval(rows(:found, 4)) > 4000*0.9_dp)
-    call gs_prepare('&case tasks = ''modal'' / '//pair, '', n(9), work, info, message)
+    call gs_prepare('&case tasks = ''modal'' / '//pair, '', n(10), work, info, message)
     call check_equal(t, 'no mesh to prepare', info, code_input)
   end subroutine test_results
 
@@ -119,12 +125,12 @@ contains
     type(tally_t), intent(inout) :: t
     real(dp), allocatable :: s(:), radius(:), share(:, :), sigma(:, :, :), parts(:, :, :, :), mesh(:, :)
     real(dp) :: relief(2), peak(2, 5), iso, lewis, modes(3, 4), none(1), drive(5)
-    integer :: n(9), length, info
+    integer :: n(10), length, info
     character(200) :: message
     character(9000) :: answer
 
     none = 0
-    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    call gs_sizes(text, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), info, message)
     allocate (s(n(5)), radius(n(5)), share(n(5), 2), sigma(2, n(5), 2), parts(3, 2, n(5), 2), mesh(n(3), 7))
     call gs_root(text, 0, none, n(5), 2, relief, s, radius, share, sigma, parts, peak(:, 1), peak(:, 2), peak(:, 3), &
                  peak(:, 4), peak(:, 5), iso, lewis, info, message)
@@ -152,11 +158,11 @@ contains
     real(dp), allocatable :: x(:), y(:), shape(:, :, :), sigma(:, :), outline(:, :)
     integer, allocatable :: element(:, :), tooth(:)
     real(dp) :: modes(3, 4), none(1), place(4)
-    integer :: n(9), points, info
+    integer :: n(10), points, info
     character(200) :: message
 
     none = 0
-    call gs_sizes(with_section, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), info, message)
+    call gs_sizes(with_section, '', n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), info, message)
     call check_true(t, 'the grid has nodes and elements', info == code_ok .and. n(7) > n(8) .and. n(8) > 0)
     allocate (x(n(7)), y(n(7)), element(8, n(8) + 1), tooth(n(8) + 1), shape(2, n(7), 3), sigma(3, n(7)), outline(5000, 2))
     call gs_section(with_section, n(7) - 1, n(8), x, y, element, tooth, info, message)

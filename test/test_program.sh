@@ -668,15 +668,15 @@ refuses '&pair module_mm: missing; must be at least 0.001 and at most 1000' 1 '/
 for value in 0 -3.18 -0 1e-400; do
   refuses ": must be at least" 1 "s/module_mm = .*/module_mm = $value/"
   refuses ": must be at least" 1 "s/face_width_mm = .*/face_width_mm = $value/"
-  refuses ": must be above 0" 1 "s/line_load_n_mm = .*/line_load_n_mm = $value/"
-  refuses ": must be above 0" 1 "s/line_load_n_mm = .*/torque_nm = $value/"
-  refuses ": must be above 0" 1 "s/line_load_n_mm = .*/normal_force_n = $value/"
+  refuses ": must be at least" 1 "s/line_load_n_mm = .*/line_load_n_mm = $value/"
+  refuses ": must be at least" 1 "s/line_load_n_mm = .*/torque_nm = $value/"
+  refuses ": must be at least" 1 "s/line_load_n_mm = .*/normal_force_n = $value/"
   refuses ": must be at least" 1 "s/effective_mass_kg = .*/effective_mass_kg = $value/"
   refuses ": must be at least" 1 "s/effective_mass_kg = .*/inertia_kgm2 = $value/"
   refuses ": must be at least" 1 "s/young_gpa = .*/young_gpa = $value/"
-  refuses ": must be above 0" 1 "s/rpm_first = .*/rpm_first = $value/"
-  refuses ": must be above 0" 1 "s/rpm_step = .*/rpm_step = $value/"
-  refuses ": must be above 0" 1 "s/load_rpm = .*/load_rpm = 1600, $value/"
+  refuses ": must be at least" 1 "s/rpm_first = .*/rpm_first = $value/"
+  refuses ": must be at least" 1 "s/rpm_step = .*/rpm_step = $value/"
+  refuses ": must be at least" 1 "s/load_rpm = .*/load_rpm = 1600, $value/"
 done
 for key in face_width_mm line_load_n_mm effective_mass_kg damping_ratio rpm_first rpm_last rpm_step load_rpm amount_um; do
   for value in NaN Inf -1 1e999 some "'1'"; do
@@ -747,10 +747,10 @@ refuses 'repeat count' 1 's/amount_um = .*/amount_um = 1000000000*5/'
 
 # Speeds
 refuses '&sweep rpm_last = 300: must not lie below rpm_first = 400' 1 's/rpm_last = .*/rpm_last = 300/'
-refuses '&sweep rpm_step = -60: must be above 0' 1 's/rpm_step = .*/rpm_step = -60/'
+refuses '&sweep rpm_step = -60: must be at least' 1 's/rpm_step = .*/rpm_step = -60/'
 refuses '&sweep rpm_step = 1e-5: more than 10000000 operating points' 1 's/rpm_step = .*/rpm_step = 1e-5/'
-refuses '&sweep rpm_step = 1e-300: more than 10000000 operating points' 1 's/rpm_step = .*/rpm_step = 1e-300/'
-refuses '&sweep rpm_last = 1e10: must be above 0 and at most 1000000000' 1 's/rpm_last = .*/rpm_last = 1e10/'
+refuses '&sweep rpm_step = 1e-9: more than 10000000 operating points' 1 's/rpm_step = .*/rpm_step = 1e-9/'
+refuses '&sweep rpm_last = 1e10: must be at least 1e-6 and at most 1000000000' 1 's/rpm_last = .*/rpm_last = 1e10/'
 refuses '&sweep rpm_step: missing' 1 '/rpm_step/d'
 refuses '&sweep rpm_first: missing' 1 '/&sweep/,/^\//d'
 refuses '&sweep load_rpm: missing' 1 '/load_rpm/d'
@@ -768,9 +768,9 @@ refuses 'contact_ratio = 1: must be above 1 and at most 20' 1 's/contact_ratio =
 refuses 'contact_ratio = 21: must be above 1 and at most 20' 1 's/contact_ratio = .*/contact_ratio = 21/'
 refuses 'contact_ratio = NaN' 1 's/contact_ratio = .*/contact_ratio = NaN/'
 refuses '&mesh coefficients: missing' 1 '/coefficients/d'
-refuses 'pair stiffness must be above 0 everywhere; it falls to -100' 1 's/coefficients = .*/coefficients = -100/'
-refuses 'pair stiffness must be above 0 everywhere; it falls to -50' 1 's/coefficients = .*/coefficients = 400, 450/'
-refuses 'pair stiffness must be above 0 everywhere; it falls to 0' 1 's/coefficients = .*/coefficients = 0/'
+refuses 'pair stiffness must be above 0 everywhere, at least 1e-12 N/um; it falls to -100 ' 1 's/coefficients = .*/coefficients = -100/'
+refuses 'pair stiffness must be above 0 everywhere, at least 1e-12 N/um; it falls to -50 ' 1 's/coefficients = .*/coefficients = 400, 450/'
+refuses 'pair stiffness must be above 0 everywhere, at least 1e-12 N/um; it falls to 0 ' 1 's/coefficients = .*/coefficients = 0/'
 refuses 'at most 20 numbers' 1 's/coefficients = .*/coefficients = 21*1/'
 refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'weber'/"
 refuses '&mesh model: missing' 1 '/model/d'

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Tests of the Python package, with the examples in its docstrings, and of the validation ledger: sh test/test_python.sh PROGRAM [pytest options]
+# Tests of the Python package, with the examples in its docstrings and in doc/python.md, and of the
+# validation ledger: sh test/test_python.sh PROGRAM [pytest options]
 # The last line is `N passed, N failed`.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/app/setup.sh"
@@ -14,10 +15,10 @@ trap 'exit 1' HUP INT TERM
 
 # Away from the checkout, so that the installed package is what is tested. Rows of the ledger that
 # are open or not reproducible are expected failures, which count neither as passed nor as failed.
-cd "$work" || exit
+cd "$work" && ln -s "$root/data" data || exit
 {
   PYTHONPATH=$root "$venv/bin/python" -m pytest -q -rs --tb=short -p no:cacheprovider --doctest-modules \
-    --pyargs gearsweep "$root/python/tests" "$root/validation/tests" "$@"
+    --doctest-glob=python.md --pyargs gearsweep "$root/doc/python.md" "$root/python/tests" "$root/validation/tests" "$@"
   echo $? >code
 } | tee said
 code=$(cat code)

@@ -197,6 +197,8 @@ contains
     call reader%get('pair', 'module_mm', module, error, given, scale=1e-3_dp, above=0.0_dp)
     call reader%get('pair', 'angle', angle, error, at_least=-0.5_dp, below=1.0_dp)
     call reader%get('pair', 'teeth', teeth, error, required=.true., at_least=25, at_most=25)
+    flag = .false.
+    other = .true.
     call reader%get('pair', 'flag', flag, error)
     call reader%get('pair', 'other', other, error)
     call reader%finish(error)
@@ -447,6 +449,7 @@ contains
     call reader%get('p', 'big', x, error, scale=1e9_dp)
     call reader%get('p', 'i', i, error, at_least=5)
     call reader%get('p', 'list', list, error, below=9.0_dp, min_size=2, max_size=3)
+    flag = .false.
     call reader%get('p', 'flag', flag, error)
     call reader%get('p', 'word', word, error, allowed=[character(4) :: 'up', 'down'])
     call reader%get('p', 'free', free, error)

@@ -27,7 +27,8 @@ def main(arguments=None):
     if options.readme:
         readme.update(outcomes)
         published.update()
-        print('Wrote README.md and data/hassan2009.csv')
+        pictures.update()
+        print('Wrote README.md, doc/dynamic_factor.svg and data/hassan2009.csv')
     return int(any(outcome.bad for outcome in outcomes + checks))
 
 

@@ -1,38 +1,42 @@
-"""Pictures of the report: our curves by gearsweep's plot functions, the printed points on them."""
+"""Pictures of the report and of the README: our curves, the printed points on them."""
 
 import importlib.util
 import io
+import pathlib
 from dataclasses import dataclass
 
 import gearsweep
 
 from . import ledger
-from .cases import result
+from .cases import OF_THE_MESH, result
+
+README = pathlib.Path(__file__).parent.parent / 'doc' / 'dynamic_factor.svg'
 
 
 @dataclass(frozen=True)
 class Picture:
-    """The task and case whose result is drawn, and printed points (x, y), each a number or a row's id."""
+    """The task and case whose result is drawn, and printed points, of which each number is one or a row's id."""
 
     paper: str
     task: str
     case: str
     title: str
     caption: str
-    points: tuple = ()
+    points: tuple = ()  # of a sweep (speed, DF, relief), of an optimum (relief, DF)
 
 
 CIRCLES = 'printed values as circles.'
 PICTURES = (
-    Picture('dogan2021', 'sweep', 'case1', 'Fig. 7a', f'Dynamic factor over speed, case 1; {CIRCLES}',
-            (('rpm_1', 'df_1'), ('n1_1', 'df1_1'), ('n2_1', 'df2_1'),
-             ('rpm_1', 'df_15'), ('n1_1', 'df1_15'), ('n2_1', 'df2_15'))),
+    Picture('dogan2021', 'sweep', 'case1', 'Fig. 7a',
+            f'Dynamic factor over speed, case 1; {CIRCLES} 1.16 at 15 um cannot be reproduced.',
+            (('rpm_1', 'df_1', 'relief_1_0'), ('n1_1', 'df1_1', 'relief_1_0'), ('n2_1', 'df2_1', 'relief_1_0'),
+             ('rpm_1', 'df_15', 'relief_1_15'), ('n1_1', 'df1_15', 'relief_1_15'), ('n2_1', 'df2_15', 'relief_1_15'))),
+    Picture('dogan2021', 'optimum', 'case1', 'Fig. 8a', f'Largest dynamic factor over relief, case 1; {CIRCLES}',
+            (('relief_1_0', 'df2_1'), ('best_1', 'df2_15'))),
     Picture('dogan2021', 'sweep', 'case2', 'Fig. 7b', f'Dynamic factor over speed, case 2; {CIRCLES}',
-            (('rpm_2', 'df_2'), ('n1_2', 'df1_2'), ('n1_2', 'df1_28'))),
-    Picture('dogan2021', 'optimum', 'case1', 'Fig. 8a', f'Worst dynamic factor over relief, case 1; {CIRCLES}',
-            ((0, 'df2_1'), ('best_1', 'df2_15'))),
-    Picture('dogan2021', 'optimum', 'case2', 'Fig. 8b', f'Worst dynamic factor over relief, case 2; {CIRCLES}',
-            ((0, 'df1_2'), ('best_2', 'df1_28'))),
+            (('rpm_2', 'df_2', 'relief_2_0'), ('n1_2', 'df1_2', 'relief_2_0'), ('n1_2', 'df1_28', 'relief_2_28'))),
+    Picture('dogan2021', 'optimum', 'case2', 'Fig. 8b', f'Largest dynamic factor over relief, case 2; {CIRCLES}',
+            (('relief_2_0', 'df1_2'), ('best_2', 'df1_28'))),
     Picture('dogan2021', 'load', 'case1', 'Fig. 5', 'Load of one pair along its path at 1600 rpm, case 1.'),
     Picture('dogan2021', 'load', 'case2', 'Fig. 6', 'Load of one pair along its path at 1000 rpm, case 2.'),
     Picture('hassan2009', 'modal', 'hassan', 'Modes of Table 1', 'Mode shapes of the three-tooth section.'),
@@ -40,26 +44,39 @@ PICTURES = (
 
 
 def all_for(papers):
-    """(title, caption, PNG bytes) of each picture of these papers that gearsweep can draw; none without matplotlib."""
+    """(title, caption, PNG bytes) of each picture of these papers; none without matplotlib."""
     if not importlib.util.find_spec('matplotlib'):
         return []
-    return [(f'{ledger.PAPERS[p.paper]}, {p.title}', p.caption, _draw(p)) for p in PICTURES
-            if p.paper in papers and hasattr(gearsweep, f'plot_{p.task}')]
+    return [(f'{ledger.PAPERS[p.paper]}, {p.title}', p.caption, _drawn(p, 'png')) for p in PICTURES if p.paper in papers]
 
 
-def _draw(picture):
-    """The picture as PNG."""
+def update():
+    """Draws the picture of the README."""
+    README.write_bytes(_drawn(PICTURES[0], 'svg'))
+
+
+def _drawn(picture, ending):
+    """The picture as the bytes of a file."""
+    from gearsweep import plots
     from matplotlib import pyplot
 
-    figure = pyplot.figure(figsize=(7, 4.5))
-    axes = getattr(gearsweep, f'plot_{picture.task}')(result(picture.task, picture.case))
-    points = [[_value(picture.paper, end) for end in point] for point in picture.points]
-    if points:
-        axes.plot(*zip(*points), 'o', mfc='none', mec='black', ms=8, zorder=5)
     file = io.BytesIO()
-    figure.savefig(file, format='png', dpi=110, bbox_inches='tight')
+    figure = _figure(picture, plots)
+    plots.save(figure, file, ending)
     pyplot.close(figure)
     return file.getvalue()
+
+
+def _figure(picture, plots):
+    answer = result(picture.task, picture.case)
+    if picture.points:
+        points = [[_value(picture.paper, end) for end in point] for point in picture.points]
+        return getattr(plots, f'plot_{picture.task}')(answer, points=points).figure
+    found = {picture.task: answer}
+    if picture.task in OF_THE_MESH:
+        found['motion'] = result('motion', picture.case)
+    (_, figure), = plots.figures(gearsweep.Study(answer.case, answer.version, **found))
+    return figure
 
 
 def _value(paper, end):

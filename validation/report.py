@@ -5,11 +5,13 @@ import csv
 import html
 import pathlib
 import string
+import struct
 
 from . import check, ledger
 
 TEMPLATE = pathlib.Path(__file__).with_name('report_template.html')
 TITLES = ledger.PAPERS | ledger.CHECKS
+PIXELS = 2.5  # of a picture in one of the page: all are shown to the same scale
 COLUMNS = ('place', 'quantity', 'unit', 'printed', 'ours', 'deviation', 'verdict', 'inputs', 'tolerance',
            'ours by', 'remarks')
 
@@ -99,7 +101,8 @@ def _table(header, rows, kind):
 def _figure(picture):
     title, caption, png = picture
     data = base64.b64encode(png).decode()
-    return (f'<figure><img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
+    width = struct.unpack('>I', png[16:20])[0] / PIXELS
+    return (f'<figure style="width: {width:.0f}px"><img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
             f'<figcaption><b>{html.escape(title)}.</b> {html.escape(caption)}</figcaption></figure>')
 
 

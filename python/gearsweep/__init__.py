@@ -17,6 +17,8 @@ A case's keys are described in doc/case.md, this package in doc/python.md. Names
 unit. Pictures, pandas and xarray are loaded when they are asked for.
 """
 
+import importlib
+
 from . import _border
 from ._border import Code, Error, PartialWarning
 from .case import Case
@@ -24,6 +26,7 @@ from .maps import Hysteresis, StabilityMap, Strobe, hysteresis, stability_map, s
 from .results import (
     Contact,
     Geometry,
+    Harmonics,
     Load,
     Mesh,
     Modal,
@@ -38,7 +41,7 @@ from .results import (
     Sweep,
 )
 from .store import read
-from .tasks import geometry, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
+from .tasks import geometry, harmonics, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
 
 __version__ = _border.version()
 
@@ -48,6 +51,7 @@ __all__ = [
     'Contact',
     'Error',
     'Geometry',
+    'Harmonics',
     'Hysteresis',
     'Load',
     'Mesh',
@@ -65,6 +69,7 @@ __all__ = [
     'Study',
     'Sweep',
     'geometry',
+    'harmonics',
     'hysteresis',
     'load',
     'mesh',
@@ -85,9 +90,8 @@ __all__ = [
 
 
 def __getattr__(name: str):
-    """Pictures: `gearsweep.plot_sweep` and its like, from `gearsweep.plots`."""
-    if name.startswith('plot_'):
-        from . import plots
-
-        return getattr(plots, name)
+    """Pictures, which load matplotlib: `gearsweep.plots`, and from there `gearsweep.plot_sweep` and its like."""
+    if name == 'plots' or name.startswith('plot_'):
+        plots = importlib.import_module('.plots', __name__)
+        return plots if name == 'plots' else getattr(plots, name)
     raise AttributeError(f'module {__name__!r} has no attribute {name!r}')

@@ -106,9 +106,7 @@ def answer(wanted: Arguments) -> None:
     case = Case.read(wanted.case)
     folder, file = os.path.split(wanted.case)
     name = file[: file.rindex('.')] if file.rfind('.') > 0 else file
-    text, stages, written, error = _border.write(
-        case.text, folder, _border.NO_WORK, wanted.threads, wanted.out, name
-    )
+    text, stages, written, error = _border.write(case.text, folder, _border.NO_WORK, wanted.threads, wanted.out, name)
     if text and not wanted.quiet:
         print(f'gearsweep {__version__}\n{text}Time               {time.perf_counter() - began:.3g} s')
         if wanted.verbose:

@@ -7,6 +7,7 @@ src/doors/gearsweep_flat*.f90.
 from __future__ import annotations
 
 import enum
+import os
 import warnings
 from operator import index
 
@@ -62,8 +63,8 @@ def version() -> str:
 
 
 def sizes(text: str, folder: str) -> dict[str, int]:
-    names = ('speeds', 'reliefs', 'rows', 'tried', 'positions', 'modes', 'nodes', 'elements', 'nwork')
-    return dict(zip(names, _call(_flat.gs_sizes, _bytes(text), _bytes(folder))))
+    names = ('speeds', 'reliefs', 'rows', 'tried', 'positions', 'modes', 'nodes', 'elements', 'harmonics', 'nwork')
+    return dict(zip(names, _call(_flat.gs_sizes, _bytes(text), _bytes(folder)), strict=True))
 
 
 def prepare(text: str, folder: str, nwork: int) -> np.ndarray:
@@ -88,13 +89,17 @@ def mesh(text: str, work: np.ndarray, rows: int) -> list:
     return _call(_flat.gs_mesh, _bytes(text), _work(work), rows)
 
 
+def harmonics(text: str, work: np.ndarray, harmonics: int, reliefs: int) -> list:
+    return _call(_flat.gs_harmonics, _bytes(text), _work(work), harmonics, reliefs)
+
+
 def load(text: str, work: np.ndarray) -> list:
     rows, *columns = _with_room(_flat.gs_load, _bytes(text), _work(work))
     return [column[:rows].copy() for column in columns]
 
 
 def sweep(text: str, work: np.ndarray, threads: int, speeds: int, reliefs: int) -> list:
-    return _call(_flat.gs_sweep, _bytes(text), _work(work), index(threads), speeds, reliefs)
+    return _call(_flat.gs_sweep, _bytes(text), _work(work), _threads(threads), speeds, reliefs)
 
 
 def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -103,7 +108,7 @@ def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray,
 
 
 def optimum(text: str, work: np.ndarray, threads: int, room: int) -> list:
-    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), index(threads), room)
+    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), _threads(threads), room)
     return [column[:tried].copy() for column in curve[:4]] + curve[4:]
 
 
@@ -143,7 +148,7 @@ def stress(text: str, work: np.ndarray, position: int, relief: int, nodes: int) 
 
 
 def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:
-    return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), index(threads))
+    return _text(_flat.gs_report, 1_000_000, _bytes(text), _bytes(folder), _work(work), _threads(threads))
 
 
 def complete(text: str) -> str:
@@ -162,7 +167,7 @@ def write(
     while True:
         answer = np.array(b' ' * room)
         length, stages, files, info, message = _flat.gs_write(
-            _bytes(text), _bytes(folder), _work(work), index(threads), _bytes(out), _bytes(name), answer
+            _bytes(text), _bytes(folder), _work(work), _threads(threads), _bytes(out), _bytes(name), answer
         )
         if length <= room:
             break
@@ -186,12 +191,12 @@ def _with_room(procedure, *arguments) -> list:
 
 def _checked(results: tuple) -> list:
     """All results but the last two, which are the code and the message of every call."""
-    *results, info, message = results
+    *found, info, message = results
     if info == Code.PARTIAL:
         warnings.warn(_str(message), PartialWarning, stacklevel=5)
     elif info != Code.OK:
         raise Error(_str(message), Code(info))
-    return results
+    return found
 
 
 def _text(procedure, room: int, *arguments) -> str:
@@ -218,6 +223,24 @@ def _bytes(text: str) -> bytes:
 
 def _str(text: bytes) -> str:
     return text.decode('utf-8', 'surrogateescape')
+
+
+_is_fork = False
+
+
+def _forked() -> None:
+    global _is_fork
+    _is_fork = True
+
+
+if hasattr(os, 'register_at_fork'):
+    os.register_at_fork(after_in_child=_forked)
+
+
+def _threads(threads: int) -> int:
+    """One in a forked process, where GNU's OpenMP would wait for the parent's threads for ever."""
+    threads = index(threads)
+    return 1 if _is_fork and threads >= 0 else threads
 
 
 def _work(work: np.ndarray) -> np.ndarray:

@@ -164,8 +164,8 @@ def parsed(complete: str) -> dict[str, dict[str, Any]]:
     return values
 
 
-def _value(text: str | None, word: str | None) -> Any:
-    if word is None:
+def _value(text: str | None, word: str) -> Any:
+    if text is not None:
         return text.replace("''", "'")
     if word.lower() in ('.true.', 'true', '.t.', 't'):
         return True

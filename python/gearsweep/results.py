@@ -33,6 +33,7 @@ class Status(enum.IntEnum):
     APERIODIC = 5  #: no periodic motion was found
     UNRESOLVED = 6  #: the speed is too low for the steps given or allowed
     CHATTER = 7  #: contact changes without end
+    CHAOTIC = 8  #: no periodic motion was found, and disturbances keep growing
 
 
 class Contact(enum.IntEnum):
@@ -207,6 +208,39 @@ class Mesh(Result):
     ste_um: Reals = _field('um', 'row')
 
     rows = ('row',)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Harmonics(Result):
+    """Static transmission error over one mesh period, as Fourier series.
+
+    Over the phase tau, 0 where a pair enters at A, it is the mean + the sum of
+    amplitude cos(2 pi harmonic tau + phase).
+
+    Attributes
+    ----------
+    harmonic : array (harmonic)
+        1, 2 ...; the mesh frequency is the first.
+    relief_um : array (relief_um)
+        As in the case.
+    mean_um, rms_um, peak_to_peak_um : array (relief_um)
+        Mean; root of the mean square of the deviation from it; largest less least value.
+    amplitude_um, phase_deg : array (harmonic, relief_um)
+        Of each harmonic.
+    estimate_um : array (relief_um)
+        Estimated error of mean and amplitudes.
+    """
+
+    harmonic: Integers = _field('', 'harmonic')
+    relief_um: Reals = _field('um', 'relief_um')
+    mean_um: Reals = _field('um', 'relief_um')
+    rms_um: Reals = _field('um', 'relief_um')
+    peak_to_peak_um: Reals = _field('um', 'relief_um')
+    amplitude_um: Reals = _field('um', 'harmonic', 'relief_um')
+    phase_deg: Reals = _field('deg', 'harmonic', 'relief_um')
+    estimate_um: Reals = _field('um', 'relief_um')
+
+    rows = ('relief_um', 'harmonic')
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -464,6 +498,8 @@ class Study:
         Where a task needs the mesh.
     mesh, static, modal, section, load, sweep, optimum
         The results of the tasks of these names.
+    harmonics : Harmonics
+        Of the static transmission error, with `mesh`.
     """
 
     case: Case = dataclasses.field(repr=False)
@@ -471,6 +507,7 @@ class Study:
     geometry: Geometry | None = None
     motion: Motion | None = None
     mesh: Mesh | None = None
+    harmonics: Harmonics | None = None
     static: Static | None = None
     modal: Modal | None = None
     section: Section | None = None

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import zipfile
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ _FORMAT = 1
 _KINDS = {
     kind.__name__: kind
     for kind in (
-        results.Geometry, results.Motion, results.Mesh, results.Static, results.Modal, results.Section,
+        results.Geometry, results.Motion, results.Mesh, results.Harmonics, results.Static, results.Modal, results.Section,
         results.Stress, results.Load, results.Sweep, results.Optimum, results.Study,
     )
 }  # fmt: skip
@@ -71,7 +72,7 @@ def read(path: str | os.PathLike) -> results.Result | results.Study:
         if about['format'] != _FORMAT:
             raise Error(f'cannot read {path}: format {about["format"]} is not known to this version', Code.FILE)
         case = Case(about['text'], about['folder'])
-        parts = {
+        parts: dict[str, Any] = {
             name: _part(_KINDS[kind], case, about['version'], name, arrays) for name, kind in about['parts'].items()
         }
         if about['kind'] == 'Study':

@@ -7,6 +7,8 @@ for any number. Any number of threads may call at once; a call does not hold Pyt
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from . import _border, results
@@ -57,7 +59,7 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
         'sweep': lambda: sweep(case, threads=threads, work=work),
         'optimum': lambda: optimum(case, threads=threads, work=work),
     }
-    found: dict[str, results.Result] = {}
+    found: dict[str, Any] = {}
     _check(case)
     if case.get('mesh', 'contact_ratio') is None:
         found['geometry'] = geometry(case)
@@ -67,6 +69,8 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
     for task, result in runs.items():
         if task in case.tasks:
             found[task] = result()
+    if 'mesh' in found:
+        found['harmonics'] = harmonics(case, work=work)
     return results.Study(case, _VERSION, **found)
 
 
@@ -112,6 +116,14 @@ def mesh(case: Case, *, work: np.ndarray | None = None) -> results.Mesh:
     """Stiffness, load sharing and static transmission error of one pair along the path of contact."""
     named, work = _naming(case, 'mesh'), _ready(case, work)
     return results.Mesh(case, _VERSION, *_border.mesh(named.text, work, _sizes(named)['rows']))
+
+
+def harmonics(case: Case, *, work: np.ndarray | None = None) -> results.Harmonics:
+    """Harmonics of the static transmission error."""
+    named, work = _naming(case, 'mesh'), _ready(case, work)
+    n = _sizes(named)
+    found = _border.harmonics(named.text, work, n['harmonics'], n['reliefs'])
+    return results.Harmonics(case, _VERSION, np.arange(1, n['harmonics'] + 1, dtype=np.int32), *found)
 
 
 def static(case: Case, *, work: np.ndarray | None = None) -> results.Static:

@@ -3,6 +3,8 @@
 import concurrent.futures
 import importlib.metadata
 import inspect
+import multiprocessing
+import os
 import re
 import subprocess
 import sys
@@ -31,7 +33,12 @@ def test_errors_carry_code_and_message():
     fails(Code.INPUT, 'prescribed mesh .* has none', gearsweep.geometry, Case(PRESCRIBED))
     fails(Code.INPUT, 'prescribed mesh', gearsweep.modal, Case(PRESCRIBED))
     fails(Code.INPUT, 'rpm_first: missing', gearsweep.sweep, Case(GEARED).changed(sweep={'rpm_first': None}))
-    fails(Code.MEMORY, 'GB', gearsweep.modal, Case(GEARED).changed(section={'teeth': 0, 'fixed': 'rim', 'elements_across': 200}))
+    fails(
+        Code.MEMORY,
+        'GB',
+        gearsweep.modal,
+        Case(GEARED).changed(section={'teeth': 0, 'fixed': 'rim', 'elements_across': 200}),
+    )
     assert not issubclass(Error, OSError) and str(Error('words')) == 'words'
 
 
@@ -83,7 +90,9 @@ def test_work_is_shared_and_guarded():
             gearsweep.sweep(case, work=odd)
     # Other reliefs, speeds and damping need no other stiffness.
     changed = case.changed(relief={'amount_um': 5}, dynamics={'damping_ratio': 0.1}, sweep={'rpm_step': 1000})
-    np.testing.assert_array_equal(gearsweep.sweep(changed, work=work).dynamic_factor, gearsweep.sweep(changed).dynamic_factor)
+    np.testing.assert_array_equal(
+        gearsweep.sweep(changed, work=work).dynamic_factor, gearsweep.sweep(changed).dynamic_factor
+    )
 
 
 def test_more_rows_than_expected():
@@ -123,6 +132,19 @@ def test_a_call_does_not_hold_the_lock():
         time.sleep(0.001)
         turns += 1
     assert turns > 10
+
+
+@pytest.mark.skipif(not hasattr(os, 'fork'), reason='this system does not fork')
+def test_forked_processes():
+    """OpenMP's threads do not survive a fork; a child that waits for them would hang."""
+    expected = gearsweep.sweep(Case(PRESCRIBED), threads=2).dynamic_factor
+    with multiprocessing.get_context('fork').Pool(2) as pool:
+        found = pool.map_async(factors, [0, 2]).get(timeout=120)
+    np.testing.assert_array_equal(found, [expected] * 2)
+
+
+def factors(threads):
+    return gearsweep.sweep(Case(PRESCRIBED), threads=threads).dynamic_factor
 
 
 def test_import_is_lean():

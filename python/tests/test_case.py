@@ -68,7 +68,7 @@ def canonical(default):
 
 
 def test_read_and_write(tmp_path):
-    text = "! Zahnrad mit \u00dc und einem Byte \udcff\r\n&pair module_mm = 3 /\n"
+    text = '! Zahnrad mit \u00dc und einem Byte \udcff\r\n&pair module_mm = 3 /\n'
     Case(text).write(tmp_path / 'a.nml')
     case = Case.read(tmp_path / 'a.nml')
     assert case.text == text

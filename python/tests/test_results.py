@@ -14,7 +14,9 @@ def study():
 
 
 def test_geometry_of_a_standard_pair():
-    geometry = gearsweep.geometry(Case('&pair module_mm = 2.5 face_width_mm = 20 / &pinion teeth = 20 / &gear teeth = 50 /'))
+    geometry = gearsweep.geometry(
+        Case('&pair module_mm = 2.5 face_width_mm = 20 / &pinion teeth = 20 / &gear teeth = 50 /')
+    )
     alpha, teeth = np.radians(20), np.array([20, 50])
     reference = 1.25 * teeth
     assert geometry.distance_mm == pytest.approx(87.5, rel=1e-14)
@@ -26,7 +28,9 @@ def test_geometry_of_a_standard_pair():
     pitch = np.pi * 2.5 * np.cos(alpha)
     assert geometry.base_pitch_mm == pytest.approx(pitch, rel=1e-14)
     assert geometry.contact_ratio == pytest.approx(length / pitch, rel=1e-13)
-    np.testing.assert_allclose(geometry.point[[0, 1, 3, 4]], np.array([0, length / pitch - 1, 1, length / pitch]), atol=1e-13)
+    np.testing.assert_allclose(
+        geometry.point[[0, 1, 3, 4]], np.array([0, length / pitch - 1, 1, length / pitch]), atol=1e-13
+    )
     np.testing.assert_allclose(geometry.point_radius_mm[2], reference, rtol=1e-13)
 
 
@@ -54,14 +58,37 @@ def test_motion():
     assert motion.frequency_hz == pytest.approx(np.sqrt(1e6 * motion.stiffness_n_um / reduced) / (2 * np.pi), rel=1e-13)
 
 
+def test_reliefs_are_those_of_the_case():
+    """To the last bit, so that they can be looked up."""
+    reliefs = [0, 0.1, 0.7, 2.675, 15, 17.3, 33.33]
+    case = Case(PRESCRIBED).changed(relief={'amount_um': reliefs})
+    assert list(gearsweep.sweep(case).relief_um) == reliefs
+    assert list(np.unique(gearsweep.mesh(case).relief_um)) == reliefs
+    assert list(np.unique(gearsweep.load(case).relief_um)) == reliefs
+
+
 def test_static_identities():
     mesh = gearsweep.mesh(Case(PRESCRIBED))
     unrelieved = mesh.relief_um == 0
     u = 2 * mesh.s / 1.6 - 1
     np.testing.assert_allclose(mesh.pair_n_um, 400 - 120 * u**2, rtol=1e-13)
     np.testing.assert_allclose(mesh.ste_um[unrelieved] * mesh.mesh_n_um[unrelieved], 6858, rtol=1e-12)
-    np.testing.assert_allclose(mesh.share * 6858, mesh.pair_n_um * np.maximum(0, mesh.ste_um - mesh.error_um), atol=1e-8)
+    np.testing.assert_allclose(
+        mesh.share * 6858, mesh.pair_n_um * np.maximum(0, mesh.ste_um - mesh.error_um), atol=1e-8
+    )
     assert not mesh.error_um[unrelieved].any()
+
+
+def test_harmonics_of_the_static_transmission_error():
+    """Parseval: the mean square of the deviation is half the sum of the squared amplitudes."""
+    case = Case(PRESCRIBED).changed(mesh={'ste_harmonics': 1000})
+    ste, mesh = gearsweep.harmonics(case), gearsweep.mesh(case)
+    # The error jumps where pairs come and go, so that amplitudes fall as 1/k: what is left out, as 1/1000.
+    np.testing.assert_allclose(0.5 * np.sum(ste.amplitude_um**2, axis=0), ste.rms_um**2, rtol=2e-3)
+    for i, relief in enumerate(ste.relief_um):
+        values = mesh.ste_um[mesh.relief_um == relief]
+        assert ste.peak_to_peak_um[i] == pytest.approx(np.ptp(values), rel=1e-4)
+    assert (ste.estimate_um < 1e-9).all() and list(ste.harmonic[:3]) == [1, 2, 3]
 
 
 def test_constant_mesh_has_no_dynamics():

@@ -69,6 +69,13 @@ def test_mesh(tables, study):
         same(table[column], getattr(study.mesh, name))
 
 
+def test_harmonics(tables, study):
+    table, ste = tables('harmonics'), study.harmonics
+    same(table['amplitude_um'], np.vstack((ste.mean_um, ste.amplitude_um)).T)
+    same(table['phase_deg'], np.vstack((0 * ste.mean_um, ste.phase_deg)).T)
+    same(table['error_estimate_um'], np.repeat(ste.estimate_um, 1 + ste.harmonic.size))
+
+
 def test_load(tables, study):
     table = tables('load')
     for name in ('relief_um', 'rpm', 's', 'pair_load_n', 'dte_um'):
@@ -99,7 +106,9 @@ def test_modes_and_outlines(tables, study):
     same(table['y_mm'], both[:, 1])
 
 
-@pytest.mark.parametrize('text', [GEARED, PRESCRIBED, PARTIAL, TABLE, 'hassan'], ids=['geared', 'prescribed', 'partial', 'table', 'hassan'])
+@pytest.mark.parametrize(
+    'text', [GEARED, PRESCRIBED, PARTIAL, TABLE, 'hassan'], ids=['geared', 'prescribed', 'partial', 'table', 'hassan']
+)
 def test_command_line(program, tmp_path, text):
     """Answer, messages, code, and every file byte for byte."""
     if text == 'hassan':
@@ -150,7 +159,10 @@ def test_command_line_refusals(program, tmp_path, words):
 def test_report_is_the_answer(program, tmp_path):
     Case(GEARED).write(tmp_path / 'case.nml')
     lines = program('case.nml', cwd=tmp_path).stdout.splitlines()
-    assert gearsweep.report(Case(GEARED)).splitlines() == lines[1 : next(i for i, l in enumerate(lines) if l.startswith('Time'))]
+    assert (
+        gearsweep.report(Case(GEARED)).splitlines()
+        == lines[1 : next(i for i, line in enumerate(lines) if line.startswith('Time'))]
+    )
 
 
 def test_files_lie_beside_the_case(tmp_path, monkeypatch):
@@ -161,7 +173,13 @@ def test_files_lie_beside_the_case(tmp_path, monkeypatch):
     here.mkdir()
     monkeypatch.chdir(here)
     sweep = gearsweep.sweep(Case.read('../case.nml'))
-    expected = gearsweep.sweep(Case(TABLE.replace("model = 'table'", "model = 'polynomial' coefficients = 400, 0, -120").replace("file = 'pair.csv'", '')))
+    expected = gearsweep.sweep(
+        Case(
+            TABLE.replace("model = 'table'", "model = 'polynomial' coefficients = 400, 0, -120").replace(
+                "file = 'pair.csv'", ''
+            )
+        )
+    )
     np.testing.assert_allclose(sweep.dynamic_factor, expected.dynamic_factor, rtol=1e-5)
     with pytest.raises(gearsweep.Error, match='cannot read pair.csv') as caught:
         gearsweep.sweep(Case(TABLE))

@@ -14,8 +14,8 @@ module gearsweep_border
   use gearsweep_text, only: str
   implicit none
   private
-  public :: open_case, run_case, in_folder, measure, pack_stiffness, need_room, need_between, need_order, give_text, tell, &
-            work_size
+  public :: open_case, run_case, in_folder, in_um, measure, pack_stiffness, need_room, need_between, need_order, &
+            give_text, tell, work_size
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
   integer, parameter :: head = 3
@@ -77,6 +77,16 @@ contains
     if (len(place) > 0) place(len(place):) = '/'
   end function in_folder
 
+  !> A relief (m) in um, with the digits of a table: as the case has it, before
+  !> its way through metres.
+  elemental real(dp) function in_um(relief)
+    real(dp), intent(in) :: relief
+    character(30) :: digits
+
+    write (digits, '(es30.14e3)') 1e6_dp*relief
+    read (digits, *) in_um
+  end function in_um
+
   !> Runs the case up to the mesh and the section's grid, without finite
   !> elements: `study` then has every size, but no true stiffness for model 'fe'.
   subroutine measure(case, folder, study, error)
@@ -88,8 +98,11 @@ contains
 
     if (allocated(error)) return
     cheap = case
-    cheap%wants = (case%needs_load() .and. task_names == 'mesh') .or. &
-                  (case%needs_section() .and. task_names == 'section')
+    ! Of the tasks that need the mesh, load at no speed is the cheapest.
+    cheap%wants = (case%needs_section() .and. task_names == 'section') .or. &
+                  (case%asks('mesh') .and. task_names == 'mesh') .or. (case%needs_load() .and. task_names == 'load')
+    cheap%load_rpm = [real(dp) ::]
+    cheap%harmonics = 1
     if (allocated(cheap%published)) deallocate (cheap%published)
     if (case%model == 'fe') then
       call run_study(cheap, folder, 1, study, error, stiffness=constant(0.0_dp, 20.0_dp, 1e8_dp))
@@ -149,9 +162,10 @@ contains
       call need_room('work', nwork, size_of(stiffness), error)
       if (allocated(error)) return
       n = size(stiffness%breaks)
-      work(:head) = [key_of(study%case), real(n - 1, dp), real(size(stiffness%coef, 1), dp)]
+      work(2:head) = [real(n - 1, dp), real(size(stiffness%coef, 1), dp)]
       work(head + 1:head + n) = stiffness%breaks
       work(head + n + 1:size_of(stiffness)) = reshape(stiffness%coef, [size(stiffness%coef)])
+      work(1) = key_of(study%case, work(2:size_of(stiffness)))
     end associate
   end subroutine pack_stiffness
 
@@ -165,24 +179,30 @@ contains
     logical :: fits
 
     fits = nwork > head
-    if (fits) fits = .not. abs(work(1) - key_of(case)) > 0
+    if (fits) fits = .not. any(ieee_is_nan(work(:head)))
     if (fits) fits = work(2) >= 1 .and. work(3) >= 1 .and. work(2) <= nwork .and. work(3) <= nwork
     if (fits) fits = head + 1 + work(2)*(1 + work(3)) <= nwork
+    if (fits) then
+      pieces = int(work(2))
+      terms = int(work(3))
+      n = head + pieces + 1
+      ! One number that was spoilt could keep the motion from ever ending.
+      fits = .not. abs(work(1) - key_of(case, work(2:n + pieces*terms))) > 0
+    end if
     if (.not. fits) then
       call fail(error, code_input, 'work: is not of these gears, this material, section and load; prepare it again')
       return
     end if
-    pieces = int(work(2))
-    terms = int(work(3))
-    n = head + pieces + 1
     allocate (stiffness%breaks, source=work(head + 1:n))
     allocate (stiffness%coef(0:terms - 1, pieces))
     stiffness%coef = reshape(work(n + 1:n + pieces*terms), [terms, pieces])
   end subroutine unpack_stiffness
 
-  !> A whole number below 2**31 that follows from all that the pair stiffness depends on.
-  real(dp) function key_of(case) result(key)
+  !> A whole number below 2**31 that follows from all that the pair stiffness depends on, and from its
+  !> own numbers.
+  real(dp) function key_of(case, packed) result(key)
     type(case_t), intent(in) :: case
+    real(dp), intent(in) :: packed(:)
     integer(int64), parameter :: modulus = 2147483647_int64, factor = 1000003_int64
     integer(int64) :: hash
     integer :: i
@@ -203,6 +223,7 @@ contains
     if (allocated(case%coefficients)) call add(case%coefficients)
     call add([(real(iachar(case%model(i:i)), dp), i=1, len(case%model))])
     if (allocated(case%file)) call add([(real(iachar(case%file(i:i)), dp), i=1, len(case%file))])
+    call add(packed)
     key = real(hash, dp)
 
   contains

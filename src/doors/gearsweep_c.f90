@@ -9,7 +9,7 @@ module gearsweep_c
   implicit none
   private
   public :: gsc_version, gsc_sizes, gsc_prepare, gsc_report, gsc_write, gsc_complete, gsc_change
-  public :: gsc_geometry, gsc_motion, gsc_mesh, gsc_load, gsc_sweep, gsc_resonances, gsc_optimum
+  public :: gsc_geometry, gsc_motion, gsc_mesh, gsc_harmonics, gsc_load, gsc_sweep, gsc_resonances, gsc_optimum
   public :: gsc_outline, gsc_section, gsc_modes, gsc_root, gsc_stress
 
 contains
@@ -29,10 +29,11 @@ contains
   end function gsc_version
 
   function gsc_sizes(text, text_length, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, &
-                     nwork, message, message_size) result(info) bind(c)
+                     harmonics, nwork, message, message_size) result(info) bind(c)
     type(c_ptr), value :: text, folder, message
     integer(c_size_t), value :: text_length, message_size
-    integer(c_int), intent(inout), optional :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork
+    integer(c_int), intent(inout), optional :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, &
+                                               harmonics, nwork
     integer(c_int) :: info
     character(:), allocatable :: case, place
     character(longest_message) :: words
@@ -40,9 +41,9 @@ contains
     call take_text(text, text_length, case, info, words)
     call take_string(folder, place)
     call need_all([present(speeds), present(reliefs), present(rows), present(tried), present(positions), &
-                   present(modes), present(nodes), present(elements), present(nwork)], info, words)
+                   present(modes), present(nodes), present(elements), present(harmonics), present(nwork)], info, words)
     if (info == code_ok) call gs_sizes(case, place, speeds, reliefs, rows, tried, positions, modes, nodes, elements, &
-                                       nwork, info, words)
+                                       harmonics, nwork, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_sizes
 
@@ -222,6 +223,28 @@ contains
                                       mesh_n_um, error_um, share, ste_um, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_mesh
+
+  function gsc_harmonics(text, text_length, nwork, work, harmonics, reliefs, relief_um, mean_um, rms_um, &
+                         peak_to_peak_um, amplitude_um, phase_deg, estimate_um, message, message_size) &
+                         result(info) bind(c)
+    type(c_ptr), value :: text, work, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), value :: nwork, harmonics, reliefs
+    real(c_double), intent(inout), dimension(reliefs), optional :: relief_um, mean_um, rms_um, peak_to_peak_um, &
+                                                                   estimate_um
+    real(c_double), intent(inout), dimension(harmonics, reliefs), optional :: amplitude_um, phase_deg
+    integer(c_int) :: info
+    character(:), allocatable :: case
+    character(longest_message) :: words
+
+    call take_text(text, text_length, case, info, words)
+    call need_all([nwork == 0 .or. c_associated(work), present(relief_um), present(mean_um), present(rms_um), &
+                   present(peak_to_peak_um), present(amplitude_um), present(phase_deg), present(estimate_um)], &
+                  info, words)
+    if (info == code_ok) call gs_harmonics(case, nwork, numbers(work, nwork), harmonics, reliefs, relief_um, mean_um, &
+                                           rms_um, peak_to_peak_um, amplitude_um, phase_deg, estimate_um, info, words)
+    call give_text(trim(words), message, message_size)
+  end function gsc_harmonics
 
   function gsc_load(text, text_length, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, &
                     message, message_size) result(info) bind(c)

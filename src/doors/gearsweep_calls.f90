@@ -4,7 +4,7 @@ module gearsweep_calls
   implicit none
   private
   public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_complete, gs_change
-  public :: gs_geometry, gs_motion, gs_mesh, gs_load, gs_sweep, gs_resonances, gs_optimum
+  public :: gs_geometry, gs_motion, gs_mesh, gs_harmonics, gs_load, gs_sweep, gs_resonances, gs_optimum
   public :: gs_outline, gs_section, gs_modes, gs_root, gs_stress
   public :: gs_stability, gs_follow, gs_strobe
 
@@ -15,10 +15,10 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_version
 
-    subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork, &
-                        info, message)
+    subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, &
+                        nwork, info, message)
       character(*), intent(in) :: text, folder
-      integer, intent(inout) :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork
+      integer, intent(inout) :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_sizes
@@ -94,6 +94,17 @@ module gearsweep_calls
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_mesh
+
+    subroutine gs_harmonics(text, nwork, work, harmonics, reliefs, relief_um, mean_um, rms_um, peak_to_peak_um, &
+                            amplitude_um, phase_deg, estimate_um, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, harmonics, reliefs
+      double precision, intent(in) :: work(*)
+      double precision, intent(inout), dimension(reliefs) :: relief_um, mean_um, rms_um, peak_to_peak_um, estimate_um
+      double precision, intent(inout), dimension(harmonics, reliefs) :: amplitude_um, phase_deg
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_harmonics
 
     subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, info, message)
       character(*), intent(in) :: text

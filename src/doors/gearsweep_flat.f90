@@ -39,9 +39,9 @@ end subroutine gs_version
 !> speeds, reliefs  of the sweep                rows             of gs_mesh, over all reliefs
 !> tried            most reliefs of gs_optimum  positions        of the load, gs_root
 !> modes            of gs_modes                 nodes, elements  of the section's grid, gs_section
-!> nwork            of gs_prepare
-subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork, &
-                    info, message)
+!> harmonics        of gs_harmonics             nwork            of gs_prepare
+subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, &
+                    nwork, info, message)
   use gearsweep_border, only: in_folder, measure, open_case, tell, work_size
   use gearsweep_case, only: case_t, list_speeds => speeds
   use gearsweep_error, only: error_t
@@ -50,7 +50,7 @@ subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes
   use gearsweep_study, only: study_t
   implicit none
   character(*), intent(in) :: text, folder
-  integer, intent(inout) :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork
+  integer, intent(inout) :: speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork
   integer, intent(out) :: info
   character(*), intent(out) :: message
   type(case_t) :: case
@@ -72,6 +72,7 @@ subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes
     if (case%asks('mesh')) rows = sum([(sum(study%sharing(i)%pairs), i=1, reliefs)])
     if (case%asks('static')) positions = size(load_positions(study%pair, case%root))
     modes = merge(case%modes, 0, case%asks('modal'))
+    harmonics = merge(case%harmonics, 0, case%asks('mesh'))
     if (allocated(study%section)) then
       nodes = size(study%section%grid%x, 2)
       elements = size(study%section%grid%element, 2)

@@ -139,7 +139,7 @@ end subroutine gs_modes
 subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_mm, share, sigma_mpa, parts_mpa, &
                    tension_mpa, tension_deg, compression_mpa, compression_deg, estimate, iso_mpa, lewis_mpa, &
                    info, message)
-  use gearsweep_border, only: measure, need_room, open_case, run_case, tell
+  use gearsweep_border, only: in_um, measure, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: pi
@@ -176,7 +176,7 @@ subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_m
     radius_mm(:n) = 1d3*study%root(1)%radius
     do i = 1, size(study%root)
       associate (root => study%root(i), stress => study%root(i)%stress)
-        relief_um(i) = 1d6*case%amount(i)
+        relief_um(i) = in_um(case%amount(i))
         share(:n, i) = root%share
         sigma_mpa(:, :n, i) = 1d-6*root%along
         parts_mpa(:, :, :n, i) = 1d-6*root%components
@@ -198,7 +198,7 @@ end subroutine gs_root
 !> sigma_mpa(3, nodes)  in x, in y, and shear
 subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, radius_mm, share, sigma_mpa, &
                      info, message)
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t, task_names
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_root_rating, only: load_positions, load_radius, load_shares
@@ -232,7 +232,7 @@ subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, r
   end if
   if (.not. allocated(error)) call need_room('nodes', nodes, size(stress, 2), error)
   if (.not. allocated(error)) then
-    relief_um = 1d6*case%amount(relief)
+    relief_um = in_um(case%amount(relief))
     s = path(position)
     radius_mm = 1d3*radius(position)
     share = part(position)

@@ -92,7 +92,7 @@ end subroutine gs_motion
 !> share(rows)      of the static load             ste_um(rows)     static transmission error
 subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, error_um, share, ste_um, &
                    info, message)
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -115,12 +115,12 @@ subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, 
   if (.not. allocated(error)) then
     row = 0
     do i = 1, size(study%sharing)
-      associate (sharing => study%sharing(i), mesh => study%motion(i)%mesh)
+      associate (sharing => study%sharing(i), mesh => study%motion(i)%mesh, relief => in_um(study%case%amount(i)))
         do j = 1, maxval(sharing%pairs)
           do k = 1, size(sharing%phase)
             if (sharing%pairs(k) < j) cycle
             row = row + 1
-            relief_um(row) = 1d6*study%case%amount(i)
+            relief_um(row) = relief
             s(row) = sharing%s(j, k)
             pair_n_um(row) = mesh%stiffness%value(s(row))/1d6
             mesh_n_um(row) = sharing%stiffness(k)/1d6
@@ -135,13 +135,63 @@ subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, 
   call tell(error, info, message)
 end subroutine gs_mesh
 
+!> Static transmission error over one mesh period, for each relief: task mesh. Over the phase tau, 0
+!> where a pair enters at A, it is mean + sum of amplitude(k) cos(2 pi k tau + phase(k)).
+!>
+!> relief_um(reliefs)
+!> mean_um(reliefs)  rms_um(reliefs) of the deviation from it  peak_to_peak_um(reliefs)
+!> amplitude_um(harmonics, reliefs), phase_deg(harmonics, reliefs)
+!> estimate_um(reliefs)  error of mean and amplitudes
+subroutine gs_harmonics(text, nwork, work, harmonics, reliefs, relief_um, mean_um, rms_um, peak_to_peak_um, &
+                        amplitude_um, phase_deg, estimate_um, info, message)
+  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_case, only: case_t
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: pi
+  use gearsweep_study, only: study_t
+  implicit none
+  character(*), intent(in) :: text
+  integer, intent(in) :: nwork, harmonics, reliefs
+  double precision, intent(in) :: work(*)
+  double precision, intent(inout), dimension(reliefs) :: relief_um, mean_um, rms_um, peak_to_peak_um, estimate_um
+  double precision, intent(inout), dimension(harmonics, reliefs) :: amplitude_um, phase_deg
+  integer, intent(out) :: info
+  character(*), intent(out) :: message
+  type(case_t) :: case
+  type(study_t) :: study
+  type(error_t), allocatable :: error
+  integer :: i, n
+
+  call open_case(text, 'mesh', 1, case, error)
+  if (.not. allocated(error)) then
+    call need_room('harmonics', harmonics, case%harmonics, error)
+    call need_room('reliefs', reliefs, size(case%amount), error)
+  end if
+  call run_case(case, nwork, work, 1, study, error)
+  if (.not. allocated(error)) then
+    n = case%harmonics
+    do i = 1, size(study%harmonics)
+      associate (ste => study%harmonics(i))
+        relief_um(i) = in_um(case%amount(i))
+        mean_um(i) = 1d6*ste%mean
+        rms_um(i) = 1d6*ste%rms
+        peak_to_peak_um(i) = 1d6*ste%peak_to_peak()
+        amplitude_um(:n, i) = 1d6*ste%amplitude
+        phase_deg(:n, i) = ste%phase*180/pi
+        estimate_um(i) = 1d6*ste%error_estimate
+      end associate
+    end do
+  end if
+  call tell(error, info, message)
+end subroutine gs_harmonics
+
 !> Dynamic load of one pair along its path at the speeds load_rpm: task load. Rows as in the table.
 !>
 !> rows  that there are; also where room is too small (given: room)
 !> relief_um(room)  rpm(room)  s(room) base pitches from A  pair_load_n(room)  dte_um(room) dynamic
 !> transmission error
 subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, info, message)
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -171,7 +221,7 @@ subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n
         associate (response => study%response(i, k))
           from = until + 1
           until = until + size(response%s)
-          relief_um(from:until) = 1d6*study%case%amount(i)
+          relief_um(from:until) = in_um(study%case%amount(i))
           rpm(from:until) = response%rpm
           s(from:until) = response%s
           pair_load_n(from:until) = response%load
@@ -198,7 +248,7 @@ end subroutine gs_load
 !> periods(speeds, reliefs)         mesh periods until the motion repeats
 subroutine gs_sweep(text, nwork, work, threads, speeds, reliefs, rpm, relief_um, dynamic_factor, estimate, &
                     status, contact, floquet_modulus, residual, steps, periods, info, message)
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t, list_speeds => speeds
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -226,7 +276,7 @@ subroutine gs_sweep(text, nwork, work, threads, speeds, reliefs, rpm, relief_um,
     n = size(study%sweep%rpm)
     m = size(study%case%amount)
     rpm(:n) = study%sweep%rpm
-    relief_um(:m) = 1d6*study%case%amount
+    relief_um(:m) = in_um(study%case%amount)
     dynamic_factor(:n, :m) = study%sweep%dynamic_factor
     estimate(:n, :m) = study%sweep%estimate
     status(:n, :m) = study%sweep%status
@@ -278,7 +328,7 @@ end subroutine gs_resonances
 subroutine gs_optimum(text, nwork, work, threads, room, tried, relief_um, worst_factor, rpm, failed, &
                       best_um, best_factor, best_rpm, within_um, info, message)
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_optimum, only: most_tried
@@ -302,7 +352,7 @@ subroutine gs_optimum(text, nwork, work, threads, room, tried, relief_um, worst_
   if (.not. allocated(error)) then
     associate (optimum => study%optimum)
       tried = size(optimum%amount)
-      relief_um(:tried) = 1d6*optimum%amount
+      relief_um(:tried) = in_um(optimum%amount)
       worst_factor(:tried) = optimum%dynamic_factor
       rpm(:tried) = optimum%rpm
       failed(:tried) = optimum%failed

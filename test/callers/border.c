@@ -48,7 +48,7 @@ static const char prescribed[] =
 enum { MOST = 4000 };
 
 typedef struct {
-  int speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork, info[8];
+  int speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork, info[8];
   double work[MOST], rpm[20], relief[4], factor[80], estimate[80];
   double modulus[80], motion_residual[80];
   int status[80], contact[80], steps[80], periods[80];
@@ -64,7 +64,7 @@ static void run(const char *text, int threads, int reuse, result_t *r)
   size_t n = strlen(text);
   memset(r, 0, sizeof *r);
   r->info[0] = gsc_sizes(text, n, NULL, &r->speeds, &r->reliefs, &r->rows, &r->tried, &r->positions, &r->modes,
-                         &r->nodes, &r->elements, &r->nwork, words, sizeof words);
+                         &r->nodes, &r->elements, &r->harmonics, &r->nwork, words, sizeof words);
   r->info[1] = gsc_prepare(text, n, NULL, r->nwork, r->work, words, sizeof words);
   r->info[2] = gsc_sweep(text, n, reuse ? r->nwork : 0, reuse ? r->work : NULL, threads, r->speeds, r->reliefs, r->rpm,
                          r->relief, r->factor, r->estimate, r->status, r->contact, r->modulus, r->motion_residual,
@@ -73,7 +73,7 @@ static void run(const char *text, int threads, int reuse, result_t *r)
   r->info[4] = gsc_report(text, n, NULL, r->nwork, r->work, threads, r->answer, sizeof r->answer, &r->length,
                           words, sizeof words);
   r->info[5] = gsc_sizes("&pinion teeth = 3 /", 19, NULL, &r->info[6], &r->info[6], &r->info[6], &r->info[6],
-                         &r->info[6], &r->info[6], &r->info[6], &r->info[6], &r->info[6], words, sizeof words);
+                         &r->info[6], &r->info[6], &r->info[6], &r->info[6], &r->info[6], &r->info[6], words, sizeof words);
 }
 
 static int same(const result_t *a, const result_t *b) { return memcmp(a, b, sizeof *a) == 0; }
@@ -87,8 +87,9 @@ static void refusals(void)
 {
   size_t n = strlen(geared);
   int speeds = -7, reliefs = -7, rows = -7, tried = -7, positions = -7, modes = -7, nodes = -7, elements = -7;
-  int nwork = -7;
-#define SIZES NULL, &speeds, &reliefs, &rows, &tried, &positions, &modes, &nodes, &elements, &nwork
+  int harmonics = -7, nwork = -7;
+#define SIZES NULL, &speeds, &reliefs, &rows, &tried, &positions, &modes, &nodes, &elements, \
+    &harmonics, &nwork
   refused("empty text", gsc_sizes("", 0, SIZES, M), GSC_INPUT, "&");
   char odd[sizeof geared + 20];
   sprintf(odd, "%s &colour red = 1 /", geared);
@@ -96,7 +97,7 @@ static void refusals(void)
   refused("text is null", gsc_sizes(NULL, 10, SIZES, M), GSC_INPUT, "null pointer");
   refused("text too long", gsc_sizes(geared, (size_t)-1, SIZES, M), GSC_INPUT, "text_length");
   refused("result is null", gsc_sizes(geared, n, NULL, NULL, &reliefs, &rows, &tried, &positions, &modes, &nodes, &elements,
-          &nwork, M),
+          &harmonics, &nwork, M),
           GSC_INPUT, "null pointer");
   check("refused calls leave the results", speeds == -7 && nwork == -7 && rows == -7);
   check("no message is wanted", gsc_sizes("&", 1, SIZES, NULL, 0) == GSC_INPUT && gsc_sizes("&", 1, SIZES, NULL, 9) == 1);
@@ -231,7 +232,7 @@ static int print_case(const char *path)
   static char text[100000], answer[100000];
   FILE *file = fopen(path, "r");
   size_t n = file ? fread(text, 1, sizeof text, file) : 0, length;
-  int speeds, reliefs, rows, tried, positions, modes, nodes, elements, nwork, i, j, side;
+  int speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork, i, j, side;
   if (!n) return 1;
   fclose(file);
   if (gsc_sizes(text, n, SIZES, M) || modes > MOST || positions * reliefs * 6 > MOST) return puts(message), 1;
@@ -263,6 +264,12 @@ static int print_case(const char *path)
         printf("root,%.16e,%.16e,%.16e,%.16e,%s,%.16e,%.16e,%.16e,%.16e\n", x[0][j], x[1][i], x[2][i], x[3][at],
                side ? "coast" : "drive", x[4][side + 2 * at], parts[0], parts[1], parts[2]);
       }
+  if (gsc_harmonics(text, n, 0, NULL, harmonics, reliefs, x[0], x[1], x[2], x[3], x[4], x[5], x[6], M))
+    return puts(message), 1;
+  for (j = 0; j < reliefs; j++)
+    for (i = -1; i < harmonics; i++)
+      printf("harmonics,%.16e,%d,%.16e,%.16e,%.16e\n", x[0][j], i + 1, i < 0 ? x[1][j] : x[4][i + harmonics * j],
+             i < 0 ? 0.0 : x[5][i + harmonics * j], x[6][j]);
   if (gsc_load(text, n, 0, NULL, MOST, &rows, x[0], x[1], x[2], x[3], x[4], M)) return puts(message), 1;
   for (i = 0; i < rows; i++)
     printf("load,%.16e,%.16e,%.16e,%.16e,%.16e\n", x[0][i], x[1][i], x[2][i], x[3][i], x[4][i]);

@@ -53,9 +53,9 @@ int main(void)
           "&sweep rpm_first = 2000 rpm_last = 16000 rpm_step = 500 /", 3.18, 25.4, 25, 31, 7010.0);
   size_t length = strlen(text);
 
-  int speeds, reliefs, rows, room, positions, modes, nodes, elements, nwork;
+  int speeds, reliefs, rows, room, positions, modes, nodes, elements, harmonics, nwork;
   check(gsc_sizes(text, length, NULL, &speeds, &reliefs, &rows, &room, &positions, &modes, &nodes, &elements,
-                  &nwork, message, sizeof message));
+                  &harmonics, &nwork, message, sizeof message));
 
   double radius[12], point[5], point_radius[10], distance, angle[2], ratio, pitch, backlash;
   check(gsc_geometry(text, length, radius, point, point_radius, &distance, angle, &ratio, &pitch, &backlash,

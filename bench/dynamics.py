@@ -1,0 +1,249 @@
+"""Dynamic factors: error against run time, all methods on the same problems in one run.
+
+    python bench/dynamics.py PROGRAMS       (bench/run.sh dynamics sets up and does this)
+
+PROGRAMS is the folder with `dynamics` (the library as released), `dynamics-native` (with the
+processor's own instructions), `odeint` and `reference`.
+"""
+import pathlib
+import sys
+import tempfile
+import time
+from statistics import median
+
+import numpy as np
+import scipy
+
+from peers import scipy_march
+from report import BENCH, COLOURS, Report, first_line, machine, plt, run, save_figure, time_at
+
+ROUNDS = 3          # each takes every contender once, so that a busy machine slows all alike
+PATIENCE = 5        # seconds: a SciPy method that took longer is not asked for more
+SWEEP = 'case1'
+POINTS = ('smooth', 'point', 'damped', 'slow', 'light', 'rattle')
+SCIPY_SHARE, OCTAVE_SHARE = 41, 82  # of the sweep's speeds they take every so many
+AIMS = (1e-3, 1e-6, 1e-9)
+
+programs = pathlib.Path(sys.argv[1])
+
+
+def tolerances(*exponents):
+    return [(10.0**-e, 0) for e in exponents]
+
+
+def steps(first, count, order, at_first):
+    """Pairs of wanted error and steps: the error that marching leaves falls as the steps' does."""
+    return [(max(1e-11, at_first * 2.0**(-order * k)), first * 2**k) for k in range(count)]
+
+
+class Method:
+    def __init__(self, label, colour, marker, line, settings, solve):
+        self.label, self.settings, self.solve = label, settings, solve
+        self.style = dict(color=COLOURS[colour], marker=marker, linestyle=line, markerfacecolor='white' if line == ':' else None)
+
+
+def numbers(text):
+    return [np.array(line.split(), float) for line in text.splitlines()]
+
+
+def fortran(method, program='dynamics'):
+    def solve(problem, settings):
+        words = [word for wanted, count in settings for word in (wanted, count)]
+        return numbers(run(programs / program, method, problem.case, *words))
+    return solve
+
+
+def odeint(kind):
+    def solve(problem, settings):
+        return numbers(run(programs / 'odeint', kind, problem.file, *(wanted for wanted, _ in settings)))
+    return solve
+
+
+def scipy_method(method):
+    def solve(problem, settings):
+        text = problem.thinned(SCIPY_SHARE)
+        answers = []
+        for wanted, _ in settings:
+            start = time.perf_counter()
+            factors = scipy_march.dynamic_factors(scipy_march.Problem(text), method, wanted)
+            answers.append(np.concatenate([[time.perf_counter() - start], factors]))
+            if answers[-1][0] > PATIENCE:
+                break
+        return answers
+    return solve
+
+
+def octave(problem, settings):
+    file = problem.folder / 'octave'
+    file.write_text(problem.thinned(OCTAVE_SHARE))
+    return [numbers(run('octave-cli', '--norc', BENCH / 'peers' / 'dogan.m', file, wanted, count))[0] for wanted, count in settings]
+
+
+METHODS = [
+    Method('gearsweep', 'vermilion', 'o', '-', tolerances(2, 3, 4, 5, 5.5, 6, 6.5, 7, 8, 9, 10), fortran('shooting')),
+    Method('gearsweep, native build', 'vermilion', 'D', '--', tolerances(2, 3, 4, 5, 5.5, 6, 6.5, 7, 8, 9, 10),
+           fortran('shooting', 'dynamics-native')),
+    Method('gearsweep, two threads', 'vermilion', '|', ':', tolerances(5, 5.5, 6, 6.5, 7), fortran('two_threads')),
+    Method('gearsweep, marching', 'orange', 's', '-', tolerances(2, 3, 4, 5, 6, 7, 8, 9, 10), fortran('marching')),
+    Method('aligned RK4, shooting', 'green', '^', '-', steps(50, 7, 4, 1e-2), fortran('rk4_shooting')),
+    Method('aligned RK4, marching', 'green', 'v', '--', steps(50, 7, 4, 1e-2), fortran('rk4_aligned')),
+    Method('RK4, equal steps', 'grey', 'x', '-', steps(50, 8, 1, 1e-3), fortran('rk4')),
+    Method('constant steps (Karpat)', 'grey', '+', '--', steps(50, 8, 1, 1e-3), fortran('constant')),
+    Method('constant steps, aligned', 'purple', '+', '-', steps(50, 8, 2, 1e-3), fortran('constant_aligned')),
+    Method('Boost.odeint', 'blue', 'P', '-', tolerances(2, 3, 4, 5, 6, 6.5, 7, 8, 9, 10, 11), odeint('located')),
+    Method('Boost.odeint, plain', 'blue', 'X', ':', tolerances(2, 3, 4, 5, 6, 7, 8, 9, 10, 11), odeint('plain')),
+    Method('SciPy DOP853', 'sky', 'h', '-', tolerances(2, 4, 6, 8, 10), scipy_method('DOP853')),
+    Method('SciPy LSODA', 'black', '1', '-', tolerances(2, 4, 6, 8, 10), scipy_method('LSODA')),
+    Method('SciPy Radau', 'yellow', 'p', '-', tolerances(2, 4, 6, 8), scipy_method('Radau')),
+    Method('Octave, as in the paper', 'black', '*', ':', [(1e-4, 200)], octave)]
+
+
+class Problem:
+    def __init__(self, name, folder):
+        self.name, self.folder, self.case = name, folder, BENCH / 'problems' / f'{name}.nml'
+        self.title = self.case.read_text().split("title = '")[1].split("'")[0]
+        self.file = folder / name
+        self.file.write_text(run(programs / 'dynamics', 'problem', self.case))
+        self.numbers = scipy_march.Problem(self.file.read_text())
+        self.factor, self.disagreement = self.reference()
+        self.results = {}
+
+    def reference(self):
+        """By marching in extended precision; how far the library's shooting is away from that."""
+        marched = numbers(run(programs / 'reference', self.file, 1e-16))[0]
+        wanted, many = (1e-12, 0) if self.name == SWEEP else (1e-9, 204800)
+        shot = numbers(run(programs / 'dynamics', 'shooting', self.case, wanted, many))[0][1:]
+        return marched, np.abs(marched - shot).max()
+
+    def thinned(self, share):
+        """The same text with every so many of the speeds."""
+        if self.name != SWEEP:
+            return self.file.read_text()
+        *lines, _, rpm, start = self.file.read_text().splitlines()
+        rpm = rpm.split()[::share]
+        return '\n'.join(lines + [str(len(rpm)), ' '.join(rpm), start])
+
+    def references_for(self, count):
+        """Reference values at the speeds of as many points, per relief evenly thinned."""
+        reliefs, speeds = len(self.numbers.relief), len(self.numbers.rpm)
+        share = 1 if count == reliefs * speeds else next(
+            k for k in (SCIPY_SHARE, OCTAVE_SHARE) if reliefs * len(range(0, speeds, k)) == count)
+        return self.factor.reshape(reliefs, speeds)[:, ::share].ravel()
+
+    def measure(self, method, answers):
+        for setting, answer in zip(method.settings, answers):
+            factors = answer[1:]
+            difference = np.abs(factors - self.references_for(len(factors)))
+            error = difference.max() if np.isfinite(factors).all() else float('nan')
+            entry = self.results.setdefault(method.label, {}).setdefault(setting, ([], error, len(factors)))
+            entry[0].append(answer[0] / len(factors))
+
+    def curve(self, method):
+        """Errors and median seconds a point."""
+        entries = self.results.get(method.label, {}).values()
+        return np.array([entry[1] for entry in entries]), np.array([median(entry[0]) for entry in entries])
+
+
+def is_asked(method, problem):
+    return problem.name == SWEEP or not any(word in method.label for word in ('native', 'two threads', 'Octave'))
+
+
+def compete(problems):
+    for turn in range(ROUNDS):
+        for problem in problems:
+            for method in METHODS:
+                slow = sum(median(entry[0]) * entry[2] for entry in problem.results.get(method.label, {}).values()) > 3
+                if is_asked(method, problem) and not (turn > 0 and slow):
+                    problem.measure(method, method.solve(problem, method.settings))
+        print(f'round {turn + 1} of {ROUNDS} done', file=sys.stderr, flush=True)
+
+
+def add_references(report, problems):
+    report.add('**References.** Marching until periodic by Runge-Kutta-Fehlberg 7(8) in extended precision (64 bit), local errors\n'
+               'below 1e-16; largest difference from the library\'s shooting, asked for 1e-12 (case1) or with 204 800 steps a period:\n'
+               + ', '.join(f'{problem.name} {problem.disagreement:.1e}' for problem in problems) + '.\n')
+
+
+def add_sweep(report, problem):
+    report.add('**The five curves of case 1** (327 speeds, 5 reliefs), one thread unless said: the cheapest setting of each contender whose error\n'
+               'is at most 1e-6, or its most exact one. Error: largest over all points. Ratio: time over that of gearsweep, portable\n'
+               'and native build, both times at an error of 1e-6 (between two settings, where they straddle it).\n')
+    own = [time_at(1e-6, *problem.curve(method)) for method in METHODS[:2]]
+    rows = []
+    for method in METHODS:
+        errors, seconds = problem.curve(method)
+        kept = np.flatnonzero(errors <= 1e-6)
+        best = kept[seconds[kept].argmin()] if len(kept) else int(np.nanargmin(errors))
+        at = time_at(1e-6, errors, seconds)
+        wanted, count = method.settings[best]
+        points = list(problem.results[method.label].values())[best][2]
+        share = '' if points == len(problem.factor) else f', {points} points, the rest extrapolated'
+        ratio = [at / t if np.isfinite(at) else seconds[best] / t for t in own]
+        rows.append((method.label + share, f'{count} steps' if count else f'{wanted:.1e}', f'{errors[best]:.1e}',
+                     f'{1e6 * seconds[best]:.3g}', f'{seconds[best] * len(problem.factor):.3g}',
+                     *(f'{r:.3g}' + ('' if np.isfinite(at) else ' at its own error') for r in ratio)))
+    report.table(('', 'asked for', 'error', 'us a point', 's in all', 'ratio', 'to the native build'), rows)
+
+
+def add_points(report, problems):
+    report.add('**Single operating points**, tables and start included: us to an error of 1e-3, 1e-6 and 1e-9. A dash: no setting tried\n'
+               'came as far.\n')
+    rows = []
+    for method in METHODS:
+        if not is_asked(method, problems[0]):
+            continue
+        cells = []
+        for problem in problems:
+            times = [time_at(aim, *problem.curve(method)) for aim in AIMS]
+            cells.append(', '.join(f'{1e6 * t:.3g}' if np.isfinite(t) else '-' for t in times))
+        rows.append((method.label, *cells))
+    report.table(('', *(problem.name for problem in problems)), rows)
+    report.add('\n'.join(f'- *{problem.name}*: {problem.title}, {problem.numbers.rpm[0]:.0f} rpm; DF {problem.factor[0]:.12f}'
+                         for problem in problems) + '\n')
+
+
+def write_csv(report, problems):
+    rows = []
+    for problem in problems:
+        for method in METHODS:
+            for (wanted, count), (taken, error, points) in problem.results.get(method.label, {}).items():
+                rows.append((problem.name, method.label, wanted, count, f'{error:.6e}', f'{median(taken):.6e}', len(taken), points))
+    report.csv('dynamics', ('problem', 'method', 'asked_error', 'steps', 'error', 'seconds_per_point', 'repeats', 'points'), rows)
+
+
+def draw(problems):
+    figure, axes = plt.subplots(2, 4, figsize=(10, 5.4))
+    axes = axes.ravel()
+    for axis, problem in zip(axes, problems):
+        for method in METHODS:
+            if is_asked(method, problem):
+                errors, seconds = problem.curve(method)
+                shown = np.isfinite(errors)
+                axis.loglog(seconds[shown], np.maximum(errors[shown], 1e-14), label=method.label, **method.style)
+        axis.set(title=problem.title.replace(': ', ':\n'), ylim=(1e-13, 1))
+    axes[-1].axis('off')
+    axes[-1].legend(*axes[0].get_legend_handles_labels(), loc='center', frameon=False)
+    figure.supxlabel('time for a point, s', fontsize=8)
+    figure.supylabel('error of the dynamic factor', fontsize=8)
+    save_figure(figure, 'dynamics')
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        problems = [Problem(each, pathlib.Path(name)) for each in (SWEEP, *POINTS)]
+        for problem in problems:
+            assert problem.disagreement < 1e-12, f'{problem.name}: the references differ by {problem.disagreement:.1e}'
+        compete(problems)
+    report = Report('dynamics', 'Dynamic factors: error against run time')
+    report.add(f'{machine()}, one thread, medians of {ROUNDS} runs.\n{first_line("g++", "--version")} -O3 -march=native, Boost '
+               f'{first_line("dpkg-query", "-W", "-f", "${Version}", "libboost-dev")}; SciPy {scipy.__version__}; '
+               f'{first_line("octave-cli", "--version")}.\n')
+    add_references(report, problems)
+    add_sweep(report, problems[0])
+    add_points(report, problems[1:])
+    write_csv(report, problems)
+    draw(problems)
+    report.save()
+
+
+main()

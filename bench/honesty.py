@@ -1,0 +1,103 @@
+"""How honest the reported error estimates are: random meshes against an independent reference.
+
+    python bench/honesty.py PROGRAMS        (bench/run.sh honesty sets up and does this)
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+from report import COLOURS, Report, machine, plt, run, save_figure
+
+MESHES, SPEEDS = 80, 12
+ROUNDING = 1e-12    # true errors below it are left to rounding
+COLUMNS = ('mesh', 'contact_ratio', 'relief', 'damping_ratio', 'frequency_ratio', 'tolerance', 'status', 'contact', 'periods',
+           'dynamic_factor', 'estimate', 'compared')
+STATUS = ('ok', 'marginal', 'subharmonic', 'inexact', 'unstable', 'aperiodic', 'unresolved', 'chatter')
+CONTACT = ('full', 'partial', 'lost')
+
+programs = pathlib.Path(sys.argv[1])
+
+
+def measure():
+    """All points, which of them are compared, and the true errors of those."""
+    with tempfile.TemporaryDirectory() as name:
+        problems = pathlib.Path(name) / 'problems'
+        with problems.open('w') as file:
+            answer = subprocess.run([programs / 'honesty', str(MESHES), str(SPEEDS)], stdout=file, stderr=subprocess.PIPE,
+                                    text=True, check=True)
+        rows = np.array([line.split() for line in answer.stderr.splitlines()], float)
+        reference = np.array(run(programs / 'reference', problems, 1e-14).split(), float)
+    points = {column: rows[:, i] for i, column in enumerate(COLUMNS)}
+    chosen = points['compared'] == 1
+    error = np.full(len(rows), np.nan)
+    error[chosen] = np.abs(points['dynamic_factor'][chosen] - reference)
+    return points, chosen, error
+
+
+def classes(points, chosen):
+    """Name and mask of each class of the points with a number to compare."""
+    yield 'all', chosen
+    for i, name in enumerate(CONTACT):
+        yield f'contact {name}', chosen & (points['contact'] == i)
+    for low, high in ((1e-3, 1e-2), (1e-2, 1e-1), (1e-1, 1)):
+        yield f'damping ratio {low:g} to {high:g}', chosen & (points['damping_ratio'] >= low) & (points['damping_ratio'] < high)
+    for low, high in ((1e-8, 1e-6), (1e-6, 1e-4), (1e-4, 1e-3)):
+        yield f'tolerance {low:g} to {high:g}', chosen & (points['tolerance'] >= low) & (points['tolerance'] < high)
+
+
+def summary(points, error, mask):
+    ratio = error[mask] / points['estimate'][mask]
+    small = error[mask] <= ROUNDING
+    share = [100 * np.mean((ratio > factor) & ~small) for factor in (1, 2)]
+    beyond = 100 * np.mean((error[mask] > points['tolerance'][mask]) & ~small)
+    return (str(mask.sum()), f'{share[0]:.1f} %', f'{share[1]:.1f} %', f'{beyond:.1f} %', f'{np.median(ratio):.2g}',
+            f'{ratio[~small].max(initial=0):.2g}')
+
+
+def draw(points, error, chosen):
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.2))
+    bins = np.arange(-5, 4.01, 0.25)
+    groups = [chosen & (points['contact'] == i) for i in range(len(CONTACT))]
+    ratios = [np.log10(np.maximum(error[mask], 1e-17) / points['estimate'][mask]) for mask in groups]
+    colours = [COLOURS[name] for name in ('blue', 'orange', 'vermilion')]
+    labels = [f'contact {name}' for name in CONTACT]
+    left.hist([ratio.clip(bins[0], bins[-1]) for ratio in ratios], bins, stacked=True, color=colours, label=labels)
+    left.axvline(np.log10(2), color='black', linewidth=0.8, linestyle='--')
+    left.set(xlabel='log10 of true error over estimate; dashed: 2', ylabel='points')
+    left.legend(frameon=False)
+    for mask, colour, label in zip(groups, colours, labels):
+        right.loglog(points['estimate'][mask], np.maximum(error[mask], 1e-16), '.', color=colour, markersize=2, label=label)
+    ends = np.array([1e-16, 1])
+    right.loglog(ends, ends, color='black', linewidth=0.6)
+    right.loglog(ends, 2 * ends, color='black', linewidth=0.8, linestyle='--')
+    right.set(xlabel='estimate', ylabel='true error', xlim=(1e-16, 1), ylim=(1e-16, 10))
+    save_figure(figure, 'honesty')
+
+
+def main():
+    points, chosen, error = measure()
+    lost = np.sum((points['status'] <= 3) & (points['periods'] == 1) & ~chosen)
+    report = Report('honesty', 'Honesty of the error estimates')
+    report.add(f'{machine()}.\n{MESHES} random prescribed meshes (contact ratio 1.05 to 2.9, damping ratio 1e-3 to 1, relief none to '
+               f'1.6 mean\ndeflections, 0.05 to 3 times the main resonance) at {SPEEDS} speeds each, tolerance 1e-8 to 1e-3. Reference: '
+               'marching in\nextended precision, from the motion found, until it repeats; true errors below '
+               f'{ROUNDING:g} are left to rounding.\nWithout ' + ', '.join(f'{np.sum(points["status"] == i)} {STATUS[i]}' for i in range(len(STATUS)) if i in
+                                      points['status'] and (i > 3 or i == 2)) + f', and {lost} that were not found a second time.\n')
+    report.table(('', 'points', 'true error above the estimate', 'above twice', 'above the tolerance', 'median ratio', 'largest'),
+                 [(name, *summary(points, error, mask)) for name, mask in classes(points, chosen) if mask.any()])
+    worst = [i for i in np.argsort(-np.where(chosen & (error > ROUNDING), error / points['estimate'], 0))[:10]
+             if error[i] > 2 * points['estimate'][i]]
+    report.add('The least honest:\n')
+    report.table(('mesh', 'frequency ratio', 'damping ratio', 'contact', 'tolerance', 'estimate', 'true error'),
+                 [(f'{points["mesh"][i]:.0f}', f'{points["frequency_ratio"][i]:.4f}', f'{points["damping_ratio"][i]:.4f}',
+                   CONTACT[int(points['contact'][i])], f'{points["tolerance"][i]:.1e}', f'{points["estimate"][i]:.1e}',
+                   f'{error[i]:.1e}') for i in worst])
+    report.csv('honesty', (*COLUMNS, 'true_error'), np.column_stack([*points.values(), error]))
+    draw(points, error, chosen)
+    report.save()
+
+
+main()

@@ -1,0 +1,110 @@
+!> Dynamic factors of a problem, timed; prints plain numbers for bench/dynamics.py.
+!>
+!>     dynamics problem FILE
+!>         the problem for the other contenders
+!>     dynamics METHOD FILE ERROR STEPS [ERROR STEPS ...]
+!>         for each pair a line: seconds, then the dynamic factors, relief by relief
+!>
+!> METHOD is the library's `shooting`, `two_threads` or `marching` (STEPS = 0 are chosen
+!> for the ERROR), or of the literature: `rk4`, `rk4_aligned`, `rk4_shooting`,
+!> `constant`, `constant_aligned`.
+program dynamics
+  use bench_fixed_steps, only: solve_with_steps, runge_kutta, constant, marched => by_marching, shot => by_shooting
+  use bench_problem, only: problem_t, read_problem, write_problem
+  use bench_tools, only: word, number, real_number, seconds, median, check, numbers
+  use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
+  use gearsweep_steady, only: by_shooting, by_marching
+  implicit none
+
+  type(problem_t) :: problem
+  integer :: i
+
+  call read_problem(word(2), problem)
+  if (word(1) == 'problem') then
+    call write_problem(problem%osc, problem%rpm)
+  else
+    do i = 3, command_argument_count(), 2
+      call time_one(word(1), real_number(i), number(i + 1))
+    end do
+  end if
+
+contains
+
+  !> The median of as many runs as fit into a twentieth of a second, at least one.
+  subroutine time_one(method, wanted, steps)
+    character(*), intent(in) :: method
+    real(dp), intent(in) :: wanted
+    integer, intent(in) :: steps
+    integer, parameter :: most = 201
+    real(dp), parameter :: enough = 0.05_dp
+    real(dp) :: taken(most), dynamic_factor(size(problem%rpm), size(problem%osc)), from
+    integer :: n
+
+    do n = 1, most
+      from = seconds()
+      call solve(method, wanted, steps, dynamic_factor)
+      taken(n) = seconds() - from
+      if (sum(taken(:n)) > enough) exit
+    end do
+    print numbers, median(taken(:min(n, most))), dynamic_factor
+  end subroutine time_one
+
+  subroutine solve(method, wanted, steps, dynamic_factor)
+    character(*), intent(in) :: method
+    real(dp), intent(in) :: wanted
+    integer, intent(in) :: steps
+    real(dp), intent(out) :: dynamic_factor(:, :)
+
+    select case (method)
+    case ('shooting')
+      call solve_ours(by_shooting, 1, wanted, steps, dynamic_factor)
+    case ('two_threads')
+      call solve_ours(by_shooting, 2, wanted, steps, dynamic_factor)
+    case ('marching')
+      call solve_ours(by_marching, 1, wanted, steps, dynamic_factor)
+    case ('rk4')
+      call solve_fixed(runge_kutta, marched, .false., wanted, steps, dynamic_factor)
+    case ('rk4_aligned')
+      call solve_fixed(runge_kutta, marched, .true., wanted, steps, dynamic_factor)
+    case ('rk4_shooting')
+      call solve_fixed(runge_kutta, shot, .true., wanted, steps, dynamic_factor)
+    case ('constant')
+      call solve_fixed(constant, marched, .false., wanted, steps, dynamic_factor)
+    case ('constant_aligned')
+      call solve_fixed(constant, marched, .true., wanted, steps, dynamic_factor)
+    case default
+      error stop 'dynamics: unknown method'
+    end select
+  end subroutine solve
+
+  !> The library's sweep.
+  subroutine solve_ours(method, threads, wanted, steps, dynamic_factor)
+    integer, intent(in) :: method, threads, steps
+    real(dp), intent(in) :: wanted
+    real(dp), intent(out) :: dynamic_factor(:, :)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+
+    options%direction = problem%case%direction
+    options%threads = threads
+    options%accuracy%steps = steps
+    options%accuracy%steady%method = method
+    options%accuracy%steady%tolerance = wanted
+    call run_sweep(problem%osc, problem%rpm, options, sweep, error)
+    call check(error)
+    dynamic_factor = sweep%dynamic_factor
+  end subroutine solve_ours
+
+  subroutine solve_fixed(method, steady_by, aligned, wanted, steps, dynamic_factor)
+    integer, intent(in) :: method, steady_by, steps
+    logical, intent(in) :: aligned
+    real(dp), intent(in) :: wanted
+    real(dp), intent(out) :: dynamic_factor(:, :)
+    integer :: i
+
+    do i = 1, size(problem%osc)
+      call solve_with_steps(problem%osc(i), problem%rpm, method, steady_by, aligned, steps, wanted, dynamic_factor(:, i))
+    end do
+  end subroutine solve_fixed
+end program dynamics

@@ -1,0 +1,281 @@
+!> Times the finite elements; prints plain numbers for bench/elastic.py.
+!>
+!>     elastic grid KIND ACROSS FILE            writes grid and loads that the others are given
+!>     elastic modes ACROSS COUNT               seconds of each stage, frequencies
+!>     elastic first ACROSS                     first frequency, its estimate, seconds without and with it
+!>     elastic compliance ACROSS OTHERS PLACES  seconds for one gear, pair compliance along the path
+!>     elastic study KIND ACROSS                one grid's frequency, root stress, compliance, seconds of each
+!>     elastic band ACROSS LOADS                seconds of factor and solutions, compliance
+!>
+!> KIND is `graded` (the library's grid) or `uniform`.
+program elastic
+  use, intrinsic :: iso_fortran_env, only: output_unit
+  use bench_tools, only: word, number, seconds, check, numbers
+  use bench_uniform, only: make_uniform
+  use gearsweep_band, only: band_t, make_band
+  use gearsweep_body, only: body_t, make_body
+  use gearsweep_compliance, only: deflection_at_depth, flank_load, load_line
+  use gearsweep_error, only: error_t
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive, coast
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_material, only: material_t
+  use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_modes, only: modes_t, find_modes
+  use gearsweep_pair, only: pair_t, make_pair
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_q8, only: shape_functions
+  use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_stress, only: root_stress_t, find_root_stress
+  implicit none
+
+  type(material_t), parameter :: hassan_steel = material_t(2.15e11_dp, 0.3_dp, 8750.0_dp)
+  real(dp), parameter :: most_memory = 8e9_dp
+  !> Where the tooth is loaded, m, and how deep below its deflection is read.
+  real(dp), parameter :: loaded_radius = 0.388_dp, depth = 0.010_dp
+  type(error_t), allocatable :: error
+
+  select case (word(1))
+  case ('grid')
+    call write_grid(word(2), number(3), word(4))
+  case ('modes')
+    call time_modes(number(2), number(3))
+  case ('first')
+    call time_first(number(2))
+  case ('compliance')
+    call time_compliance(number(2), number(3), number(4))
+  case ('study')
+    call study(word(2), number(3))
+  case ('band')
+    call time_band(number(2), number(3))
+  case default
+    error stop 'elastic: grid, modes, first, compliance, study or band'
+  end select
+
+contains
+
+  !> Hassan et al. 2009, module 25 mm; the rack tip radius is inferred.
+  subroutine hassan(kind, across, section)
+    character(*), intent(in) :: kind
+    integer, intent(in) :: across
+    type(section_t), intent(out) :: section
+
+    if (kind == 'uniform') then
+      call make_uniform(hassan_gear(), hassan_options(across), section)
+    else
+      call make_section(hassan_gear(), hassan_options(across), section, error)
+      call check(error)
+    end if
+  end subroutine hassan
+
+  type(gear_t) function hassan_gear() result(gear)
+
+    call make_gear(gear_spec_t('pinion', 30, 0.025_dp, face_width=0.125_dp, rack_tip_radius=0.30_dp), gear, error)
+    call check(error)
+  end function hassan_gear
+
+  type(section_options_t) function hassan_options(across) result(options)
+    integer, intent(in) :: across
+
+    options%half_angle = 17.5_dp*pi/180
+    options%rim = 0.140625_dp
+    options%elements_across = across
+  end function hassan_options
+
+  subroutine make_hassan_body(section, body)
+    type(section_t), intent(in) :: section
+    type(body_t), intent(out) :: body
+
+    call make_body(section%grid, hassan_steel, .false., section%gear%spec%face_width, &
+                   spread(section%is_held(), 1, 2), most_memory, body, error)
+    call check(error)
+  end subroutine make_hassan_body
+
+  !> Counts; a line for each node: x, y, the unit load's force, the force whose work is the deflection
+  !> at depth, 1 where held, 1 on the loaded tooth's surface below the form circle; and each element.
+  subroutine write_grid(kind, across, path)
+    character(*), intent(in) :: kind, path
+    integer, intent(in) :: across
+    type(section_t) :: section
+    type(body_t) :: body
+    real(dp), allocatable :: load(:, :), reading(:, :)
+    logical, allocatable :: held(:), root(:)
+    integer :: unit, i
+
+    call hassan(kind, across, section)
+    call make_hassan_body(section, body)
+    held = section%is_held()
+    call unit_loads(section, body, load, reading)
+    root = [(.false., i=1, size(held))]
+    do i = drive, coast
+      root(section%surface(section%loaded, i)) = .true.
+    end do
+    root = root .and. norm2(section%grid%x, 1) < minval(section%gear%form_radius)
+    open (newunit=unit, file=path, action='write', status='replace')
+    associate (x => section%grid%x, element => section%grid%element)
+      write (unit, numbers) size(x, 2), size(element, 2)
+      do i = 1, size(x, 2)
+        write (unit, '(6(es24.16e3, 1x), 2i2)') x(:, i), load(:, i), reading(:, i), merge(1, 0, held(i)), merge(1, 0, root(i))
+      end do
+      write (unit, '(8(i0, 1x))') element
+    end associate
+    close (unit)
+  end subroutine write_grid
+
+  !> Forces at the nodes (2, nodes), N: of a unit force on the flank, and those whose work is the
+  !> displacement at depth.
+  subroutine unit_loads(section, body, load, reading)
+    type(section_t), intent(in) :: section
+    type(body_t), intent(in) :: body
+    real(dp), allocatable, intent(out) :: load(:, :), reading(:, :)
+    real(dp) :: x(body%unknowns), point(2), direction(2), local(2)
+    integer :: element
+
+    x = 0
+    call flank_load(section, body, loaded_radius, x, error)
+    call check(error)
+    load = body%spread_out(x)
+    call load_line(section, loaded_radius, point, direction)
+    call section%grid%find(point + depth*direction, section%loaded, element, local)
+    allocate (reading(2, size(load, 2)), source=0.0_dp)
+    reading(:, section%grid%element(:, element)) = spread(direction, 2, 8)*spread(shape_functions(local), 1, 2)
+  end subroutine unit_loads
+
+  !> Assembly is what the body takes beyond the factorisation, which is timed
+  !> again by itself on a matrix of the same shape.
+  subroutine time_modes(across, count)
+    integer, intent(in) :: across, count
+    type(section_t) :: section
+    type(body_t) :: body
+    type(modes_t) :: modes
+    real(dp) :: from, whole, factor, eigen
+
+    call hassan('graded', across, section)
+    from = seconds()
+    call make_hassan_body(section, body)
+    whole = seconds() - from
+    from = seconds()
+    call find_modes(body, count, modes, error)
+    call check(error)
+    eigen = seconds() - from
+    factor = factor_seconds(body)
+    write (output_unit, numbers) body%unknowns, body%stiffness%width, whole - factor, factor, eigen, &
+      maxval(modes%residual), modes%frequency
+  end subroutine time_modes
+
+  !> Seconds to factor a matrix of the shape of a body's.
+  real(dp) function factor_seconds(body)
+    type(body_t), intent(in) :: body
+    type(band_t) :: same_shape
+    real(dp) :: from
+
+    call make_band(body%unknowns, body%stiffness%width, most_memory, same_shape, error)
+    call check(error)
+    where (abs(body%stiffness%a) > 0) same_shape%a = 1
+    same_shape%a(1, :) = 2*same_shape%width + 1
+    from = seconds()
+    call same_shape%factor(error)
+    call check(error)
+    factor_seconds = seconds() - from
+  end function factor_seconds
+
+  !> From the gear's numbers to the first frequency, grid included.
+  subroutine time_first(across)
+    integer, intent(in) :: across
+    type(section_t) :: section
+    type(body_t) :: body
+    type(modes_t) :: modes
+    type(modal_t) :: modal
+    real(dp) :: from, alone, estimated
+
+    from = seconds()
+    call hassan('graded', across, section)
+    call make_hassan_body(section, body)
+    call find_modes(body, 1, modes, error)
+    call check(error)
+    alone = seconds() - from
+    from = seconds()
+    call section_modes(hassan_gear(), hassan_steel, hassan_options(across), 1, modal, error)
+    call check(error)
+    estimated = seconds() - from
+    write (output_unit, numbers) body%unknowns, modes%frequency(1), modal%error_estimate(1), alone, estimated
+  end subroutine time_first
+
+  !> Dogan et al. 2021, case 1; its gears are equal, so that the pair costs one gear.
+  subroutine time_compliance(across, others, places)
+    integer, intent(in) :: across, others, places
+    integer, parameter :: points = 101
+    type(gear_t) :: gear
+    type(pair_t) :: pair
+    type(fe_options_t) :: options
+    type(piecewise_t) :: curve
+    real(dp) :: from, taken
+    integer :: i
+
+    call make_gear(gear_spec_t('pinion', 25, 0.00318_dp, face_width=0.0254_dp), gear, error)
+    call check(error)
+    call make_pair(gear, gear, 2*gear%reference_radius, pair, error)
+    call check(error)
+    options%section%elements_across = across
+    options%section%others_across = others
+    options%positions = places
+    from = seconds()
+    call fe_stiffness(pair, material_t(), options, 280e3_dp, curve, error)
+    call check(error)
+    taken = seconds() - from
+    write (output_unit, numbers) taken, (1/curve%value(pair%contact_ratio*i/(points - 1)), i=0, points - 1)
+  end subroutine time_compliance
+
+  !> Unknowns; first frequency, largest root tension and deflection at depth under a unit force; seconds
+  !> for each from the grid on.
+  subroutine study(kind, across)
+    character(*), intent(in) :: kind
+    integer, intent(in) :: across
+    type(section_t) :: section
+    type(body_t) :: body
+    type(modes_t) :: modes
+    type(root_stress_t) :: stress
+    real(dp) :: from, made, taken(3), near(1), far(1)
+
+    call hassan(kind, across, section)
+    from = seconds()
+    call make_hassan_body(section, body)
+    made = seconds() - from
+    from = seconds()
+    call find_modes(body, 1, modes, error)
+    call check(error)
+    taken(1) = seconds() - from
+    from = seconds()
+    call find_root_stress(section, body, [loaded_radius], [1/body%thickness], stress, error)
+    call check(error)
+    taken(2) = seconds() - from
+    from = seconds()
+    call deflection_at_depth(section, body, [loaded_radius], [depth], [2*depth], near, far, error)
+    call check(error)
+    taken(3) = seconds() - from
+    write (output_unit, numbers) body%unknowns, modes%frequency(1), stress%tension%stress, near/body%thickness, made + taken
+  end subroutine study
+
+  !> Unknowns, seconds to factor and for one and for all of some right sides, deflection at depth.
+  subroutine time_band(across, loads)
+    integer, intent(in) :: across, loads
+    type(section_t) :: section
+    type(body_t) :: body
+    real(dp), allocatable :: load(:, :), reading(:, :), x(:, :)
+    real(dp) :: from, one, all
+
+    call hassan('graded', across, section)
+    call make_hassan_body(section, body)
+    call unit_loads(section, body, load, reading)
+    x = spread(body%gather(load), 2, 1)
+    from = seconds()
+    call body%stiffness%solve(x)
+    one = seconds() - from
+    x = spread(body%gather(load), 2, loads)
+    from = seconds()
+    call body%stiffness%solve(x)
+    all = seconds() - from
+    write (output_unit, numbers) body%unknowns, body%stiffness%width, factor_seconds(body), one, all, &
+      dot_product(x(:, 1), body%gather(reading))
+  end subroutine time_band
+end program elastic

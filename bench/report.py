@@ -1,0 +1,93 @@
+"""What the benchmarks share: running and timing contenders, tables (Markdown and CSV), pictures."""
+import csv
+import datetime
+import pathlib
+import platform
+import re
+import subprocess
+
+import matplotlib
+import numpy as np
+
+matplotlib.use('Agg')
+import matplotlib.pyplot as plt  # noqa: E402
+
+BENCH = pathlib.Path(__file__).resolve().parent
+RESULTS = BENCH.parent / 'results' / 'bench'
+# Okabe and Ito: apart for all kinds of colour vision.
+COLOURS = dict(black='#000000', orange='#E69F00', sky='#56B4E9', green='#009E73', yellow='#F0E442', blue='#0072B2',
+               vermilion='#D55E00', purple='#CC79A7', grey='#999999')
+
+plt.rcParams.update({
+    'font.family': 'serif', 'font.size': 8, 'axes.titlesize': 8, 'axes.labelsize': 8, 'legend.fontsize': 7,
+    'xtick.labelsize': 7, 'ytick.labelsize': 7, 'axes.linewidth': 0.6, 'lines.linewidth': 1.0, 'lines.markersize': 3.5,
+    'axes.grid': True, 'grid.linewidth': 0.3, 'grid.color': '#CCCCCC', 'axes.axisbelow': True, 'xtick.direction': 'in',
+    'ytick.direction': 'in', 'figure.constrained_layout.use': True, 'savefig.dpi': 200, 'svg.fonttype': 'none'})
+
+
+def run(*command, **options):
+    """What a program prints."""
+    answer = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+    if answer.returncode:
+        raise SystemExit(f'{command[0]} failed: {answer.stderr.strip()}')
+    return answer.stdout
+
+
+def first_line(*command):
+    answer = subprocess.run(command, capture_output=True, text=True)
+    return (answer.stdout + answer.stderr).strip().splitlines()[0].strip()
+
+
+def machine():
+    """Date, processor, compiler."""
+    cpu = re.search(r'model name\s*: (.*)', pathlib.Path('/proc/cpuinfo').read_text())
+    return f'{datetime.date.today()}, {cpu[1] if cpu else platform.processor()}, {first_line("gfortran", "--version")}'
+
+
+class Report:
+    """Markdown on the screen and in results/bench/NAME.md."""
+
+    def __init__(self, name, title):
+        RESULTS.mkdir(parents=True, exist_ok=True)
+        self.name, self.lines = name, []
+        self.add(f'### {title}\n')
+
+    def add(self, text):
+        print(text, flush=True)
+        self.lines.append(text)
+
+    def table(self, header, rows):
+        """`header` and the rows' cells are texts or numbers; an empty last line ends the table."""
+        lines = ['| ' + ' | '.join(header) + ' |', '|' + '---|' * len(header)]
+        lines += ['| ' + ' | '.join(cell if isinstance(cell, str) else f'{cell:.3g}' for cell in row) + ' |' for row in rows]
+        self.add('\n'.join(lines) + '\n')
+
+    def csv(self, name, header, rows):
+        with (RESULTS / f'{name}.csv').open('w', newline='') as file:
+            file.write(f'# {machine()}\n')
+            writer = csv.writer(file)
+            writer.writerow(header)
+            writer.writerows(rows)
+
+    def save(self):
+        (RESULTS / f'{self.name}.md').write_text('\n'.join(self.lines))
+
+
+def save_figure(figure, name):
+    for ending in ('svg', 'png'):
+        figure.savefig(RESULTS / f'{name}.{ending}')
+    plt.close(figure)
+
+
+def time_at(aim, errors, seconds):
+    """Time at an error, between the two settings around it; NaN where none comes as far.
+
+    Settings that cost more and err more than another are left out."""
+    best = []
+    for error, time in sorted(zip(errors, seconds), key=lambda point: point[1]):
+        if np.isfinite(error) and (not best or error < best[-1][0]):
+            best.append((max(error, 1e-16), time))
+    for (e1, t1), (e2, t2) in zip(best, best[1:]):
+        if e2 <= aim < e1:
+            return t1 * (t2 / t1)**(np.log(e1 / aim) / np.log(e1 / e2))
+    return best[0][1] if best and best[0][0] <= aim else float('nan')

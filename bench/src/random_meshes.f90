@@ -1,0 +1,1 @@
+../../test/random_meshes.f90

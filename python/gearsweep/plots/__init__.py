@@ -1,0 +1,46 @@
+"""Pictures of the results, by matplotlib.
+
+Each `plot_...` takes a result, draws into the axes `ax` or into a new figure of its own, and returns the
+axes. `draw_all` writes a file for each picture that a study holds. All look as `style` says, which lasts only
+while they draw: nothing global is changed.
+
+>>> import gearsweep
+>>> case = gearsweep.Case('''&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.8 /
+...     &load normal_force_n = 7000 / &relief amount_um = 0, 10 /
+...     &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+...     &sweep rpm_first = 8000 rpm_last = 16000 rpm_step = 500 /''')
+>>> ax = gearsweep.plot_sweep(gearsweep.sweep(case), points=[(13700, 2.1)])
+>>> ax.get_ylabel(), len(ax.lines[0].get_xdata())
+('Dynamic factor (–)', 17)
+"""
+
+try:
+    import matplotlib as _matplotlib  # noqa: F401
+except ImportError as error:
+    raise ImportError("gearsweep's pictures need matplotlib: pip install 'gearsweep[plots]'") from error
+
+from .along_path import plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .body import plot_modal, plot_section
+from .files import draw_all, figures, save
+from .gears import plot_geometry
+from .look import style
+from .over_speed import plot_optimum, plot_sweep
+from .stress import plot_stress
+
+__all__ = [
+    'draw_all',
+    'figures',
+    'plot_geometry',
+    'plot_load',
+    'plot_modal',
+    'plot_optimum',
+    'plot_section',
+    'plot_sharing',
+    'plot_static',
+    'plot_ste',
+    'plot_stiffness',
+    'plot_stress',
+    'plot_sweep',
+    'save',
+    'style',
+]

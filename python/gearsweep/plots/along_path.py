@@ -1,0 +1,161 @@
+"""What happens along the path of contact: stiffness, sharing, transmission error, load, root stress."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import floor
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..case import Case
+from ..results import Integers, Load, Mesh, Reals, Static
+from ..tasks import geometry
+from .look import ASIDE, CROSS, FAINT, GREY, HALO, VISIBLE, canvas
+from .reliefs import Reliefs, paths
+
+
+def plot_stiffness(mesh: Mesh, ax: Axes | None = None) -> Axes:
+    """Stiffness of all pairs that carry, and of one pair, along the path of contact."""
+    with canvas(ax) as ax:
+        _curves(ax, mesh.case, paths(mesh.s, mesh.mesh_n_um, mesh.relief_um))
+        s, one = paths(mesh.s, mesh.pair_n_um)[0]
+        ax.plot(s, one, **ASIDE)
+        ax.annotate('one pair', (s[0], one[0]), (8, -3), textcoords='offset points', va='top')
+        ax.set_ylim(bottom=0)
+        _finish(ax, mesh.case, 'Stiffness (N/µm)')
+    return ax
+
+
+def plot_sharing(mesh: Mesh, ax: Axes | None = None) -> Axes:
+    """Share of the static load that one pair carries along the path of contact."""
+    with canvas(ax) as ax:
+        _curves(ax, mesh.case, paths(mesh.s, mesh.share, mesh.relief_um))
+        _finish(ax, mesh.case, 'Load share (–)')
+    return ax
+
+
+def plot_ste(mesh: Mesh, ax: Axes | None = None) -> Axes:
+    """Static transmission error along the path of contact of one pair."""
+    with canvas(ax) as ax:
+        _curves(ax, mesh.case, paths(mesh.s, mesh.ste_um, mesh.relief_um))
+        _finish(ax, mesh.case, 'Static transmission error (µm)')
+    return ax
+
+
+def plot_load(load: Load, ax: Axes | None = None, *, rpm: float | None = None, static_n: float | None = None) -> Axes:
+    """Dynamic load of one pair along its path of contact, at one speed.
+
+    A relief without an answer has no curve; the legend names it.
+
+    Parameters
+    ----------
+    load : Load
+        From `gearsweep.load`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    rpm : float, optional
+        One of the case's `load_rpm`; otherwise the first.
+    static_n : float, optional
+        The static load, `load_n` of `gearsweep.motion`, drawn as a line.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        The case has no such `load_rpm`.
+    """
+    speeds = np.atleast_1d(load.case.get('sweep', 'load_rpm'))
+    rpm = speeds[0] if rpm is None else rpm
+    if not np.isclose(speeds, rpm).any():
+        raise ValueError(f'rpm = {rpm:g}: must be one of {", ".join(f"{speed:g}" for speed in speeds)}')
+    here = np.isclose(load.rpm, rpm)
+    with canvas(ax) as ax:
+        found = _curves(ax, load.case, paths(load.s[here], load.pair_load_n[here], load.relief_um[here]))
+        missing = [f'{amount:g}' for i, amount in enumerate(Reliefs(load.case).amounts) if i not in found]
+        cross = Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(missing)} µm')
+        if static_n is not None:
+            _level(ax, static_n, 'static load')
+        _finish(ax, load.case, f'Pair load at {rpm:g} 1/min (N)', [cross] if missing else [])
+    return ax
+
+
+def plot_static(static: Static, ax: Axes | None = None) -> Axes:
+    """Stress at the fillet tangent of either side while the load moves along the path of contact.
+
+    ISO 6336-3 and Lewis are for the whole load at the outer point of single contact. A band shows the
+    estimated error where it is wide enough to be seen.
+    """
+    reliefs = Reliefs(static.case)
+    order = np.argsort(static.s, kind='stable')
+    dots = {'marker': 'o', 'markersize': 2.5} if order.size < 20 else {}
+    with canvas(ax) as ax:
+        for side, name, rise, va in ((0, 'drive side', 2, 'bottom'), (1, 'coast side', -2, 'top')):
+            for relief, stress in zip(static.relief_um, static.sigma_mpa[side].T):
+                ax.plot(static.s[order], stress[order], **reliefs.style(relief), **dots)
+            ax.annotate(name, (static.s.mean(), 0), (0, rise), textcoords='offset points', ha='center', va=va)
+        _error_bands(ax, static, order)
+        ax.axhline(0, color=FAINT, linewidth=0.5, zorder=0)
+        _level(ax, static.iso_mpa, 'ISO 6336-3')
+        _level(ax, static.lewis_mpa, 'Lewis')
+        _finish(ax, static.case, 'Root stress (MPa)')
+    return ax
+
+
+def _level(ax: Axes, value: float, name: str) -> None:
+    """A line across, named at its left end, where the curves are low."""
+    ax.axhline(value, **ASIDE)
+    ax.annotate(name, (0, value), (8, 2), xycoords=ax.get_yaxis_transform(), textcoords='offset points', path_effects=HALO)
+    ax.margins(y=0.09)
+
+
+def contact_points(case: Case) -> dict[str, float]:
+    """A, B, P, D, E along the path, in base pitches; no P where a prescribed mesh does not say it."""
+    ratio = case.get('mesh', 'contact_ratio')
+    if ratio is None:
+        return dict(zip('ABPDE', geometry(case).point))
+    pitch = case.get('mesh', 'pitch_point')
+    whole = float(floor(ratio))
+    return {'A': 0.0, 'B': ratio - whole, **({} if pitch is None else {'P': pitch}), 'D': whole, 'E': ratio}
+
+
+def _error_bands(ax: Axes, static: Static, order: Integers) -> None:
+    """The estimated error, where it is wide enough to be seen."""
+    visible = VISIBLE * np.ptp(ax.get_ylim())
+    for stress in static.sigma_mpa[:, order]:
+        for curve, estimate, look in zip(stress.T, static.estimate, Reliefs(static.case).styles):
+            if (estimate * np.abs(curve) > visible).any():
+                band = curve * (1 - estimate), curve * (1 + estimate)
+                ax.fill_between(static.s[order], *band, color=look['color'], alpha=0.25, linewidth=0)
+
+
+def _curves(ax: Axes, case: Case, curves: Iterable[tuple[Reals, ...]]) -> set[int]:
+    """Draws each (s, values, relief); which of the case's reliefs these are."""
+    reliefs = Reliefs(case)
+    found = set()
+    for s, values, relief in curves:
+        ax.plot(s, values, **reliefs.style(relief[0]))
+        found.add(reliefs.index(relief[0]))
+    return found
+
+
+def _finish(ax: Axes, case: Case, label: str, more: list[Artist] = []) -> None:
+    """Points of contact, with those letters in one that would overlap; labels and legend."""
+    points = sorted(contact_points(case).items(), key=lambda point: point[1])
+    length = points[-1][1]
+    letters: dict[float, str] = {}
+    for name, s in points:
+        ax.axvline(s, color=FAINT, linewidth=0.5, zorder=0)
+        near = next((place for place in letters if s - place < 0.035 * length), s)
+        letters[near] = letters.get(near, '') + name
+    for s, name in letters.items():
+        ax.annotate(name, (s, 1), (0, 1), xycoords=ax.get_xaxis_transform(), textcoords='offset points', ha='center')
+    ax.set_xlim(-0.02 * length, 1.02 * length)
+    ax.set_xlabel('Path coordinate s (base pitches)')
+    ax.set_ylabel(label)
+    Reliefs(case).legend(ax, more, gap=1.6)

@@ -1,0 +1,72 @@
+"""The finite-element grid of a section, and its modes."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from ..results import Integers, Modal, Reals, Section
+from .look import ACCENT, GREY, INK, MM, canvas, in_mm
+
+#: Lines that a vector file should not have to hold.
+MANY = 3000
+
+
+def plot_section(section: Section, ax: Axes | None = None) -> Axes:
+    """The finite-element grid of a section."""
+    nodes = np.column_stack((section.x_mm, section.y_mm))
+    with canvas(ax, height=80 * MM) as ax:
+        _draw_grid(ax, nodes, section.element, INK)
+        in_mm(ax)
+    return ax
+
+
+def plot_modal(modal: Modal, ax: Axes | None = None, *, mode: int = 1) -> Axes:
+    """A mode shape: the deformed grid over the one at rest, to no scale.
+
+    Parameters
+    ----------
+    modal : Modal
+        From `gearsweep.modal`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    mode : int
+        Number of the mode, from 1 for the lowest.
+
+    Returns
+    -------
+    Axes
+    """
+    if not 1 <= mode <= len(modal.frequency_hz):
+        raise ValueError(f'mode = {mode}: must be from 1 to {len(modal.frequency_hz)}')
+    nodes = np.column_stack((modal.x_mm, modal.y_mm))
+    shape = modal.shape[:, :, mode - 1].T
+    scale = 0.05 * np.linalg.norm(np.ptp(nodes, axis=0)) / np.linalg.norm(shape, axis=1).max()
+    with canvas(ax, height=80 * MM) as ax:
+        ax.add_collection(LineCollection(edges(nodes, modal.element)[1], colors=GREY, linewidths=0.5))
+        _draw_grid(ax, nodes + scale * shape, modal.element, ACCENT)
+        ax.set_axis_off()
+        ax.set_title(f'{mode}: {modal.frequency_hz[mode - 1]:.5g} Hz ± {100 * modal.estimate[mode - 1]:.1g} %')
+    return ax
+
+
+def edges(nodes: Reals, element: Integers) -> tuple[Reals, Reals]:
+    """Curves (edge, point, axis) of all edges of eight-node elements, and of those on the boundary."""
+    corner = np.arange(4)
+    sides = element[:, np.stack((corner, corner + 4, (corner + 1) % 4), axis=1)].reshape(-1, 3)
+    _, first, count = np.unique(np.sort(sides[:, ::2], axis=1), axis=0, return_index=True, return_counts=True)
+    t = np.linspace(-1, 1, 5)
+    functions = np.stack((t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2))
+    curves = np.einsum('ijk,jl->ilk', nodes[sides[first]], functions)
+    return curves, curves[count == 1]
+
+
+def _draw_grid(ax: Axes, nodes: Reals, element: Integers, color: str) -> None:
+    """The grid in thin lines, as pixels also in vector graphics where they are many; its boundary in a stronger one."""
+    every, outer = edges(nodes, element)
+    thin = {'linewidths': 0.2, 'alpha': 0.6, 'rasterized': len(every) > MANY}
+    ax.add_collection(LineCollection(every, colors=color, **thin))
+    ax.add_collection(LineCollection(outer, colors=color, linewidths=0.8))
+    ax.autoscale_view()
+    ax.set_aspect('equal')

@@ -1,0 +1,144 @@
+"""Pictures of all results of a study, as files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from math import ceil
+from typing import BinaryIO
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..results import Load, Mesh, Modal, Motion, Static, Stress, Study
+from ..tasks import stress
+from .along_path import plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .body import plot_modal, plot_section
+from .gears import plot_geometry
+from .look import COLUMN, MM, PAGE, style
+from .over_speed import plot_optimum, plot_sweep
+from .stress import plot_stress
+
+#: No more panels than this in a picture; it says how many there would be.
+MOST = 20
+
+
+def draw_all(
+    study: Study, folder: str | os.PathLike, stem: str = 'gearsweep', formats: Sequence[str] = ('png', 'svg')
+) -> list[str]:
+    """Draws all that a study holds into files named as the tables are: `stem.sweep.png` and so on.
+
+    Parameters
+    ----------
+    study : Study
+        From `gearsweep.run`.
+    folder : path
+        Where the files go; it is made if missing.
+    stem : str
+        How their names begin.
+    formats : sequence of str
+        Endings, of those that matplotlib knows, such as 'png', 'svg' and 'pdf'.
+
+    Returns
+    -------
+    list of str
+        Paths of the files.
+    """
+    os.makedirs(folder, exist_ok=True)
+    paths = []
+    for name, figure in figures(study):
+        for ending in formats:
+            paths.append(os.path.join(folder, f'{stem}.{name}.{ending}'))
+            save(figure, paths[-1], ending)
+    return paths
+
+
+def figures(study: Study) -> Iterator[tuple[str, Figure]]:
+    """Name and figure of each picture that `draw_all` writes."""
+    drawings = {
+        'outline': (study.geometry, lambda result: _single(plot_geometry, result, 52)),
+        'section': (study.section, lambda result: _single(plot_section, result, 80)),
+        'mesh': (study.mesh, _mesh),
+        'root': (study.static, lambda result: _single(plot_static, result, 65)),
+        'stress': (study.static, lambda result: _single(plot_stress, _worst(result), 55)),
+        'modes': (study.modal, _modes),
+        'load': (study.load, lambda result: _loads(result, study.motion)),
+        'sweep': (study.sweep, lambda result: _single(plot_sweep, result, 80, PAGE)),
+        'vcurve': (study.optimum, lambda result: _single(plot_optimum, result, 60)),
+    }
+    for name, (result, draw) in drawings.items():
+        if result is not None:
+            with style():
+                figure = draw(result)
+            yield name, figure
+
+
+def save(figure: Figure, file: str | os.PathLike | BinaryIO, ending: str) -> None:
+    """Writes a picture in this format; the same picture gives the same bytes, as no date is written."""
+    dates = {'svg': {'Date': None}, 'pdf': {'CreationDate': None}}
+    with style():
+        figure.savefig(file, format=ending, metadata=dates.get(ending))
+
+
+def _single(plot: Callable, result, height: float, width: float = COLUMN) -> Figure:
+    figure = Figure((width, height * MM), layout='constrained')
+    plot(result, figure.subplots())
+    return figure
+
+
+def _worst(static: Static) -> Stress:
+    """All over the section, with the load where it stresses the drive side's root most, without or with the first relief."""
+    return stress(static.case, int(static.sigma_mpa[0, :, 0].argmax()))
+
+
+def _mesh(mesh: Mesh) -> Figure:
+    """Stiffness, sharing and transmission error below each other."""
+    figure = Figure((COLUMN, 150 * MM), layout='constrained')
+    axes = figure.subplots(3, sharex=True)
+    for plot, ax in zip((plot_stiffness, plot_sharing, plot_ste), axes):
+        plot(mesh, ax)
+        ax.label_outer()
+    _one_legend(axes)
+    return figure
+
+
+def _loads(load: Load, motion: Motion | None) -> Figure:
+    """A panel for each speed."""
+    static_n = None if motion is None else motion.load_n
+    speeds = np.atleast_1d(load.case.get('sweep', 'load_rpm'))
+    figure, axes = _panels(len(speeds), 'speeds', 2, 60)
+    for ax, rpm in zip(axes, speeds):
+        plot_load(load, ax, rpm=rpm, static_n=static_n)
+    _one_legend(axes)
+    return figure
+
+
+def _modes(modal: Modal) -> Figure:
+    """A panel for each mode."""
+    aspect = np.ptp(modal.y_mm) / np.ptp(modal.x_mm)
+    figure, axes = _panels(len(modal.frequency_hz), 'modes', 4, 5 + 42 * aspect)
+    for i, ax in enumerate(axes):
+        plot_modal(modal, ax, mode=i + 1)
+    return figure
+
+
+def _panels(n: int, what: str, across: int, height: float) -> tuple[Figure, list[Axes]]:
+    """A figure with n panels of this height (mm), or as many as may be."""
+    shown = min(n, MOST)
+    rows = ceil(shown / across)
+    columns = ceil(shown / rows)
+    figure = Figure((PAGE * columns / across, rows * height * MM), layout='constrained')
+    axes = list(figure.subplots(rows, columns, squeeze=False).flat)
+    for ax in axes[shown:]:
+        ax.remove()
+    if shown < n:
+        figure.supxlabel(f'The first {shown} of {n} {what}')
+    return figure, axes[:shown]
+
+
+def _one_legend(axes: Sequence[Axes]) -> None:
+    """Leaves the legend of the reliefs to the first of the panels."""
+    for ax in axes[1:]:
+        if ax.get_legend() and ax.get_legend().get_title().get_text():
+            ax.get_legend().remove()

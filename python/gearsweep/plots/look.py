@@ -1,0 +1,135 @@
+"""How all pictures look: sizes, fonts, colours, lines, legends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any
+
+import matplotlib
+import matplotlib.style
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties, fontManager
+from matplotlib.patheffects import withStroke
+from matplotlib.transforms import ScaledTranslation
+
+MM = 1 / 25.4
+COLUMN = 85 * MM  #: width of a journal's column, inches
+PAGE = 175 * MM  #: width of its page
+
+INK = '#222222'
+GREY = '#767676'
+FAINT = '#c8c8c8'
+ACCENT = '#1f5f8b'
+
+# The first four are alike in their measures, so that a picture is laid out alike; the last comes with matplotlib.
+FONTS = ('Arial', 'Helvetica', 'Liberation Sans', 'Nimbus Sans', 'DejaVu Sans')
+
+STYLE = {
+    'axes.edgecolor': INK,
+    'axes.labelcolor': INK,
+    'axes.labelpad': 3,
+    'axes.labelsize': 8,
+    'axes.linewidth': 0.6,
+    'axes.spines.right': False,
+    'axes.spines.top': False,
+    'axes.titlepad': 4,
+    'axes.titlesize': 8,
+    'figure.dpi': 150,
+    'font.size': 7.5,
+    'legend.fontsize': 7.5,
+    'legend.frameon': False,
+    'legend.title_fontsize': 7.5,
+    'lines.linewidth': 1.1,
+    'lines.markersize': 4,
+    'pdf.fonttype': 42,
+    'savefig.dpi': 300,
+    'svg.hashsalt': 'gearsweep',
+    'text.color': INK,
+    'xtick.color': INK,
+    'xtick.labelsize': 7.5,
+    'xtick.major.size': 2.5,
+    'xtick.major.width': 0.6,
+    'ytick.color': INK,
+    'ytick.labelsize': 7.5,
+    'ytick.major.size': 2.5,
+    'ytick.major.width': 0.6,
+}
+
+#: Curves of a family go from dark to light; these tell them apart in grey print too.
+DASHES = ('-', (0, (5, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2)), (0, (9, 2)))
+
+#: A line beside a family of curves, and marks.
+ASIDE: dict[str, Any] = {'color': INK, 'linewidth': 0.7, 'linestyle': (0, (2, 2))}
+HOLLOW: dict[str, Any] = {'linestyle': '', 'markersize': 3, 'markerfacecolor': 'white', 'markeredgewidth': 0.7}
+CROSS: dict[str, Any] = {'linestyle': '', 'marker': 'x', 'markersize': 3, 'markeredgewidth': 0.8}
+PUBLISHED: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markeredgewidth': 1.1, 'markerfacecolor': 'none'}
+
+#: What letters over lines need.
+HALO = [withStroke(linewidth=1.8, foreground='white')]
+
+#: Part of the axes from which on an estimated error is drawn.
+VISIBLE = 0.005
+
+
+def style() -> AbstractContextManager:
+    """The look of the pictures: `with gearsweep.plots.style():` around figures of one's own."""
+    there = {font.name for font in fontManager.ttflist}
+    fonts = {'font.family': [name for name in FONTS if name in there]}
+    return matplotlib.style.context([STYLE, fonts], after_reset=True)
+
+
+@contextmanager
+def canvas(ax: Axes | None, height: float = 60 * MM, width: float = COLUMN) -> Iterator[Axes]:
+    """The axes given, or those of a new figure of our look."""
+    if ax is not None:
+        yield ax
+        return
+    from matplotlib import pyplot
+
+    with style():
+        yield pyplot.subplots(figsize=(width, height), layout='constrained')[1]
+
+
+def line_styles(n: int) -> list[dict[str, Any]]:
+    """Colour and dashes of each of n curves."""
+    shades = matplotlib.colormaps['viridis'](np.linspace(0, 0.78, n)) if n > 1 else [ACCENT]
+    return [{'color': shade, 'linestyle': DASHES[i % len(DASHES)]} for i, shade in enumerate(shades)]
+
+
+def legends_above(ax: Axes, *parts: tuple[str, Sequence[Artist]], gap: float = 0) -> None:
+    """Legends without frames on top of each other, each (title, entries), the last `gap` lines above the axes."""
+    letter = FontProperties(size=matplotlib.rcParams['legend.fontsize']).get_size_in_points() / 72  # inches
+    width = ax.bbox.width / ax.figure.dpi / letter
+    for title, handles in reversed(parts):
+        if not handles:
+            continue
+        if ax.get_legend():
+            ax.add_artist(ax.get_legend()).set_clip_on(False)  # kept, and minded by the layout
+        widest = max(len(handle.get_label()) for handle in handles)
+        columns = min(len(handles), max(1, int(width / (3.6 + 0.6 * widest))))
+        ax.legend(
+            handles=[handle for column in range(columns) for handle in handles[column::columns]],
+            title=title,
+            loc='lower left',
+            bbox_to_anchor=(0, 1),
+            bbox_transform=ax.transAxes + ScaledTranslation(0, gap * letter, ax.figure.dpi_scale_trans),
+            ncols=columns,
+            alignment='left',
+            borderaxespad=0.2,
+            borderpad=0,
+            columnspacing=1.2,
+            handlelength=2.0,
+            handletextpad=0.4,
+            labelspacing=0.3,
+        )
+        gap += 0.3 + 1.3 * (-(-len(handles) // columns) + bool(title))
+
+
+def in_mm(ax: Axes) -> None:
+    """Axes of a shape in mm, to the same scale."""
+    ax.set_aspect('equal')
+    ax.set_xlabel('x (mm)')
+    ax.set_ylabel('y (mm)')

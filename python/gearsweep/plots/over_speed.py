@@ -1,0 +1,155 @@
+"""Dynamic factor over speed, and the largest of it over relief."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..results import Optimum, Reals, Status, Sweep
+from .look import ACCENT, CROSS, GREY, HOLLOW, INK, MM, PAGE, PUBLISHED, VISIBLE, canvas, legends_above
+from .reliefs import Reliefs
+
+#: Marks of points that have an answer, but not a plain one.
+MARKS = {Status.MARGINAL: 'o', Status.SUBHARMONIC: 'D', Status.INEXACT: '^'}
+
+
+def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, points: Sequence[Sequence[float]] = ()) -> Axes:
+    """Dynamic factor over speed, a curve for each relief.
+
+    A speed without an answer is a gap, with a cross at the lower edge in the colour of the curve. Points that
+    are marginal, subharmonic or inexact have marks of their own. A band shows the estimated error where it is
+    wide enough to be seen.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        From `gearsweep.sweep`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    points : sequence of (rpm, dynamic factor) or (rpm, dynamic factor, relief in um)
+        Published values, drawn as circles.
+
+    Returns
+    -------
+    Axes
+    """
+    reliefs = Reliefs(sweep.case)
+    with canvas(ax, height=80 * MM, width=PAGE) as ax:
+        for i, look in enumerate(reliefs.styles):
+            _curve(ax, sweep.rpm, sweep.dynamic_factor[:, i], look)
+        _error_bands(ax, sweep, reliefs)
+        circles = [(*point[:2], reliefs.style(point[2])['color'] if len(point) > 2 else INK) for point in points]
+        more = _published(ax, circles) + _status_marks(ax, sweep, reliefs)
+        missing = sweep.status >= Status.UNSTABLE
+        words = ', '.join(Status(status).name.lower() for status in np.unique(sweep.status[missing]))
+        rows = [(sweep.rpm[gaps], look['color']) for gaps, look in zip(missing.T, reliefs.styles)]
+        reliefs.legend(ax, more + _crosses(ax, rows, f'no answer: {words}'))
+        ax.set_xlabel('Speed of the pinion (1/min)')
+        ax.set_ylabel('Dynamic factor (–)')
+    return ax
+
+
+def plot_optimum(optimum: Optimum, ax: Axes | None = None, *, points: Sequence[Sequence[float]] = ()) -> Axes:
+    """Largest dynamic factor over all speeds against the relief, its least value marked.
+
+    Reliefs at which some speeds have no answer are hollow; those at which none has one are a gap, with a cross
+    at the lower edge.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        From `gearsweep.optimum`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    points : sequence of (relief in um, dynamic factor)
+        Published values, drawn as circles.
+
+    Returns
+    -------
+    Axes
+    """
+    relief, worst, whole = optimum.relief_um, optimum.worst_factor, optimum.failed == 0
+    with canvas(ax) as ax:
+        _curve(ax, relief, worst, {'color': ACCENT})
+        ax.plot(relief[whole], worst[whole], 'o', color=ACCENT, markersize=2.5)
+        more = _published(ax, [(*point[:2], INK) for point in points])
+        if np.isfinite(worst[~whole]).any():
+            ax.plot(relief[~whole], worst[~whole], marker='o', markeredgecolor=ACCENT, **HOLLOW)
+            more.append(Line2D([], [], marker='o', markeredgecolor=ACCENT, label='some speeds without answer', **HOLLOW))
+        more += _crosses(ax, [(relief[np.isnan(worst)], ACCENT)], 'no answer')
+        legends_above(ax, ('', more))
+        if np.isfinite(optimum.best_factor):
+            _best(ax, optimum)
+        ax.set_xlabel('Tip relief (µm)')
+        ax.set_ylabel('Largest dynamic factor (–)')
+    return ax
+
+
+def _curve(ax: Axes, x: Reals, y: Reals, look: dict[str, Any]) -> None:
+    """A line, with a dot where a point has no neighbour to be joined to."""
+    known = np.concatenate(([False], np.isfinite(y), [False]))
+    alone = known[1:-1] & ~known[:-2] & ~known[2:]
+    ax.plot(x, y, **look, marker='o', markersize=2.5, markevery=np.flatnonzero(alone).tolist())
+
+
+def _error_bands(ax: Axes, sweep: Sweep, reliefs: Reliefs) -> None:
+    """The estimated error, where it is wide enough to be seen."""
+    visible = VISIBLE * np.ptp(ax.get_ylim())
+    for factor, estimate, look in zip(sweep.dynamic_factor.T, sweep.estimate.T, reliefs.styles):
+        if np.any(estimate > visible):
+            ax.fill_between(sweep.rpm, factor - estimate, factor + estimate, color=look['color'], alpha=0.25, linewidth=0)
+
+
+def _published(ax: Axes, circles: list[tuple]) -> list[Line2D]:
+    """Circles (x, y, colour); the entry in the legend."""
+    for x, y, color in circles:
+        ax.plot(x, y, **PUBLISHED, markeredgecolor=color, zorder=5, clip_on=False)
+    return [Line2D([], [], **PUBLISHED, markeredgecolor=INK, label='published')] if circles else []
+
+
+def _status_marks(ax: Axes, sweep: Sweep, reliefs: Reliefs) -> list[Line2D]:
+    """Marks on the curves, no closer than can be told apart, unless all points are alike; entries in the legend."""
+    entries = []
+    for status, mark in MARKS.items():
+        there = sweep.status == status
+        if not there.any():
+            continue
+        if there[sweep.status < Status.UNSTABLE].all():
+            return [Line2D([], [], linestyle='', label=f'all {status.name.lower()}')]
+        for factor, here, look in zip(sweep.dynamic_factor.T, there.T, reliefs.styles):
+            edge = {'marker': mark, 'markeredgecolor': look['color']}
+            ax.plot(sweep.rpm[here], factor[here], **HOLLOW, **edge, markevery=0.03, zorder=3)
+        entries.append(Line2D([], [], marker=mark, markeredgecolor=GREY, label=status.name.lower(), **HOLLOW))
+    return entries
+
+
+def _crosses(ax: Axes, rows: list[tuple[Reals, Any]], label: str) -> list[Line2D]:
+    """Below the curves a row of crosses for each (x, colour) that has any; the entry in the legend."""
+    rows = [row for row in rows if row[0].size]
+    if not rows:
+        return []
+    height = min(0.035, 0.25 / len(rows))
+    bottom, top = ax.get_ylim()
+    ax.set_ylim(top - (top - bottom) / (1 - height * len(rows)), top)
+    for i, (x, color) in enumerate(reversed(rows)):
+        y = np.full(x.size, height * (i + 0.5))
+        ax.plot(x, y, **CROSS, markeredgecolor=color, transform=ax.get_xaxis_transform())
+    return [Line2D([], [], **CROSS, markeredgecolor=GREY, label=label)]
+
+
+def _best(ax: Axes, optimum: Optimum) -> None:
+    """The optimum, named, with its uncertainty where that shows."""
+    x, y = optimum.best_um, optimum.best_factor
+    left, right = ax.get_xlim()
+    if optimum.within_um > VISIBLE * (right - left):
+        ax.errorbar(x, y, xerr=optimum.within_um, color=INK, linewidth=0.8, capsize=2)
+    ax.plot(x, y, 'D', color=INK, markersize=4, zorder=4)
+    side = 'left' if x < left + 0.25 * (right - left) else 'right' if x > right - 0.25 * (right - left) else 'center'
+    bottom, top = ax.get_ylim()
+    ax.set_ylim(min(bottom, y - 0.25 * (top - y)), top)
+    words = f'{x:.4g} µm\n{y:.4g} at {optimum.best_rpm:.0f} 1/min'
+    ax.annotate(words, (x, y), (0, -5), textcoords='offset points', ha=side, va='top')

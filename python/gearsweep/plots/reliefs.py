@@ -1,0 +1,40 @@
+"""Curves for the reliefs of a case: the same order, colours and dashes in all pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..case import Case
+from ..results import Reals
+from .look import legends_above, line_styles
+
+
+class Reliefs:
+    """The reliefs (um) that a case lists, each with its line style."""
+
+    def __init__(self, case: Case):
+        self.amounts = np.atleast_1d(case.get('relief', 'amount_um', 0))
+        self.styles = line_styles(len(self.amounts))
+
+    def index(self, relief: float) -> int:
+        """Which of them this is, from 0."""
+        return int(np.abs(self.amounts - relief).argmin())
+
+    def style(self, relief: float) -> dict[str, Any]:
+        return self.styles[self.index(relief)]
+
+    def legend(self, ax: Axes, more: list[Artist], gap: float = 0) -> None:
+        """Names the reliefs, unless there is none, and the marks in `more`."""
+        lines = [Line2D([], [], label=f'{amount:g}', **look) for amount, look in zip(self.amounts, self.styles)]
+        legends_above(ax, ('Tip relief (µm)', lines if self.amounts.any() else []), ('', more), gap=gap)
+
+
+def paths(s: Reals, *columns: Reals) -> list[tuple[Reals, ...]]:
+    """Rows of several paths after each other, cut where the path coordinate starts anew."""
+    starts = np.flatnonzero(np.diff(s) < -0.5 * np.ptp(s)) + 1 if s.size else []
+    return list(zip(*(np.split(column, starts) for column in (s, *columns)))) if s.size else []

@@ -1,0 +1,321 @@
+"""Pictures: what is drawn is what the result holds, whole and legible. Nothing is compared by pixels."""
+
+import io
+import re
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+import pytest
+from conftest import GEARED, PARTIAL, PRESCRIBED
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.path import Path
+from matplotlib.text import Text
+
+import gearsweep
+from gearsweep import Case, plots
+from gearsweep.plots.along_path import contact_points
+from gearsweep.plots.gears import contact_path
+from gearsweep.plots.stress import principal
+
+ALONG_PATH = {'stiffness': 'mesh_n_um', 'sharing': 'share', 'ste': 'ste_um'}
+MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
+ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
+ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
+MODES = {'case': {'tasks': 'modal'}, 'modal': {'modes': 22}, 'section': {'elements_across': 3, 'teeth': 0, 'fixed': 'rim'}}
+
+
+@pytest.fixture(scope='module')
+def study():
+    return gearsweep.run(Case(GEARED))
+
+
+@pytest.fixture(scope='module')
+def prescribed():
+    return gearsweep.run(Case(PRESCRIBED))
+
+
+@pytest.fixture(scope='module')
+def partial():
+    with pytest.warns(gearsweep.PartialWarning):
+        return gearsweep.sweep(Case(PARTIAL).changed(relief={'amount_um': [0, 5]}))
+
+
+@pytest.fixture
+def ax():
+    return Figure().subplots()
+
+
+def all_plots(study):
+    """Each plot function with what it takes of this study."""
+    taken = {'stiffness': 'mesh', 'sharing': 'mesh', 'ste': 'mesh', 'stress': None}
+    for name in plots.__all__:
+        kind = name.removeprefix('plot_')
+        if kind == 'stress':
+            yield getattr(plots, name), gearsweep.stress(study.case, 2)
+        elif name != kind:
+            yield getattr(plots, name), getattr(study, taken.get(kind, kind))
+
+
+def curves(ax, n):
+    """The first n lines of the axes as arrays (2, points)."""
+    return [np.array(line.get_data()) for line in ax.lines[:n]]
+
+
+def test_every_plot_draws_into_given_axes_with_units_and_leaves_the_style_alone(study):
+    before = dict(matplotlib.rcParams)
+    for plot, result in all_plots(study):
+        ax = Figure().subplots()
+        assert plot(result, ax) is ax
+        assert ax.has_data()
+        if ax.axison:
+            for label in (ax.get_xlabel(), ax.get_ylabel()):
+                assert re.search(r'[A-Za-z].* \((.+)\)$', label), (plot, label)
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_figures_of_their_own_have_the_width_of_a_journal(study):
+    from matplotlib import pyplot
+
+    before = dict(matplotlib.rcParams)
+    for plot, result in all_plots(study):
+        figure = plot(result).figure
+        assert round(figure.get_size_inches()[0] * 25.4, 6) in (85, 175)
+        pyplot.close(figure)
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_sweep_shows_its_arrays_and_published_points(study, ax):
+    sweep = study.sweep
+    points = [(4000, 1.3, 10), (6000, 1.1)]
+    plots.plot_sweep(sweep, ax, points=points)
+    for curve, factor in zip(curves(ax, 2), sweep.dynamic_factor.T):
+        np.testing.assert_array_equal(curve, [sweep.rpm, factor])
+    circles = ax.lines[2:4]
+    assert [tuple(np.ravel(circle.get_data())) for circle in circles] == [point[:2] for point in points]
+    np.testing.assert_array_equal(circles[0].get_markeredgecolor(), ax.lines[1].get_color())
+    assert {'0', '10', 'published'} <= {text.get_text() for text in ax.findobj(Text)}
+
+
+def test_points_without_an_answer_are_gaps_with_crosses(partial, ax):
+    missing = partial.status >= gearsweep.Status.UNSTABLE
+    assert missing.any() and not missing.all()
+    plots.plot_sweep(partial, ax)
+    for curve, gaps in zip(curves(ax, 2), missing.T):
+        np.testing.assert_array_equal(np.isnan(curve[1]), gaps)
+    crosses = [line for line in ax.lines if line.get_marker() == 'x']
+    assert len(crosses) == 2
+    for line in crosses:  # from the lowest row up: the last relief first
+        np.testing.assert_array_equal(line.get_xdata(), partial.rpm[missing[:, 1 - crosses.index(line)]])
+        assert line.get_transform() == ax.get_xaxis_transform() and 0 < line.get_ydata()[0] < 0.1
+    assert ax.transLimits.transform((0, np.nanmin(partial.dynamic_factor)))[1] > 0.07
+    assert any('no answer: unresolved' in text.get_text() for text in ax.findobj(Text))
+
+
+def test_points_that_are_not_plainly_ok_are_marked(partial, ax):
+    inexact = partial.status == gearsweep.Status.INEXACT
+    assert inexact.any()
+    plots.plot_sweep(partial, ax)
+    marks = [line for line in ax.lines if line.get_marker() == '^']
+    for line, here, factor in zip(marks, inexact.T, partial.dynamic_factor.T):
+        np.testing.assert_array_equal(line.get_data(), [partial.rpm[here], factor[here]])
+
+
+def test_a_point_alone_is_seen(ax):
+    plots.plot_sweep(gearsweep.sweep(Case(PRESCRIBED).changed(**ONE_SPEED)), ax)
+    assert ax.lines[0].get_markevery() == [0] and ax.lines[0].get_marker() == 'o'
+
+
+def test_undamped_motion_is_marginal_throughout(ax):
+    case = Case(PRESCRIBED).changed(dynamics={'damping_ratio': 0}, sweep={'rpm_first': 19000, 'rpm_last': 24000})
+    sweep = gearsweep.sweep(case)
+    assert (sweep.status == gearsweep.Status.MARGINAL).all()
+    plots.plot_sweep(sweep, ax)
+    assert len(ax.lines) == 2 and any(text.get_text() == 'all marginal' for text in ax.findobj(Text))
+
+
+def test_optimum_shows_its_curve_and_names_the_least(study, ax):
+    optimum = study.optimum
+    plots.plot_optimum(optimum, ax, points=[(10, 1.2)])
+    np.testing.assert_array_equal(curves(ax, 1)[0], [optimum.relief_um, optimum.worst_factor])
+    best = next(line for line in ax.lines if line.get_marker() == 'D')
+    assert tuple(np.ravel(best.get_data())) == (optimum.best_um, optimum.best_factor)
+    assert f'{optimum.best_um:.4g} µm' in ax.texts[-1].get_text()
+
+
+@pytest.mark.parametrize('kind, field', ALONG_PATH.items())
+def test_mesh_pictures_show_its_arrays(study, ax, kind, field):
+    mesh = study.mesh
+    getattr(plots, f'plot_{kind}')(mesh, ax)
+    for curve, relief in zip(curves(ax, 2), (0, 10)):
+        rows = np.isclose(mesh.relief_um, relief)
+        np.testing.assert_array_equal(curve, [mesh.s[rows], getattr(mesh, field)[rows]])
+    letters = {text.get_text(): text.xy[0] for text in ax.texts if text.get_text() in tuple('ABPDE')}
+    assert letters == dict(zip('ABPDE', study.geometry.point))
+
+
+def test_load_shows_the_speed_asked_for(study, ax):
+    load = study.load
+    plots.plot_load(load, ax, rpm=6000, static_n=4000)
+    found = [line for line in ax.lines if len(line.get_xdata()) > 2]
+    for line, relief in zip(found, (0, 10), strict=True):
+        rows = np.isclose(load.relief_um, relief) & np.isclose(load.rpm, 6000)
+        np.testing.assert_array_equal(line.get_data(), [load.s[rows], load.pair_load_n[rows]])
+    assert '6000 1/min' in ax.get_ylabel()
+    with pytest.raises(ValueError, match='rpm = 5000: must be one of 4000, 6000'):
+        plots.plot_load(load, ax, rpm=5000)
+
+
+def test_load_names_reliefs_without_an_answer(ax):
+    case = Case(PRESCRIBED).changed(numerics={'steps_per_period': 20}, sweep={'load_rpm': 1})
+    with pytest.warns(gearsweep.PartialWarning):
+        load = gearsweep.load(case)
+    assert load.s.size == 0
+    plots.plot_load(load, ax)
+    assert any(text.get_text() == 'no answer: 0, 15 µm' for text in ax.findobj(Text))
+
+
+def test_static_shows_both_sides_and_its_error(study, ax):
+    static = study.static
+    plots.plot_static(static, ax)
+    expected = [static.sigma_mpa[side, :, relief] for side in (0, 1) for relief in (0, 1)]
+    for curve, sigma in zip(curves(ax, 4), expected):
+        np.testing.assert_array_equal(curve, [static.s, sigma])
+    assert len(ax.collections) == 4  # on this coarse grid the error can be seen
+
+
+def test_contact_points_of_a_prescribed_mesh():
+    """As ISO 21771 defines them: a pair enters where another has one base pitch left to go."""
+    assert contact_points(Case(PRESCRIBED)) == pytest.approx({'A': 0, 'B': 0.6, 'D': 1, 'E': 1.6})
+    high = Case(PRESCRIBED).changed(mesh={'contact_ratio': 2.25, 'pitch_point': 1.2}, relief={'start': 'pitch'})
+    assert contact_points(high) == pytest.approx({'A': 0, 'B': 0.25, 'P': 1.2, 'D': 2, 'E': 2.25})
+
+
+@pytest.mark.parametrize('changes', [{}, ASYMMETRIC, {'gear': {'teeth': 20000}}, {'pair': {'centre_distance_mm': 83.6}}])
+def test_gears_touch_on_the_path_and_nowhere_overlap(changes, ax):
+    geometry = gearsweep.geometry(Case(GEARED).changed(case={'tasks': 'geometry'}, **changes))
+    path = contact_path(geometry, geometry.point)
+    centre = np.array([0, geometry.distance_mm])
+    np.testing.assert_allclose(np.hypot(*path.T), geometry.point_radius_mm[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(np.hypot(*(path - centre).T), geometry.point_radius_mm[:, 1], rtol=1e-9)
+
+    plots.plot_geometry(geometry, ax)
+    pinion, gear = (patch.get_path() for patch in ax.patches[:2])
+    touch = contact_path(geometry, np.array([geometry.contact_ratio / 2]))[0]
+    size = 0.002 * 3  # parts of the module: the chords of the outlines lie off the flanks
+    for outline, away in ((pinion, 1), (gear, -1)):
+        normal = away * np.array([1, np.tan(np.radians(geometry.working_angle_deg[0]))])
+        assert outline.contains_point(touch - size * normal) and not outline.contains_point(touch + size * normal)
+    assert depth(pinion.vertices, gear.vertices) < size and depth(gear.vertices, pinion.vertices) < size
+
+
+def depth(points, outline):
+    """How deep any of the points lies inside the outline; 0 where none does."""
+    inside = points[Path(outline).contains_points(points)]
+    start, side = outline[:-1], np.diff(outline, axis=0)
+    start, side = start[(side != 0).any(axis=1)], side[(side != 0).any(axis=1)]
+    part = ((inside[:, None] - start) * side).sum(axis=-1) / (side**2).sum(axis=-1)
+    foot = start + np.clip(part, 0, 1)[..., None] * side
+    return np.linalg.norm(inside[:, None] - foot, axis=-1).min(axis=1, initial=np.inf).max(initial=0)
+
+
+def test_modes_show_the_shape(study, ax):
+    modal = study.modal
+    plots.plot_modal(modal, ax, mode=2)
+    rest, _, moved = (np.concatenate(lines.get_segments()) for lines in ax.findobj(LineCollection))
+    nodes = np.column_stack((modal.x_mm, modal.y_mm))
+    place = [np.flatnonzero((nodes == point).all(axis=1)) for point in rest[::5]]  # ends of the curves are corners
+    shape = modal.shape[:, np.concatenate(place), 1].T
+    shown = (moved - rest)[::5]
+    scale = np.vdot(shown, shape) / np.vdot(shape, shape)
+    np.testing.assert_allclose(shown, scale * shape, atol=1e-12 * np.abs(nodes).max())
+    assert f'{modal.frequency_hz[1]:.5g} Hz' in ax.get_title()
+    with pytest.raises(ValueError, match='mode = 4: must be from 1 to 3'):
+        plots.plot_modal(modal, ax, mode=4)
+
+
+def test_section_shows_every_edge_once(study, ax):
+    """Euler: corners - edges + elements = 1 for a grid without holes."""
+    section = study.section
+    plots.plot_section(section, ax)
+    edges = len(ax.collections[0].get_segments())
+    assert len(np.unique(section.element[:, :4])) - edges + len(section.element) == 1
+
+
+def test_principal_stress():
+    rng = np.random.default_rng(4)
+    x, y, xy = rng.normal(size=(3, 50))
+    values = np.linalg.eigvalsh(np.array([[x, xy], [xy, y]]).T)
+    larger = values[np.arange(50), np.abs(values).argmax(axis=1)]
+    np.testing.assert_allclose(principal(x, y, xy), larger, rtol=1e-12)
+
+
+def test_draw_all_writes_what_there_is(study, prescribed, tmp_path):
+    names = ('outline', 'section', 'mesh', 'root', 'stress', 'modes', 'load', 'sweep', 'vcurve')
+    found = plots.draw_all(study, tmp_path / 'new', 'pair')
+    assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
+    assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)
+    few = plots.draw_all(prescribed, tmp_path, formats=['pdf'])
+    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'load', 'sweep', 'vcurve')]
+
+
+def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):
+    endings = ('png', 'svg', 'pdf')
+    first, second = (plots.draw_all(prescribed, tmp_path / folder, formats=endings) for folder in 'ab')
+    for one, other in zip(first, second):
+        assert open(one, 'rb').read() == open(other, 'rb').read()
+
+
+@pytest.mark.parametrize('text, changes', [
+    (GEARED, {}),
+    (GEARED, ASYMMETRIC),
+    (GEARED, MODES),
+    (GEARED, {'pair': {'module_mm': 0.3}, 'load': {'normal_force_n': 40}, 'relief': {'amount_um': [0, 0.5, 1.25]}}),
+    (PRESCRIBED, {}),
+    (PRESCRIBED, MANY),
+    (PRESCRIBED, {'relief': {'amount_um': 12.5}}),
+    (PRESCRIBED, ONE_SPEED),
+    (PRESCRIBED, {'mesh': {'contact_ratio': 1.02}}),
+    (PARTIAL, MANY),
+])  # fmt: skip
+@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
+def test_all_text_is_large_enough_whole_and_free(text, changes, monkeypatch):
+    drawn = {}
+    draw = Text.draw
+
+    def drawn_and_noted(words, renderer):
+        draw(words, renderer)
+        if words.get_text() and words.get_visible():
+            drawn[words] = words.get_window_extent(renderer), words.get_figure().bbox.frozen()  # at last, laid out
+
+    monkeypatch.setattr(Text, 'draw', drawn_and_noted)
+    for name, figure in plots.figures(gearsweep.run(Case(text).changed(**changes))):
+        drawn.clear()
+        plots.save(figure, io.BytesIO(), 'png')
+        assert drawn
+        for i, (words, (box, page)) in enumerate(drawn.items()):
+            assert words.get_fontsize() >= 7
+            assert page.x0 <= box.x0 and page.y0 <= box.y0 and box.x1 <= page.x1 and box.y1 <= page.y1, (name, words)
+            over = [other for other, (taken, _) in list(drawn.items())[:i] if taken.overlaps(box)]
+            assert not over, (name, words, over)
+
+
+def test_without_a_display_and_without_pyplot(tmp_path):
+    program = f"""
+import sys, gearsweep
+assert 'matplotlib' not in sys.modules
+study = gearsweep.run(gearsweep.Case({PRESCRIBED!r}))
+print(len(gearsweep.plots.draw_all(study, {str(tmp_path)!r})))
+assert 'matplotlib.pyplot' not in sys.modules
+print(gearsweep.plot_sweep(study.sweep).get_ylabel())
+"""
+    done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, env={}, cwd=tmp_path)
+    assert done.stdout == '8\nDynamic factor (–)\n', done.stderr
+
+
+def test_without_matplotlib_the_message_says_what_to_install(tmp_path):
+    program = "import sys; sys.modules['matplotlib'] = None\nimport gearsweep\ngearsweep.plot_sweep"
+    done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
+    assert "ImportError: gearsweep's pictures need matplotlib: pip install 'gearsweep[plots]'" in done.stderr

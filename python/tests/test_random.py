@@ -1,0 +1,267 @@
+"""Random texts, names, values and arguments, the same ones each time: what is not usable is refused with an
+`Error` or a `TypeError`, and what is usable comes back as it went in."""
+
+import concurrent.futures
+import contextlib
+import math
+import resource
+import warnings
+
+import numpy as np
+import pytest
+from conftest import GEARED, PRESCRIBED
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import gearsweep
+from gearsweep import Case, Error
+
+few = settings(derandomize=True, deadline=None, database=None, max_examples=40)
+fewer = settings(few, max_examples=15)
+
+#: Cheap to read and to run.
+SMALL = PRESCRIBED.replace('rpm_step = 1000', 'rpm_step = 7000')
+GROUPS = {
+    'pair': ['module_mm', 'face_width_mm', 'backlash_um', 'pressure_angle_deg'],
+    'pinion': ['teeth', 'profile_shift', 'effective_mass_kg'],
+    'relief': ['amount_um', 'kind'],
+    'mesh': ['model', 'contact_ratio', 'coefficients'],
+    'dynamics': ['damping_ratio', 'friction'],
+}
+#: Words that a case is made of, in an order that makes none.
+pieces = st.sampled_from(
+    ['&pair', '&case', ' /', ' = ', "'", "''", '"', '!', '\n', '\r\n', ',', '&', '3*2', '1d400', 'nan', 'tasks', 'module_mm', '(1)',
+     '%', '-1', '.true.', 'é', '\udcff', "'it''s'", '$', '&end']
+)  # fmt: skip
+texts = st.one_of(
+    st.binary(max_size=200).map(lambda b: b.decode('utf-8', 'surrogateescape')),
+    st.text(max_size=100),
+    st.lists(pieces, max_size=30).map(''.join),
+    st.tuples(st.integers(0, len(GEARED)), pieces, st.integers(0, 40)).map(
+        lambda cut: GEARED[: cut[0]] + cut[1] + GEARED[cut[0] + cut[2] :]
+    ),
+)
+keys = st.sampled_from([(group, key) for group, names in GROUPS.items() for key in names])
+numbers = st.one_of(st.floats(), st.integers(-(10**30), 10**30), st.sampled_from([5e-324, 1e308, -0.0, 2**31, math.nan]))
+values = st.one_of(
+    numbers, st.booleans(), st.text(max_size=20), st.lists(numbers, max_size=5), st.sampled_from(["it's", "''", "'", '/', '!', '&x'])
+)
+#: What is no case and no number.
+objects = st.one_of(
+    st.none(), st.text(max_size=5), st.binary(max_size=5), st.floats(), st.complex_numbers(), st.lists(st.integers(), max_size=3),
+    st.dictionaries(st.text(max_size=3), st.integers(), max_size=2), st.just(object()), st.just(np.empty((0, 3))),
+)  # fmt: skip
+
+
+@contextlib.contextmanager
+def refusal_allowed():
+    """The body may be refused, but not in another way, and not without a word."""
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', gearsweep.PartialWarning)
+        try:
+            yield
+        except Error as error:
+            assert str(error).strip() and error.code not in (gearsweep.Code.OK, gearsweep.Code.PARTIAL)
+
+
+# --- texts -------------------------------------------------------------------
+
+
+@few
+@given(texts)
+def test_any_text_is_read_or_refused(text):
+    case = Case(text)
+    assert str(case) == text
+    for call in (gearsweep.geometry, Case.complete, lambda case: case.tasks, lambda case: case.get('pair', 'module_mm')):
+        with refusal_allowed():
+            call(case)
+
+
+@few
+@given(texts)
+def test_a_text_survives_its_file(tmp_path_factory, text):
+    path = tmp_path_factory.getbasetemp() / 'any.nml'
+    with contextlib.suppress(UnicodeEncodeError):
+        Case(text).write(path)
+        # Bytes are what a file has: a text that is no UTF-8 is known again by them.
+        again = Case.read(path).text
+        assert again.encode('utf-8', 'surrogateescape') == text.encode('utf-8', 'surrogateescape')
+
+
+@few
+@given(keys, values)
+def test_any_value_is_used_or_refused(name, value):
+    group, key = name
+    with refusal_allowed():
+        case = Case(GEARED).changed(**{group: {key: value}})
+        gearsweep.geometry(case.changed(case={'tasks': 'geometry'}))
+
+
+@few
+@given(st.text(max_size=12), st.text(max_size=12), values)
+def test_any_name_is_used_or_refused(group, key, value):
+    with refusal_allowed():
+        changed = Case(SMALL).changed(**{group: {key: value}})
+        changed.complete()
+
+
+@few
+@given(st.floats(0.5, 1e3), st.floats(1e-3, 0.99), st.lists(st.floats(0, 500), min_size=1, max_size=6))
+def test_what_is_changed_can_be_got(width, damping, amounts):
+    case = Case(GEARED).changed(pair={'face_width_mm': width}, dynamics={'damping_ratio': damping}, relief={'amount_um': amounts})
+    assert (case.get('pair', 'face_width_mm'), case.get('dynamics', 'damping_ratio')) == (width, damping)
+    assert np.ravel(case.get('relief', 'amount_um')).tolist() == amounts
+    assert case.get('pinion', 'teeth') == 21
+
+
+@few
+@given(st.text(st.characters(min_codepoint=32, max_codepoint=0x2FF, exclude_characters='\x7f'), max_size=60))
+def test_a_title_can_be_got(title):
+    """Quotes and all that ends a group elsewhere stand for themselves in a text; control characters are refused."""
+    assert Case(GEARED).changed(case={'title': title}).get('case', 'title', '').rstrip() == title.rstrip()
+
+
+# --- arguments ----------------------------------------------------------------
+
+TASKS = [gearsweep.run, gearsweep.report, gearsweep.prepare, gearsweep.geometry, gearsweep.motion, gearsweep.mesh, gearsweep.static,
+         gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.section, gearsweep.modal]  # fmt: skip
+WITH_WORK = [gearsweep.motion, gearsweep.mesh, gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.report]
+
+
+@pytest.mark.parametrize('task', TASKS, ids=lambda task: task.__name__)
+@fewer
+@given(thing=objects)
+def test_no_case(task, thing):
+    with pytest.raises(TypeError, match='case'):
+        task(thing)
+
+
+@fewer
+@given(objects.filter(lambda thing: not isinstance(thing, str)))
+def test_no_text(thing):
+    with pytest.raises(TypeError):
+        Case(thing)
+
+
+@pytest.fixture(scope='module')
+def work():
+    return gearsweep.prepare(Case(SMALL))
+
+
+arrays = st.one_of(
+    st.lists(numbers, max_size=30),
+    st.integers(0, 30).map(np.zeros),
+    st.tuples(st.integers(0, 3), st.integers(0, 3)).map(np.ones),
+    st.sampled_from([np.array(3.0), np.full(9, np.nan), np.full(9, np.inf), np.array(['a']), np.array([None]), np.array([1j]),
+                     np.zeros(3, bool), np.zeros(4, np.float16), 'abc', 3, object()]),
+)  # fmt: skip
+
+
+@few
+@given(st.sampled_from(WITH_WORK), arrays)
+def test_any_work_is_used_or_refused(call, given_work):
+    """An empty one counts as none."""
+    with contextlib.suppress(TypeError, OverflowError, ValueError), refusal_allowed():
+        call(Case(SMALL), work=given_work)
+        assert np.size(given_work) == 0
+
+
+@few
+@given(st.sampled_from(WITH_WORK), st.integers(0, 10**6), numbers)
+def test_spoilt_work_is_used_or_refused(work, call, at, number):
+    spoilt = work.copy()
+    with contextlib.suppress(OverflowError), refusal_allowed():
+        spoilt[at % work.size] = number
+        call(Case(SMALL), work=spoilt)
+
+
+def test_work_of_any_layout_gives_the_same_bits(work):
+    expected = gearsweep.sweep(Case(SMALL), work=work).dynamic_factor.tobytes()
+    frozen = work.copy()
+    frozen.setflags(write=False)
+    column = np.asfortranarray(np.repeat(work[:, None], 3, axis=1))[:, 1]
+    for same in (frozen, column, work[::-1].copy()[::-1], work.astype('>f8'), work.astype(np.longdouble), work.tolist()):
+        assert gearsweep.sweep(Case(SMALL), work=same).dynamic_factor.tobytes() == expected
+
+
+@few
+@given(st.integers(-(2**40), 2**40), st.integers(-(2**40), 2**40))
+def test_stress_at_any_place(position, relief):
+    """Only places that there are; counted from 0, and never from the end."""
+    case = Case(GEARED).changed(mesh={'model': 'weber'})
+    with pytest.raises((Error, OverflowError)):
+        gearsweep.stress(case, position, 2 + abs(relief))
+    with pytest.raises((Error, OverflowError)):
+        gearsweep.stress(case, -1 - abs(position))
+
+
+# --- results ------------------------------------------------------------------
+
+
+@fewer
+@given(st.lists(st.floats(0, 40), min_size=1, max_size=3, unique=True), st.floats(1000, 20000))
+def test_a_result_survives_its_file(tmp_path_factory, amounts, rpm):
+    path = tmp_path_factory.getbasetemp() / 'any.npz'
+    case = Case(SMALL).changed(relief={'amount_um': amounts}, sweep={'load_rpm': rpm}, case={'tasks': ('mesh', 'load', 'sweep')})
+    with refusal_allowed():
+        study = gearsweep.run(case)
+        study.save(path)
+        again = gearsweep.read(path)
+        assert again.case == study.case and bits(again) == bits(study)
+
+
+@few
+@given(st.binary(max_size=300))
+def test_a_file_of_another_kind(tmp_path_factory, content):
+    path = tmp_path_factory.getbasetemp() / 'other.npz'
+    path.write_bytes(content)
+    with pytest.raises(Error, match='cannot read'):
+        gearsweep.read(path)
+
+
+def bits(study):
+    parts = {name: part for name, part in vars(study).items() if isinstance(part, gearsweep.Result)}
+    return {(name, field): np.asarray(getattr(part, field)).tobytes() for name, part in parts.items() for field in part.units}
+
+
+# --- many calls ----------------------------------------------------------------
+
+
+def test_good_and_bad_calls_at_once():
+    """Each caller gets its own answer, and its own message."""
+    good = [Case(SMALL).changed(case={'tasks': ('mesh', 'sweep')}, relief={'amount_um': amount}) for amount in range(4)]
+    bad = [Case(SMALL + f'&colour{number} red = 1 /') for number in range(4)]
+
+    def answer(case):
+        try:
+            return bits(gearsweep.run(case, threads=1))
+        except Error as error:
+            return str(error)
+
+    alone = [answer(case) for case in good + bad]
+    assert all(f'colour{number}' in alone[4 + number] for number in range(4))
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(answer, (good + bad) * 4)) == alone * 4
+
+
+def test_no_leak(work):
+    """What 200 calls leave behind, good and refused ones, would show if each kept as little as 50 kB. The first
+    calls fill what stays for good."""
+
+    good = Case(SMALL).changed(case={'tasks': 'mesh'})
+    bad = good.changed(pinion={'teeth': -1})
+
+    def calls(times):
+        for _ in range(times):
+            gearsweep.mesh(good, work=work)
+            with pytest.raises(Error):
+                gearsweep.mesh(bad, work=work)
+
+    def pages():
+        with open('/proc/self/statm') as file:
+            return int(file.read().split()[1]) * resource.getpagesize()
+
+    calls(50)
+    before = pages()
+    calls(200)
+    assert pages() - before < 10e6

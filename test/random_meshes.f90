@@ -1,0 +1,79 @@
+!> Prescribed meshes drawn at random, the same in every run: contact ratio,
+!> stiffness, short linear relief on both members, masses, load, damping.
+module random_meshes
+  use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_relief, only: relief_t, profile_error
+  use gearsweep_stiffness, only: polynomial_stiffness
+  implicit none
+  private
+  public :: draw_t, random_mesh
+
+  !> One mesh, speeds (1/min, ascending) and a tolerance.
+  type :: draw_t
+    type(oscillator_t) :: osc
+    real(dp), allocatable :: rpm(:)
+    real(dp) :: tolerance = 0
+  end type draw_t
+
+contains
+
+  !> Draw `number` with so many speeds: within 15 % of one that is 0.05 to 3 times
+  !> the main resonance. Damping ratio 1e-3 to 1, tolerance 1e-8 to 1e-3, relief none
+  !> or up to 1.6 mean deflections.
+  subroutine random_mesh(number, speeds, draw)
+    integer, intent(in) :: number, speeds
+    type(draw_t), intent(out) :: draw
+    type(error_t), allocatable :: error
+    type(relief_t) :: relief
+    real(dp) :: shape(5), deflection, part, main
+    integer(int64) :: seed
+    integer :: i
+
+    seed = 7919_int64*number + 12345
+    associate (osc => draw%osc, mesh => draw%osc%mesh)
+      mesh%contact_ratio = between(1.05_dp, 2.9_dp)
+      mesh%teeth = 25
+      shape = [1.0_dp, between(-0.15_dp, 0.15_dp), between(-0.4_dp, 0.0_dp), between(-0.1_dp, 0.1_dp), between(0.0_dp, 0.1_dp)]
+      call polynomial_stiffness(mesh%contact_ratio, 4e8_dp*shape, mesh%stiffness, error)
+      osc%mass = [power(0.3_dp, 3.0_dp), power(0.3_dp, 3.0_dp)]
+      deflection = power(1e-6_dp, 5e-5_dp)
+      osc%load = deflection*mesh%mean_stiffness()
+      part = max(0.0_dp, between(-0.5_dp, 1.6_dp))
+      relief%amount = part*deflection
+      relief%start = [aint(mesh%contact_ratio), modulo(mesh%contact_ratio, 1.0_dp)]
+      call profile_error(relief, mesh%contact_ratio, mesh%profile_error, error)
+      osc%damping_ratio = power(1e-3_dp, 1.0_dp)
+      call make_oscillator(osc, error)
+      if (allocated(error)) error stop 'random mesh'
+      main = 60*osc%natural_frequency/(2*pi*mesh%teeth(1))*power(0.05_dp, 3.0_dp)
+      draw%rpm = [(main*(0.85_dp + 0.3_dp*(i - 0.5_dp)/speeds), i=1, speeds)]
+    end associate
+    draw%tolerance = power(1e-8_dp, 1e-3_dp)
+
+  contains
+
+    real(dp) function between(low, high)
+      real(dp), intent(in) :: low, high
+
+      between = low + (high - low)*uniform()
+    end function between
+
+    !> Evenly spread logarithm.
+    real(dp) function power(low, high)
+      real(dp), intent(in) :: low, high
+
+      power = low*(high/low)**uniform()
+    end function power
+
+    !> Park and Miller's generator.
+    real(dp) function uniform()
+      integer(int64), parameter :: modulus = 2147483647_int64
+
+      seed = mod(48271_int64*seed, modulus)
+      uniform = real(seed, dp)/modulus
+    end function uniform
+  end subroutine random_mesh
+end module random_meshes

@@ -1,0 +1,61 @@
+#!/bin/sh
+# The library under the address and undefined-behaviour sanitizers, with leaks and the compiler's run-time
+# checks: sh test/sanitize.sh [--short] [suite ...]
+# Short: the spoilt calls of test/callers/fuzz.c. Otherwise also the other callers and the suites, or those named.
+# The last line is `N passed, N failed`; a finding ends a part and is a failure.
+root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
+. "$root/app/setup.sh"
+build_check_sanitized || exit
+library=$(ls -t "$root"/build/gfortran_*/gearsweep/libgearsweep.a | while read -r archive; do
+  nm "$archive" 2>/dev/null | grep -q __asan_init && echo "$archive" && break
+done)
+work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+passed=0
+failed=0
+
+# Not ours and kept until the end of the process: OpenBLAS's threads with their buffers, libgomp's pool.
+cat >"$work/known" <<'END'
+leak:libopenblas
+leak:libgomp
+END
+export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:abort_on_error=0
+export LSAN_OPTIONS=suppressions=$work/known:print_suppressions=0
+export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+
+# part TITLE COMMAND...: must end with code 0 and say nothing on stderr.
+part() {
+  title=$1
+  shift
+  if (cd "$1" && shift && "$@") >"$work/out" 2>"$work/err" && [ ! -s "$work/err" ]; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    echo "FAILED: $title"
+    tail -n 5 "$work/out"
+    head -n 40 "$work/err"
+  fi
+}
+
+libraries="-lopenblas -lgomp -lgfortran -lm -lpthread"
+caller() {
+  gcc $sanitize_c_flags -std=gnu99 -I"$root/include" "$root/test/callers/$1.c" -o "$work/$1" "$library" $libraries
+}
+legacy() { gfortran $sanitize_c_flags "$root/test/callers/legacy.f" -o "$work/legacy" "$library" $libraries; }
+
+part 'spoilt calls: build' "$work" caller fuzz
+if [ "${1-}" = --short ]; then
+  part 'spoilt calls' "$work" ./fuzz 400
+else
+  part 'spoilt calls' "$work" ./fuzz
+  for name in border design; do
+    part "C: $name: build" "$work" caller "$name"
+    part "C: $name" "$work" "./$name"
+  done
+  part 'Fortran 77: build' "$work" legacy
+  part 'Fortran 77' "$work" ./legacy
+  part 'suites' "$root" "$run_dir/check-sanitized" "$@"
+fi
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]
