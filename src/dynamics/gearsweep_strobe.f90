@@ -39,7 +39,7 @@ contains
 
     allocate (strobe%x(keep, size(rpm)), strobe%v(keep, size(rpm)), strobe%exponent(size(rpm)), &
               source=ieee_value(1.0_dp, ieee_quiet_nan))
-    state = [osc%static_scale, 0.0_dp]
+    state = [osc%rest, 0.0_dp]
     if (present(start)) state = start*[1.0_dp, mesh_period(osc%mesh%teeth(1), rpm(1))]
     do i = 1, size(rpm)
       if (i > 1) state(2) = state(2)*rpm(i - 1)/rpm(i)
