@@ -156,6 +156,14 @@ def test_mesh_pictures_show_its_arrays(study, ax, kind, field):
     assert letters == dict(zip('ABPDE', study.geometry.point))
 
 
+def test_harmonics_are_bars(study, ax):
+    harmonics = study.harmonics
+    plots.plot_harmonics(harmonics, ax)
+    for bars, amplitude in zip(ax.containers, harmonics.amplitude_um.T, strict=True):
+        np.testing.assert_array_equal([bar.get_height() for bar in bars], amplitude)
+        np.testing.assert_array_equal(np.round([bar.get_x() + bar.get_width() / 2 for bar in bars]), harmonics.harmonic)
+
+
 def test_load_shows_the_speed_asked_for(study, ax):
     load = study.load
     plots.plot_load(load, ax, rpm=6000, static_n=4000)
@@ -253,12 +261,12 @@ def test_principal_stress():
 
 
 def test_draw_all_writes_what_there_is(study, prescribed, tmp_path):
-    names = ('outline', 'section', 'mesh', 'root', 'stress', 'modes', 'load', 'sweep', 'vcurve')
+    names = ('outline', 'section', 'mesh', 'harmonics', 'root', 'stress', 'modes', 'load', 'sweep', 'vcurve')
     found = plots.draw_all(study, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)
     few = plots.draw_all(prescribed, tmp_path, formats=['pdf'])
-    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'load', 'sweep', 'vcurve')]
+    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'sweep', 'vcurve')]
 
 
 def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):
@@ -312,7 +320,7 @@ assert 'matplotlib.pyplot' not in sys.modules
 print(gearsweep.plot_sweep(study.sweep).get_ylabel())
 """
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, env={}, cwd=tmp_path)
-    assert done.stdout == '8\nDynamic factor (–)\n', done.stderr
+    assert done.stdout == '10\nDynamic factor (–)\n', done.stderr
 
 
 def test_without_matplotlib_the_message_says_what_to_install(tmp_path):

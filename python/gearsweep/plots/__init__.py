@@ -19,7 +19,7 @@ try:
 except ImportError as error:
     raise ImportError("gearsweep's pictures need matplotlib: pip install 'gearsweep[plots]'") from error
 
-from .along_path import plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
 from .files import draw_all, figures, save
 from .gears import plot_geometry
@@ -31,6 +31,7 @@ __all__ = [
     'draw_all',
     'figures',
     'plot_geometry',
+    'plot_harmonics',
     'plot_load',
     'plot_modal',
     'plot_optimum',

@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from ..case import Case
-from ..results import Integers, Load, Mesh, Reals, Static
+from ..results import Harmonics, Integers, Load, Mesh, Reals, Static
 from ..tasks import geometry
-from .look import ASIDE, CROSS, FAINT, GREY, HALO, VISIBLE, canvas
+from .look import ASIDE, CROSS, FAINT, GREY, HALO, INK, VISIBLE, canvas
 from .reliefs import Reliefs, paths
 
 
@@ -42,6 +43,27 @@ def plot_ste(mesh: Mesh, ax: Axes | None = None) -> Axes:
     with canvas(ax) as ax:
         _curves(ax, mesh.case, paths(mesh.s, mesh.ste_um, mesh.relief_um))
         _finish(ax, mesh.case, 'Static transmission error (µm)')
+    return ax
+
+
+def plot_harmonics(harmonics: Harmonics, ax: Axes | None = None) -> Axes:
+    """Amplitudes of the harmonics of the static transmission error, a bar for each relief.
+
+    A thin line across the end of a bar shows its estimated error where that is wide enough to be seen.
+    """
+    reliefs = Reliefs(harmonics.case)
+    amplitude, error = harmonics.amplitude_um, harmonics.estimate_um
+    width = 0.84 / max(2, len(error))
+    with canvas(ax) as ax:
+        for i, look in enumerate(reliefs.styles):
+            place = harmonics.harmonic + width * (i - (len(error) - 1) / 2)
+            ax.bar(place, amplitude[:, i], 0.94 * width, color=look['color'])
+            if error[i] > VISIBLE * amplitude.max():
+                ax.errorbar(place, amplitude[:, i], error[i], color=INK, linestyle='', linewidth=0.7)
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+        ax.set_xlabel('Harmonic of the mesh frequency (–)')
+        ax.set_ylabel('Amplitude of the STE (µm)')
+        reliefs.legend(ax, [], filled=True)
     return ax
 
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from ..results import Load, Mesh, Modal, Motion, Static, Stress, Study
 from ..tasks import stress
-from .along_path import plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
 from .gears import plot_geometry
 from .look import COLUMN, MM, PAGE, style
@@ -60,6 +60,7 @@ def figures(study: Study) -> Iterator[tuple[str, Figure]]:
         'outline': (study.geometry, lambda result: _single(plot_geometry, result, 52)),
         'section': (study.section, lambda result: _single(plot_section, result, 80)),
         'mesh': (study.mesh, _mesh),
+        'harmonics': (study.harmonics, lambda result: _single(plot_harmonics, result, 60)),
         'root': (study.static, lambda result: _single(plot_static, result, 65)),
         'stress': (study.static, lambda result: _single(plot_stress, _worst(result), 55)),
         'modes': (study.modal, _modes),

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from ..case import Case
 from ..results import Reals
@@ -28,10 +29,13 @@ class Reliefs:
     def style(self, relief: float) -> dict[str, Any]:
         return self.styles[self.index(relief)]
 
-    def legend(self, ax: Axes, more: list[Artist], gap: float = 0) -> None:
-        """Names the reliefs, unless there is none, and the marks in `more`."""
-        lines = [Line2D([], [], label=f'{amount:g}', **look) for amount, look in zip(self.amounts, self.styles)]
-        legends_above(ax, ('Tip relief (µm)', lines if self.amounts.any() else []), ('', more), gap=gap)
+    def legend(self, ax: Axes, more: list[Artist], gap: float = 0, *, filled: bool = False) -> None:
+        """Names the reliefs, as lines or as filled, unless there is none; and the marks in `more`."""
+        handles = [
+            Patch(color=look['color'], label=f'{amount:g}') if filled else Line2D([], [], label=f'{amount:g}', **look)
+            for amount, look in zip(self.amounts, self.styles)
+        ]
+        legends_above(ax, ('Tip relief (µm)', handles if self.amounts.any() else []), ('', more), gap=gap)
 
 
 def paths(s: Reals, *columns: Reals) -> list[tuple[Reals, ...]]:
