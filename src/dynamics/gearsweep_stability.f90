@@ -8,9 +8,10 @@ module gearsweep_stability
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_accuracy, only: mesh_period
+  use gearsweep_error, only: error_t
   use gearsweep_gauss, only: lanes
   use gearsweep_hold, only: lane_work_t, hold_maps
-  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_motion, only: make_oscillator, oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_piecewise, only: constant
   use gearsweep_step, only: period_t
   implicit none
@@ -37,7 +38,7 @@ contains
 
   !> The multipliers at pinion speeds `rpm` (1/min, ascending) and the damping ratios `damping`, whatever
   !> damping the oscillator has; `tolerance` is that of the trace.
-  pure subroutine map_stability(osc, rpm, damping, tolerance, map)
+  subroutine map_stability(osc, rpm, damping, tolerance, map)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:), damping(:), tolerance
     type(stability_t), intent(out) :: map
@@ -112,18 +113,21 @@ contains
   !> `tolerance` with each of `damping`: a method of sixth order leaves less than a twentieth of what
   !> half the steps differ by, also where splines have their knots. Not `resolved`: too slow for the
   !> steps there may be.
-  pure subroutine make_hill(osc, duration, damping, tolerance, hill, resolved)
+  subroutine make_hill(osc, duration, damping, tolerance, hill, resolved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration, damping(:), tolerance
     type(hill_t), intent(inout) :: hill
     logical, intent(out) :: resolved
     real(dp) :: coarse(size(damping)), fine(size(damping)), fastest
+    type(error_t), allocatable :: error
     integer :: steps
 
     hill%osc = osc
     hill%osc%mesh%profile_error = constant(0.0_dp, osc%mesh%contact_ratio, 0.0_dp)
-    fastest = osc%highest_frequency*max(1.0_dp, 2*maxval(damping))
+    call make_oscillator(hill%osc, error)
     resolved = .false.
+    if (allocated(error)) return
+    fastest = osc%highest_frequency*max(1.0_dp, 2*maxval(damping))
     steps = 8
     do while (steps < fastest*duration)
       steps = 2*steps
