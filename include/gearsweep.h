@@ -224,18 +224,23 @@ int gsc_stability(const char *text, size_t text_length, int nwork, const double 
    dynamic_factor, estimate, status, contact, floquet_modulus, periods: [speeds] as from gsc_sweep
    x_um, v_mm_s: [speeds] dynamic transmission error and its rate as a new pair enters */
 int gsc_follow(const char *text, size_t text_length, int nwork, const double *work, int relief,
-               int speeds, const double *rpm, double jump, double closeness, int room,
-               int *changes, double *change_rpm, double *change_factor, int *change_status,
-               int *change_periods, double *dynamic_factor, double *estimate, int *status, int *contact,
-               double *floquet_modulus, int *periods, double *x_um, double *v_mm_s, char *message, size_t message_size);
+               int speeds, const double *rpm, double jump, double closeness, int room, int *changes,
+               double *change_rpm, double *change_factor, int *change_status, int *change_periods,
+               double *dynamic_factor, double *estimate, int *status, int *contact,
+               double *floquet_modulus, int *periods, double *x_um, double *v_mm_s, char *message,
+               size_t message_size);
 
 /* The motion seen once a mesh period, as a new pair enters, for one relief, counted from 1; at each further
-   speed it starts where it was at the one before. rpm[speeds]; start_um, start_mm_s: where it starts, as from
-   gsc_follow, NaN: at rest; settle, keep: mesh periods passed over at each speed, and kept after them; x_um, v_mm_s: [keep*speeds]; exponent[speeds]: largest Lyapunov
-   exponent, of a mesh period: above 0 where the motion is chaotic */
+   speed it starts where it was at the one before.
+   rpm[speeds]; start_um, start_mm_s: where it starts, as from gsc_follow, NaN: at rest
+   settle, keep: mesh periods passed over at each speed, and kept after them; x_um, v_mm_s: [keep*speeds]
+   exponent[speeds]: largest Lyapunov exponent, of a mesh period: above 0 where the motion is chaotic
+   status[speeds]: ok, subharmonic, chaotic; aperiodic: neither repeats nor is surely chaotic within what was
+   kept; periods[speeds]: mesh periods until the motion repeats, 0: it does not */
 int gsc_strobe(const char *text, size_t text_length, int nwork, const double *work, int relief,
                int speeds, const double *rpm, double start_um, double start_mm_s, int settle, int keep,
-               double *x_um, double *v_mm_s, double *exponent, char *message, size_t message_size);
+               double *x_um, double *v_mm_s, double *exponent, int *status, int *periods, char *message,
+               size_t message_size);
 
 #ifdef __cplusplus
 }

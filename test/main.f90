@@ -2,6 +2,7 @@
 program check
   use, intrinsic :: iso_fortran_env, only: int64
   use test_band, only: run_band => run
+  use test_branches, only: run_branches => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
@@ -30,6 +31,7 @@ program check
     & suite_t('motion', run_motion), &
     & suite_t('sweep', run_sweep), &
     & suite_t('stability', run_stability), &
+    & suite_t('branches', run_branches), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
     & suite_t('band', run_band), &

@@ -5,6 +5,7 @@ module test_stability
   use gearsweep_accuracy, only: mesh_period
   use gearsweep_error, only: error_t
   use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_piecewise, only: polynomial
   use gearsweep_stability, only: stability_t, map_stability
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, contact_full
   use gearsweep_text, only: str
@@ -29,6 +30,7 @@ contains
     call meissner_tongues(t)
     call meissner_map(t)
     call coexistence(t)
+    call mathieu_tongues(t)
     call edges_of_a_curved_stiffness(t)
     call same_as_the_sweep(t)
     call load_and_relief_drop_out(t)
@@ -174,6 +176,71 @@ contains
                      60/25.0_dp*sqrt(400e6_dp*2/0.8_dp)*(2 - sqrt(2.0_dp))/pi, relative=1e-6_dp)
     call check_true(t, 'the others are open', .not. any(ieee_is_nan([tongue(1)%edge, tongue(3)%edge(:, 1)])))
   end subroutine coexistence
+
+  !> A mesh stiffness of k (1 + depth cos(2 pi tau)), from two pairs of half of that: Mathieu's equation.
+  !> Between its edges and values beside them Hill's determinant of the Fourier coefficients changes sign.
+  subroutine mathieu_tongues(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: depth = 0.4_dp, stiffness = 500e6_dp, margin = 1e-10_dp
+    type(oscillator_t) :: osc
+    type(tongue_t) :: tongue(4)
+    type(error_t), allocatable :: error
+    real(dp) :: cosine(0:40), beside(2), square
+    integer :: n, side, sense, k
+
+    ! Taylor's series of cos(2 pi s) about the middle of [0, 2].
+    cosine = 0
+    cosine(0) = 1
+    do k = 2, 40, 2
+      cosine(k) = -cosine(k - 2)*(2*pi)**2/(k*(k - 1))
+    end do
+    osc = mesh_of(2.0_dp, [250.0_dp])
+    osc%mesh%stiffness = polynomial(0.0_dp, 2.0_dp, stiffness/2*([1.0_dp, spread(0.0_dp, 1, 40)] + depth*cosine))
+    call make_oscillator(osc, error)
+    call find_tongues(osc, [0.0_dp], tongue, error)
+    call check_no_error(t, 'Mathieu', error)
+    square = stiffness*sum(1/osc%mass)
+    do n = 1, size(tongue)
+      do side = 1, 2
+        associate (edge => tongue(n)%edge(side, 1))
+          ! Of the even and the odd solution, whichever is periodic here.
+          do sense = -1, 1, 2
+            beside = [(hill_determinant(n, sense, square*(mesh_period(25, edge*(1 + k*margin))/pi)**2), k=-1, 1, 2)]
+            if (beside(1)*beside(2) < 0) exit
+          end do
+          call check_true(t, 'tongue '//str(n)//', edge '//str(side), sense <= 1)
+        end associate
+      end do
+      call check_true(t, 'tongue '//str(n)//' is wider', tongue(n)%edge(2, 1) > tongue(n)%edge(1, 1)*(1 + 1e-4_dp))
+    end do
+
+  contains
+
+    !> Of y" + a (1 + depth cos 2z) y = 0 for sum of c_m cos m z (sense 1) or sin m z (-1), m = n modulo 2.
+    pure real(dp) function hill_determinant(n, sense, a) result(this)
+      integer, intent(in) :: n, sense
+      real(dp), intent(in) :: a
+      integer, parameter :: terms = 40
+      real(dp) :: off, before, next
+      integer :: m, first
+
+      off = a*depth/2
+      first = modulo(n, 2)
+      if (first == 0 .and. sense == -1) first = 2
+      before = 1
+      this = 0
+      do m = first, first + 2*terms, 2
+        ! Rows divided by m^2 + 1, so that nothing overflows.
+        next = (a - m**2 + merge(sense*off, 0.0_dp, m == 1))/(m**2 + 1.0_dp)
+        if (m > first) then
+          ! cos 0 takes part in row 2 twice.
+          next = next*this - merge(2, 1, m == 2 .and. first == 0)*off**2/((m**2 + 1.0_dp)*((m - 2)**2 + 1.0_dp))*before
+          before = this
+        end if
+        this = next
+      end do
+    end function hill_determinant
+  end subroutine mathieu_tongues
 
   !> Whatever the stiffness, with friction: beside an edge the map's modulus passes 1, by a multiplier of
   !> the tongue's sign.

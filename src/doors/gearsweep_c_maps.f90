@@ -61,7 +61,7 @@ contains
   end function gsc_follow
 
   function gsc_strobe(text, text_length, nwork, work, relief, speeds, rpm, start_um, start_mm_s, settle, keep, x_um, &
-                      v_mm_s, exponent, message, message_size) result(info) bind(c)
+                      v_mm_s, exponent, status, periods, message, message_size) result(info) bind(c)
     type(c_ptr), value :: text, work, message
     integer(c_size_t), value :: text_length, message_size
     integer(c_int), value :: nwork, relief, speeds, settle, keep
@@ -69,15 +69,17 @@ contains
     real(c_double), intent(in), optional :: rpm(speeds)
     real(c_double), intent(inout), dimension(keep, speeds), optional :: x_um, v_mm_s
     real(c_double), intent(inout), optional :: exponent(speeds)
+    integer(c_int), intent(inout), dimension(speeds), optional :: status, periods
     integer(c_int) :: info
     character(:), allocatable :: case
     character(longest_message) :: words
 
     call take_text(text, text_length, case, info, words)
     call need_all([nwork == 0 .or. c_associated(work), present(rpm), present(x_um), present(v_mm_s), &
-                   present(exponent)], info, words)
+                   present(exponent), present(status), present(periods)], info, words)
     if (info == code_ok) call gs_strobe(case, nwork, numbers(work, nwork), relief, speeds, rpm, start_um, &
-                                        start_mm_s, settle, keep, x_um, v_mm_s, exponent, info, words)
+                                        start_mm_s, settle, keep, x_um, v_mm_s, exponent, status, periods, &
+                                        info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_strobe
 end module gearsweep_c_maps

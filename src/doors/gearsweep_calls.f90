@@ -229,12 +229,13 @@ module gearsweep_calls
     end subroutine gs_follow
 
     subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_s, settle, keep, x_um, v_mm_s, &
-                         exponent, info, message)
+                         exponent, status, periods, info, message)
       character(*), intent(in) :: text
       integer, intent(in) :: nwork, relief, speeds, settle, keep
       double precision, intent(in) :: work(*), rpm(speeds), start_um, start_mm_s
       double precision, intent(inout), dimension(keep, speeds) :: x_um, v_mm_s
       double precision, intent(inout) :: exponent(speeds)
+      integer, intent(inout), dimension(speeds) :: status, periods
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_strobe

@@ -151,8 +151,11 @@ end subroutine gs_follow
 !> x_um(keep, speeds), v_mm_s(keep, speeds)  dynamic transmission error and its rate; NaN where the speed is
 !>                            too low or contact changes without end
 !> exponent(speeds)           largest Lyapunov exponent, of a mesh period: above 0 where the motion is chaotic
+!> status(speeds)             ok, subharmonic, chaotic as from gs_sweep; aperiodic: neither repeats nor is surely
+!>                            chaotic within what was kept
+!> periods(speeds)            mesh periods until the motion repeats, 0: it does not
 subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_s, settle, keep, x_um, v_mm_s, &
-                     exponent, info, message)
+                     exponent, status, periods, info, message)
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_border, only: need_between, open_case, run_case, tell
   use gearsweep_case, only: case_t
@@ -165,22 +168,26 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_
   double precision, intent(in) :: work(*), rpm(speeds), start_um, start_mm_s
   double precision, intent(inout), dimension(keep, speeds) :: x_um, v_mm_s
   double precision, intent(inout) :: exponent(speeds)
+  integer, intent(inout), dimension(speeds) :: status, periods
   integer, intent(out) :: info
   character(*), intent(out) :: message
-  double precision, parameter :: slowest = tiny(1d0), fastest = 1d9, most = 1d7
+  double precision, parameter :: slowest = tiny(1d0), fastest = 1d9, most = 1d7, far = 1d9
   type(case_t) :: case
   type(study_t) :: study
   type(error_t), allocatable :: error
   type(strobe_t) :: strobe
+  logical :: at_rest
 
   call open_case(text, 'motion', 1, case, error)
   call need_between('rpm', rpm, slowest, fastest, error)
   call need_between('settle', [dble(settle)], 0d0, most, error)
   call need_between('keep', [dble(keep)], 1d0, most, error)
   if (.not. allocated(error)) call need_between('relief', [dble(relief)], 1d0, dble(size(case%amount)), error)
+  at_rest = ieee_is_nan(start_um) .or. ieee_is_nan(start_mm_s)
+  if (.not. at_rest) call need_between('start', [start_um, start_mm_s], -far, far, error)
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
-    if (ieee_is_nan(start_um) .or. ieee_is_nan(start_mm_s)) then
+    if (at_rest) then
       call strobe_motion(study%motion(relief), rpm, settle, keep, strobe)
     else
       call strobe_motion(study%motion(relief), rpm, settle, keep, strobe, [1d-6*start_um, 1d-3*start_mm_s])
@@ -188,6 +195,8 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_
     x_um = 1d6*strobe%x
     v_mm_s = 1d3*strobe%v
     exponent = strobe%exponent
+    status = strobe%status
+    periods = strobe%periods
   end if
   call tell(error, info, message)
 end subroutine gs_strobe

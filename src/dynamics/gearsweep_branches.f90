@@ -5,7 +5,7 @@ module gearsweep_branches
   use gearsweep_kinds, only: dp
   use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t, solve_point, tables_t
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: has_answer
+  use gearsweep_steady, only: has_answer, point_chatter, point_unresolved
   use gearsweep_strobe, only: strobe_motion, strobe_t
   implicit none
   private
@@ -137,7 +137,9 @@ contains
     stand = stand_t(rpm, next%steady%state, next)
     if (has_answer(next%steady%status)) return
     call strobe_motion(osc, [rpm], lingering, 1, strobe, start/[1.0_dp, duration])
-    stand%state = [strobe%x(1, 1), strobe%v(1, 1)*duration]
+    stand%state = start
+    if (strobe%status(1) /= point_unresolved .and. strobe%status(1) /= point_chatter) &
+      stand%state = [strobe%x(1, 1), strobe%v(1, 1)*duration]
   end subroutine step_to
 
   !> The steady motion at `rpm` that the one at a neighbouring speed leads to; where that has no answer, as
