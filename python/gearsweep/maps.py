@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _border
 from .case import Case
-from .results import Integers, Reals, Result, Status, _field
+from .results import Contact, Integers, Reals, Result, Status, _field, _words
 from .tasks import _VERSION, _ready, _with_mesh
 
 
@@ -66,7 +66,7 @@ class Hysteresis(Result):
     change_direction : array (change)
         1 for up, -1 for down; changes in the order met.
     change_rpm, change_factor, change_status, change_periods : array (change, end)
-        The motions before and after.
+        Before and after, in the direction of travel: the speeds, very close to each other, and the motions there.
     """
 
     rpm: Reals = _field('1/min', 'rpm')
@@ -86,6 +86,16 @@ class Hysteresis(Result):
 
     labels = {'direction': ['up', 'down'], 'end': ['before', 'after']}
     rows = ('direction', 'rpm')
+
+    @property
+    def status_name(self) -> NDArray[np.str_]:
+        """`status` in words, as in the tables."""
+        return _words(Status)[self.status]
+
+    @property
+    def contact_name(self) -> NDArray[np.str_]:
+        """`contact` in words, as in the tables."""
+        return _words(Contact)[self.contact]
 
     @property
     def change_name(self) -> NDArray[np.str_]:
@@ -121,14 +131,26 @@ class Strobe(Result):
     exponent : array (rpm)
         Largest Lyapunov exponent, of a mesh period: the mean logarithm by which a disturbance grows. Below 0
         where the motion repeats, above 0 where it is chaotic.
+    status : array (rpm)
+        `Status.OK`, `SUBHARMONIC`, `CHAOTIC`; `APERIODIC` where it neither repeats nor is surely chaotic within
+        what was kept; `UNRESOLVED`, `CHATTER`.
+    periods : array (rpm)
+        Mesh periods until the motion repeats, to 1e-4 static deflections; 0 where it does not.
     """
 
     rpm: Reals = _field('1/min', 'rpm')
     x_um: Reals = _field('um', 'period', 'rpm')
     v_mm_s: Reals = _field('mm/s', 'period', 'rpm')
     exponent: Reals = _field('', 'rpm')
+    status: Integers = _field('', 'rpm')
+    periods: Integers = _field('', 'rpm')
 
     rows = ('rpm', 'period')
+
+    @property
+    def status_name(self) -> NDArray[np.str_]:
+        """`status` in words, as in the tables."""
+        return _words(Status)[self.status]
 
 
 def stability_map(
@@ -224,7 +246,7 @@ def strobe(
     relief: int = 0,
     start: tuple[float, float] = (np.nan, np.nan),
     settle: int = 500,
-    keep: int = 200,
+    keep: int = 400,
     work: np.ndarray | None = None,
 ) -> Strobe:
     """The motion seen once a mesh period, and its largest Lyapunov exponent.
@@ -242,6 +264,16 @@ def strobe(
         `x_um` and `v_mm_s` of the motion to begin with, as from `hysteresis`; otherwise at rest.
     settle, keep : int
         Mesh periods passed over at each speed, and kept after them.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> case = gearsweep.Case('''&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.8 /
+    ...     &load normal_force_n = 7000 / &dynamics damping_ratio = 0.02 /
+    ...     &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400 /''')
+    >>> seen = gearsweep.strobe(case, [7200, 12000, 30000])
+    >>> print(seen.status_name, seen.periods)
+    ['chaotic' 'ok' 'subharmonic'] [0 1 2]
     """
     case = _with_mesh(case)
     rpm = _speeds(case, rpm)
