@@ -158,7 +158,7 @@ def stability_map(
     rpm: ArrayLike | None = None,
     damping_ratio: ArrayLike | None = None,
     *,
-    tongues: int = 5,
+    tongues: int = 10,
     work: np.ndarray | None = None,
 ) -> StabilityMap:
     """Floquet multipliers over speed and damping while all pairs stay in contact, and the tongues of instability.
@@ -232,6 +232,8 @@ def hysteresis(
     """
     case = _with_mesh(case)
     rpm, work = _speeds(case, rpm), _ready(case, work)
+    if np.any(np.diff(rpm) <= 0):
+        raise _border.Error('rpm: must ascend')
     ways = [_border.follow(case.text, work, relief + 1, way, jump, closeness) for way in (rpm, rpm[::-1])]
     changes = [np.concatenate([way[k] for way in ways]) for k in range(4)]
     sense = np.repeat([1, -1], [len(way[0]) for way in ways]).astype(np.int32)

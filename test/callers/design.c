@@ -128,7 +128,7 @@ int main(void)
   /* The same speeds: where less damping would be too little, what a slow run up meets, and what is seen of it
      once a mesh period. */
   enum { DAMPINGS = 2, TONGUES = 2, ROOM = 20, KEEP = 8 };
-  double damping_ratio[DAMPINGS] = {0, 0.05}, *largest = numbers(speeds * DAMPINGS), closing[TONGUES], closing_rpm[TONGUES];
+  double damping_ratio[DAMPINGS] = {0, 0.01}, *largest = numbers(speeds * DAMPINGS), closing[TONGUES], closing_rpm[TONGUES];
   double edge[2 * DAMPINGS * TONGUES];
   int *sense = malloc(speeds * DAMPINGS * sizeof *sense);
   if (!sense) return 1;

@@ -17,6 +17,9 @@ SHADES = LinearSegmentedColormap.from_list(
     'multiplier', [(0, '#5f7d9c'), (0.5, '#ffffff'), (0.5, '#f3c1b2'), (0.75, '#c9503c'), (1, '#7a1f12')]
 )
 
+#: Above 1 by this is rounding, as without damping.
+NEUTRAL = 1e-7
+
 #: Motions that repeat with the mesh, after two periods, after more; chaos; what is not known.
 KINDS = {1: ACCENT, 2: '#c9772b', 3: '#3f8f5f', 'chaotic': '#8c2d55', 'undecided': GREY}
 
@@ -43,7 +46,7 @@ def plot_stability(stability: StabilityMap, ax: Axes | None = None) -> Axes:
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         ax.set_facecolor(FAINT)
         most = max(1.01, np.nanmax(stability.modulus, initial=1))
-        norm = TwoSlopeNorm(1, 0, most)
+        norm = TwoSlopeNorm(1 + NEUTRAL, 0, most)
         shades = ax.pcolormesh(rpm, damping, stability.modulus.T, cmap=SHADES, norm=norm, shading='nearest', rasterized=True)
         ax.set_xlim(rpm[0], rpm[-1])
         ax.set_ylim(damping.min(), damping.max())
@@ -83,7 +86,7 @@ def _closings(ax: Axes, stability: StabilityMap) -> None:
         if not (left < rpm < right and ax.get_ylim()[0] < ratio < top):
             continue
         ax.plot(rpm, ratio, 'o', color=INK, markersize=2.5, zorder=4)
-        if min(last - rpm, right - rpm, rpm - left) > 0.055 * (right - left) and ratio < 0.93 * top:
+        if min(last - rpm, right - rpm, rpm - left) > 0.055 * (right - left) and 0.02 * top < ratio < 0.93 * top:
             ax.annotate(f'{ratio:.3g}', (rpm, ratio), (0, 4), textcoords='offset points', ha='center', path_effects=HALO)
             last = rpm
 
@@ -123,12 +126,12 @@ def plot_hysteresis(hysteresis: Hysteresis, ax: Axes | None = None) -> Axes:
 
 def branch(hysteresis: Hysteresis, way: int) -> tuple[Reals, Reals]:
     """Speeds and dynamic factors of a run, ascending, with those before and after each change, cut at jumps."""
-    points = [*zip(hysteresis.rpm, hysteresis.dynamic_factor[way])]
+    points = dict(zip(hysteresis.rpm, hysteresis.dynamic_factor[way]))
     for i in np.flatnonzero(hysteresis.change_direction == (1, -1)[way]):
-        points += zip(hysteresis.change_rpm[i], hysteresis.change_factor[i])
+        points |= zip(hysteresis.change_rpm[i], hysteresis.change_factor[i])
         if hysteresis.change_name[i] == 'jump':
-            points.append((hysteresis.change_rpm[i].mean(), np.nan))
-    return tuple(np.array(sorted(points, key=lambda point: point[0])).T)
+            points[hysteresis.change_rpm[i].mean()] = np.nan
+    return tuple(np.array(sorted(points.items())).T)
 
 
 def _changes(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> list[Line2D]:
@@ -137,7 +140,7 @@ def _changes(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> list[Line2D
         'doubling': ('period doubles', {**HOLLOW, 'marker': 'D'}),
         'halving': ('period halves', {**HOLLOW, 'marker': 's'}),
     }
-    other = ('periodic motion ends or begins', {**CROSS, 'marker': '+', 'markersize': 5})
+    other = ('to or from no answer', {**CROSS, 'marker': '+', 'markersize': 5})
     entries = {}
     changes = zip(hysteresis.change_name, hysteresis.change_direction, hysteresis.change_rpm, hysteresis.change_factor)
     for name, direction, rpm, factor in changes:
@@ -157,7 +160,7 @@ def _arrow(ax: Axes, rpm: float, factor: Reals, color, direction: int) -> None:
     arrow = {'arrowstyle': '-|>', 'color': color, 'linewidth': 0.8, 'shrinkA': 0, 'shrinkB': 0, 'mutation_scale': 7}
     ax.annotate('', (rpm, factor[1]), (rpm, factor[0]), arrowprops=arrow)
     place = {'xytext': (-3 * direction, 0), 'textcoords': 'offset points', 'ha': 'right' if direction > 0 else 'left'}
-    ax.annotate(f'{rpm:.0f}', (rpm, factor.mean()), **place, va='center', color=color, path_effects=HALO)
+    ax.annotate(f'{rpm:.0f}', (rpm, factor.mean()), **place, va='center', path_effects=HALO)
 
 
 def plot_strobe(strobe: Strobe, ax: Axes | None = None) -> Axes:
@@ -180,6 +183,7 @@ def plot_strobe(strobe: Strobe, ax: Axes | None = None) -> Axes:
     kind = np.minimum(strobe.periods, 3).astype(object)
     kind[strobe.status == Status.CHAOTIC] = 'chaotic'
     kind[strobe.status == Status.APERIODIC] = 'undecided'
+    size = 1.2 if strobe.rpm.size > 150 else 2.5
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         entries = []
         for name, color in KINDS.items():
@@ -188,7 +192,7 @@ def plot_strobe(strobe: Strobe, ax: Axes | None = None) -> Axes:
                 continue
             x = strobe.x_um[:, there]
             rpm = np.broadcast_to(strobe.rpm[there], x.shape)
-            ax.plot(rpm.ravel(), x.ravel(), '.', color=color, markersize=1.2, markeredgewidth=0, rasterized=True)
+            ax.plot(rpm.ravel(), x.ravel(), '.', color=color, markersize=size, markeredgewidth=0, rasterized=True)
             entries.append(Line2D([], [], linestyle='', marker='.', color=color, label=_words(name, strobe.periods[there])))
         legends_above(ax, ('', entries))
         ax.set_xlabel('Speed of the pinion (1/min)')
