@@ -181,8 +181,8 @@ def stability_map(
     ...     &load normal_force_n = 7000 / &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400 /''')
     >>> stability = gearsweep.stability_map(case, [15000, 30000], [0, 0.05], tongues=2)
     >>> stability.modulus.round(3)
-    array([[1.154, 0.859],
-           [1.344, 1.149]])
+    array([[1.367, 0.998],
+           [1.339, 1.145]])
     >>> stability.closing_ratio.round(4)
     array([0.0941, 0.0499])
     """
@@ -224,8 +224,8 @@ def hysteresis(
     ...     &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -110 /''')
     >>> both = gearsweep.hysteresis(case, [10000, 11000, 12000])
     >>> print(both.dynamic_factor.round(2))
-    [[1.19 1.32 1.98]
-     [4.44 2.98 1.98]]
+    [[1.11 1.3  1.99]
+     [2.54 2.24 1.99]]
     >>> for name, direction, rpm in zip(both.change_name, both.change_direction, both.change_rpm):
     ...     print(name, direction, rpm.round())
     jump 1 [11600. 11600.]
@@ -273,9 +273,9 @@ def strobe(
     >>> case = gearsweep.Case('''&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.8 /
     ...     &load normal_force_n = 7000 / &dynamics damping_ratio = 0.02 /
     ...     &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400 /''')
-    >>> seen = gearsweep.strobe(case, [7200, 12000, 30000])
+    >>> seen = gearsweep.strobe(case, [6040, 7200, 12000])
     >>> print(seen.status_name, seen.periods)
-    ['chaotic' 'ok' 'subharmonic'] [0 1 2]
+    ['subharmonic' 'chaotic' 'ok'] [2 0 1]
     """
     case = _with_mesh(case)
     rpm = _speeds(case, rpm)

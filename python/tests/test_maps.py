@@ -123,7 +123,7 @@ def test_results_have_units_words_and_tables(results):
             assert not value.flags.writeable
             for ending, expected in (('_um', 'um'), ('_mm_s', 'mm/s'), ('rpm', '1/min')):
                 assert not name.endswith(ending) or unit == expected
-        np.testing.assert_array_equal(*(getattr(found, 'rpm') for found in (result, result.to_xarray())))
+        np.testing.assert_array_equal(*(found.rpm for found in (result, result.to_xarray())))
     both, stability, seen = results
     assert both.to_pandas().groupby('direction').dynamic_factor.max()['up'] == both.dynamic_factor[0].max()
     assert both.to_xarray().status.sel(direction='down').dims == ('rpm',)
