@@ -19,7 +19,7 @@ program check
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
-  type(suite_t), allocatable :: suites(:)
+  type(suite_t), allocatable, save :: suites(:)
   type(tally_t) :: all
   integer :: i
 
