@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from ..maps import Hysteresis, StabilityMap, Strobe
 from ..results import Reals, Status
@@ -80,13 +81,14 @@ def outline(stability: StabilityMap, n: int) -> tuple[Reals, Reals]:
 def _closings(ax: Axes, stability: StabilityMap) -> None:
     """Marks where tongues close, and tells the damping ratio where there is room: from the highest speed on."""
     left, right = ax.get_xlim()
-    top = ax.get_ylim()[1]
+    bottom, top = ax.get_ylim()
+    room = 30 / (72 * ax.bbox.width / ax.figure.dpi) * (right - left)  # for 30 points
     last = np.inf
     for rpm, ratio in zip(stability.closing_rpm, stability.closing_ratio):
-        if not (left < rpm < right and ax.get_ylim()[0] < ratio < top):
+        if not (left < rpm < right and bottom < ratio < top):
             continue
         ax.plot(rpm, ratio, 'o', color=INK, markersize=2.5, zorder=4)
-        if min(last - rpm, right - rpm, rpm - left) > 0.055 * (right - left) and 0.02 * top < ratio < 0.93 * top:
+        if last - rpm > room and min(right - rpm, rpm - left) > room / 2 and 0.02 * top < ratio < 0.93 * top:
             ax.annotate(f'{ratio:.3g}', (rpm, ratio), (0, 4), textcoords='offset points', ha='center', path_effects=HALO)
             last = rpm
 
@@ -94,7 +96,7 @@ def _closings(ax: Axes, stability: StabilityMap) -> None:
 def plot_hysteresis(hysteresis: Hysteresis, ax: Axes | None = None) -> Axes:
     """Dynamic factor over speed on a slow run up and on one down.
 
-    Arrows are jumps to another motion, with their speed; hollow marks tell where the period doubles or halves,
+    Arrows are jumps, with their speed where there is room; hollow marks tell where the period doubles or halves,
     plus signs where periodic motion ends or begins. A speed without an answer is a gap, with a cross at the lower
     edge.
 
@@ -113,6 +115,7 @@ def plot_hysteresis(hysteresis: Hysteresis, ax: Axes | None = None) -> Axes:
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         for way, look in enumerate(looks):
             curve(ax, *branch(hysteresis, way), look)
+        _arrows(ax, hysteresis, looks)
         more = _changes(ax, hysteresis, looks)
         missing = hysteresis.status >= Status.UNSTABLE
         words = ', '.join(Status(status).name.lower() for status in np.unique(hysteresis.status[missing]))
@@ -129,9 +132,15 @@ def branch(hysteresis: Hysteresis, way: int) -> tuple[Reals, Reals]:
     points = dict(zip(hysteresis.rpm, hysteresis.dynamic_factor[way]))
     for i in np.flatnonzero(hysteresis.change_direction == (1, -1)[way]):
         points |= zip(hysteresis.change_rpm[i], hysteresis.change_factor[i])
-        if hysteresis.change_name[i] == 'jump':
+        if leaps(hysteresis)[i]:
             points[hysteresis.change_rpm[i].mean()] = np.nan
     return tuple(np.array(sorted(points.items())).T)
+
+
+def leaps(hysteresis: Hysteresis) -> NDArray[np.bool_]:
+    """Which changes are jumps to the eye, also such as double the period on the way."""
+    before, after = hysteresis.change_factor.T
+    return (hysteresis.change_name == 'jump') | (np.abs(after - before) > 0.02 * np.nanmax(hysteresis.dynamic_factor, initial=0))
 
 
 def _changes(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> list[Line2D]:
@@ -144,10 +153,9 @@ def _changes(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> list[Line2D
     entries = {}
     changes = zip(hysteresis.change_name, hysteresis.change_direction, hysteresis.change_rpm, hysteresis.change_factor)
     for name, direction, rpm, factor in changes:
-        color = looks[int(direction < 0)]['color']
         if name == 'jump':
-            _arrow(ax, rpm[0], factor, color, direction)
             continue
+        color = looks[int(direction < 0)]['color']
         at = int(np.isnan(factor[0]))
         label, mark = marks.get(name, other)
         ax.plot(rpm[at], factor[at], markeredgecolor=color, **mark, zorder=4)
@@ -155,12 +163,21 @@ def _changes(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> list[Line2D
     return list(entries.values())
 
 
-def _arrow(ax: Axes, rpm: float, factor: Reals, color, direction: int) -> None:
-    """A jump, with its speed on the side from which it comes."""
-    arrow = {'arrowstyle': '-|>', 'color': color, 'linewidth': 0.8, 'shrinkA': 0, 'shrinkB': 0, 'mutation_scale': 7}
-    ax.annotate('', (rpm, factor[1]), (rpm, factor[0]), arrowprops=arrow)
-    place = {'xytext': (-3 * direction, 0), 'textcoords': 'offset points', 'ha': 'right' if direction > 0 else 'left'}
-    ax.annotate(f'{rpm:.0f}', (rpm, factor.mean()), **place, va='center', path_effects=HALO)
+def _arrows(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> None:
+    """Jumps, the largest first, with their speed on the side from which they come, unless another stands there."""
+    taken = []
+    ax.autoscale_view()  # so that places are known
+    height = np.diff(hysteresis.change_factor)[:, 0]
+    for i in sorted(np.flatnonzero(leaps(hysteresis)), key=lambda i: -abs(height[i])):
+        rpm, factor, up = hysteresis.change_rpm[i, 0], hysteresis.change_factor[i], hysteresis.change_direction[i] > 0
+        arrow = {'arrowstyle': '-|>', 'color': looks[int(not up)]['color'], 'linewidth': 0.8, 'mutation_scale': 7}
+        ax.annotate('', (rpm, factor[1]), (rpm, factor[0]), arrowprops={**arrow, 'shrinkA': 0, 'shrinkB': 0})
+        x, y = 72 / ax.figure.dpi * ax.transData.transform((rpm, factor.mean()))  # in points
+        x -= 32 * up
+        if all(abs(x - other[0]) > 32 or abs(y - other[1]) > 10 for other in taken):
+            place = {'xytext': (-3 if up else 3, 0), 'textcoords': 'offset points', 'ha': 'right' if up else 'left'}
+            ax.annotate(f'{rpm:.0f}', (rpm, factor.mean()), **place, va='center', path_effects=HALO)
+            taken.append((x, y))
 
 
 def plot_strobe(strobe: Strobe, ax: Axes | None = None) -> Axes:
