@@ -1,12 +1,15 @@
-!> Runs the test suites, or only those named as arguments.
+!> Runs the test suites, or only those named as arguments; with `limits` alone,
+!> prints the table of doc/limits.md instead.
 program check
   use, intrinsic :: iso_fortran_env, only: int64
+  use extreme_table, only: print_limits
   use test_band, only: run_band => run
   use test_branches, only: run_branches => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
+  use test_extremes, only: run_extremes => run
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
   use test_honesty, only: run_honesty => run
@@ -32,6 +35,7 @@ program check
     & suite_t('sweep', run_sweep), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
+    & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
     & suite_t('band', run_band), &
@@ -41,6 +45,10 @@ program check
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('flat', run_flat)])
 
+  if (command_argument_count() == 1 .and. is_wanted('limits')) then
+    call print_limits()
+    stop
+  end if
   do i = 1, size(suites)
     if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)
   end do

@@ -213,7 +213,7 @@ contains
   end subroutine branches
 
   !> Speeds without an answer get NaN and a status; the others are as without
-  !> them, but for the rounding of other lanes.
+  !> them, but for what Newton's method leaves: a thousandth of the tolerance.
   subroutine failures_stay_local(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t), allocatable :: osc(:)
@@ -229,7 +229,7 @@ contains
     call check_true(t, 'no answer', all(.not. has_answer(both%status(1, :))))
     call check_true(t, 'NaN', all(both%dynamic_factor(1, :) /= both%dynamic_factor(1, :)))
     call check_true(t, 'neighbour unharmed', &
-                    maxval(abs(both%dynamic_factor(2, :) - alone%dynamic_factor(1, :))) < 1e-14_dp)
+                    maxval(abs(both%dynamic_factor(2, :) - alone%dynamic_factor(1, :))) < 1e-9_dp)
   end subroutine failures_stay_local
 
   subroutine too_many_points(t)

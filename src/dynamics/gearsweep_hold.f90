@@ -4,11 +4,11 @@
 module gearsweep_hold
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: collocate, lanes
-  use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
-  use gearsweep_step, only: period_t, track_top
+  use gearsweep_motion, only: oscillator_t, table_t
+  use gearsweep_step, only: period_t, begins_zone, track_pair
   implicit none
   private
-  public :: lane_work_t, hold_maps, hold_motion, append, begins_zone, any_above, move, unscale
+  public :: lane_work_t, hold_maps, hold_motion
 
   !> The steps of one period: what each makes of x, y and 1 (two elements each), and the states between.
   type :: lane_work_t
@@ -128,6 +128,7 @@ contains
     type(period_t), intent(inout) :: out(lanes)
     type(side_t) :: side(osc%members)
     type(tops_t) :: tops(lanes)
+    logical :: contact(osc%members)
     real(dp), dimension(lanes) :: lowest, peak, top
     integer :: i, j, l
 
@@ -157,7 +158,7 @@ contains
       out(l)%partial = lowest(l) < 0
       out(l)%state = [work%x(l, table%steps), work%y(l, table%steps)]
       out(l)%peak = peak(l)
-      call settle_tops(osc, table, duration(l), work%x(l, :), work%y(l, :), tops(l), out(l))
+      call settle_tops(osc, table, l, duration(l), work, contact, tops(l), out(l))
     end do
   end subroutine hold_motion
 
@@ -213,14 +214,6 @@ contains
     any_above = most > 0
   end function any_above
 
-  pure logical function begins_zone(table, i)
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: i
-
-    begins_zone = i == 1
-    if (i > 1) begins_zone = table%zone(i) /= table%zone(i - 1)
-  end function begins_zone
-
   !> Notes the lanes whose load of pair j may have its maximum within step i; too many are told by the
   !> count, and what the peak has passed meanwhile is forgotten first.
   pure subroutine note_tops(i, j, bound, peak, tops)
@@ -251,10 +244,13 @@ contains
   end subroutine note_tops
 
   !> Raises the peak by the maxima between steps; the highest bound first, which spares most others.
-  pure subroutine settle_tops(osc, table, duration, x, y, tops, out)
+  pure subroutine settle_tops(osc, table, l, duration, work, contact, tops, out)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration, x(0:), y(0:)
+    integer, intent(in) :: l
+    real(dp), intent(in) :: duration
+    type(lane_work_t), intent(in) :: work
+    logical, intent(inout) :: contact(:)
     type(tops_t), intent(inout) :: tops
     type(period_t), intent(inout) :: out
     integer :: k, i
@@ -268,35 +264,11 @@ contains
       k = maxloc(tops%bound(:tops%count), 1)
       if (tops%bound(k) <= out%peak) return
       i = tops%step(k)
-      call track_pair(osc, table, i, tops%pair(k), duration, x(i - 1:i), y(i - 1:i), out%peak)
+      contact = .false.
+      contact(:table%pairs(i)) = .true.
+      call track_pair(osc, table, i, tops%pair(k), duration, contact, [work%x(l, i - 1), work%x(l, i)], &
+                      [work%y(l, i - 1), work%y(l, i)], out%peak)
       tops%bound(k) = 0
     end do
   end subroutine settle_tops
-
-  !> The peak of pair j's load within step i, all pairs in contact; x, y at its ends.
-  pure subroutine track_pair(osc, table, i, j, duration, x, y, peak)
-    type(oscillator_t), intent(in) :: osc
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: i, j
-    real(dp), intent(in) :: duration, x(2), y(2)
-    real(dp), intent(inout) :: peak
-    real(dp) :: gap(0:2, 2), load(0:2, 2)
-    logical :: contact(table%members)
-    integer :: k
-
-    contact = .false.
-    contact(:table%pairs(i)) = .true.
-    gap(0, :) = x
-    gap(1, :) = y
-    do k = 1, 2
-      gap(2, k) = end_acceleration(osc, table, i, k, contact, duration, x(k), y(k))
-    end do
-    gap = gap - table%end_error(:, j, :, i)
-    associate (stiffness => table%end_stiffness(:, j, :, i), width => table%width(i))
-      load(0, :) = stiffness(1, :)*gap(0, :)
-      load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
-      load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
-    end associate
-    call track_top(load, peak)
-  end subroutine track_pair
 end module gearsweep_hold

@@ -129,7 +129,7 @@ contains
   !> What a pair's force makes of the acceleration (1/kg): the friction factors of pinion and gear over
   !> their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards
   !> after it (+).
-  pure real(dp) function mobility(osc, s, recess)
+  elemental real(dp) function mobility(osc, s, recess)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: s
     logical, intent(in) :: recess
@@ -191,20 +191,11 @@ contains
         table%width(first:last) = (zone%last - zone%first)/counts(i)
         table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
         do j = 1, zone%pairs
-          call fill_pair(osc, zone, j, counts(i), table%left(first:last), table%width(first), &
-                         table%rate(:, :, first:last), table%error(:, :, first:last), table%end_rate(:, :, first:last), &
-                         table%end_stiffness(:, :, :, first:last), table%end_error(:, :, :, first:last))
+          call fill_pair(osc, zone, j, first, last, table)
         end do
       end associate
     end do
     if (osc%has_backlash) call fill_coast(osc, table)
-    allocate (table%square(3, table%steps), table%push(3, table%steps), source=0.0_dp)
-    do i = 1, table%steps
-      do j = 1, table%pairs(i)
-        table%square(:, i) = table%square(:, i) + table%rate(j, :, i)
-        table%push(:, i) = table%push(:, i) + table%rate(j, :, i)*table%error(j, :, i)
-      end do
-    end do
     table%omega = sqrt(table%square)
   end subroutine tabulate
 
@@ -218,47 +209,64 @@ contains
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
       allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
-      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps), source=0.0_dp)
-      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps), source=0.0_dp)
+      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
+      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
+      allocate (table%square(3, steps), table%push(3, steps))
     end associate
+    call clear(size(table%rate), table%rate)
+    call clear(size(table%error), table%error)
+    call clear(size(table%end_rate), table%end_rate)
+    call clear(size(table%end_stiffness), table%end_stiffness)
+    call clear(size(table%end_error), table%end_error)
+    call clear(size(table%square), table%square)
+    call clear(size(table%push), table%push)
   end subroutine allocate_table
 
-  !> Pair j over the `n` steps of one zone; its piece of stiffness is followed, not looked for.
-  pure subroutine fill_pair(osc, zone, j, n, left, width, rate, error, end_rate, end_stiffness, end_error)
+  pure subroutine clear(n, values)
+    integer, intent(in) :: n
+    real(dp), intent(out) :: values(n)
+
+    values = 0
+  end subroutine clear
+
+  !> Pair j over the steps first to last, those of one zone.
+  pure subroutine fill_pair(osc, zone, j, first, last, table)
     type(oscillator_t), intent(in) :: osc
     type(zone_t), intent(in) :: zone
-    integer, intent(in) :: j, n
-    real(dp), intent(in) :: left(n), width
-    real(dp), intent(inout) :: rate(osc%members, 3, n), error(osc%members, 3, n), end_rate(osc%members, 2, n)
-    real(dp), intent(inout) :: end_stiffness(0:2, osc%pairs, 2, n), end_error(0:2, osc%members, 2, n)
-    real(dp) :: s, stiffness(0:2), deviation(0:2), end
-    integer :: i, k, piece
+    integer, intent(in) :: j, first, last
+    type(table_t), intent(inout) :: table
+    real(dp), dimension(3*(last - first + 1)) :: s, rate, error
+    real(dp), dimension(0:last - first + 1) :: ends, end_rate
+    real(dp), dimension(0:last - first + 1, 0:2) :: stiffness, deviation
+    integer :: i, k, n
 
-    associate (recess => zone%recess(j), own => zone%piece(j))
-      piece = osc%mesh%stiffness%locate(left(1) + j - 1)
-      stiffness = osc%mesh%stiffness%shape(left(1) + j - 1, piece)
-      deviation = osc%mesh%profile_error%shape(left(1) + j - 1, own)
-      end = stiffness(0)*mobility(osc, left(1) + j - 1, recess)
-      do i = 1, n
-        end_stiffness(:, j, 1, i) = stiffness
-        end_error(:, j, 1, i) = deviation
-        end_rate(j, 1, i) = end
-        do k = 1, size(nodes)
-          s = left(i) + j - 1 + width*nodes(k)
-          call osc%mesh%stiffness%climb(s, piece)
-          rate(j, k, i) = osc%mesh%stiffness%value_on(piece, s)*mobility(osc, s, recess)
-          error(j, k, i) = osc%mesh%profile_error%value_on(own, s)
+    n = last - first + 1
+    do i = 1, n
+      s(3*i - 2:3*i) = table%left(first + i - 1) + j - 1 + table%width(first)*nodes
+    end do
+    call osc%mesh%stiffness%sample(s, 0, rate)
+    rate = rate*mobility(osc, s, zone%recess(j))
+    call osc%mesh%profile_error%sample(s, zone%piece(j), error)
+    ends(:n - 1) = table%left(first:last) + j - 1
+    ends(n) = ends(n - 1) + table%width(first)
+    call osc%mesh%stiffness%sample(ends, 0, stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
+    call osc%mesh%profile_error%sample(ends, zone%piece(j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
+    end_rate = stiffness(:, 0)*mobility(osc, ends, zone%recess(j))
+    do i = 1, n
+      associate (step => first + i - 1)
+        do k = 1, 3
+          table%rate(j, k, step) = rate(3*i - 3 + k)
+          table%error(j, k, step) = error(3*i - 3 + k)
+          table%square(k, step) = table%square(k, step) + rate(3*i - 3 + k)
+          table%push(k, step) = table%push(k, step) + rate(3*i - 3 + k)*error(3*i - 3 + k)
         end do
-        s = left(i) + j - 1 + width
-        call osc%mesh%stiffness%climb(s, piece)
-        stiffness = osc%mesh%stiffness%shape(s, piece)
-        deviation = osc%mesh%profile_error%shape(s, own)
-        end = stiffness(0)*mobility(osc, s, recess)
-        end_stiffness(:, j, 2, i) = stiffness
-        end_error(:, j, 2, i) = deviation
-        end_rate(j, 2, i) = end
-      end do
-    end associate
+        do k = 1, 2
+          table%end_stiffness(:, j, k, step) = stiffness(i + k - 2, :)
+          table%end_error(:, j, k, step) = deviation(i + k - 2, :)
+          table%end_rate(j, k, step) = end_rate(i + k - 2)
+        end do
+      end associate
+    end do
   end subroutine fill_pair
 
   !> The coast side as one more member, which all pairs' stiffness backs.

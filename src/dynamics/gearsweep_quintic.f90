@@ -53,22 +53,18 @@ contains
     top_of = zero_between(derivative(c), 0.0_dp, 1.0_dp)
   end function top_of
 
-  !> First place at which a function that is positive (or, if not `positive`, negative) after 0 leaves
-  !> its sign, and whether there is one: seen by the ends, or by the turning point between them.
-  pure subroutine first_zero(c, positive, place, found)
+  !> First place at which a function that is positive after 0 passes zero, and whether there is one: seen
+  !> by the ends, or by the turning point between them.
+  pure subroutine first_zero(c, place, found)
     real(dp), intent(in) :: c(0:5)
-    logical, intent(in) :: positive
     real(dp), intent(out) :: place
     logical, intent(out) :: found
-    real(dp) :: sense, slope(2)
 
-    sense = merge(1, -1, positive)
     place = 1
-    found = sense*value_of(c, 1.0_dp) < 0
-    slope = sense*[c(1), value_of(derivative(c), 1.0_dp)]
-    if (.not. found .and. slope(1) < 0 .and. slope(2) > 0) then
+    found = value_of(c, 1.0_dp) < 0
+    if (.not. found .and. c(1) < 0 .and. value_of(derivative(c), 1.0_dp) > 0) then
       place = top_of(c)
-      found = sense*value_of(c, place) < 0
+      found = value_of(c, place) < 0
     end if
     if (found) place = zero_between(c, 0.0_dp, place)
   end subroutine first_zero
@@ -81,17 +77,21 @@ contains
     may_pass = b < 0 .or. (da < 0 .and. db > 0 .and. min(a, b) < (db - da)/4)
   end function may_pass
 
-  !> Newton's method kept within a bracket. The sign at `high` is that beyond the zero.
+  !> Newton's method kept within a bracket, from where the chord passes zero. The sign at `high` is that
+  !> beyond the zero.
   pure real(dp) function zero_between(c, low_end, high_end) result(t)
     real(dp), intent(in) :: c(0:5), low_end, high_end
-    real(dp), parameter :: tight = 1e-14_dp
-    real(dp) :: low, high, f, slope, sense, moved
+    ! The correction after the last one would be its square.
+    real(dp), parameter :: tight = 1e-8_dp
+    real(dp) :: low, high, ends(2), f, slope, sense, moved
     integer :: iteration, k
 
     low = low_end
     high = high_end
-    sense = sign(1.0_dp, value_of(c, high))
+    ends = [value_of(c, low), value_of(c, high)]
+    sense = sign(1.0_dp, ends(2))
     t = (low + high)/2
+    if (ends(1)*ends(2) < 0) t = (low*ends(2) - high*ends(1))/(ends(2) - ends(1))
     do iteration = 1, 60
       f = 0
       slope = 0

@@ -5,8 +5,7 @@ module gearsweep_steady
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_gauss, only: lanes
   use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
-  use gearsweep_lanes, only: run_lanes
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, run_period, run_lanes
   use gearsweep_orbit, only: steady_t, near, name_of, has_answer, settled, shoot, is_closed, newton_step, judge, distance, &
     largest_multiplier, unbounded, point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, &
     point_aperiodic, point_unresolved, point_chatter, point_chaotic
@@ -75,7 +74,7 @@ contains
     steady%work = 2*table%steps
   end subroutine solve_in_contact
 
-  !> `find_steady` without its marching at several speeds at once. With `guide`, the motions of a finer
+  !> `find_steady` without its marching at several speeds at once. With `guide`, the motions of a coarser
   !> table: lanes that part there start from there. What stays unsettled is for `find_steady`.
   pure subroutine find_in_lanes(osc, table, duration, tolerance, work, steady, guide)
     type(oscillator_t), intent(in) :: osc
@@ -85,23 +84,22 @@ contains
     type(steady_t), intent(out) :: steady(lanes)
     type(steady_t), intent(in), optional :: guide(lanes)
     real(dp) :: from(2, lanes), rest(2)
-    logical :: free(lanes)
+    logical :: parts(lanes), free(lanes)
     integer :: l
 
+    parts = .false.
+    if (present(guide)) parts = guide%partial .or. .not. settled(guide)
+    if (.not. all(parts)) call hold_in_lanes(osc, table, duration, work, steady, from)
+    free = .not. settled(steady)
+    if (present(guide)) free = free .and. settled(guide)
     rest = [osc%rest, 0.0_dp]
-    free = .false.
-    if (present(guide)) free = guide%partial .and. settled(guide)
-    if (.not. all(free)) call hold_in_lanes(osc, table, duration, work, steady, from)
-    if (present(guide)) then
-      do l = 1, lanes
-        if (free(l)) from(:, l) = guide(l)%state
-      end do
-    else
-      free = .not. settled(steady)
-      do l = 1, lanes
-        if (distance(osc, duration(l), from(:, l) - rest) > near) from(:, l) = rest
-      end do
-    end if
+    do l = 1, lanes
+      if (present(guide)) then
+        from(:, l) = guide(l)%state
+      else if (distance(osc, duration(l), from(:, l) - rest) > near) then
+        from(:, l) = rest
+      end if
+    end do
     if (any(free)) call shoot_in_lanes(osc, table, duration, tolerance, from, free, steady)
   end subroutine find_in_lanes
 

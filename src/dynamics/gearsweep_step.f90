@@ -1,15 +1,15 @@
-!> One step of the motion with the contact as it is, the piece that the period and the location of
-!> contact changes share.
+!> What one step and one period of the motion consist of: members and their contact side by side in
+!> lanes, and the largest load between the ends of a step.
 !>
 !> The state is x (m) and its derivative y over the mesh phase (m).
 module gearsweep_step
   use gearsweep_kinds, only: dp
-  use gearsweep_gauss, only: collocate, lanes
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_gauss, only: lanes
+  use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
   use gearsweep_quintic, only: quintic, top_of, value_of
   implicit none
   private
-  public :: period_t, walk_t, step_t, step_of, follow, chain, note_contact, track, track_top
+  public :: period_t, member_t, touching, set_contact, note_contact, begins_zone, may_top, track_pair, raise_to_top
 
   !> What one period does.
   type :: period_t
@@ -24,64 +24,36 @@ module gearsweep_step
     logical :: failed = .false.        !< contact changed too often
   end type period_t
 
-  !> The motion at one phase, while it is followed.
-  type :: walk_t
-    real(dp) :: x, y
-    real(dp) :: map(2, 2)
-    logical, allocatable :: contact(:)
-    !> The step at hand, while contact changes in it: quintics over it, (0:5, pair) and (0:5, member).
-    real(dp), allocatable :: stiffness(:, :), error(:, :)
-  end type walk_t
-
-  !> The affine map of the state over one step.
-  type :: step_t
-    real(dp) :: map(2, 2), shift(2)
-  end type step_t
+  !> One member, a pair or the coast side, at the last end of a step; slopes over the step. `sense` is the
+  !> overlap's sign while its contact stays as it is, `weight` 1 in contact and 0 apart.
+  type :: member_t
+    real(dp), dimension(lanes) :: weight = 0, sense = 1
+    real(dp), dimension(lanes) :: gap = 0, gap_slope = 0, load = 0, load_slope = 0
+  end type member_t
 
 contains
 
-  !> The step for given coefficients at its nodes: w^2, sum of k e, w of the members in contact.
-  pure function step_of(osc, square, push, omega, duration, width) result(step)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: square(3), push(3), omega(3), duration, width
-    type(step_t) :: step
-    real(dp), dimension(lanes, 3) :: k, d, p
-    real(dp) :: map(lanes, 6)
+  !> The members that touch in lane l.
+  pure subroutine touching(member, l, contact)
+    type(member_t), intent(in) :: member(:)
+    integer, intent(in) :: l
+    logical, intent(out) :: contact(:)
+    integer :: j
 
-    associate (time => duration*width)
-      k(1, :) = time**2*square
-      d(1, :) = 2*osc%damping_ratio*time*omega
-      p(1, :) = time**2*(push + osc%load*sum(1/osc%mass))
-    end associate
-    call collocate(1, k, d, p, map)
-    step%map(:, 1) = [map(1, 1), map(1, 2)/width]
-    step%map(:, 2) = [map(1, 3)*width, map(1, 4)]
-    step%shift = [map(1, 5), map(1, 6)/width]
-  end function step_of
-
-  !> The state after the step.
-  pure function follow(step, x, y) result(state)
-    type(step_t), intent(in) :: step
-    real(dp), intent(in) :: x, y
-    real(dp) :: state(2)
-
-    state(1) = step%map(1, 1)*x + step%map(1, 2)*y + step%shift(1)
-    state(2) = step%map(2, 1)*x + step%map(2, 2)*y + step%shift(2)
-  end function follow
-
-  !> Lets the step follow what was before: the derivative by the initial state.
-  pure subroutine chain(step, map)
-    type(step_t), intent(in) :: step
-    real(dp), intent(inout) :: map(2, 2)
-    real(dp) :: x
-    integer :: k
-
-    do k = 1, 2
-      x = map(1, k)
-      map(1, k) = step%map(1, 1)*x + step%map(1, 2)*map(2, k)
-      map(2, k) = step%map(2, 1)*x + step%map(2, 2)*map(2, k)
+    do j = 1, size(contact)
+      contact(j) = member(j)%weight(l) > 0
     end do
-  end subroutine chain
+  end subroutine touching
+
+  pure subroutine set_contact(osc, l, j, contact, member)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: l, j
+    logical, intent(in) :: contact
+    type(member_t), intent(inout) :: member
+
+    member%weight(l) = merge(1, 0, contact)
+    member%sense(l) = merge(1, -1, contact .eqv. j <= osc%pairs)
+  end subroutine set_contact
 
   !> Notes that not every pair carries.
   pure subroutine note_contact(osc, contact, out)
@@ -94,25 +66,55 @@ contains
     if (osc%has_backlash) out%coast = out%coast .or. contact(size(contact))
   end subroutine note_contact
 
-  !> Raises `peak` to the larger of a pair's loads at the ends of a stretch; may a larger one lie
-  !> between? Given value and slope over the stretch at its ends. A concave load stays below its tangents.
-  pure subroutine track(load, peak, more)
-    real(dp), intent(in) :: load(0:, :)
-    real(dp), intent(inout) :: peak
-    logical, intent(out) :: more
+  pure logical function begins_zone(table, i)
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
 
-    peak = max(peak, load(0, 1), load(0, 2))
-    more = load(1, 1) > 0 .and. load(1, 2) < 0
-    if (more) more = max(load(0, 1), load(0, 2)) + (load(1, 1) - load(1, 2))/4 > peak
-  end subroutine track
+    begins_zone = i == 1
+    if (i > 1) begins_zone = table%zone(i) /= table%zone(i - 1)
+  end function begins_zone
 
-  !> Raises `peak` to the largest load within the stretch; given with its curvature.
-  pure subroutine track_top(load, peak)
+  !> May a load be larger than `peak` between two ends? Given there with its slopes: a concave one stays
+  !> below its tangents.
+  pure logical function may_top(load, peak)
+    real(dp), intent(in) :: load(0:, :), peak
+
+    may_top = load(1, 1) > 0 .and. load(1, 2) < 0
+    if (may_top) may_top = max(load(0, 1), load(0, 2)) + (load(1, 1) - load(1, 2))/4 > peak
+  end function may_top
+
+  !> Raises `peak` to the largest load between the ends, where it is given with slope and curvature.
+  pure subroutine raise_to_top(load, peak)
     real(dp), intent(in) :: load(0:2, 2)
     real(dp), intent(inout) :: peak
     real(dp) :: c(0:5)
 
     c = quintic(load(:, 1), load(:, 2))
     peak = max(peak, value_of(c, top_of(c)))
-  end subroutine track_top
+  end subroutine raise_to_top
+
+  !> The peak of pair j's load within step i with the contact as it is; x, y at its ends.
+  pure subroutine track_pair(osc, table, i, j, duration, contact, x, y, peak)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, j
+    logical, intent(in) :: contact(:)
+    real(dp), intent(in) :: duration, x(2), y(2)
+    real(dp), intent(inout) :: peak
+    real(dp) :: gap(0:2, 2), load(0:2, 2)
+    integer :: k
+
+    associate (stiffness => table%end_stiffness(:, j, :, i), width => table%width(i))
+      gap(0, :) = x - table%end_error(0, j, :, i)
+      gap(1, :) = y - table%end_error(1, j, :, i)
+      load(0, :) = stiffness(1, :)*gap(0, :)
+      load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
+      if (.not. may_top(load, peak)) return
+      do k = 1, 2
+        gap(2, k) = end_acceleration(osc, table, i, k, contact, duration, x(k), y(k)) - table%end_error(2, j, k, i)
+      end do
+      load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
+    end associate
+    call raise_to_top(load, peak)
+  end subroutine track_pair
 end module gearsweep_step

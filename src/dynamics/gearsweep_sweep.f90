@@ -66,8 +66,9 @@ contains
     procedure(progress_of_sweep), optional :: progress
     type(block_t), allocatable :: blocks(:)
     type(point_t), allocatable :: points(:, :)
+    type(tables_t), allocatable :: tables
     logical, allocatable :: solved(:, :)
-    integer :: i, done, now
+    integer :: i, done, now, relief
 
     call allocate_sweep(rpm, size(osc), sweep, error)
     if (allocated(error)) return
@@ -75,12 +76,14 @@ contains
     allocate (solved(size(rpm), size(osc)), source=.false.)
     blocks = make_blocks(size(rpm), size(osc))
     done = 0
-    !$omp parallel default(none) shared(osc, rpm, options, sweep, blocks, points, solved, done) private(now) &
-    !$omp num_threads(team(options%threads, size(blocks)))
+    !$omp parallel default(none) shared(osc, rpm, options, sweep, blocks, points, solved, done) &
+    !$omp private(now, tables, relief) num_threads(team(options%threads, size(blocks)))
+    relief = 0
     !$omp do schedule(dynamic, 1)
     do i = 1, size(blocks)
-      call solve_block(osc(blocks(i)%relief), rpm, blocks(i), options, points(:, blocks(i)%relief), &
-                       solved(:, blocks(i)%relief))
+      if (blocks(i)%relief /= relief) call clear(tables)
+      relief = blocks(i)%relief
+      call solve_block(osc(relief), rpm, blocks(i), options, tables, points(:, relief), solved(:, relief))
       !$omp atomic capture
       done = done + blocks(i)%last - blocks(i)%first + 1
       now = done
@@ -94,12 +97,19 @@ contains
     !$omp end do
     !$omp do schedule(dynamic, 1)
     do i = 1, size(osc)
-      if (options%direction /= each) call follow_branch(osc(i), rpm, options, points(:, i), solved(:, i))
+      call clear(tables)
+      if (options%direction /= each) call follow_branch(osc(i), rpm, options, tables, points(:, i), solved(:, i))
       call store(points(:, i), i, sweep)
     end do
     !$omp end do
     !$omp end parallel
   end subroutine run_sweep
+
+  subroutine clear(tables)
+    type(tables_t), allocatable, intent(out) :: tables
+
+    allocate (tables)
+  end subroutine clear
 
   integer function team(threads, blocks)
     !$ use omp_lib, only: omp_get_max_threads
@@ -131,8 +141,9 @@ contains
     sweep%rpm = rpm
   end subroutine allocate_sweep
 
-  !> Speeds that share tables: blocks of growing length, as the slow ones need more steps and more
-  !> different tables. The costly ones come first.
+  !> Speeds that share a guess of the steps: blocks of growing length, as the slow ones need more steps and
+  !> more different tables. Blocks of one relief, which share tables, come in a row; those of large reliefs,
+  !> where contact changes, first.
   pure function make_blocks(speeds, reliefs) result(blocks)
     integer, intent(in) :: speeds, reliefs
     type(block_t), allocatable :: blocks(:)
@@ -140,28 +151,31 @@ contains
     integer :: first, length, r
 
     allocate (blocks(0))
-    first = 1
-    length = shortest
-    do while (first <= speeds)
-      blocks = [blocks, (block_t(r, first, min(first + length - 1, speeds)), r=1, reliefs)]
-      first = first + length
-      length = min(2*length, longest)
+    do r = reliefs, 1, -1
+      first = 1
+      length = shortest
+      do while (first <= speeds)
+        blocks = [blocks, block_t(r, first, min(first + length - 1, speeds))]
+        first = first + length
+        length = min(2*length, longest)
+      end do
     end do
   end function make_blocks
 
   !> Each speed of a block by itself; where a branch is to be followed, only what all pairs in contact
   !> decide.
-  subroutine solve_block(osc, rpm, block, options, points, solved)
+  subroutine solve_block(osc, rpm, block, options, tables, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
     type(block_t), intent(in) :: block
     type(sweep_options_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
     type(point_t), intent(inout) :: points(:)
     logical, intent(inout) :: solved(:)
-    type(tables_t), allocatable :: tables
     integer :: k
 
-    allocate (tables)
+    ! The answer shall not depend on what the tables were used for before.
+    tables%steps_per_second = 0
     if (options%accuracy%steps == 0 .and. options%accuracy%steady%method == by_shooting) then
       do k = block%first, block%last, lanes
         call solve_group(osc, rpm, k, min(k + lanes - 1, block%last), options, tables, points, solved)
@@ -196,16 +210,15 @@ contains
 
   !> Goes through the speeds, up or down, and solves what is left, or lies on another branch than the
   !> speed before.
-  subroutine follow_branch(osc, rpm, options, points, solved)
+  subroutine follow_branch(osc, rpm, options, tables, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
     type(sweep_options_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
     type(point_t), intent(inout) :: points(:)
     logical, intent(inout) :: solved(:)
-    type(tables_t), allocatable :: tables
     integer :: i, k, last
 
-    allocate (tables)
     do i = 1, size(rpm)
       k = merge(i, size(rpm) + 1 - i, options%direction == up)
       last = merge(k - 1, k + 1, options%direction == up)

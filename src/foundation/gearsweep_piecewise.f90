@@ -13,11 +13,9 @@ module gearsweep_piecewise
     real(dp), allocatable :: coef(:, :)
   contains
     procedure :: locate
-    procedure :: climb
     procedure :: value
-    procedure :: value_on
     procedure :: slope
-    procedure :: shape
+    procedure :: sample
     procedure :: integral
     procedure :: minimum
     procedure :: maximum
@@ -131,18 +129,6 @@ contains
     piece = low
   end function locate
 
-  !> The same for x that ascends from call to call; `piece` is that of the last one.
-  pure subroutine climb(p, x, piece)
-    class(piecewise_t), intent(in) :: p
-    real(dp), intent(in) :: x
-    integer, intent(inout) :: piece
-
-    do while (piece < size(p%breaks) - 1)
-      if (x < p%breaks(piece + 1)) return
-      piece = piece + 1
-    end do
-  end subroutine climb
-
   !> Value at x. At a jump, `piece` chooses the side.
   pure real(dp) function value(p, x, piece)
     class(piecewise_t), intent(in) :: p
@@ -158,23 +144,6 @@ contains
       value = value*v + p%coef(k, i)
     end do
   end function value
-
-  !> Value at x by a given piece, quickly.
-  pure real(dp) function value_on(p, piece, x) result(f)
-    class(piecewise_t), intent(in) :: p
-    integer, intent(in) :: piece
-    real(dp), intent(in) :: x
-    real(dp) :: v
-    integer :: k
-
-    associate (left => p%breaks(piece), right => p%breaks(piece + 1), c => p%coef(:, piece))
-      v = (2*x - left - right)/(right - left)
-      f = c(size(c))
-      do k = size(c) - 1, 1, -1
-        f = f*v + c(k)
-      end do
-    end associate
-  end function value_on
 
   !> First derivative at x. At a kink, `piece` chooses the side.
   pure real(dp) function slope(p, x, piece)
@@ -194,25 +163,51 @@ contains
     slope = slope*2/width
   end function slope
 
-  !> Value, first and second derivative at x. At a kink, `piece` chooses the side.
-  pure function shape(p, x, piece) result(f)
+  !> Values at ascending `x`, and first and second derivatives where wanted, by one `piece` or, where that
+  !> is 0, each by the piece that holds it: the first or last one beyond the ends.
+  pure subroutine sample(p, x, piece, f, slope, curvature)
     class(piecewise_t), intent(in) :: p
-    real(dp), intent(in) :: x
-    integer, intent(in), optional :: piece
-    real(dp) :: f(0:2), v, scale
-    integer :: i, k
+    real(dp), intent(in) :: x(:)
+    integer, intent(in) :: piece
+    real(dp), intent(out), contiguous :: f(:)
+    real(dp), intent(out), contiguous, optional :: slope(:), curvature(:)
+    integer :: i, first, last
 
-    i = chosen(p, x, piece)
-    scale = 2/(p%breaks(i + 1) - p%breaks(i))
-    v = scale*(x - (p%breaks(i) + p%breaks(i + 1))/2)
-    f = 0
-    do k = ubound(p%coef, 1), lbound(p%coef, 1), -1
-      f(2) = f(2)*v + 2*f(1)
-      f(1) = f(1)*v + f(0)
-      f(0) = f(0)*v + p%coef(k, i)
+    last = 0
+    i = piece
+    if (piece == 0) i = p%locate(x(1))
+    do while (last < size(x))
+      first = last + 1
+      last = size(x)
+      if (piece == 0) then
+        do while (i < size(p%breaks) - 1 .and. x(first) >= p%breaks(i + 1))
+          i = i + 1
+        end do
+        if (i < size(p%breaks) - 1) last = first - 1 + count(x(first:) < p%breaks(i + 1))
+      end if
+      associate (v => (2*x(first:last) - p%breaks(i) - p%breaks(i + 1))/(p%breaks(i + 1) - p%breaks(i)), &
+                 scale => 2/(p%breaks(i + 1) - p%breaks(i)))
+        call evaluate(p%coef(:, i), v, 0, f(first:last))
+        if (present(slope)) call evaluate(p%coef(:, i)*scale, v, 1, slope(first:last))
+        if (present(curvature)) call evaluate(p%coef(:, i)*scale**2, v, 2, curvature(first:last))
+      end associate
     end do
-    f = f*[1.0_dp, scale, scale**2]
-  end function shape
+  end subroutine sample
+
+  !> Derivative of the given order of a polynomial in ascending powers of v.
+  pure subroutine evaluate(coef, v, order, f)
+    real(dp), intent(in) :: coef(0:), v(:)
+    integer, intent(in) :: order
+    real(dp), intent(out) :: f(size(v))
+    real(dp) :: factor
+    integer :: k
+
+    f = 0
+    do k = ubound(coef, 1), order, -1
+      factor = coef(k)*merge(1, k, order == 0)*merge(k - 1, 1, order == 2)
+      f = f*v + factor
+    end do
+  end subroutine evaluate
 
   pure integer function chosen(p, x, piece)
     type(piecewise_t), intent(in) :: p

@@ -1,0 +1,13 @@
+#!/bin/sh
+# Makes doc/limits.md: introduction.md, then what becomes of each case in cases.txt.
+root=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd) || exit
+. "$root/app/setup.sh"
+cd "$root" && build_check_release || exit
+table=$run_dir/limits
+"$run_dir/check-release" limits >"$table" || exit
+{
+  cat test/extreme/introduction.md
+  sed '$d' "$table"
+  printf '\n%s %s, GNU Fortran %s, %s.\n' "$(tail -n 1 "$table")" \
+    "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(gfortran -dumpfullversion)" "$(date +%Y-%m-%d)"
+} >doc/limits.md
