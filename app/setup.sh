@@ -8,8 +8,9 @@ venv=$root/.venv
 # What pyproject.toml asks for before it can build, as no environment apart is made for it.
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow'
-# For test/sanitize.sh; C callers are compiled and linked with the C flags.
-sanitize_flags='-g -O1 -std=f2018 -fPIC -fno-omit-frame-pointer -fcheck=all,no-array-temps -fsanitize=address,undefined -fno-sanitize-recover=undefined'
+# For test/sanitize.sh; C callers are compiled and linked with the C flags. Where an array is assigned to that is not
+# allocated yet, gfortran 12 subtracts bounds that were never set and does not use what comes out: integers go unchecked.
+sanitize_flags='-g -O1 -std=f2018 -fPIC -fno-omit-frame-pointer -fcheck=all,no-array-temps -fsanitize=address,undefined -fno-sanitize=signed-integer-overflow -fno-sanitize-recover=undefined'
 sanitize_c_flags='-g -O1 -fPIC -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined'
 
 say() { printf 'gearsweep: %s\n' "$*" >&2; }

@@ -33,7 +33,7 @@ enum {
   GSC_OK = 0,
   GSC_INPUT = 1,     /* the case or an argument is not usable; an array too small: the message has the size */
   GSC_USAGE = 2,     /* the command line is not usable (program only) */
-  GSC_FILE = 3,      /* a file cannot be read */
+  GSC_FILE = 3,      /* a file or folder cannot be read or written */
   GSC_PARTIAL = 4,   /* some operating points have no answer (NaN); the others were computed */
   GSC_NUMERICAL = 5, /* a numerical method did not deliver, although the input is valid */
   GSC_MEMORY = 6     /* the work does not fit into the memory */
@@ -156,7 +156,7 @@ int gsc_resonances(int speeds, const double *rpm, const double *dynamic_factor, 
 
 /* Task optimum: the relief with the least worst dynamic factor over the speeds. The curve has
    `tried` reliefs, ascending; relief_um, worst_factor, rpm, failed: [room], room as gsc_sizes says.
-   best_...: its least, NaN where no relief has an answer; it lies within within_um of the true one. */
+   best_...: its least; NaN where no relief has an answer; it lies within within_um of the true one. */
 int gsc_optimum(const char *text, size_t text_length, int nwork, const double *work, int threads,
                 int room, int *tried, double *relief_um, double *worst_factor, double *rpm,
                 int *failed, double *best_um, double *best_factor, double *best_rpm,

@@ -22,11 +22,13 @@ program check
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
-  type(suite_t), allocatable, save :: suites(:)
   type(tally_t) :: all
-  integer :: i
 
-  allocate (suites, source=[ &
+  if (command_argument_count() == 1 .and. is_wanted('limits')) then
+    call print_limits()
+    stop
+  end if
+  call run_wanted([ &
     & suite_t('reader', run_reader), &
     & suite_t('geometry', run_geometry), &
     & suite_t('mesh', run_mesh), &
@@ -44,18 +46,19 @@ program check
     & suite_t('elastic_stiffness', run_elastic_stiffness), &
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('flat', run_flat)])
-
-  if (command_argument_count() == 1 .and. is_wanted('limits')) then
-    call print_limits()
-    stop
-  end if
-  do i = 1, size(suites)
-    if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)
-  end do
   print '(i0, a, i0, a)', all%passed, ' passed, ', all%failed, ' failed'
   if (all%failed > 0 .or. all%passed == 0) stop 1, quiet=.true.
 
 contains
+
+  subroutine run_wanted(suites)
+    type(suite_t), intent(in) :: suites(:)
+    integer :: i
+
+    do i = 1, size(suites)
+      if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)
+    end do
+  end subroutine run_wanted
 
   subroutine run_suite(suite, all)
     type(suite_t), intent(in) :: suite

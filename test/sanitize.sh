@@ -39,22 +39,36 @@ part() {
 }
 
 libraries="-lopenblas -lgomp -lgfortran -lm -lpthread"
+# caller NAME [SOURCE]: test/callers/NAME, with another source linked before the library.
 caller() {
-  gcc $sanitize_c_flags -std=gnu99 -I"$root/include" "$root/test/callers/$1.c" -o "$work/$1" "$library" $libraries
+  gcc $sanitize_c_flags -std=gnu99 -I"$root/include" "$root/test/callers/$1.c" ${2:+"$root/test/callers/$2"} \
+    -o "$work/$1" "$library" $libraries
 }
-legacy() { gfortran $sanitize_c_flags "$root/test/callers/legacy.f" -o "$work/legacy" "$library" $libraries; }
+legacy() { gfortran $sanitize_c_flags "$root/test/callers/$1.f" -o "$work/$1" "$library" $libraries; }
+# For those that read a case: all tasks.
+cat >"$work/case.nml" <<'END'
+&case tasks = 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum' /
+&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /
+&load normal_force_n = 4000 / &relief amount_um = 0, 10 / &section elements_across = 4 /
+&static positions = 5 / &modal modes = 3 / &sweep rpm_first = 3000 rpm_last = 9000 rpm_step = 1000 load_rpm = 4000 /
+END
+run() { "./$1" <case.nml; }
 
-part 'spoilt calls: build' "$work" caller fuzz
-if [ "${1-}" = --short ]; then
-  part 'spoilt calls' "$work" ./fuzz 400
-else
-  part 'spoilt calls' "$work" ./fuzz
-  for name in border design; do
+calls=2500
+[ "${1-}" != --short ] || calls=250
+for door in '' fortran77.c; do
+  part "spoilt calls $door: build" "$work" caller fuzz $door
+  part "spoilt calls $door" "$work" ./fuzz . $calls
+done
+if [ "${1-}" != --short ]; then
+  for name in border design results; do
     part "C: $name: build" "$work" caller "$name"
-    part "C: $name" "$work" "./$name"
+    part "C: $name" "$work" run "$name"
   done
-  part 'Fortran 77: build' "$work" legacy
-  part 'Fortran 77' "$work" ./legacy
+  for name in legacy results; do
+    part "Fortran 77: $name: build" "$work" legacy "$name"
+    part "Fortran 77: $name" "$work" run "$name"
+  done
   part 'suites' "$root" "$run_dir/check-sanitized" "$@"
 fi
 echo "$passed passed, $failed failed"

@@ -1,9 +1,11 @@
 #!/bin/sh
 # Installs the library, links callers in Fortran 77, C, CMake and fpm against it as doc/linking.md
-# says, and compares what they print with the program: sh test/test_callers.sh PROGRAM
+# says, and compares what they and Python say with the program: sh test/test_callers.sh PROGRAM
 # The last line is `N passed, N failed`.
 export LC_ALL=C
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
+. "$root/app/setup.sh"
+build_package || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
 work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
@@ -119,45 +121,121 @@ case $counts in
     ;;
   *) fails 'C border: broke off' ;;
 esac
-check 'spoilt calls compile' compile "cc $flags fuzz.c \$(pkg-config --cflags --libs gearsweep) -o fuzz"
-check 'spoilt calls' ./fuzz
-cat >other.nml <<'END'
-&case tasks = 'mesh', 'load', 'static', 'modal', 'section' /
-&pair module_mm = 3 face_width_mm = 20 /
-&pinion teeth = 21 effective_mass_kg = 0.5 /
-&gear teeth = 34 effective_mass_kg = 0.9 /
-&load normal_force_n = 4000 /
-&relief amount_um = 0, 10 /
-&section elements_across = 6 /
-&static positions = 9 /
-&modal modes = 6 /
-&sweep load_rpm = 4000, 6000 /
+for door in '' fortran77.c; do
+  check "spoilt calls compile $door" compile "cc $flags fuzz.c $door \$(pkg-config --cflags --libs gearsweep) -o fuzz"
+  check "spoilt calls $door" ./fuzz .
+done
+
+# --- every number of every task, through every door ------------------------------
+
+check 'Fortran 77: results compile' compile 'gfortran results.f $(pkg-config --cflags --libs gearsweep) -o results-f77'
+check 'nothing to warn of' silent said
+check 'C: results compile' compile "cc $flags results.c \$(pkg-config --cflags --libs gearsweep) -o results-c"
+sed -e "s/tasks = .*/tasks = 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum'/" \
+  -e 's/rpm_step = .*/rpm_step = 1400/; s/^&section/& elements_across = 5/' \
+  -e 's/^&sweep/\&static positions = 9 \/ \&modal modes = 4 \/ &/' "$root/data/case1.nml" >geared.nml
+sed 's/elements_across = .*/elements_across = 6/' "$root/data/hassan.nml" >shares.nml
+cp "$root/data/hassan2009.csv" .
+cat >prescribed.nml <<'END'
+&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 / &relief amount_um = 0, 15 /
+&mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+&sweep rpm_first = 2000 rpm_last = 16000 rpm_step = 1000 load_rpm = 3000 /
 END
-check 'the other results' compile './border other.nml >other.out'
-check 'the program runs that case too' compile '"$program" other.nml >screen'
-check 'modes as in the table' agrees other.modes 1-5 modes other.out
-check 'outlines as in the table' agrees other.outline 1-3 outline other.out
-# vtu ENDING NAME COMPONENTS: the values of a field in the grid file, a node or element a line.
-vtu() { awk -v name="Name=\"$2\"" '/<\/DataArray>/ { on = 0 } on { print } /<Points>/ { if (name ~ /points/) on = 1 }
-  index($0, name) { on = 1 }' "results/$1.vtu" | tr -s ' ' ',' | sed 's/,$//; s/^,//'; }
-like_grid() {
-  vtu "$1" "$2" | cut -d, -f"$3" | awk -F, -v OFS=, '{ for (i = 1; i <= NF; i++) if ($i ~ /E/) $i = sprintf("%.8e", $i); print }' >theirs
-  sed -n "s/^$4,//p" other.out >ours
+# named NAME: what the doors print by this name. tabled TABLE PROGRAM: the same from the rows of a table, by awk.
+named() { sed -n "s/^$1,//p" "$case.c" | numbers -; }
+tabled() { sed '/^#/d' "results/$case.$1.csv" | awk -F, "NR > 1 $2" | numbers -; }
+in_table() {
+  named "$1" >ours
+  tabled "$2" "$3" >theirs
   [ -s ours ] && same theirs ours
 }
-check 'nodes as in the grid' like_grid other.section points 1,2 node
-check 'elements as in the grid' like_grid other.section connectivity 1-8 element
-check 'mode shape as in the grid' like_grid other.modes mode_1 1,2 shape
-check 'teeth as in the grid' like_grid other.section tooth 1 tooth
-check 'harmonics as in the table' agrees other.harmonics 1-5 harmonics other.out
-check 'root stress as in the table' agrees other.root 1-9 root other.out
-check 'pair loads as in the table' agrees other.load 1-4,6 load other.out
-said_alike() {
-  sed '1,/^report$/d' other.out >ours
-  sed -e 1d -e '/^Time  /,$d' screen >theirs
-  same theirs ours
+# vtu KIND NAME: the values of a field in a grid file, one a line.
+vtu() {
+  awk -v name="$2" '/<\/DataArray>/ { on = 0 } on { print } /<Points>/ && name == "Points" || index($0, "\"" name "\"") { on = 1 }' \
+    "results/$case.$1.vtu" | tr -s ' ' '\n' | sed '/^$/d'
 }
-check 'the report as on the screen' said_alike
+# Numbers in grid files have 9 digits.
+in_grid() {
+  sed -n "s/^$1,//p" "$case.c" | awk "$4" >ours
+  vtu "$2" "$3" | awk "$5" >theirs
+  [ -s ours ] && same theirs ours
+}
+said_alike() {
+  awk '/,/ && !on && $0 ~ /^[a-z]+\.[a-z_]+,/ { next } { on = 1; print }' "$case.c" >ours
+  sed -e 1d -e '/^Time  /,$d' "$case.screen" >theirs
+  [ -s ours ] && same theirs ours
+}
+# What every case with this task must have: name, table, rows by awk.
+tables() {
+  cat <<'END'
+mesh.relief_um mesh { print $1 }
+mesh.s mesh { print $2 }
+mesh.pair_n_um mesh { print $3 }
+mesh.mesh_n_um mesh { print $4 }
+mesh.error_um mesh { print $5 }
+mesh.share mesh { print $6 }
+mesh.ste_um mesh { print $7 }
+harmonics.relief_um harmonics && $2 == 0 { print $1 }
+harmonics.mean_um harmonics && $2 == 0 { print $3 }
+harmonics.estimate_um harmonics && $2 == 0 { print $5 }
+harmonics.amplitude_um harmonics && $2 > 0 { print $3 }
+harmonics.phase_deg harmonics && $2 > 0 { print $4 }
+load.relief_um load { print $1 }
+load.rpm load { print $2 }
+load.s load { print $3 }
+load.pair_load_n load { print $4 }
+load.dte_um load { print $6 }
+sweep.relief_um sweep && !seen[$1]++ { print $1 }
+sweep.rpm sweep && !seen[$2]++ { print $2 }
+sweep.dynamic_factor sweep { print $3 }
+sweep.estimate sweep { print $4 }
+sweep.floquet_modulus sweep { print $7 }
+sweep.residual sweep { print $8 }
+sweep.steps sweep { print $9 }
+sweep.periods sweep { print $10 }
+optimum.relief_um vcurve { print $1 }
+optimum.worst_factor vcurve { print $2 }
+optimum.rpm vcurve { print $3 }
+optimum.failed vcurve { print $4 }
+outline.x_mm outline { print $2 }
+outline.y_mm outline { print $3 }
+modal.frequency_hz modes { print $2 }
+modal.estimate modes { print $3 }
+modal.residual modes { print $4 }
+modal.rim_share modes { print $5 }
+static.relief_um root && !seen[$1]++ { print $1 }
+static.s root && !seen[$2]++ { print $2 }
+static.radius_mm root && !seen[$2]++ { print $3 }
+static.share root && $5 == "drive" { print $4 }
+static.sigma_mpa root { print $6 }
+static.parts_mpa root { print $7; print $8; print $9 }
+END
+}
+for case in geared shares prescribed; do
+  check "$case: the program runs it" compile '"$program" $case.nml >$case.screen'
+  check "$case: Fortran 77 runs it" compile './results-f77 <$case.nml >$case.f77'
+  check "$case: C runs it" compile './results-c <$case.nml >$case.c'
+  check "$case: Python runs it" compile '"$venv/bin/python" results.py $case.nml >$case.python'
+  check "$case: C gives the bits of Fortran 77" same "$case.f77" "$case.c"
+  check "$case: Python gives the bits of Fortran 77" same "$case.f77" "$case.python"
+  check "$case: the same answer" said_alike
+  tables >list
+  while read -r name table rows; do
+    [ -e "results/$case.$table.csv" ] && check "$case: $name as in the table" in_table "$name" "$table" "$rows"
+  done <list
+  if [ -e "results/$case.section.vtu" ]; then
+    round='{ printf "%.8e\n", $1 }'
+    nodes=$(named section.x_mm | wc -l)
+    metres='{ printf "%.8e\n", $1/1000 }'
+    check "$case: x as in the grid" in_grid section.x_mm section Points "$metres" "NR % 3 == 1 $round"
+    check "$case: y as in the grid" in_grid section.y_mm section Points "$metres" "NR % 3 == 2 $round"
+    check "$case: elements as in the grid" in_grid section.element section connectivity '{ print $1 - 1 }' '{ print $1 }'
+    check "$case: teeth as in the grid" in_grid section.tooth section tooth '{ print $1 + 0 }' '{ print $1 }'
+    check "$case: a mode shape as in the grid" in_grid modal.shape modes mode_1 "NR <= 2*$nodes $round" "NR % 3 $round"
+  fi
+done
 
 # The library prints only through the program.
 check 'C++ takes the header' compile 'if command -v g++ >/dev/null; then

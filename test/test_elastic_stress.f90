@@ -198,12 +198,14 @@ contains
   subroutine picture(t)
     type(tally_t), intent(inout) :: t
     type(section_t) :: section
+    type(vtu_field_t) :: position(1)
     type(error_t), allocatable :: error
     character(:), allocatable :: text
     integer :: i
 
     call make_section(hassan_gear(30), section_options_t(teeth=1, elements_across=3), section, error)
-    text = vtu_text(section%grid, [vtu_field_t('position', section%grid%x)])
+    position(1) = vtu_field_t('position', section%grid%x)
+    text = vtu_text(section%grid, position)
     call check_true(t, 'VTK file', index(text, '<VTKFile') == 1 .and. index(text, '</VTKFile>') > 0)
     call check_true(t, 'a line for each node, twice', &
                     count([(text(i:i) == new_line('a'), i=1, len(text))]) > 2*size(section%grid%x, 2))

@@ -45,6 +45,16 @@ contains
     spec%face_width = 20*mm
   end function spec_of
 
+  !> Pinion and gear, one by one: in an array constructor, gfortran never frees what a function gives (seen with GCC 12).
+  subroutine make_specs(teeth, module_mm, shift, spec)
+    integer, intent(in) :: teeth(2)
+    real(dp), intent(in) :: module_mm, shift(2)
+    type(gear_spec_t), intent(out) :: spec(2)
+
+    spec(1) = spec_of('pinion', teeth(1), module_mm, shift(1))
+    spec(2) = spec_of('gear', teeth(2), module_mm, shift(2))
+  end subroutine make_specs
+
   !> Two gears without backlash, or at `distance`; with tip alteration on request.
   subroutine build(spec, pair, error, distance, altered)
     type(gear_spec_t), intent(inout) :: spec(2)
@@ -76,7 +86,7 @@ contains
     type(pair_t) :: pair
     type(error_t), allocatable :: error
 
-    spec = [spec_of('pinion', 12, 3.0_dp, 0.6_dp), spec_of('gear', 24, 3.0_dp, 0.36_dp)]
+    call make_specs([12, 24], 3.0_dp, [0.6_dp, 0.36_dp], spec)
     call build(spec, pair, error, altered=.true.)
     call check_no_error(t, 'shifted pair', error)
     call check_close(t, 'inv working angle', involute(pair%working_angle(drive)), 0.034316_dp, absolute=5e-7_dp)
@@ -100,7 +110,7 @@ contains
     type(pair_t) :: pair
     type(error_t), allocatable :: error
 
-    spec = [spec_of('pinion', 12, 3.0_dp, 0.6_dp), spec_of('gear', 24, 3.0_dp, 0.36_dp)]
+    call make_specs([12, 24], 3.0_dp, [0.6_dp, 0.36_dp], spec)
     call build(spec, pair, error, distance=56.5_dp*mm, altered=.true.)
     call check_no_error(t, 'given distance', error)
     call check_close(t, 'angle at a', pair%working_angle(drive)/degree, 26.0888_dp, absolute=5e-5_dp)
@@ -119,7 +129,7 @@ contains
     type(pair_t) :: pair
     type(error_t), allocatable :: error
 
-    spec = [spec_of('pinion', 17, 3.0_dp, 0.7143818731061048_dp), spec_of('gear', 53, 3.0_dp, 1.1683670161543263_dp)]
+    call make_specs([17, 53], 3.0_dp, [0.7143818731061048_dp, 1.1683670161543263_dp], spec)
     spec%tip_alteration = -0.4660822225937642_dp
     call build(spec, pair, error, distance=110*mm)
     ! Its topping takes the clearance twice, which leaves a contact ratio of 0.8868.
@@ -154,7 +164,7 @@ contains
     type(error_t), allocatable :: error
     real(dp) :: s(5), rb(2), ra(2), pitch
 
-    spec = [spec_of('pinion', 25, 7.0_dp, 0.0_dp), spec_of('gear', 116, 7.0_dp, 0.0_dp)]
+    call make_specs([25, 116], 7.0_dp, [0.0_dp, 0.0_dp], spec)
     call build(spec, pair, error)
     call check_no_error(t, 'case 2', error)
     s = pair%points()
@@ -184,7 +194,7 @@ contains
     integer :: i
 
     do i = 1, 3
-      spec = [spec_of('pinion', 25, 3.18_dp, 0.0_dp), spec_of('gear', 25, 3.18_dp, 0.0_dp)]
+      call make_specs([25, 25], 3.18_dp, [0.0_dp, 0.0_dp], spec)
       spec(1)%pressure_angle = angle(:, i)
       spec(2)%pressure_angle = angle(:, i)
       call build(spec, pair, error)
@@ -211,7 +221,7 @@ contains
     type(error_t), allocatable :: error
     real(dp) :: s
 
-    spec = [spec_of('pinion', 23, 4.0_dp, 0.3_dp), spec_of('gear', 57, 4.0_dp, -0.1_dp)]
+    call make_specs([23, 57], 4.0_dp, [0.3_dp, -0.1_dp], spec)
     swapped = spec([2, 1])
     call build(spec, pair, error)
     call build(swapped, mirror, error)
@@ -231,7 +241,7 @@ contains
     type(error_t), allocatable :: error
     real(dp) :: s(5)
 
-    spec = [spec_of('pinion', 40, 3.0_dp, 0.0_dp), spec_of('gear', 60, 3.0_dp, 0.0_dp)]
+    call make_specs([40, 60], 3.0_dp, [0.0_dp, 0.0_dp], spec)
     spec%addendum = 1.3_dp
     spec%dedendum = 1.6_dp
     spec%rack_tip_radius = 0.1_dp
@@ -307,7 +317,7 @@ contains
     type(pair_t) :: pair
     type(error_t), allocatable :: error
 
-    good = [spec_of('pinion', 25, 3.0_dp, 0.0_dp), spec_of('gear', 40, 3.0_dp, 0.0_dp)]
+    call make_specs([25, 40], 3.0_dp, [0.0_dp, 0.0_dp], good)
     spec = good
     call build(spec, pair, error, distance=97.4_dp*mm)
     call check_error(t, 'jammed', error, 'must be at least 97.5')

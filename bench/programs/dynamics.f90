@@ -4,16 +4,24 @@
 !>         the problem for the other contenders
 !>     dynamics METHOD FILE ERROR STEPS [ERROR STEPS ...]
 !>         for each pair a line: seconds, then the dynamic factors, relief by relief
+!>     dynamics parts FILE ERROR
+!>         for all reliefs together and for each alone a line: seconds, points in which contact changes,
+!>         calls of the collocation at least, seconds that the tables take; then seconds of one call,
+!>         operations a second in it, and the most that this build reaches
 !>
 !> METHOD is the library's `shooting`, `two_threads` or `marching` (STEPS = 0 are chosen
 !> for the ERROR), or of the literature: `rk4`, `rk4_aligned`, `rk4_shooting`,
 !> `constant`, `constant_aligned`.
 program dynamics
   use bench_fixed_steps, only: solve_with_steps, runge_kutta, constant, marched => by_marching, shot => by_shooting
+  use bench_kernel, only: collocation_rate, best_rate
   use bench_problem, only: problem_t, read_problem, write_problem
   use bench_tools, only: word, number, real_number, seconds, median, check, numbers
   use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
+  use gearsweep_gauss, only: lanes
+  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_steady, only: by_shooting, by_marching
+  use gearsweep_sweep, only: contact_full
   implicit none
 
   type(problem_t) :: problem
@@ -22,6 +30,8 @@ program dynamics
   call read_problem(word(2), problem)
   if (word(1) == 'problem') then
     call write_problem(problem%osc, problem%rpm)
+  else if (word(1) == 'parts') then
+    call take_apart(real_number(3))
   else
     do i = 3, command_argument_count(), 2
       call time_one(word(1), real_number(i), number(i + 1))
@@ -76,6 +86,64 @@ contains
       error stop 'dynamics: unknown method'
     end select
   end subroutine solve
+
+  !> Where the sweep's time goes.
+  subroutine take_apart(wanted)
+    real(dp), intent(in) :: wanted
+    real(dp) :: rate, call_time
+    integer :: i
+
+    call time_part(problem%osc, wanted)
+    do i = 1, size(problem%osc)
+      call time_part(problem%osc(i:i), wanted)
+    end do
+    call collocation_rate(rate, call_time)
+    print numbers, call_time, rate, best_rate()
+  end subroutine take_apart
+
+  subroutine time_part(osc, wanted)
+    type(oscillator_t), intent(in) :: osc(:)
+    real(dp), intent(in) :: wanted
+    integer, parameter :: rounds = 21
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+    real(dp) :: taken(rounds), from
+    integer :: i
+
+    options%direction = problem%case%direction
+    options%threads = 1
+    options%accuracy%steady%tolerance = wanted
+    do i = 1, rounds
+      from = seconds()
+      call run_sweep(osc, problem%rpm, options, sweep, error)
+      taken(i) = seconds() - from
+      call check(error)
+    end do
+    ! A whole and a half for eight points at once: a bound, as other rungs may have been tried.
+    print numbers, median(taken), count(sweep%contact /= contact_full), 1.5_dp*sum(sweep%steps)/lanes, &
+      table_time(osc, sweep%steps)
+  end subroutine time_part
+
+  !> Tables of as many steps as the points have, each made once a relief.
+  real(dp) function table_time(osc, steps) result(total)
+    type(oscillator_t), intent(in) :: osc(:)
+    integer, intent(in) :: steps(:, :)
+    type(table_t) :: table
+    real(dp) :: from
+    integer :: i, k
+
+    total = 0
+    do i = 1, size(osc)
+      do k = minval(steps(:, i)), maxval(steps(:, i))
+        if (.not. any(steps(:, i) == k)) cycle
+        from = seconds()
+        call tabulate(osc(i), resolution_t(real(k, dp), 1), table)
+        call tabulate(osc(i), resolution_t(k/2.0_dp, 1), table)
+        total = total + seconds() - from
+      end do
+    end do
+  end function table_time
 
   !> The library's sweep.
   subroutine solve_ours(method, threads, wanted, steps, dynamic_factor)

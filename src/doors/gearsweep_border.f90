@@ -19,7 +19,8 @@ module gearsweep_border
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
   integer, parameter :: head = 3
-  integer, parameter :: most_threads = 1024, longest_text = 10**9
+  integer, parameter :: most_threads = 1024
+  integer, parameter, public :: longest_text = 10**9
 
 contains
 

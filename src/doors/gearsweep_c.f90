@@ -39,7 +39,7 @@ contains
     character(longest_message) :: words
 
     call take_text(text, text_length, case, info, words)
-    call take_string(folder, place)
+    call take_string(folder, place, info, words)
     call need_all([present(speeds), present(reliefs), present(rows), present(tried), present(positions), &
                    present(modes), present(nodes), present(elements), present(harmonics), present(nwork)], info, words)
     if (info == code_ok) call gs_sizes(case, place, speeds, reliefs, rows, tried, positions, modes, nodes, elements, &
@@ -57,7 +57,7 @@ contains
     character(longest_message) :: words
 
     call take_text(text, text_length, case, info, words)
-    call take_string(folder, place)
+    call take_string(folder, place, info, words)
     call need_all([present(work)], info, words)
     if (info == code_ok) call gs_prepare(case, place, nwork, work, info, words)
     call give_text(trim(words), message, message_size)
@@ -76,7 +76,7 @@ contains
     integer :: used
 
     call take_text(text, text_length, case, info, words)
-    call take_string(folder, place)
+    call take_string(folder, place, info, words)
     call need_all([nwork == 0 .or. c_associated(work), answer_size == 0 .or. c_associated(answer), present(length)], &
                   info, words)
     call make_room('answer_size', answer_size, room, info, words)
@@ -99,9 +99,9 @@ contains
     integer :: used
 
     call take_text(text, text_length, case, info, words)
-    call take_string(folder, place)
-    call take_string(out, target)
-    call take_string(name, stem)
+    call take_string(folder, place, info, words)
+    call take_string(out, target, info, words)
+    call take_string(name, stem, info, words)
     call need_all([nwork == 0 .or. c_associated(work), c_associated(out), c_associated(name), present(length)], &
                   info, words)
     call make_room('answer_size', answer_size, answer_room, info, words)
@@ -151,9 +151,9 @@ contains
     integer :: used
 
     call take_text(text, text_length, case, info, words)
-    call take_string(group, group_name)
-    call take_string(key, key_name)
-    call take_string(value, new)
+    call take_string(group, group_name, info, words)
+    call take_string(key, key_name, info, words)
+    call take_string(value, new, info, words)
     call need_all([c_associated(group), c_associated(key), changed_size == 0 .or. c_associated(changed), &
                    present(length)], info, words)
     call make_room('changed_size', changed_size, room, info, words)

@@ -3,15 +3,15 @@
 module gearsweep_c_border
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_null_char, c_ptr, &
                                          c_size_t
+  use gearsweep_border, only: longest_text
   use gearsweep_error, only: code_input, code_memory, code_ok
+  use gearsweep_text, only: str
   implicit none
   private
   public :: take_text, take_string, give_text, give_answer, make_room, numbers, need_all, need_size
 
   !> Longest message.
   integer, parameter, public :: longest_message = 1000
-  !> Longest text and answer.
-  integer(c_size_t), parameter :: longest_text = 10**9
 
 contains
 
@@ -31,7 +31,7 @@ contains
     if (.not. c_associated(text)) then
       call refuse(code_input, 'text: is a null pointer', info, words)
     else if (length < 0 .or. length > longest_text) then
-      call refuse(code_input, 'text_length: more than 1000000000 characters', info, words)
+      call refuse_length('text_length', info, words)
     end if
     if (info /= code_ok) return
     call c_f_pointer(text, letters, [length])
@@ -51,14 +51,15 @@ contains
   end subroutine take_text
 
   !> A text that ends with its NUL; empty for a null pointer.
-  subroutine take_string(text, string)
+  subroutine take_string(text, string, info, words)
     type(c_ptr), intent(in) :: text
     character(:), allocatable, intent(out) :: string
-    integer(c_int) :: info
-    character(longest_message) :: words
+    integer(c_int), intent(inout) :: info
+    character(*), intent(inout) :: words
 
     string = ''
-    if (c_associated(text)) call take_text(text, longest_text, string, info, words)
+    if (info == code_ok .and. c_associated(text)) &
+      call take_text(text, int(longest_text, c_size_t), string, info, words)
   end subroutine take_string
 
   !> A Fortran text as long as `size` bytes hold without their NUL.
@@ -70,12 +71,15 @@ contains
     character(*), intent(inout) :: words
     integer :: stat
 
+    ! A size beyond the half of C's comes as a negative one.
+    if (size < 0 .or. size > longest_text) call refuse_length(name, info, words)
     if (info /= code_ok) return
-    allocate (character(max(0_c_size_t, min(size, longest_text) - 1)) :: text, stat=stat)
+    allocate (character(max(0_c_size_t, size - 1)) :: text, stat=stat)
     if (stat /= 0) call refuse(code_memory, name//': does not fit into memory', info, words)
   end subroutine make_room
 
-  !> `words` and a NUL, cut where `room` bytes are too few; none where there is no room.
+  !> `words` and a NUL, cut where `room` bytes are too few; none where there is no room. A room beyond
+  !> the half of C's sizes, which comes as a negative one, is enough for any.
   subroutine give_text(words, target, room)
     character(*), intent(in) :: words
     type(c_ptr), intent(in) :: target
@@ -83,8 +87,9 @@ contains
     character(c_char), pointer :: letters(:)
     integer(c_size_t) :: i, n
 
-    if (.not. c_associated(target) .or. room < 1) return
-    n = min(len(words, c_size_t), room - 1)
+    if (.not. c_associated(target) .or. room == 0) return
+    n = len(words, c_size_t)
+    if (room > 0) n = min(n, room - 1)
     call c_f_pointer(target, letters, [n + 1])
     do i = 1, n
       letters(i) = words(i:i)
@@ -141,13 +146,18 @@ contains
     integer, intent(in) :: need
     integer(c_int), intent(inout) :: info
     character(*), intent(inout) :: words
-    character(20) :: number
 
-    if (have >= 0 .and. have <= need) then
-      write (number, '(i0)') need + 1_c_size_t
-      call refuse(code_input, name//': too small, must be at least '//trim(number), info, words)
-    end if
+    if (have >= 0 .and. have <= need) call refuse(code_input, name//' = '//str(int(have))// &
+      ': too small, must be at least '//str(need + 1), info, words)
   end subroutine need_size
+
+  subroutine refuse_length(name, info, words)
+    character(*), intent(in) :: name
+    integer(c_int), intent(inout) :: info
+    character(*), intent(inout) :: words
+
+    call refuse(code_input, name//': more than '//str(longest_text)//' characters', info, words)
+  end subroutine refuse_length
 
   !> The first refusal is kept.
   subroutine refuse(code, reason, info, words)

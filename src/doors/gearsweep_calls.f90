@@ -10,7 +10,7 @@ module gearsweep_calls
 
   interface
     subroutine gs_version(version, info, message)
-      character(*), intent(out) :: version
+      character(*), intent(inout) :: version
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_version

@@ -8,9 +8,9 @@
 !                 section and load; nwork = 0: each call finds it itself (work is not touched).
 ! threads         of the sweep; 0: all. The answer is the same for any number.
 ! info, message   0 and blank; else a code of gearsweep_error: 1 case or argument unusable (an
-!                 array too small: the message says the size), 3 file, 4 some operating points have
-!                 no answer (NaN; all else is filled), 5 a method failed, 6 memory. But for 4, the
-!                 results are as they were. A message that is too long is cut.
+!                 array too small: the message says the size), 3 file or folder, 4 some operating points
+!                 have no answer (NaN; all else is filled), 5 a method failed, 6 memory. But for 4,
+!                 the results are as they were. A message that is too long is cut.
 !
 ! A call runs one task, which the case must name among its tasks. Arrays belong to the caller; they
 ! may be larger than gs_sizes says, and what lies beyond is not touched. Units are those of the case
@@ -24,13 +24,13 @@ subroutine gs_version(version, info, message)
   use gearsweep_error, only: error_t
   use gearsweep_version, only: this => version
   implicit none
-  character(*), intent(out) :: version
+  character(*), intent(inout) :: version
   integer, intent(out) :: info
   character(*), intent(out) :: message
   type(error_t), allocatable :: error
 
-  version = this
   call need_room('len(version)', len(version), len(this), error)
+  if (.not. allocated(error)) version = this
   call tell(error, info, message)
 end subroutine gs_version
 

@@ -359,7 +359,7 @@ subroutine gs_optimum(text, nwork, work, threads, room, tried, relief_um, worst_
       within_um = 1d6*optimum%resolution
       best_um = ieee_value(best_um, ieee_quiet_nan)
       best_factor = best_um
-      best_rpm = 0
+      best_rpm = best_um
       if (optimum%best > 0) then
         best_um = relief_um(optimum%best)
         best_factor = worst_factor(optimum%best)

@@ -49,6 +49,7 @@ contains
 
     subroutine take(row)
       character(*), intent(in) :: row
+      type(published_t) :: entry
 
       if (len(row) == 0) return
       if (row(1:1) == '#') return
@@ -56,12 +57,15 @@ contains
         begun = row == header
         if (.not. begun) call fail(error, code_input, path//' line '//str(line)//': must be '//header)
       else
-        rows = [rows, row_of(row)]
+        ! A variable: gfortran never frees a function's result in an array constructor (seen with GCC 12).
+        call read_row(row, entry)
+        rows = [rows, entry]
       end if
     end subroutine take
 
-    type(published_t) function row_of(row) result(entry)
+    subroutine read_row(row, entry)
       character(*), intent(in) :: row
+      type(published_t), intent(out) :: entry
       character(:), allocatable :: rest, number
       character(:), allocatable :: name
       logical :: ok
@@ -84,7 +88,7 @@ contains
       if (all(entry%status /= [character(16) :: 'stated', 'inferred', 'not reproducible'])) &
         call fail(error, code_input, path//' line '//str(line)//': status = '//entry%status// &
         ': must be stated, inferred or not reproducible')
-    end function row_of
+    end subroutine read_row
   end subroutine read_published
 
   !> Replaces the number in a quantity's name by #, and tells it; 0 for none.

@@ -277,7 +277,8 @@ contains
     point%step_error = unbounded
     if (has_answer(half%status)) then
       point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
-                                        distance(osc, duration, point%steady%state - half%state))
+                                        max(distance(osc, duration, point%steady%state - half%state), &
+                                            abs(point%steady%mark - half%mark)/osc%static_scale))
       ! Where strong drag ends contact within a step or two, the order does not show.
       if (osc%damping_ratio > 1 .and. point%steady%partial) point%step_error = 20*point%step_error
       ! So near to 1 that the steps' error decides on which side.
@@ -288,8 +289,8 @@ contains
   end subroutine compare
 
   !> Error of a result of sixth order from its difference to half the steps: a 63rd, three times raised,
-  !> as the order is less where the stiffness is less smooth; the state is asked too, as the peaks may
-  !> differ little by chance.
+  !> as the order is less where the stiffness is less smooth; the motion is asked too, as the peaks
+  !> may differ little by chance.
   pure real(dp) function doubling_error(peak, state)
     real(dp), intent(in) :: peak, state
 

@@ -129,18 +129,20 @@ contains
     type(side_t) :: side(osc%members)
     type(tops_t) :: tops(lanes)
     logical :: contact(osc%members)
-    real(dp), dimension(lanes) :: lowest, peak, top
+    real(dp), dimension(lanes) :: lowest, peak, top, mark
     integer :: i, j, l
 
     work%x(:, 0) = start(1, :)
     work%y(:, 0) = start(2, :)
     lowest = huge(lowest)
     peak = 0
+    mark = 0
     do i = 1, table%steps
       call move(work%map(:, :, i), work%x(:, i - 1), work%y(:, i - 1), work%x(:, i), work%y(:, i))
       associate (width => table%width(i), pairs => table%pairs(i))
         if (begins_zone(table, i)) then
           side = side_t()
+          mark = mark + work%x(:, i - 1)
           do j = 1, pairs
             call look(width, table%end_stiffness(:, j, 1, i), table%end_error(:, j, 1, i), &
                       work%x(:, i - 1), work%y(:, i - 1), side(j), lowest, peak, top)
@@ -158,6 +160,7 @@ contains
       out(l)%partial = lowest(l) < 0
       out(l)%state = [work%x(l, table%steps), work%y(l, table%steps)]
       out(l)%peak = peak(l)
+      out(l)%mark = mark(l)
       call settle_tops(osc, table, l, duration(l), work, contact, tops(l), out(l))
     end do
   end subroutine hold_motion

@@ -25,6 +25,7 @@ module gearsweep_orbit
     integer :: status = point_aperiodic
     real(dp) :: state(2) = 0
     real(dp) :: peak = 0                         !< largest load on one pair, N
+    real(dp) :: mark = 0                         !< sum of x where zones begin, m
     !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean
     !> growth of a disturbance over a mesh period.
     real(dp) :: multiplier = 0
@@ -118,6 +119,7 @@ contains
       run%map = matmul(next%map, run%map)
       run%work = run%work + next%work
       run%peak = max(run%peak, next%peak)
+      run%mark = run%mark + next%mark
       run%partial = run%partial .or. next%partial
       run%flight = run%flight .or. next%flight
       run%coast = run%coast .or. next%coast
@@ -200,6 +202,7 @@ contains
 
     steady%state = state
     steady%peak = run%peak
+    steady%mark = run%mark
     steady%partial = run%partial
     steady%flight = run%flight
     steady%coast = run%coast

@@ -125,6 +125,7 @@ contains
           call set_contact(osc, l, j, contact(j), member(j))
         end do
         if (.not. all(contact(:pairs)) .or. count(contact) > pairs) call note_contact(osc, contact, out(l))
+        out(l)%mark = out(l)%mark + state(l, 1)
       end do
     end associate
     call watch(table, i, 1, n, state(:, 1), state(:, 2), member, peak, top)

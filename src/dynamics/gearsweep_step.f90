@@ -16,6 +16,7 @@ module gearsweep_step
     real(dp) :: state(2) = 0           !< at the end of the period
     real(dp) :: map(2, 2) = 0          !< derivative of that by the initial state
     real(dp) :: peak = 0               !< largest load on one pair, N
+    real(dp) :: mark = 0               !< sum of x where zones begin, m: shows errors that the peak may not
     integer :: events = 0              !< changes of contact within the period
     real(dp) :: work = 0               !< what it cost, in steps
     logical :: partial = .false.       !< a pair between A and E was apart for a while

@@ -1,8 +1,5 @@
 /* The border of the C functions: what they refuse, what they leave alone, and that any number of
-   threads may call at once. Prints what fails, then `N passed, N failed`.
-
-     border             the checks
-     border CASE.nml    prints what design.c does not: modes, grid, outlines, root, load, report */
+   threads may call at once. Prints what fails, then `N passed, N failed`. */
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -163,6 +160,10 @@ static void refusals(void)
   check("the length that is needed", length > 100 && answer[0] == '#');
   refused("version too small", gsc_version(answer, 3, M), GSC_INPUT, "must be at least");
   check("version", gsc_version(answer, sizeof answer, M) == GSC_OK && strchr(answer, '.') != NULL);
+  refused("an answer of any size", gsc_report(other, strlen(other), NULL, 0, NULL, 1, answer, (size_t)-1, &length, M),
+          GSC_INPUT, "answer_size: more than 1000000000");
+  message[0] = '?';
+  check("a message of any size", gsc_version(answer, 3, message, (size_t)-1) == GSC_INPUT && strstr(message, "at least"));
   const char lost[] = "&case tasks = 'sweep' / &pinion teeth = 25 effective_mass_kg = 1 / &gear effective_mass_kg = 1 /"
     "&load normal_force_n = 6858 / &mesh model = 'table' contact_ratio = 1.6 file = 'nowhere.csv' /"
     "&sweep rpm_first = 1000 rpm_last = 2000 rpm_step = 500 /";
@@ -225,63 +226,8 @@ static void crowd(void)
   }
 }
 
-/* --- the other results -------------------------------------------------------------- */
-
-static int print_case(const char *path)
+int main(void)
 {
-  static char text[100000], answer[100000];
-  FILE *file = fopen(path, "r");
-  size_t n = file ? fread(text, 1, sizeof text, file) : 0, length;
-  int speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork, i, j, side;
-  if (!n) return 1;
-  fclose(file);
-  if (gsc_sizes(text, n, SIZES, M) || modes > MOST || positions * reliefs * 6 > MOST) return puts(message), 1;
-  double *shape = malloc(sizeof *shape * 2 * nodes * modes);
-  int *element = malloc(sizeof *element * 9 * elements), points;
-  if (!shape || !element || nodes > MOST) return 1;
-  if (gsc_modes(text, n, modes, nodes, x[0], x[1], x[2], x[3], shape, M)) return puts(message), 1;
-  for (i = 0; i < nodes; i++) printf("shape,%.8e,%.8e\n", shape[2 * i], shape[2 * i + 1]);
-  if (gsc_section(text, n, nodes, elements, x[4], x[5], element, element + 8 * elements, M)) return puts(message), 1;
-  for (i = 0; i < nodes; i++) printf("node,%.8e,%.8e\n", x[4][i] / 1000, x[5][i] / 1000);
-  for (i = 0; i < elements; i++) {
-    printf("element");
-    for (j = 0; j < 8; j++) printf(",%d", element[8 * i + j] - 1);
-    printf("\ntooth,%d\n", element[8 * elements + i]);
-  }
-  for (i = 1; i < 3; i++) {
-    if (gsc_outline(text, n, i, MOST, &points, x[4], x[5], M)) return puts(message), 1;
-    for (j = 0; j < points; j++) printf("outline,%s,%.16e,%.16e\n", i == 1 ? "pinion" : "gear", x[4][j], x[5][j]);
-  }
-  free(shape), free(element);
-  for (i = 0; i < modes; i++) printf("modes,%d,%.16e,%.16e,%.16e,%.16e\n", i + 1, x[0][i], x[1][i], x[2][i], x[3][i]);
-  if (gsc_root(text, n, 0, NULL, positions, reliefs, x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10],
-               &x[11][0], &x[11][1], M)) return puts(message), 1;
-  for (j = 0; j < reliefs; j++)
-    for (i = 0; i < positions; i++)
-      for (side = 0; side < 2; side++) {
-        int at = i + positions * j;
-        double *parts = &x[5][3 * (side + 2 * at)];
-        printf("root,%.16e,%.16e,%.16e,%.16e,%s,%.16e,%.16e,%.16e,%.16e\n", x[0][j], x[1][i], x[2][i], x[3][at],
-               side ? "coast" : "drive", x[4][side + 2 * at], parts[0], parts[1], parts[2]);
-      }
-  if (gsc_harmonics(text, n, 0, NULL, harmonics, reliefs, x[0], x[1], x[2], x[3], x[4], x[5], x[6], M))
-    return puts(message), 1;
-  for (j = 0; j < reliefs; j++)
-    for (i = -1; i < harmonics; i++)
-      printf("harmonics,%.16e,%d,%.16e,%.16e,%.16e\n", x[0][j], i + 1, i < 0 ? x[1][j] : x[4][i + harmonics * j],
-             i < 0 ? 0.0 : x[5][i + harmonics * j], x[6][j]);
-  if (gsc_load(text, n, 0, NULL, MOST, &rows, x[0], x[1], x[2], x[3], x[4], M)) return puts(message), 1;
-  for (i = 0; i < rows; i++)
-    printf("load,%.16e,%.16e,%.16e,%.16e,%.16e\n", x[0][i], x[1][i], x[2][i], x[3][i], x[4][i]);
-  if (gsc_report(text, n, NULL, 0, NULL, 1, answer, sizeof answer, &length, M) || strlen(answer) != length)
-    return puts(message), 1;
-  printf("report\n%s", answer);
-  return 0;
-}
-
-int main(int count, char **words)
-{
-  if (count > 1) return print_case(words[1]);
   refusals();
   partial();
   crowd();

@@ -1,20 +1,23 @@
-/* Spoilt calls: random texts and sizes, the same ones each time. A call may refuse, but then says why and
-   leaves the results as they were; whatever it does, it touches nothing beyond what it was given, and a good
-   call gives the same bits afterwards. Prints what fails, then `N passed, N failed`.
+/* Spoilt calls by several threads at once: random texts and sizes, the same ones each time. A call may refuse,
+   but then says why and leaves the results as they were; whatever it does, it touches nothing beyond what it was
+   given, and good calls among them and afterwards give the same bits as before. Prints what fails, then
+   `N passed, N failed`. With fortran77.c linked before the library, the calls are those of Fortran 77.
 
-     fuzz [calls]   as many with spoilt texts, and a tenth of that with spoilt sizes */
+     fuzz FOLDER [calls]   as many with spoilt texts, and a tenth of that with spoilt sizes; files go to FOLDER */
 #include <limits.h>
+#include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <gearsweep.h>
 
-enum { MARK = 0xA5, GUARD = 64, LONGEST = 3000 };
+enum { MARK = 0xA5, GUARD = 64, LONGEST = 3000, CALLERS = 3 };
 
 /* --- chance ----------------------------------------------------------------------- */
 
-static uint64_t state = 88172645463325252u;
+static __thread uint64_t state = 88172645463325252u;
+static __thread int number; /* of this caller */
 
 /* Below n, by xorshift. */
 static unsigned below(unsigned n)
@@ -82,14 +85,14 @@ static size_t spoil(char *text)
 
 /* --- what a call leaves behind -------------------------------------------------------- */
 
-static int passed, failed, rooms, said;
-static struct { unsigned char *bytes; size_t size; } room[20];
-static char message[GUARD + 300];
+static __thread int passed, failed, rooms, said;
+static __thread struct { unsigned char *bytes; size_t size; } room[20];
+static __thread char message[GUARD + 300];
 
 static void check(const char *what, int which, int info, int holds)
 {
   if (holds) { passed++; return; }
-  if (failed++ < 20) printf("FAILED: %s (call %d, code %d, message: %.200s)\n", what, which, info, message);
+  if (failed++ < 20) printf("FAILED: %s (call %d, code %d, message: %.200s)\n", what, which, info, said > 1 ? message : "");
 }
 
 /* Marked room for n items, with marks behind it; none for n below 0. */
@@ -142,7 +145,7 @@ static void judge(int which, int info)
 
 static void spoilt_text(void)
 {
-  static char buffer[LONGEST + 100];
+  char buffer[LONGEST + 100];
   size_t n = spoil(buffer), length = 0;
   char *text = malloc(n + 1); /* as long as it is, so that reading on would be noticed */
   if (!text) exit(1);
@@ -170,6 +173,7 @@ static void spoilt_text(void)
 
 static int speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork;
 static double *good;
+static const char *folder;
 
 static int some_size(int right)
 {
@@ -209,7 +213,7 @@ static void spoilt_size(void)
   static const int some_threads[] = {1, 1, 1, 2, 0, -1, 1025, INT_MAX, INT_MIN};
   const char *t = geared;
   size_t length = strlen(t), answer_length = 0;
-  int n, a, b, c, info = -1, found, which = 10 + (int)below(16), threads = ANY(some_threads);
+  int n, a, b, c, info = -1, found, which = 10 + (int)below(18), threads = ANY(some_threads);
   double *w = some_work(&n);
   long x, y, z;
   switch (which) {
@@ -258,7 +262,19 @@ static void spoilt_size(void)
       info = gsc_resonances(a, curve[0], curve[below(2)], I(1), D(5), D(5), message, words_room());
       break;
     }
-    case 22: {
+    case 22:
+      a = last_size(harmonics), b = last_size(reliefs), x = held(a, harmonics), y = held(b, reliefs), z = x * y;
+      info = gsc_harmonics(t, length, n, w, a, b, D(y), D(y), D(y), D(y), D(z), D(z), D(y), message, words_room());
+      break;
+    case 23: { /* the texts are cut, not refused */
+      char name[20];
+      sprintf(name, "%s%d", below(4) ? "case" : "no/folder/", number);
+      a = (int)below(6000), b = (int)below(400);
+      info = gsc_write(t, length, NULL, n, w, threads, below(4) ? folder : "/dev/null/none", name, fresh(a, 1), a,
+                       &answer_length, fresh(b, 1), b, fresh(b, 1), b, message, words_room());
+      break;
+    }
+    case 24: {
       double rpm[3] = {3000, 6000, 9000}, damping_ratio[2] = {0.02, 0.1};
       if (below(4) == 0) rpm[below(3)] = ANY(odd);
       if (below(4) == 0) damping_ratio[below(2)] = ANY(odd);
@@ -267,7 +283,7 @@ static void spoilt_size(void)
                            words_room());
       break;
     }
-    case 23: {
+    case 25: {
       double rpm[3] = {3000, 6000, 9000};
       if (below(4) == 0) rpm[below(3)] = ANY(odd);
       a = few(3), b = few(2), x = most(a), y = 2 * most(b);
@@ -275,7 +291,7 @@ static void spoilt_size(void)
                         D(y), D(y), I(y), I(y), D(x), D(x), I(x), I(x), D(x), I(x), D(x), D(x), message, words_room());
       break;
     }
-    case 24: {
+    case 26: {
       double rpm[3] = {3000, 6000, 9000};
       if (below(4) == 0) rpm[below(3)] = ANY(odd);
       a = few(3), b = few(9), x = most(a), y = x * most(b);
@@ -299,24 +315,58 @@ static int ready(void)
   return info == GSC_OK && good && gsc_prepare(geared, strlen(geared), NULL, nwork, good, message, sizeof message) == GSC_OK;
 }
 
-static void answer(char *text, size_t size)
+enum { LONGEST_ANSWER = 20000 };
+static char before[LONGEST_ANSWER];
+
+static void answer(char *text)
 {
-  size_t length = 0;
+  size_t length = 0, size = LONGEST_ANSWER;
   memset(text, 0, size);
   int info = gsc_report(geared, strlen(geared), NULL, 0, NULL, 1, text, size, &length, message, sizeof message);
   check("a good call succeeds", 0, info, info == GSC_OK && length == strlen(text));
 }
 
+static void same_answer(void)
+{
+  char *now = malloc(LONGEST_ANSWER);
+  if (!now) exit(1);
+  answer(now);
+  check("the same answer as before", 0, 0, memcmp(before, now, LONGEST_ANSWER) == 0);
+  free(now);
+}
+
+typedef struct { pthread_t thread; long calls; int number, passed, failed; } caller_t;
+
+static void *caller(void *argument)
+{
+  caller_t *this = argument;
+  state += (uint64_t)(number = this->number);
+  for (long i = 1; i <= this->calls; i++) {
+    spoilt_text();
+    if (i % 10 == 0) spoilt_size();
+    if (i % 100 == 0) same_answer();
+  }
+  this->passed = passed, this->failed = failed;
+  return NULL;
+}
+
 int main(int count, char **arguments)
 {
-  static char before[20000], after[20000];
-  long calls = count > 1 ? atol(arguments[1]) : 2500, i;
+  caller_t callers[CALLERS];
+  long calls = count > 2 ? atol(arguments[2]) : 2500;
+  if (count < 2) return 2;
+  folder = arguments[1];
   if (!ready()) return printf("%s\n0 passed, 1 failed\n", message), 1;
-  answer(before, sizeof before);
-  for (i = 0; i < calls; i++) spoilt_text();
-  for (i = 0; i < calls / 10; i++) spoilt_size();
-  answer(after, sizeof after);
-  check("and the same after all others", 0, 0, memcmp(before, after, sizeof before) == 0);
+  answer(before);
+  for (int i = 0; i < CALLERS; i++) {
+    callers[i].calls = calls / CALLERS, callers[i].number = i;
+    if (pthread_create(&callers[i].thread, NULL, caller, &callers[i])) exit(1);
+  }
+  for (int i = 0; i < CALLERS; i++) {
+    pthread_join(callers[i].thread, NULL);
+    passed += callers[i].passed, failed += callers[i].failed;
+  }
+  same_answer();
   free(good);
   printf("%d passed, %d failed\n", passed, failed);
   return failed > 0;
