@@ -210,6 +210,45 @@ int gsc_stress(const char *text, size_t text_length, int nwork, const double *wo
                int relief, int nodes, double *relief_um, double *s, double *radius_mm, double *share,
                double *sigma_mpa, char *message, size_t message_size);
 
+/* Stability of the motion with all pairs in contact, whatever the load and relief; the case must name a task
+   that needs the mesh, as for the next two calls. None of them uses the case's speeds.
+   rpm[speeds]: ascending; damping_ratio[dampings]; modulus[speeds*dampings]: largest of the Floquet
+   multipliers, NaN where the speed is too low; sense[speeds*dampings]: its sign where it is real, 0 for a
+   complex pair
+   Tongues of instability, from the highest speed on (tongues: how many, or 0): closing_ratio[tongues]:
+   damping ratio that closes it, NaN: above 1; closing_rpm[tongues]: where its last point is;
+   edge_rpm[2*dampings*tongues]: lower and upper speed, NaN where it is closed */
+int gsc_stability(const char *text, size_t text_length, int nwork, const double *work, int speeds,
+                  const double *rpm, int dampings, const double *damping_ratio, int tongues,
+                  double *modulus, int *sense, double *closing_ratio, double *closing_rpm,
+                  double *edge_rpm, char *message, size_t message_size);
+
+/* The steady motions that a slow run through the speeds meets, and where they change, for one relief,
+   counted from 1. rpm[speeds]: in the direction of travel; jump: a dynamic factor that changes by more at
+   once has jumped (0.02); closeness: of the speeds before and after a change, relative (1e-6)
+   changes: that there are; also where room is too small (then GSC_INPUT)
+   change_rpm, change_factor, change_status, change_periods: [2*room] before and after each
+   dynamic_factor, estimate, status, contact, floquet_modulus, periods: [speeds] as from gsc_sweep
+   x_um, v_mm_s: [speeds] dynamic transmission error and its rate as a new pair enters */
+int gsc_follow(const char *text, size_t text_length, int nwork, const double *work, int relief,
+               int speeds, const double *rpm, double jump, double closeness, int room, int *changes,
+               double *change_rpm, double *change_factor, int *change_status, int *change_periods,
+               double *dynamic_factor, double *estimate, int *status, int *contact,
+               double *floquet_modulus, int *periods, double *x_um, double *v_mm_s, char *message,
+               size_t message_size);
+
+/* The motion seen once a mesh period, as a new pair enters, for one relief, counted from 1; at each further
+   speed it starts where it was at the one before.
+   rpm[speeds]; start_um, start_mm_s: where it starts, as from gsc_follow, NaN: at rest
+   settle, keep: mesh periods passed over at each speed, and kept after them; x_um, v_mm_s: [keep*speeds]
+   exponent[speeds]: largest Lyapunov exponent, of a mesh period: above 0 where the motion is chaotic
+   status[speeds]: ok, subharmonic, chaotic; aperiodic: neither repeats nor is surely chaotic within what was
+   kept; periods[speeds]: mesh periods until the motion repeats, 0: it does not */
+int gsc_strobe(const char *text, size_t text_length, int nwork, const double *work, int relief,
+               int speeds, const double *rpm, double start_um, double start_mm_s, int settle, int keep,
+               double *x_um, double *v_mm_s, double *exponent, int *status, int *periods, char *message,
+               size_t message_size);
+
 #ifdef __cplusplus
 }
 #endif

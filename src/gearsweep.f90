@@ -34,6 +34,10 @@ module gearsweep
   use gearsweep_motion, only: oscillator_t, make_oscillator
   use gearsweep_accuracy, only: accuracy_t
   use gearsweep_response, only: response_t, find_response
+  use gearsweep_stability, only: stability_t, map_stability
+  use gearsweep_tongues, only: tongue_t, find_tongues
+  use gearsweep_branches, only: branch_t, change_t, follow_branch
+  use gearsweep_strobe, only: strobe_t, strobe_motion
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down
   use gearsweep_optimum, only: optimum_t, peak_t, find_optimum, find_resonances
   use gearsweep_case, only: case_t

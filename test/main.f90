@@ -4,6 +4,7 @@ program check
   use, intrinsic :: iso_fortran_env, only: int64
   use extreme_table, only: print_limits
   use test_band, only: run_band => run
+  use test_branches, only: run_branches => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
@@ -19,6 +20,7 @@ program check
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
   use test_scenes, only: run_scenes => run
+  use test_stability, only: run_stability => run
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
@@ -36,6 +38,8 @@ program check
     & suite_t('harmonics', run_harmonics), &
     & suite_t('motion', run_motion), &
     & suite_t('sweep', run_sweep), &
+    & suite_t('stability', run_stability), &
+    & suite_t('branches', run_branches), &
     & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &

@@ -264,7 +264,7 @@ interfaces() {
     on && (/^subroutine/ || /intent\(.*::/) { print } /^end subroutine/ { on = 0 }'
 }
 interfaces_alike() {
-  for file in flat flat_motion flat_body; do interfaces "$root/src/doors/gearsweep_$file.f90"; done >theirs
+  for file in flat flat_motion flat_body flat_maps; do interfaces "$root/src/doors/gearsweep_$file.f90"; done >theirs
   interfaces "$root/src/doors/gearsweep_calls.f90" >ours
   [ -s theirs ] && same theirs ours
 }

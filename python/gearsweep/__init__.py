@@ -22,6 +22,7 @@ import importlib
 from . import _border
 from ._border import Code, Error, PartialWarning, UnusedWarning
 from .case import Case
+from .maps import Hysteresis, StabilityMap, Strobe, hysteresis, stability_map, strobe
 from .results import (
     Contact,
     Geometry,
@@ -51,6 +52,7 @@ __all__ = [
     'Error',
     'Geometry',
     'Harmonics',
+    'Hysteresis',
     'Load',
     'Mesh',
     'Modal',
@@ -59,14 +61,17 @@ __all__ = [
     'PartialWarning',
     'Result',
     'Section',
+    'StabilityMap',
     'Static',
     'Status',
     'Stress',
+    'Strobe',
     'Study',
     'Sweep',
     'UnusedWarning',
     'geometry',
     'harmonics',
+    'hysteresis',
     'load',
     'mesh',
     'modal',
@@ -77,8 +82,10 @@ __all__ = [
     'report',
     'run',
     'section',
+    'stability_map',
     'static',
     'stress',
+    'strobe',
     'sweep',
 ]
 

@@ -116,6 +116,23 @@ def optimum(text: str, work: np.ndarray, threads: int, room: int) -> list:
     return [column[:tried].copy() for column in curve[:4]] + curve[4:]
 
 
+def stability(text: str, work: np.ndarray, rpm: np.ndarray, damping_ratio: np.ndarray, tongues: int) -> list:
+    return _call(_flat.gs_stability, _bytes(text), _work(work), rpm, damping_ratio, _size('tongues', tongues, 100))
+
+
+def follow(text: str, work: np.ndarray, relief: int, rpm: np.ndarray, jump: float, closeness: float) -> list:
+    """Changes (four arrays, a change a row) and what there is at each speed."""
+    changes, *found = _with_room(_flat.gs_follow, _bytes(text), _work(work), index(relief), rpm, jump, closeness)
+    return [ends[:, :changes].T.copy() for ends in found[:4]] + found[4:]
+
+
+def strobe(
+    text: str, work: np.ndarray, relief: int, rpm: np.ndarray, start: tuple[float, float], settle: int, keep: int
+) -> list:
+    keep = _size('keep', keep, 10**7)
+    return _call(_flat.gs_strobe, _bytes(text), _work(work), index(relief), rpm, *start, index(settle), keep)
+
+
 def section(text: str, nodes: int, elements: int) -> list:
     """Nodes and elements; here the nodes of an element are counted from 0, an element a row."""
     x, y, element, tooth = _call(_flat.gs_section, _bytes(text), nodes, elements)
@@ -227,6 +244,13 @@ def _forked() -> None:
 
 if hasattr(os, 'register_at_fork'):
     os.register_at_fork(after_in_child=_forked)
+
+
+def _size(name: str, n: int, most: int) -> int:
+    """The size of a result, which is refused before there is room made for it."""
+    if not 0 <= index(n) <= most:
+        raise Error(f'{name} = {n}: must be from 0 to {most}')
+    return index(n)
 
 
 def _threads(threads: int) -> int:

@@ -45,6 +45,11 @@ class Contact(enum.IntEnum):
     COAST = 3  #: the coast sides touched
 
 
+def _words(kind: type[enum.IntEnum]) -> NDArray[np.str_]:
+    """The names as the tables have them, by value."""
+    return np.array([one.name.lower() for one in kind])
+
+
 def _field(unit: str, *dims: str) -> Any:
     """A number or an array with its unit ('' for none) and the names of its dimensions."""
     return dataclasses.field(metadata={'unit': unit, 'dims': dims})
@@ -327,12 +332,12 @@ class Sweep(Result):
     @property
     def status_name(self) -> NDArray[np.str_]:
         """`status` in words, as in the tables."""
-        return np.array([status.name.lower() for status in Status])[self.status]
+        return _words(Status)[self.status]
 
     @property
     def contact_name(self) -> NDArray[np.str_]:
         """`contact` in words, as in the tables."""
-        return np.array([contact.name.lower() for contact in Contact])[self.contact]
+        return _words(Contact)[self.contact]
 
     def resonances(self, relief: int = 0) -> tuple[Reals, Reals]:
         """Speeds and dynamic factors of the peaks that stand out for one relief, by its index; at most five."""

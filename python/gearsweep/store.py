@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import results
+from . import maps, results
 from ._border import Code, Error
 from .case import Case
 
@@ -21,6 +21,7 @@ _KINDS = {
     for kind in (
         results.Geometry, results.Motion, results.Mesh, results.Harmonics, results.Static, results.Modal, results.Section,
         results.Stress, results.Load, results.Sweep, results.Optimum, results.Study,
+        maps.StabilityMap, maps.Hysteresis, maps.Strobe,
     )
 }  # fmt: skip
 

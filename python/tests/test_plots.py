@@ -48,13 +48,32 @@ def ax():
     return Figure().subplots()
 
 
+@pytest.fixture(scope='module')
+def rattling():
+    return Case(PRESCRIBED).changed(
+        relief={'amount_um': 0}, mesh={'coefficients': 400}, dynamics={'damping_ratio': 0.02},
+        sweep={'rpm_first': 4500, 'rpm_last': 12000, 'rpm_step': 250, 'load_rpm': None}, case={'tasks': 'sweep'},
+    )  # fmt: skip
+
+
+@pytest.fixture(scope='module')
+def both(rattling):
+    return gearsweep.hysteresis(rattling)
+
+
 def all_plots(study):
     """Each plot function with what it takes of this study."""
-    taken = {'stiffness': 'mesh', 'sharing': 'mesh', 'ste': 'mesh', 'stress': None}
+    taken = {'stiffness': 'mesh', 'sharing': 'mesh', 'ste': 'mesh'}
+    computed = {
+        'stress': lambda case: gearsweep.stress(case, 2),
+        'stability': gearsweep.stability_map,
+        'hysteresis': gearsweep.hysteresis,
+        'strobe': lambda case: gearsweep.strobe(case, settle=20, keep=10),
+    }
     for name in plots.__all__:
         kind = name.removeprefix('plot_')
-        if kind == 'stress':
-            yield getattr(plots, name), gearsweep.stress(study.case, 2)
+        if kind in computed:
+            yield getattr(plots, name), computed[kind](study.case)
         elif name != kind:
             yield getattr(plots, name), getattr(study, taken.get(kind, kind))
 
@@ -260,6 +279,61 @@ def test_principal_stress():
     np.testing.assert_allclose(principal(x, y, xy), larger, rtol=1e-12)
 
 
+def test_stability_shows_its_map_and_tongues(rattling, ax):
+    stability = gearsweep.stability_map(rattling, np.linspace(8000, 36000, 57), np.linspace(0, 0.12, 13), tongues=3)
+    plots.plot_stability(stability, ax)
+    np.testing.assert_array_equal(ax.collections[0].get_array(), stability.modulus.T)
+    for n in range(3):
+        rpm, damping = ax.lines[n].get_data()
+        top = damping.argmax()
+        assert (rpm[top], damping[top]) == (stability.closing_rpm[n], stability.closing_ratio[n])
+        open_ = np.isfinite(stability.edge_rpm[0, :, n])
+        np.testing.assert_array_equal(rpm[:top], stability.edge_rpm[0, open_, n])
+        np.testing.assert_array_equal(rpm[:top:-1], stability.edge_rpm[1, open_, n])
+        np.testing.assert_array_equal(damping[:top], stability.damping_ratio[open_])
+    words = {text.get_text() for text in ax.findobj(Text)}
+    assert 'damping ratio of the case, 0.02' in words and f'{stability.closing_ratio[0]:.3g}' in words
+
+
+def test_stability_where_nothing_is_known(rattling, ax):
+    stability = gearsweep.stability_map(rattling, [0.001, 0.002], [0.1, 0.2])
+    assert np.isnan(stability.modulus).all()
+    plots.plot_stability(stability, ax)
+
+
+def test_hysteresis_shows_both_branches_cut_at_jumps(both, ax):
+    plots.plot_hysteresis(both, ax)
+    before, after = both.change_factor.T
+    jumps = (both.change_name == 'jump') | (np.abs(after - before) > 0.02 * np.nanmax(both.dynamic_factor))
+    assert jumps.any() and not jumps.all() and (jumps & (both.change_name == 'doubling')).any()
+    for way, (rpm, factor) in enumerate(curves(ax, 2)):
+        assert (np.diff(rpm) > 0).all()
+        found = np.isin(rpm, both.rpm)
+        np.testing.assert_array_equal(factor[found], both.dynamic_factor[way])
+        of_way = both.change_direction == (1, -1)[way]
+        assert set(rpm[~found & np.isfinite(factor)]) <= set(both.change_rpm[of_way].ravel())
+        for low, high in np.sort(both.change_rpm[of_way & jumps]):
+            assert np.isnan(factor[(rpm > low) & (rpm < high)]).all()
+    arrows = [(text.xyann, text.xy) for text in ax.texts if text.arrow_patch]
+    expected = [tuple(zip((rpm[0], rpm[0]), factor)) for rpm, factor in zip(both.change_rpm[jumps], both.change_factor[jumps])]
+    assert sorted(arrows) == sorted(expected)
+    largest = both.change_rpm[np.nanargmax(np.abs(after - before)), 0]
+    assert f'{largest:.0f}' in {text.get_text() for text in ax.texts}
+
+
+def test_strobe_shows_each_motion_in_its_colour(both, ax):
+    at = np.flatnonzero(both.rpm == 7000)[0]
+    seen = gearsweep.strobe(both.case, np.arange(7000, 4500, -25), start=(both.x_um[1, at], both.v_mm_s[1, at]))
+    plots.plot_strobe(seen, ax)
+    kinds = {'repeats with the mesh': seen.periods == 1, 'after 2 periods': seen.periods == 2,
+             'chaotic': seen.status == gearsweep.Status.CHAOTIC}  # fmt: skip
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    for line, label in zip(ax.lines, labels, strict=True):
+        if label in kinds:
+            np.testing.assert_array_equal(line.get_ydata(), seen.x_um[:, kinds[label]].ravel())
+    assert labels[:2] == list(kinds)[:2] and sum(len(line.get_xdata()) for line in ax.lines) == seen.x_um.size
+
+
 def test_draw_all_writes_what_there_is(study, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'root', 'stress', 'modes', 'load', 'sweep', 'vcurve')
     found = plots.draw_all(study, tmp_path / 'new', 'pair')
@@ -290,6 +364,19 @@ def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):
 ])  # fmt: skip
 @pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning', 'ignore::gearsweep.UnusedWarning')
 def test_all_text_is_large_enough_whole_and_free(text, changes, monkeypatch):
+    check_text(plots.figures(gearsweep.run(Case(text).changed(**changes))), monkeypatch)
+
+
+def test_text_of_the_maps_is_large_enough_whole_and_free(rattling, both, monkeypatch):
+    from matplotlib import pyplot
+
+    maps = (gearsweep.stability_map(rattling, np.linspace(2000, 36000, 50), tongues=12), both, gearsweep.strobe(rattling, keep=20))
+    shown = (plots.plot_stability, plots.plot_hysteresis, plots.plot_strobe)
+    check_text([(plot.__name__, plot(result).figure) for plot, result in zip(shown, maps)], monkeypatch)
+    pyplot.close('all')
+
+
+def check_text(figures, monkeypatch):
     drawn = {}
     draw = Text.draw
 
@@ -299,7 +386,7 @@ def test_all_text_is_large_enough_whole_and_free(text, changes, monkeypatch):
             drawn[words] = words.get_window_extent(renderer), words.get_figure().bbox.frozen()  # at last, laid out
 
     monkeypatch.setattr(Text, 'draw', drawn_and_noted)
-    for name, figure in plots.figures(gearsweep.run(Case(text).changed(**changes))):
+    for name, figure in figures:
         drawn.clear()
         plots.save(figure, io.BytesIO(), 'png')
         assert drawn

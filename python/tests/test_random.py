@@ -124,8 +124,10 @@ def test_a_title_can_be_got(title):
 # --- arguments ----------------------------------------------------------------
 
 TASKS = [gearsweep.run, gearsweep.report, gearsweep.prepare, gearsweep.geometry, gearsweep.motion, gearsweep.mesh, gearsweep.static,
-         gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.section, gearsweep.modal]  # fmt: skip
-WITH_WORK = [gearsweep.motion, gearsweep.mesh, gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.report]
+         gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.section, gearsweep.modal, gearsweep.stability_map,
+         gearsweep.hysteresis, gearsweep.strobe]  # fmt: skip
+WITH_WORK = [gearsweep.motion, gearsweep.mesh, gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.report,
+             gearsweep.stability_map, gearsweep.hysteresis]  # fmt: skip
 
 
 @pytest.mark.parametrize('task', TASKS, ids=lambda task: task.__name__)
@@ -193,6 +195,28 @@ def test_stress_at_any_place(position, relief):
         gearsweep.stress(case, position, 2 + abs(relief))
     with pytest.raises((Error, OverflowError)):
         gearsweep.stress(case, -1 - abs(position))
+
+
+@few
+@given(st.lists(numbers, max_size=4), st.lists(numbers, max_size=3), st.integers(-2, 12))
+def test_any_map_is_made_or_refused(rpm, damping, tongues):
+    with contextlib.suppress(OverflowError), refusal_allowed():
+        gearsweep.stability_map(Case(SMALL), sorted(map(float, rpm)), list(map(float, damping)), tongues=tongues)
+
+
+@few
+@given(st.lists(st.floats(100, 1e9), max_size=3), numbers, numbers, st.integers(-1, 2))
+def test_any_branch_is_followed_or_refused(rpm, jump, closeness, relief):
+    with contextlib.suppress(OverflowError), refusal_allowed():
+        gearsweep.hysteresis(Case(SMALL), rpm, relief=relief, jump=max(float(jump), 1e-3), closeness=max(float(closeness), 1e-4))
+
+
+@few
+@given(st.lists(numbers, max_size=3), numbers, numbers, st.integers(-1, 30), st.integers(-1, 30))
+def test_any_strobe_is_made_or_refused(rpm, x, v, settle, keep):
+    with contextlib.suppress(OverflowError), refusal_allowed():
+        seen = gearsweep.strobe(Case(SMALL), list(map(float, rpm)), start=(float(x), float(v)), settle=settle, keep=keep)
+        assert seen.x_um.shape == (keep, len(rpm))
 
 
 # --- results ------------------------------------------------------------------

@@ -14,7 +14,8 @@ module gearsweep_border
   use gearsweep_text, only: str
   implicit none
   private
-  public :: open_case, run_case, in_folder, in_um, measure, pack_stiffness, need_room, give_text, tell, work_size
+  public :: open_case, run_case, in_folder, in_um, measure, pack_stiffness, need_room, need_between, need_order, &
+            give_text, tell, work_size
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
   integer, parameter :: head = 3
@@ -249,6 +250,39 @@ contains
     if (allocated(error)) return
     if (have < need) call fail(error, code_input, name//' = '//str(have)//': too small, must be at least '//str(need))
   end subroutine need_room
+
+  !> Refuses a value that is no number, below `least` or above `most`.
+  subroutine need_between(name, values, least, most, error)
+    character(*), intent(in) :: name
+    real(dp), intent(in) :: values(:), least, most
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    if (allocated(error)) return
+    do i = 1, size(values)
+      if (.not. ieee_is_nan(values(i))) then
+        if (values(i) >= least .and. values(i) <= most) cycle
+      end if
+      call fail(error, code_input, name//' = '//str(values(i))//': must be from '//str(least)//' to '//str(most))
+      return
+    end do
+  end subroutine need_between
+
+  !> Refuses values that do not climb or, with `sense` -1, fall.
+  subroutine need_order(name, values, sense, error)
+    character(*), intent(in) :: name
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: sense
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    if (allocated(error)) return
+    do i = 2, size(values)
+      if (sense*(values(i) - values(i - 1)) > 0) cycle
+      call fail(error, code_input, name//': '//str(values(i))//' after '//str(values(i - 1))//' is out of order')
+      return
+    end do
+  end subroutine need_order
 
   !> Hands a text out, or tells the length that it needs.
   subroutine give_text(name, words, target, length, error)

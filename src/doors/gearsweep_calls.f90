@@ -6,6 +6,7 @@ module gearsweep_calls
   public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_complete, gs_unused, gs_change
   public :: gs_geometry, gs_motion, gs_mesh, gs_harmonics, gs_load, gs_sweep, gs_resonances, gs_optimum
   public :: gs_outline, gs_section, gs_modes, gs_root, gs_stress
+  public :: gs_stability, gs_follow, gs_strobe
 
   interface
     subroutine gs_version(version, info, message)
@@ -207,5 +208,44 @@ module gearsweep_calls
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_stress
+
+    subroutine gs_stability(text, nwork, work, speeds, rpm, dampings, damping_ratio, tongues, modulus, sense, &
+                            closing_ratio, closing_rpm, edge_rpm, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, speeds, dampings, tongues
+      double precision, intent(in) :: work(*), rpm(speeds), damping_ratio(dampings)
+      double precision, intent(inout) :: modulus(speeds, dampings), closing_ratio(tongues), closing_rpm(tongues)
+      double precision, intent(inout) :: edge_rpm(2, dampings, tongues)
+      integer, intent(inout) :: sense(speeds, dampings)
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_stability
+
+    subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, room, changes, change_rpm, &
+                         change_factor, change_status, change_periods, dynamic_factor, estimate, status, contact, &
+                         floquet_modulus, periods, x_um, v_mm_s, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, relief, speeds, room
+      double precision, intent(in) :: work(*), rpm(speeds), jump, closeness
+      double precision, intent(inout), dimension(speeds) :: dynamic_factor, estimate, floquet_modulus, x_um, v_mm_s
+      integer, intent(inout), dimension(speeds) :: status, contact, periods
+      integer, intent(inout) :: changes
+      double precision, intent(inout), dimension(2, room) :: change_rpm, change_factor
+      integer, intent(inout), dimension(2, room) :: change_status, change_periods
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_follow
+
+    subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_s, settle, keep, x_um, v_mm_s, &
+                         exponent, status, periods, info, message)
+      character(*), intent(in) :: text
+      integer, intent(in) :: nwork, relief, speeds, settle, keep
+      double precision, intent(in) :: work(*), rpm(speeds), start_um, start_mm_s
+      double precision, intent(inout), dimension(keep, speeds) :: x_um, v_mm_s
+      double precision, intent(inout) :: exponent(speeds)
+      integer, intent(inout), dimension(speeds) :: status, periods
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_strobe
   end interface
 end module gearsweep_calls

@@ -8,7 +8,7 @@ module gearsweep_march
                              largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic
   implicit none
   private
-  public :: march, steady_options_t
+  public :: march, steady_options_t, sure_growth
 
   integer, parameter, public :: by_shooting = 1, by_marching = 2
 
@@ -32,7 +32,7 @@ module gearsweep_march
 
   !> A bounded motion whose disturbances grow by more than exp(40) cannot be
   !> periodic over the periods that this took; `enough` of them are asked for.
-  real(dp), parameter :: much = 40
+  real(dp), parameter :: sure_growth = 40
   integer, parameter :: first_counted = 50, enough = 500
 
 contains
@@ -79,9 +79,9 @@ contains
       end if
       if (trail%length < enough) cycle
       ! Chaos, or damping that tells in none of the periods to come.
-      if (trail%growth > much .or. trail%decay*most_cycles < 8*trail%length) exit
+      if (trail%growth > sure_growth .or. trail%decay*most_cycles < 8*trail%length) exit
     end do
-    if (.not. trail%growth > much) return
+    if (.not. trail%growth > sure_growth) return
     steady = steady_t(status=point_chaotic, multiplier=exp(trail%growth/(trail%length - first_counted)), &
                       partial=run%partial, flight=run%flight, coast=run%coast, work=steady%work)
   end subroutine march

@@ -3,15 +3,16 @@
 module gearsweep_sweep
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+  use gearsweep_branches, only: carried, go_on
   use gearsweep_error, only: error_t, fail, code_memory
   use gearsweep_motion, only: oscillator_t
   use gearsweep_gauss, only: lanes
-  use gearsweep_steady, only: has_answer, distance, by_shooting
+  use gearsweep_steady, only: steady_t, has_answer, distance, by_shooting
   use gearsweep_accuracy, only: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
   use gearsweep_text, only: str
   implicit none
   private
-  public :: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
+  public :: sweep_t, sweep_options_t, run_sweep, progress_of_sweep, contact_of
 
   !> Each point by itself, or on the branch of the point before.
   integer, parameter, public :: each = 0, up = 1, down = -1
@@ -207,8 +208,8 @@ contains
     solved(first:last) = ok(:last - first + 1)
   end subroutine solve_group
 
-  !> Goes through the speeds, up or down, and solves what is left, or lies on another branch than that of
-  !> the speed before.
+  !> Goes through the speeds, up or down, and solves what is left, or lies on another branch than the
+  !> speed before.
   subroutine follow_branch(osc, rpm, options, tables, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
@@ -216,33 +217,33 @@ contains
     type(tables_t), intent(inout) :: tables
     type(point_t), intent(inout) :: points(:)
     logical, intent(inout) :: solved(:)
-    ! Motions of neighbouring speeds on one branch differ by less, in static deflections.
-    real(dp), parameter :: beside = 0.1_dp
-    real(dp) :: duration, before, from(2)
     integer :: i, k, last
-    logical :: follow
 
-    follow = .false.
-    before = 0
-    last = 0
     do i = 1, size(rpm)
       k = merge(i, size(rpm) + 1 - i, options%direction == up)
-      duration = mesh_period(osc%mesh%teeth(1), rpm(k))
-      if (follow) then
-        ! The same motion in time: the derivative over the phase scales with the period.
-        from = points(last)%steady%state*[1.0_dp, duration/before]
-        if (solved(k)) solved(k) = distance(osc, duration, points(k)%steady%state - from) < beside
-        if (.not. solved(k)) call solve_point(osc, duration, options%accuracy, tables, points(k), from)
-      else if (.not. solved(k)) then
-        call solve_point(osc, duration, options%accuracy, tables, points(k))
+      last = merge(k - 1, k + 1, options%direction == up)
+      if (i == 1) then
+        if (.not. solved(k)) call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm(k)), options%accuracy, tables, points(k))
+      else
+        if (solved(k)) solved(k) = is_beside(osc, points(last), rpm(last), points(k), rpm(k))
+        if (.not. solved(k)) call go_on(osc, rpm(k), options%accuracy, tables, points(last), rpm(last), points(k))
       end if
       solved(k) = .true.
-      ! While all pairs stay in contact there is one periodic motion: nothing to follow.
-      follow = points(k)%steady%partial .and. has_answer(points(k)%steady%status)
-      last = k
-      before = duration
     end do
   end subroutine follow_branch
+
+  !> Do these motions of neighbouring speeds lie on one branch? So they do where all pairs stay in contact,
+  !> and where nothing is known of one.
+  pure logical function is_beside(osc, last, rpm_last, next, rpm_next)
+    type(oscillator_t), intent(in) :: osc
+    type(point_t), intent(in) :: last, next
+    real(dp), intent(in) :: rpm_last, rpm_next
+    real(dp), parameter :: beside = 0.1_dp       ! static deflections
+
+    is_beside = .not. has_answer(last%steady%status) .or. .not. (last%steady%partial .or. next%steady%partial)
+    if (.not. is_beside) is_beside = distance(osc, mesh_period(osc%mesh%teeth(1), rpm_next), &
+                                              next%steady%state - carried(last, rpm_last, rpm_next)) < beside
+  end function is_beside
 
   subroutine store(points, relief, sweep)
     type(point_t), intent(in) :: points(:)
@@ -257,10 +258,16 @@ contains
       sweep%status(:, relief) = steady%status
       sweep%steps(:, relief) = points%steps
       sweep%periods(:, relief) = steady%periods
-      sweep%contact(:, relief) = contact_full
-      where (steady%partial) sweep%contact(:, relief) = contact_partial
-      where (steady%flight) sweep%contact(:, relief) = contact_lost
-      where (steady%coast) sweep%contact(:, relief) = contact_coast
+      sweep%contact(:, relief) = contact_of(steady)
     end associate
   end subroutine store
+
+  elemental integer function contact_of(steady) result(contact)
+    type(steady_t), intent(in) :: steady
+
+    contact = contact_full
+    if (steady%partial) contact = contact_partial
+    if (steady%flight) contact = contact_lost
+    if (steady%coast) contact = contact_coast
+  end function contact_of
 end module gearsweep_sweep

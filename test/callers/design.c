@@ -125,9 +125,44 @@ int main(void)
   for (int k = 0; k < 4; k++) put(best[k]);
   putchar('\n');
 
+  /* The same speeds: where less damping would be too little, what a slow run up meets, and what is seen of it
+     once a mesh period. */
+  enum { DAMPINGS = 2, TONGUES = 2, ROOM = 20, KEEP = 8 };
+  double damping_ratio[DAMPINGS] = {0, 0.01}, *largest = numbers(speeds * DAMPINGS), closing[TONGUES], closing_rpm[TONGUES];
+  double edge[2 * DAMPINGS * TONGUES];
+  int *sense = malloc(speeds * DAMPINGS * sizeof *sense);
+  if (!sense) return 1;
+  check(gsc_stability(text, length, nwork, work, speeds, rpm, DAMPINGS, damping_ratio, TONGUES, largest, sense, closing,
+                      closing_rpm, edge, message, sizeof message));
+  show("modulus", largest, speeds * DAMPINGS);
+  for (int i = 0; i < speeds * DAMPINGS; i++) printf("sense,%6d\n", sense[i]);
+  show("closing", closing, TONGUES);
+  show("closing", closing_rpm, TONGUES);
+  show("edge", edge, 2 * DAMPINGS * TONGUES);
+
+  int changes, change_status[2 * ROOM], change_periods[2 * ROOM];
+  double change_rpm[2 * ROOM], change_factor[2 * ROOM], *x = numbers(speeds), *v = numbers(speeds);
+  check(gsc_follow(text, length, nwork, work, 1, speeds, rpm, 0.02, 1e-6, ROOM, &changes, change_rpm, change_factor,
+                   change_status, change_periods, factor, estimate, status[0], status[1], modulus, status[3], x, v,
+                   message, sizeof message));
+  printf("changes,%6d\n", changes);
+  for (int i = 0; i < speeds; i++) {
+    printf("follow");
+    put(rpm[i]), put(factor[i]), put(estimate[i]), put(modulus[i]), put(x[i]), put(v[i]);
+    putchar('\n');
+  }
+
+  double *seen = numbers(KEEP * speeds), *rate = numbers(KEEP * speeds), *exponent = numbers(speeds);
+  check(gsc_strobe(text, length, nwork, work, 1, speeds, rpm, x[0], v[0], 20, KEEP, seen, rate, exponent, status[0],
+                   status[3], message, sizeof message));
+  show("strobe", seen, KEEP * speeds);
+  show("strobe", rate, KEEP * speeds);
+  show("exponent", exponent, speeds);
+
   for (int k = 0; k < 7; k++) free(mesh[k]);
   for (int k = 0; k < 3; k++) free(curve[k]);
   for (int k = 0; k < 4; k++) free(status[k]);
+  free(largest), free(sense), free(x), free(v), free(seen), free(rate), free(exponent);
   free(work), free(rpm), free(relief), free(factor), free(estimate), free(modulus), free(residual), free(failed);
   return 0;
 }

@@ -187,10 +187,18 @@ static int last_size(int right) { return below(6) ? some_size(right) : INT_MAX; 
 static long held(int size, int right) { return size < right + 8 ? size : right + 8; }
 static long most(int size) { return size > 0 ? size : 0; }
 
+/* For an array that is read: no more than there is. */
+static int few(int right)
+{
+  int sizes[] = {right, right, right, right - 1, 0, -1, INT_MIN};
+  return ANY(sizes);
+}
+
+static const double odd[] = {0, -1, 1e308, -1e-308, 2.5, 1e9};
+
 /* Work with a number spoilt, or none of it. */
 static double *some_work(int *n)
 {
-  static const double odd[] = {0, -1, 1e308, -1e-308, 2.5, 1e9};
   double *work;
   int sizes[] = {nwork, nwork, nwork, 0, 0, nwork - 1, 1, -1, INT_MIN};
   *n = ANY(sizes);
@@ -206,7 +214,7 @@ static void spoilt_size(void)
   static const int some_threads[] = {1, 1, 1, 2, 0, -1, 1025, INT_MAX, INT_MIN};
   const char *t = geared;
   size_t length = strlen(t), answer_length = 0;
-  int n, a, b, info = -1, found, which = 10 + (int)below(15), threads = ANY(some_threads);
+  int n, a, b, c, info = -1, found, which = 10 + (int)below(18), threads = ANY(some_threads);
   double *w = some_work(&n);
   long x, y, z;
   switch (which) {
@@ -256,7 +264,7 @@ static void spoilt_size(void)
       break;
     }
     case 22:
-      a = last_size(harmonics), b = last_size(reliefs), x = held(a, harmonics), y = held(b, reliefs), z = x * y;
+      a = last_size(harmonics), b = last_size(reliefs), x = most((int)held(a, harmonics)), y = held(b, reliefs), z = x * y;
       info = gsc_harmonics(t, length, n, w, a, b, D(y), D(y), D(y), D(y), D(z), D(z), D(y), message, words_room());
       break;
     case 23: { /* the texts are cut, not refused */
@@ -265,6 +273,31 @@ static void spoilt_size(void)
       a = (int)below(6000), b = (int)below(400);
       info = gsc_write(t, length, NULL, n, w, threads, below(4) ? folder : "/dev/null/none", name, fresh(a, 1), a,
                        &answer_length, fresh(b, 1), b, fresh(b, 1), b, message, words_room());
+      break;
+    }
+    case 24: {
+      double rpm[3] = {3000, 6000, 9000}, damping_ratio[2] = {0.02, 0.1};
+      if (below(4) == 0) rpm[below(3)] = ANY(odd);
+      if (below(4) == 0) damping_ratio[below(2)] = ANY(odd);
+      a = few(3), b = few(2), c = below(9) ? few(1) : 101, y = most(a) * most(b), z = most(c);
+      info = gsc_stability(t, length, n, w, a, rpm, b, damping_ratio, c, D(y), I(y), D(z), D(z), D(2 * most(b) * z), message,
+                           words_room());
+      break;
+    }
+    case 25: {
+      double rpm[3] = {3000, 6000, 9000};
+      if (below(4) == 0) rpm[below(3)] = ANY(odd);
+      a = few(3), b = few(2), x = most(a), y = 2 * most(b);
+      info = gsc_follow(t, length, n, w, some_size(1), a, rpm, below(5) ? 0.02 : ANY(odd), below(5) ? 1e-3 : ANY(odd), b, &found,
+                        D(y), D(y), I(y), I(y), D(x), D(x), I(x), I(x), D(x), I(x), D(x), D(x), message, words_room());
+      break;
+    }
+    case 26: {
+      double rpm[3] = {3000, 6000, 9000};
+      if (below(4) == 0) rpm[below(3)] = ANY(odd);
+      a = few(3), b = few(9), x = most(a), y = x * most(b);
+      info = gsc_strobe(t, length, n, w, some_size(1), a, rpm, below(2) ? 8 : ANY(odd), below(2) ? 0 : ANY(odd), some_size(9), b, D(y),
+                        D(y), D(x), I(x), I(x), message, words_room());
       break;
     }
     default: a = (int)below(10), info = gsc_version(fresh(a, 1), a, message, words_room());

@@ -25,6 +25,7 @@ from .files import draw_all, figures, save
 from .gears import plot_geometry
 from .look import style
 from .over_speed import plot_optimum, plot_sweep
+from .stability import plot_hysteresis, plot_stability, plot_strobe
 from .stress import plot_stress
 
 __all__ = [
@@ -32,15 +33,18 @@ __all__ = [
     'figures',
     'plot_geometry',
     'plot_harmonics',
+    'plot_hysteresis',
     'plot_load',
     'plot_modal',
     'plot_optimum',
     'plot_section',
     'plot_sharing',
+    'plot_stability',
     'plot_static',
     'plot_ste',
     'plot_stiffness',
     'plot_stress',
+    'plot_strobe',
     'plot_sweep',
     'save',
     'style',

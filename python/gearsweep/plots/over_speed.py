@@ -40,14 +40,14 @@ def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, points: Sequence[Sequenc
     reliefs = Reliefs(sweep.case)
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         for i, look in enumerate(reliefs.styles):
-            _curve(ax, sweep.rpm, sweep.dynamic_factor[:, i], look)
+            curve(ax, sweep.rpm, sweep.dynamic_factor[:, i], look)
         _error_bands(ax, sweep, reliefs)
         circles = [(*point[:2], reliefs.style(point[2])['color'] if len(point) > 2 else INK) for point in points]
         more = _published(ax, circles) + _status_marks(ax, sweep, reliefs)
         missing = sweep.status >= Status.UNSTABLE
         words = ', '.join(Status(status).name.lower() for status in np.unique(sweep.status[missing]))
         rows = [(sweep.rpm[gaps], look['color']) for gaps, look in zip(missing.T, reliefs.styles)]
-        reliefs.legend(ax, more + _crosses(ax, rows, f'no answer: {words}'))
+        reliefs.legend(ax, more + crosses(ax, rows, f'no answer: {words}'))
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Dynamic factor (–)')
     return ax
@@ -74,13 +74,13 @@ def plot_optimum(optimum: Optimum, ax: Axes | None = None, *, points: Sequence[S
     """
     relief, worst, whole = optimum.relief_um, optimum.worst_factor, optimum.failed == 0
     with canvas(ax) as ax:
-        _curve(ax, relief, worst, {'color': ACCENT})
+        curve(ax, relief, worst, {'color': ACCENT})
         ax.plot(relief[whole], worst[whole], 'o', color=ACCENT, markersize=2.5)
         more = _published(ax, [(*point[:2], INK) for point in points])
         if np.isfinite(worst[~whole]).any():
             ax.plot(relief[~whole], worst[~whole], marker='o', markeredgecolor=ACCENT, **HOLLOW)
             more.append(Line2D([], [], marker='o', markeredgecolor=ACCENT, label='some speeds without answer', **HOLLOW))
-        more += _crosses(ax, [(relief[np.isnan(worst)], ACCENT)], 'no answer')
+        more += crosses(ax, [(relief[np.isnan(worst)], ACCENT)], 'no answer')
         legends_above(ax, ('', more))
         if np.isfinite(optimum.best_factor):
             _best(ax, optimum)
@@ -89,7 +89,7 @@ def plot_optimum(optimum: Optimum, ax: Axes | None = None, *, points: Sequence[S
     return ax
 
 
-def _curve(ax: Axes, x: Reals, y: Reals, look: dict[str, Any]) -> None:
+def curve(ax: Axes, x: Reals, y: Reals, look: dict[str, Any]) -> None:
     """A line, with a dot where a point has no neighbour to be joined to."""
     known = np.concatenate(([False], np.isfinite(y), [False]))
     alone = known[1:-1] & ~known[:-2] & ~known[2:]
@@ -127,7 +127,7 @@ def _status_marks(ax: Axes, sweep: Sweep, reliefs: Reliefs) -> list[Line2D]:
     return entries
 
 
-def _crosses(ax: Axes, rows: list[tuple[Reals, Any]], label: str) -> list[Line2D]:
+def crosses(ax: Axes, rows: list[tuple[Reals, Any]], label: str) -> list[Line2D]:
     """Below the curves a row of crosses for each (x, colour) that has any; the entry in the legend."""
     rows = [row for row in rows if row[0].size]
     if not rows:

@@ -1,0 +1,214 @@
+!> Branches of the steady motion, the speeds at which they end, doubled periods and chaos: independent
+!> methods, and the tongues.
+module test_branches
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_kinds, only: dp
+  use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t, solve_point, tables_t
+  use gearsweep_branches, only: branch_t, follow_branch
+  use gearsweep_error, only: error_t
+  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_steady, only: has_answer, name_of, steady_options_t, point_chaotic, point_ok, point_subharmonic
+  use gearsweep_strobe, only: strobe_motion, strobe_t
+  use gearsweep_text, only: str
+  use gearsweep_tongues, only: find_tongues, tongue_t
+  use reference_rows, only: prescribed
+  use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
+  implicit none
+  private
+  public :: run
+
+  real(dp), parameter :: constant(1) = 400, curved(3) = [400, 0, -110]
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call ends_of_motions(t)
+    call doubling_at_the_tongue(t)
+    call chaos(t)
+    call one_speed_alone(t)
+    call strobe_of_a_steady_motion(t)
+    call too_slow(t)
+  end subroutine run
+
+  !> 25 teeth, 0.8 kg, 7000 N, contact ratio 1.6, no relief; stiffness in N/um.
+  type(oscillator_t) function mesh_of(coef, damping_ratio) result(osc)
+    real(dp), intent(in) :: coef(:), damping_ratio
+    type(error_t), allocatable :: error
+
+    call prescribed(1.6_dp, coef, [0.0_dp, 0.0_dp], 1, osc)
+    osc%mesh%teeth = 25
+    osc%mass = 0.8_dp
+    osc%load = 7000
+    osc%damping_ratio = damping_ratio
+    call make_oscillator(osc, error)
+    if (allocated(error)) error stop 'test mesh'
+  end function mesh_of
+
+  !> jumps.dat: the last speed at which a motion is found by Newton's method on a map of closed forms or Taylor
+  !> series. Near a fold, the dynamic factor depends on the speed as a square root.
+  subroutine ends_of_motions(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: jump = 0.02_dp, closeness = 1e-6_dp
+    type(branch_t) :: branch
+    real(dp) :: coef(3), zeta, rpm, rpm_end, factor, last_step
+    character(200) :: line
+    character(:), allocatable :: name
+    integer :: unit, stat, row, direction, kind, i
+
+    row = 0
+    open (newunit=unit, file='test/reference/jumps.dat', status='old', action='read')
+    do
+      read (unit, '(a)', iostat=stat) line
+      if (stat /= 0) exit
+      if (line(1:1) == '#') cycle
+      row = row + 1
+      name = 'row '//str(row)//', '
+      read (line, *) coef, zeta, rpm, direction, rpm_end, kind, factor, last_step
+      call follow_branch(mesh_of(coef, zeta), rpm + [(i, i=0, 10)]/9.5_dp*(rpm_end - rpm), accuracy_t(), jump, closeness, branch)
+      call check_true(t, name//'it ends', size(branch%change) > 0)
+      if (size(branch%change) == 0) cycle
+      associate (change => branch%change(1))
+        call check_close(t, name//'speed', change%rpm(1), rpm_end, absolute=closeness*rpm_end + last_step)
+        call check_close(t, name//'dynamic factor', change%point(1)%dynamic_factor, factor, absolute=sqrt(closeness))
+        if (kind == 1) call check_true(t, name//'it jumps', abs(change%point(2)%dynamic_factor - factor) > jump)
+        if (kind == -1) call check_equal(t, name//'it doubles', change%point(2)%steady%periods, 2)
+      end associate
+    end do
+    close (unit)
+    call check_equal(t, 'ends read', row, 6)
+  end subroutine ends_of_motions
+
+  !> Where the motion with all pairs in contact enters the first tongue, its period doubles: the edge by
+  !> `find_tongues`, whose tests have closed forms.
+  subroutine doubling_at_the_tongue(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: zeta = 0.03_dp
+    type(oscillator_t) :: osc
+    type(tongue_t) :: tongue(1)
+    type(branch_t) :: branch
+    type(strobe_t) :: strobe
+    type(error_t), allocatable :: error
+    integer :: side, i
+
+    osc = mesh_of(curved, zeta)
+    call find_tongues(osc, [zeta], tongue, error)
+    call check_no_error(t, 'tongue', error)
+    do side = 1, 2
+      associate (edge => tongue(1)%edge(side, 1), inwards => 3 - 2*side)
+        call follow_branch(osc, edge*(1 + inwards*0.01_dp*[(i, i=-3, 1)]), accuracy_t(), 0.02_dp, 1e-7_dp, branch)
+        call check_equal(t, 'changes', size(branch%change), 1)
+        associate (change => branch%change(1))
+          call check_close(t, 'at the edge', change%rpm(1), edge, relative=2e-6_dp)
+          call check_true(t, 'doubled', all(change%point%steady%periods == [1, 2]))
+        end associate
+        call strobe_motion(osc, edge*(1 + inwards*0.01_dp*[-1, 1]), 1000, 100, strobe)
+        call check_true(t, 'named', all(strobe%status == [point_ok, point_subharmonic]) .and. all(strobe%periods == [1, 2]))
+      end associate
+    end do
+  end subroutine doubling_at_the_tongue
+
+  !> chaos.dat: Lyapunov exponents by differences of motions in closed form, and their standard error, which
+  !> a shorter run has more of. The search starts at rest under the load on two pairs, as there.
+  subroutine chaos(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: kept = 2000, kept_there = 20000
+    real(dp), parameter :: rest(2) = [7000/800e6_dp, 0.0_dp]
+    type(strobe_t) :: strobe
+    type(point_t) :: point
+    type(tables_t), allocatable :: tables
+    type(oscillator_t) :: osc
+    real(dp) :: zeta, rpm, exponent, deviation, start(2)
+    character(200) :: line
+    integer :: unit, stat, rows
+
+    rows = 0
+    open (newunit=unit, file='test/reference/chaos.dat', status='old', action='read')
+    do
+      read (unit, '(a)', iostat=stat) line
+      if (stat /= 0) exit
+      if (line(1:1) == '#') cycle
+      rows = rows + 1
+      read (line, *) zeta, rpm, exponent, deviation
+      osc = mesh_of(constant, zeta)
+      allocate (tables)
+      call solve_point(osc, mesh_period(25, rpm), accuracy_t(), tables, point, rest)
+      deallocate (tables)
+      call check_equal(t, 'named by the sweep', point%steady%status, merge(point_chaotic, point_ok, exponent > 0))
+      call check_close(t, 'growth by the sweep', log(point%steady%multiplier), exponent, &
+                       absolute=4*deviation*(1 + sqrt(real(kept_there)/450)))
+      start = rest
+      if (has_answer(point%steady%status)) start = point%steady%state/[1.0_dp, mesh_period(25, rpm)]
+      call strobe_motion(osc, [rpm], 500, kept, strobe, start)
+      call check_equal(t, 'named', strobe%status(1), merge(point_chaotic, point_ok, exponent > 0))
+      call check_equal(t, 'periods', strobe%periods(1), merge(0, 1, exponent > 0))
+      call check_close(t, 'exponent '//str(rows), strobe%exponent(1), exponent, &
+                       absolute=4*deviation*(1 + sqrt(real(kept_there)/kept)))
+    end do
+    close (unit)
+    call check_equal(t, 'motions read', rows, 5)
+  end subroutine chaos
+
+  !> What a branch has at a speed is what that speed has from the branch's state.
+  subroutine one_speed_alone(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(branch_t) :: up, down
+    type(point_t) :: point
+    type(tables_t), allocatable :: tables
+    real(dp) :: rpm(5)
+    integer :: i
+
+    osc = mesh_of(curved, 0.05_dp)
+    rpm = [(9000 + 1000*i, i=0, 4)]
+    call follow_branch(osc, rpm, accuracy_t(), 0.02_dp, 1e-6_dp, up)
+    call follow_branch(osc, rpm(5:1:-1), accuracy_t(), 0.02_dp, 1e-6_dp, down)
+    call check_true(t, 'all answered', all(has_answer(up%point%steady%status)) .and. all(has_answer(down%point%steady%status)))
+    call check_true(t, 'two motions', down%point(4)%dynamic_factor > up%point(2)%dynamic_factor + 0.5_dp)
+    call check_close(t, 'one motion', down%point(1)%dynamic_factor, up%point(5)%dynamic_factor, absolute=2e-6_dp)
+    allocate (tables)
+    do i = 1, 5
+      call solve_point(osc, mesh_period(25, rpm(6 - i)), accuracy_t(), tables, point, down%point(i)%steady%state)
+      call check_close(t, 'from its state', point%dynamic_factor, down%point(i)%dynamic_factor, absolute=2e-6_dp)
+    end do
+  end subroutine one_speed_alone
+
+  !> It stays where the sweep's motion is, and disturbances shrink by its multiplier.
+  subroutine strobe_of_a_steady_motion(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(strobe_t) :: strobe
+    type(point_t) :: point
+    type(tables_t), allocatable :: tables
+    real(dp) :: duration, v
+
+    osc = mesh_of(curved, 0.1_dp)
+    duration = mesh_period(25, 9000.0_dp)
+    allocate (tables)
+    call solve_point(osc, duration, accuracy_t(steady=steady_options_t(tolerance=1e-10_dp)), tables, point)
+    v = point%steady%state(2)/duration
+    call strobe_motion(osc, [9000.0_dp], 300, 200, strobe, [0.0_dp, 0.0_dp])
+    call check_close(t, 'x', maxval(abs(strobe%x - point%steady%state(1))), 0.0_dp, absolute=1e-7_dp*osc%static_scale)
+    call check_close(t, 'v', maxval(abs(strobe%v - v)), 0.0_dp, absolute=1e-6_dp*abs(v))
+    ! A complex pair turns disturbances on their way, which the mean forgets as 1/periods.
+    call check_close(t, 'exponent', strobe%exponent(1), log(point%steady%multiplier), absolute=0.01_dp)
+    call strobe_motion(osc, [9000.0_dp, 9001.0_dp], 0, 3, strobe, [point%steady%state(1), v])
+    call check_close(t, 'from its state', maxval(abs(strobe%x(:, 1) - point%steady%state(1))), 0.0_dp, &
+                     absolute=1e-7_dp*osc%static_scale)
+    call check_true(t, 'on from there', all(abs(strobe%x(:, 2) - point%steady%state(1)) < 0.01_dp*osc%static_scale))
+  end subroutine strobe_of_a_steady_motion
+
+  subroutine too_slow(t)
+    type(tally_t), intent(inout) :: t
+    type(strobe_t) :: strobe
+    type(branch_t) :: branch
+
+    call strobe_motion(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], 100, 40, strobe)
+    call check_equal(t, 'too slow', name_of(strobe%status(1)), 'unresolved')
+    call check_true(t, 'no numbers', all(ieee_is_nan(strobe%x(:, 1))))
+    call check_equal(t, 'fast enough', name_of(strobe%status(2)), 'ok')
+    call follow_branch(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], accuracy_t(), 0.02_dp, 1e-3_dp, branch)
+    call check_equal(t, 'a branch from there', name_of(branch%point(2)%steady%status), 'ok')
+  end subroutine too_slow
+end module test_branches
