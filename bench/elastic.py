@@ -75,6 +75,8 @@ def compare_modes(report, folder):
                          f'{both / whole:.1f}', f'{apart(runs[0][2], frequency):.1e}'))
         both = median(run[0] for run in deck)
         rows.append(('', '', 'CalculiX', '', '', '', both, f'{both / whole:.1f}', f'{apart(deck[0][1], frequency):.1e}'))
+    report.tell(f'Ten natural frequencies of a grid with {int(own[0][0])} unknowns: {whole:.2g} s; scikit-fem with SciPy takes '
+                f'{median(run[0] + run[1] for run in plain) / whole:.2g} times that, CalculiX {both / whole:.2g} times.')
     report.table(('unknowns', 'repeats', '', 'assembly', 'factor', 'eigen', 'all', 'gearsweep is faster by', 'differs by'), rows)
 
 
@@ -100,6 +102,7 @@ def first_mode(report):
                   for n, row, error, taken in zip(FIRST_GRIDS, runs[0], errors, seconds)])
     report.add(f'To 1e-4: {time_kept(1e-4, errors, seconds[:, 3]):.3f} s, with the estimate '
                f'{time_kept(1e-4, errors, seconds[:, 4]):.3f} s.\n')
+    report.tell(f'The first frequency of a three-tooth section to 1e-4: {time_kept(1e-4, errors, seconds[:, 3]):.2g} s.')
 
 
 def compliance(report):
@@ -112,6 +115,7 @@ def compliance(report):
     report.table(('across', 'other teeth', 'places', 'error', 'ms a gear'),
                  [(*map(str, path), f'{error:.1e}', 1000 * taken) for path, error, taken in zip(PATHS, errors, seconds)])
     report.add(f'To 0.1 %: {1000 * time_kept(1e-3, errors, seconds):.3g} ms a gear.\n')
+    report.tell(f"A gear's compliance along the whole path to 0.1 %: {1000 * time_kept(1e-3, errors, seconds):.2g} ms.")
 
 
 def limit():

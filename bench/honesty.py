@@ -69,7 +69,7 @@ def draw(points, error, chosen):
     left.set(xlabel='log10 of true error over estimate; dashed: 2', ylabel='points')
     left.legend(frameon=False)
     for mask, colour, label in zip(groups, colours, labels):
-        right.loglog(points['estimate'][mask], np.maximum(error[mask], 1e-16), '.', color=colour, markersize=2, label=label)
+        right.loglog(points['estimate'][mask], np.maximum(error[mask], 1e-16), '.', color=colour, markersize=2, label=label, rasterized=True)
     ends = np.array([1e-16, 1])
     right.loglog(ends, ends, color='black', linewidth=0.6)
     right.loglog(ends, 2 * ends, color='black', linewidth=0.8, linestyle='--')
@@ -90,6 +90,10 @@ def main():
                  [(name, *summary(points, error, mask)) for name, mask in classes(points, chosen) if mask.any()])
     worst = [i for i in np.argsort(-np.where(chosen & (error > ROUNDING), error / points['estimate'], 0))[:10]
              if error[i] > 2 * points['estimate'][i]]
+    far = np.mean(error[chosen] > np.maximum(2 * points['estimate'][chosen], ROUNDING))
+    beyond = np.mean(error[chosen] > np.maximum(points['tolerance'][chosen], ROUNDING))
+    report.tell(f'Error estimates of {chosen.sum()} random operating points: the true error is above twice the estimate at '
+                f'{100 * far:.1f} %, above the tolerance at {100 * beyond:.1f} %.')
     report.add('The least honest:\n')
     report.table(('mesh', 'frequency ratio', 'damping ratio', 'contact', 'tolerance', 'estimate', 'true error'),
                  [(f'{points["mesh"][i]:.0f}', f'{points["frequency_ratio"][i]:.4f}', f'{points["damping_ratio"][i]:.4f}',

@@ -45,16 +45,21 @@ def machine():
 
 
 class Report:
-    """Markdown on the screen and in results/bench/NAME.md."""
+    """Markdown on the screen and in results/bench/NAME.md; what the README shows of it in NAME.readme.md."""
 
     def __init__(self, name, title):
         RESULTS.mkdir(parents=True, exist_ok=True)
-        self.name, self.lines = name, []
+        self.name, self.lines, self.short = name, [], []
         self.add(f'### {title}\n')
 
     def add(self, text):
         print(text, flush=True)
         self.lines.append(text)
+
+    def tell(self, text):
+        """A line for the README."""
+        print(f'- {text}', flush=True)
+        self.short.append(f'- {text}\n')
 
     def table(self, header, rows):
         """`header` and the rows' cells are texts or numbers; an empty last line ends the table."""
@@ -71,6 +76,7 @@ class Report:
 
     def save(self):
         (RESULTS / f'{self.name}.md').write_text('\n'.join(self.lines))
+        (RESULTS / f'{self.name}.readme.md').write_text(''.join(self.short))
 
 
 def save_figure(figure, name):

@@ -5,7 +5,7 @@
 
 void gs_version_(), gs_sizes_(), gs_prepare_(), gs_report_(), gs_write_(), gs_complete_(), gs_change_(), gs_geometry_(),
   gs_motion_(), gs_mesh_(), gs_harmonics_(), gs_load_(), gs_sweep_(), gs_resonances_(), gs_optimum_(), gs_outline_(),
-  gs_section_(), gs_modes_(), gs_root_(), gs_stress_();
+  gs_section_(), gs_modes_(), gs_root_(), gs_stress_(), gs_stability_(), gs_follow_(), gs_strobe_(), gs_unused_();
 
 typedef const char *text_t;
 typedef const double *work_t;
@@ -77,6 +77,20 @@ int gsc_stress(text_t text, size_t n, int nwork, work_t work, int position, int 
                double *c, double *d, double *e, SAY)
 { NO_WORK CALL(gs_stress_, text, &nwork, work, &position, &relief, &nodes, a, b, c, d, e) }
 
+int gsc_stability(text_t text, size_t n, int nwork, work_t work, int speeds, work_t rpm, int dampings, work_t damping_ratio,
+                  int tongues, double *a, int *b, double *c, double *d, double *e, SAY)
+{ NO_WORK CALL(gs_stability_, text, &nwork, work, &speeds, rpm, &dampings, damping_ratio, &tongues, a, b, c, d, e) }
+
+int gsc_follow(text_t text, size_t n, int nwork, work_t work, int relief, int speeds, work_t rpm, double jump,
+               double closeness, int most, int *changes, double *a, double *b, int *c, int *d, double *e, double *f, int *g,
+               int *h, double *i, int *j, double *k, double *l, SAY)
+{ NO_WORK CALL(gs_follow_, text, &nwork, work, &relief, &speeds, rpm, &jump, &closeness, &most, changes, a, b, c, d, e, f, g, h,
+               i, j, k, l) }
+
+int gsc_strobe(text_t text, size_t n, int nwork, work_t work, int relief, int speeds, work_t rpm, double start_um,
+               double start_mm_s, int settle, int keep, double *a, double *b, double *c, int *d, int *e, SAY)
+{ NO_WORK CALL(gs_strobe_, text, &nwork, work, &relief, &speeds, rpm, &start_um, &start_mm_s, &settle, &keep, a, b, c, d, e) }
+
 /* Calls with one text and a folder. */
 #undef LENGTHS
 #define LENGTHS n, length_of(folder),
@@ -141,6 +155,13 @@ int gsc_complete(text_t text, size_t n, char *complete, size_t size, size_t *len
   int info = -1, used = -1;
   gs_complete_(text, complete, &used, &info, message, n, without_nul(size), without_nul(room));
   return give(info, complete, used, length, message, room);
+}
+
+int gsc_unused(text_t text, size_t n, char *unused, size_t size, size_t *length, SAY)
+{
+  int info = -1, used = -1;
+  gs_unused_(text, unused, &used, &info, message, n, without_nul(size), without_nul(room));
+  return give(info, unused, used, length, message, room);
 }
 
 int gsc_change(text_t text, size_t n, text_t group, text_t key, text_t value, char *changed, size_t size, size_t *length,

@@ -264,7 +264,7 @@ static void spoilt_size(void)
       break;
     }
     case 22:
-      a = last_size(harmonics), b = last_size(reliefs), x = most((int)held(a, harmonics)), y = held(b, reliefs), z = x * y;
+      a = some_size(harmonics), b = last_size(reliefs), y = held(b, reliefs), z = most(a) * y;
       info = gsc_harmonics(t, length, n, w, a, b, D(y), D(y), D(y), D(y), D(z), D(z), D(y), message, words_room());
       break;
     case 23: { /* the texts are cut, not refused */
