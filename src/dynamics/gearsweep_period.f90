@@ -162,10 +162,11 @@ contains
       end do
     end do
     call collocate(n, square, drag, push, map)
+    ! Divided, as the error of 1/width would be the same in each of many steps.
     do l = 1, n
-      map(l, 2) = map(l, 2)*(1/width)
+      map(l, 2) = map(l, 2)/width
       map(l, 3) = map(l, 3)*width
-      map(l, 6) = map(l, 6)*(1/width)
+      map(l, 6) = map(l, 6)/width
     end do
   end subroutine make_maps
 
