@@ -68,22 +68,33 @@ contains
     type(point_t), allocatable :: points(:, :)
     type(tables_t), allocatable :: tables
     logical, allocatable :: solved(:, :)
-    integer :: i, done, now, relief
+    integer, allocatable :: open(:)              ! blocks of each relief
+    integer :: i, done, now, relief, left
 
     call allocate_sweep(rpm, size(osc), sweep, error)
     if (allocated(error)) return
     allocate (points(size(rpm), size(osc)))
     allocate (solved(size(rpm), size(osc)), source=.false.)
     blocks = make_blocks(size(rpm), size(osc))
+    open = [(count(blocks%relief == i), i=1, size(osc))]
     done = 0
-    !$omp parallel default(none) shared(osc, rpm, options, sweep, blocks, points, solved, done) &
-    !$omp private(now, tables, relief) num_threads(team(options%threads, size(blocks)))
+    !$omp parallel default(none) shared(osc, rpm, options, sweep, blocks, points, solved, open, done) &
+    !$omp private(now, tables, relief, left) num_threads(team(options%threads, size(blocks)))
     relief = 0
     !$omp do schedule(dynamic, 1)
     do i = 1, size(blocks)
       if (blocks(i)%relief /= relief) call clear(tables)
       relief = blocks(i)%relief
       call solve_block(osc(relief), rpm, blocks(i), options, tables, points(:, relief), solved(:, relief))
+      !$omp atomic capture seq_cst
+      open(relief) = open(relief) - 1
+      left = open(relief)
+      !$omp end atomic
+      ! Who solves the last block of a relief goes on with it, while others work.
+      if (left == 0) then
+        if (options%direction /= each) call follow_branch(osc(relief), rpm, options, tables, points(:, relief), solved(:, relief))
+        call store(points(:, relief), relief, sweep)
+      end if
       !$omp atomic capture
       done = done + blocks(i)%last - blocks(i)%first + 1
       now = done
@@ -93,13 +104,6 @@ contains
         call progress(now, size(sweep%status))
         !$omp end critical (gearsweep_progress)
       end if
-    end do
-    !$omp end do
-    !$omp do schedule(dynamic, 1)
-    do i = 1, size(osc)
-      call clear(tables)
-      if (options%direction /= each) call follow_branch(osc(i), rpm, options, tables, points(:, i), solved(:, i))
-      call store(points(:, i), i, sweep)
     end do
     !$omp end do
     !$omp end parallel
@@ -219,6 +223,7 @@ contains
     logical, intent(inout) :: solved(:)
     integer :: i, k, last
 
+    tables%steps_per_second = 0
     do i = 1, size(rpm)
       k = merge(i, size(rpm) + 1 - i, options%direction == up)
       last = merge(k - 1, k + 1, options%direction == up)
