@@ -8,8 +8,10 @@
 !>         for all reliefs together and for each alone a line: seconds, points in which contact changes,
 !>         calls of the collocation at least, seconds that the tables take; then seconds of one call,
 !>         operations a second in it, and the most that this build reaches
+!>     dynamics threads FILE ERROR
+!>         seconds with one thread and with two, in turn
 !>
-!> METHOD is the library's `shooting`, `two_threads` or `marching` (STEPS = 0 are chosen
+!> METHOD is the library's `shooting` or `marching` (STEPS = 0 are chosen
 !> for the ERROR), or of the literature: `rk4`, `rk4_aligned`, `rk4_shooting`,
 !> `constant`, `constant_aligned`.
 program dynamics
@@ -32,6 +34,8 @@ program dynamics
     call write_problem(problem%osc, problem%rpm)
   else if (word(1) == 'parts') then
     call take_apart(real_number(3))
+  else if (word(1) == 'threads') then
+    call compare_threads(real_number(3))
   else
     do i = 3, command_argument_count(), 2
       call time_one(word(1), real_number(i), number(i + 1))
@@ -68,8 +72,6 @@ contains
     select case (method)
     case ('shooting')
       call solve_ours(by_shooting, 1, wanted, steps, dynamic_factor)
-    case ('two_threads')
-      call solve_ours(by_shooting, 2, wanted, steps, dynamic_factor)
     case ('marching')
       call solve_ours(by_marching, 1, wanted, steps, dynamic_factor)
     case ('rk4')
@@ -101,10 +103,26 @@ contains
     print numbers, call_time, rate, best_rate()
   end subroutine take_apart
 
+  subroutine compare_threads(wanted)
+    real(dp), intent(in) :: wanted
+    integer, parameter :: rounds = 101
+    real(dp) :: taken(rounds, 2), dynamic_factor(size(problem%rpm), size(problem%osc)), from
+    integer :: i, threads
+
+    do i = 1, rounds
+      do threads = 1, 2
+        from = seconds()
+        call solve_ours(by_shooting, threads, wanted, 0, dynamic_factor)
+        taken(i, threads) = seconds() - from
+      end do
+    end do
+    print numbers, median(taken(:, 1)), median(taken(:, 2))
+  end subroutine compare_threads
+
   subroutine time_part(osc, wanted)
     type(oscillator_t), intent(in) :: osc(:)
     real(dp), intent(in) :: wanted
-    integer, parameter :: rounds = 21
+    integer, parameter :: rounds = 51
     type(sweep_options_t) :: options
     type(sweep_t) :: sweep
     type(error_t), allocatable :: error
