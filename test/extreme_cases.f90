@@ -43,6 +43,7 @@ contains
 
   subroutine read_cases(rows)
     type(row_t), allocatable, intent(out) :: rows(:)
+    type(row_t) :: row
     character(1000) :: line
     integer :: unit, stat
 
@@ -52,7 +53,9 @@ contains
       read (unit, '(a)', iostat=stat) line
       if (stat /= 0) exit
       if (len_trim(line) == 0 .or. line(1:1) == '#') cycle
-      rows = [rows, row_of(trim(line))]
+      ! By way of a variable, as gfortran never frees a function's result in an array constructor.
+      row = row_of(trim(line))
+      rows = [rows, row]
     end do
     close (unit)
   end subroutine read_cases
