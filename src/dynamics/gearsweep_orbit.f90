@@ -32,7 +32,7 @@ module gearsweep_orbit
     real(dp) :: residual = 0                     !< of x(T) = x(0), in static deflections
     real(dp) :: closure = 0                      !< error of the state that the residual leaves, the same unit
     integer :: periods = 1                       !< mesh periods until the motion repeats
-    real(dp) :: work = 0                         !< to find it, in Runge-Kutta steps
+    real(dp) :: work = 0                         !< to find it, in steps
     logical :: partial = .false., flight = .false., coast = .false.
   end type steady_t
 
@@ -40,7 +40,7 @@ module gearsweep_orbit
   !> started belongs to the motion it started from.
   real(dp), parameter, public :: near = 0.5_dp
 
-  !> Runge-Kutta steps spent at most on one search.
+  !> Steps spent at most on one search.
   real(dp), parameter, public :: most_work = 5e6_dp
 
   !> An error of which nothing is known.
