@@ -3,9 +3,9 @@
 module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
   use gearsweep_gauss, only: order, lanes
-  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate, graded_steps
   use gearsweep_hold, only: lane_work_t
-  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, &
+  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, hold_in_lanes, settled, shoot, distance, &
                               has_answer, near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
   implicit none
   private
@@ -109,6 +109,10 @@ contains
       call solve_with_steps(osc, duration, options, point, start)
       return
     end if
+    if (options%steady%method == by_shooting) then
+      call solve_one_graded(osc, duration, options, tables, point, done, start)
+      if (done) return
+    end if
     point%steady%status = point_unresolved
     least = 2*resolving_steps(osc, duration)
     last = last_rung(osc, options)
@@ -141,6 +145,8 @@ contains
     integer :: rung, trial
     logical :: done
 
+    call solve_graded(osc, duration, options, tables, points, solved)
+    if (any(solved)) return
     longest = maxval(duration)
     least = 2*resolving_steps(osc, longest)
     rung = rung_for(max(least, first_guess(osc, longest, options, tables)))
@@ -161,6 +167,69 @@ contains
     end do
     call note_inexact(options, points)
   end subroutine solve_lanes
+
+  !> With all pairs in contact, in steps that grow behind each break, where these are fewer than half of
+  !> equal ones.
+  pure subroutine solve_graded(osc, duration, options, tables, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration(lanes)
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(out) :: points(lanes)
+    logical, intent(out) :: solved(lanes)
+    type(steady_t) :: half(lanes)
+    type(table_t) :: fine, coarse
+    type(resolution_t) :: resolution
+    real(dp) :: longest, equal, excess, from(2, lanes)
+    integer :: trial
+
+    solved = .false.
+    longest = maxval(duration)
+    equal = max(2*resolving_steps(osc, longest), first_guess(osc, longest, options, tables))
+    resolution%graded_for = minval(duration)
+    resolution%base = 0.8_dp*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/resolution%graded_for
+    resolution%times = 2
+    do trial = 1, most_trials
+      solved = .false.
+      if (graded_steps(osc, resolution) > min(equal/2, real(options%most_steps, dp))) return
+      call tabulate(osc, resolution, fine)
+      call tabulate(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
+      half = steady_t()
+      call hold_in_lanes(osc, coarse, duration, tables%work, half, from)
+      if (.not. any(settled(half))) return
+      points%steady = steady_t()
+      call hold_in_lanes(osc, fine, duration, tables%work, points%steady, from)
+      solved = settled(half) .and. settled(points%steady)
+      if (.not. any(solved)) return
+      points%steps = fine%steps
+      points%work = points%work + 2*(fine%steps + coarse%steps)
+      points%resolution = resolution
+      call compare(osc, duration, half, points)
+      excess = min(maxval(points%step_error, mask=solved)/options%steady%tolerance, 1e8_dp)
+      if (excess <= 1) exit
+      resolution%base = resolution%base*min(1.2_dp*excess**root, 4.0_dp)
+    end do
+    call note_inexact(options, points)
+  end subroutine solve_graded
+
+  !> The same for one speed; on the branch `start` leads to.
+  pure subroutine solve_one_graded(osc, duration, options, tables, point, solved, start)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(out) :: point
+    logical, intent(out) :: solved
+    real(dp), intent(in), optional :: start(2)
+    type(point_t) :: points(lanes)
+    logical :: all_solved(lanes)
+    integer :: l
+
+    call solve_graded(osc, [(duration, l=1, lanes)], options, tables, points, all_solved)
+    point = points(1)
+    solved = all_solved(1)
+    if (solved .and. present(start)) solved = distance(osc, duration, point%steady%state - start) < near
+  end subroutine solve_one_graded
 
   !> Whether an error of the last rung is small enough; if not, the rung to try next.
   pure subroutine next_rung(osc, options, step_error, duration, tables, rung, done)
@@ -281,6 +350,8 @@ contains
                                             abs(point%steady%mark - half%mark)/osc%static_scale))
       ! Where strong drag ends contact within a step or two, the order does not show.
       if (osc%damping_ratio > 1 .and. point%steady%partial) point%step_error = 20*point%step_error
+      ! In long steps the order is less, down to the third where the stiffness is least smooth.
+      if (point%resolution%graded_for > 0) point%step_error = 3*point%step_error
       ! So near to 1 that the steps' error decides on which side.
       if (has_answer(point%steady%status) .and. &
           abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = point_marginal

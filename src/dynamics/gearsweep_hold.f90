@@ -5,6 +5,7 @@ module gearsweep_hold
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: collocate, lanes
   use gearsweep_motion, only: oscillator_t, table_t
+  use gearsweep_radau, only: collocate_stiffly
   use gearsweep_step, only: period_t, begins_zone, track_pair
   implicit none
   private
@@ -60,7 +61,7 @@ contains
     total(:, 4) = 1
     do i = 1, table%steps
       call step_maps(osc, duration, table%width(i), table%square(:, i), table%omega(:, i), table%push(:, i), &
-                     work%map(:, :, i))
+                     table%stiff(i), work%map(:, :, i))
       call append(work%map(:, :, i), total)
     end do
     do l = 1, lanes
@@ -71,9 +72,10 @@ contains
   end subroutine hold_maps
 
   !> One step for all lanes.
-  pure subroutine step_maps(osc, duration, width, square_sum, omega_sum, push_sum, map)
+  pure subroutine step_maps(osc, duration, width, square_sum, omega_sum, push_sum, stiff, map)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration(lanes), width, square_sum(3), omega_sum(3), push_sum(3)
+    logical, intent(in) :: stiff
     real(dp), intent(out) :: map(lanes, 6)
     real(dp), dimension(lanes, 3) :: square, drag, push
     real(dp) :: time(lanes), load
@@ -86,7 +88,11 @@ contains
       drag(:, k) = 2*osc%damping_ratio*time*omega_sum(k)
       push(:, k) = time**2*(push_sum(k) + load)
     end do
-    call collocate(lanes, square, drag, push, map)
+    if (stiff) then
+      call collocate_stiffly(lanes, square, drag, push, map)
+    else
+      call collocate(lanes, square, drag, push, map)
+    end if
     call unscale(width, map)
   end subroutine step_maps
 

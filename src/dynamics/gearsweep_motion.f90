@@ -11,11 +11,13 @@ module gearsweep_motion
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gauss, only: nodes
+  use gearsweep_grading, only: grading_t, make_grading, is_stiff, is_quarter, expected_steps, count_steps, spread_steps
+  use gearsweep_radau, only: stiff_nodes
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
   use gearsweep_text, only: str
   implicit none
   private
-  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, mobility, acceleration, end_acceleration
+  public :: oscillator_t, make_oscillator, resolution_t, table_t, tabulate, graded_steps, mobility, acceleration, end_acceleration
 
   !> What is stated, checked by `make_oscillator`, and what follows once for all speeds.
   type :: oscillator_t
@@ -33,13 +35,15 @@ module gearsweep_motion
     real(dp) :: static_scale = 0       !< deflection at mean stiffness, m: the unit of residuals
     real(dp) :: rest = 0               !< deflection whose mean load over the period is the static one, m
     type(zone_t), allocatable :: zones(:)
+    real(dp), allocatable :: frequency(:, :)  !< lowest and highest w of each zone, rad/s; (2, zone)
   end type oscillator_t
 
   !> How finely the period is cut: each zone gets `times` steps for each of its shares of `base` steps.
   !> Tables of the same base nest.
   type :: resolution_t
-    real(dp) :: base = 0
+    real(dp) :: base = 0               !< a period; where graded, a radian of the natural motion behind a break
     integer :: times = 1
+    real(dp) :: graded_for = 0         !< duration of the period, s; 0: equal steps
   end type resolution_t
 
   !> Coefficients of each step: at the nodes of the integration and at both ends, one-sided at the breaks.
@@ -48,7 +52,10 @@ module gearsweep_motion
     integer :: members = 0             !< pairs at most, and the coast side
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
+    !> A zone begins, or, where steps are graded, a quarter of the natural motion behind that.
+    logical, allocatable :: begins(:)
     real(dp), allocatable :: left(:), width(:)      !< phases
+    logical, allocatable :: stiff(:)   !< steps too long to see the natural motion, by Radau's points
     real(dp), allocatable :: rate(:, :, :)          !< (member, node, step)
     real(dp), allocatable :: error(:, :, :)         !< (member, node, step)
     real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
@@ -83,6 +90,7 @@ contains
     osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))
     osc%static_scale = osc%load/osc%mesh%mean_stiffness()
     osc%rest = mean_deflection(osc)
+    osc%frequency = frequencies(osc)
 
   contains
 
@@ -125,6 +133,26 @@ contains
       x = x - excess/sum(stiffness, mask=x > error)
     end do
   end function mean_deflection
+
+  !> Lowest and highest w (rad/s) of each zone while all pairs carry, (2, zone).
+  pure function frequencies(osc) result(frequency)
+    type(oscillator_t), intent(in) :: osc
+    integer, parameter :: samples = 17
+    real(dp) :: frequency(2, size(osc%zones)), square(samples), s(samples), rate(samples)
+    integer :: i, j, k
+
+    do i = 1, size(osc%zones)
+      associate (zone => osc%zones(i))
+        square = 0
+        do j = 1, zone%pairs
+          s = zone%first + (zone%last - zone%first)*[(k, k=0, samples - 1)]/(samples - 1) + j - 1
+          call osc%mesh%stiffness%sample(s, 0, rate)
+          square = square + rate*mobility(osc, s, zone%recess(j))
+        end do
+      end associate
+      frequency(:, i) = sqrt([minval(square), maxval(square)])
+    end do
+  end function frequencies
 
   !> What a pair's force makes of the acceleration (1/kg): the friction factors of pinion and gear over
   !> their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards
@@ -176,10 +204,15 @@ contains
     type(oscillator_t), intent(in) :: osc
     type(resolution_t), intent(in) :: resolution
     type(table_t), intent(out) :: table
-    integer, allocatable :: counts(:)
-    integer :: i, j, first, last
+    type(grading_t) :: grading(size(osc%zones))
+    integer :: counts(size(osc%zones)), i, j, first, last
 
-    counts = resolution%times*max(1, ceiling(resolution%base*(osc%zones%last - osc%zones%first) - 1e-6_dp))
+    if (resolution%graded_for > 0) then
+      grading = gradings(osc, resolution)
+      counts = resolution%times*count_steps(grading, osc%zones%last - osc%zones%first)
+    else
+      counts = resolution%times*max(1, ceiling(resolution%base*(osc%zones%last - osc%zones%first) - 1e-6_dp))
+    end if
     call allocate_table(osc, sum(counts), table)
     last = 0
     do i = 1, size(osc%zones)
@@ -188,8 +221,14 @@ contains
       associate (zone => osc%zones(i))
         table%zone(first:last) = i
         table%pairs(first:last) = zone%pairs
-        table%width(first:last) = (zone%last - zone%first)/counts(i)
-        table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
+        if (resolution%graded_for > 0) then
+          call grade_zone(osc, i, resolution, grading(i), first, last, table)
+        else
+          table%begins(first:last) = [(j == 1, j=1, counts(i))]
+          table%stiff(first:last) = .false.
+          table%width(first:last) = (zone%last - zone%first)/counts(i)
+          table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
+        end if
         do j = 1, zone%pairs
           call fill_pair(osc, zone, j, first, last, table)
         end do
@@ -198,6 +237,55 @@ contains
     if (osc%has_backlash) call fill_coast(osc, table)
     table%omega = sqrt(table%square)
   end subroutine tabulate
+
+  !> How the steps of each zone grow behind its begin.
+  pure function gradings(osc, resolution) result(grading)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+    type(grading_t) :: grading(size(osc%zones))
+
+    grading = make_grading(osc%frequency(1, :), osc%frequency(2, :), osc%damping_ratio, resolution%base, resolution%graded_for)
+  end function gradings
+
+  !> About how many steps a graded table has.
+  pure real(dp) function graded_steps(osc, resolution)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+
+    graded_steps = resolution%times*sum(expected_steps(gradings(osc, resolution), osc%zones%last - osc%zones%first))
+  end function graded_steps
+
+  !> Places the steps first to last of zone i.
+  pure subroutine grade_zone(osc, i, resolution, grading, first, last, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: i, first, last
+    type(resolution_t), intent(in) :: resolution
+    type(grading_t), intent(in) :: grading
+    type(table_t), intent(inout) :: table
+    real(dp) :: widths((last - first + 1)/resolution%times), behind
+    logical :: seen
+    integer :: k, step
+
+    call spread_steps(grading, osc%zones(i)%last - osc%zones(i)%first, widths)
+    behind = 0
+    seen = .false.
+    do k = 0, last - first
+      step = first + k
+      table%width(step) = widths(1 + k/resolution%times)/resolution%times
+      table%left(step) = osc%zones(i)%first + behind
+      table%stiff(step) = is_stiff(grading, table%width(step))
+      table%begins(step) = k == 0 .or. (modulo(k, resolution%times) == 0 .and. .not. seen .and. is_quarter(grading, behind))
+      seen = seen .or. (k > 0 .and. table%begins(step))
+      behind = behind + table%width(step)
+    end do
+  end subroutine grade_zone
+
+  pure function nodes_of(stiff)
+    logical, intent(in) :: stiff
+    real(dp) :: nodes_of(3)
+
+    nodes_of = merge(stiff_nodes, nodes, stiff)
+  end function nodes_of
 
   !> Pairs that a zone does not have keep zeros.
   pure subroutine allocate_table(osc, steps, table)
@@ -209,6 +297,7 @@ contains
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
       allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
+      allocate (table%begins(steps), table%stiff(steps))
       allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
       allocate (table%square(3, steps), table%push(3, steps))
@@ -242,13 +331,13 @@ contains
 
     n = last - first + 1
     do i = 1, n
-      s(3*i - 2:3*i) = table%left(first + i - 1) + j - 1 + table%width(first)*nodes
+      s(3*i - 2:3*i) = table%left(first + i - 1) + j - 1 + table%width(first + i - 1)*nodes_of(table%stiff(first + i - 1))
     end do
     call osc%mesh%stiffness%sample(s, 0, rate)
     rate = rate*mobility(osc, s, zone%recess(j))
     call osc%mesh%profile_error%sample(s, zone%piece(j), error)
     ends(:n - 1) = table%left(first:last) + j - 1
-    ends(n) = ends(n - 1) + table%width(first)
+    ends(n) = ends(n - 1) + table%width(last)
     call osc%mesh%stiffness%sample(ends, 0, stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
     call osc%mesh%profile_error%sample(ends, zone%piece(j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
     end_rate = stiffness(:, 0)*mobility(osc, ends, zone%recess(j))
@@ -273,6 +362,7 @@ contains
   pure subroutine fill_coast(osc, table)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(inout) :: table
+    real(dp) :: s(3)
     integer :: i, j, k
 
     associate (coast => osc%members)
@@ -280,10 +370,11 @@ contains
       table%end_error(0, coast, :, :) = -osc%backlash
       do i = 1, table%steps
         associate (zone => osc%zones(table%zone(i)))
+          s = table%left(i) + table%width(i)*nodes_of(table%stiff(i))
           do j = 1, zone%pairs
             do k = 1, size(nodes)
               table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
-                /mobility(osc, table%left(i) + table%width(i)*nodes(k) + j - 1, zone%recess(j))
+                /mobility(osc, s(k) + j - 1, zone%recess(j))
             end do
             table%end_rate(coast, :, i) = table%end_rate(coast, :, i) + table%end_stiffness(0, j, :, i)*sum(1/osc%mass)
           end do

@@ -7,6 +7,7 @@ module gearsweep_period
   use gearsweep_contact, only: crossing_t, make_crossing, cross
   use gearsweep_gauss, only: collocate, lanes
   use gearsweep_motion, only: oscillator_t, table_t
+  use gearsweep_radau, only: collocate_stiffly
   use gearsweep_step, only: period_t, member_t, touching, set_contact, note_contact, begins_zone, track_pair
   use gearsweep_trace, only: trace_t, record
   implicit none
@@ -72,7 +73,8 @@ contains
     total(:, [1, 4]) = 1
     do i = 1, table%steps
       if (begins_zone(table, i)) call enter_zone(osc, table, i, n, state, free, crossing%contact, member, peak, out)
-      call make_maps(osc, n, duration, table%width(i), table%rate(:, :, i), table%error(:, :, i), member, map)
+      call make_maps(osc, n, duration, table%width(i), table%rate(:, :, i), table%error(:, :, i), table%stiff(i), &
+                     member, map)
       call move(n, map, state, x, y)
       call find_changes(osc, table, i, n, x, y, free, member, changes)
       if (any(changes(:n))) then
@@ -132,11 +134,12 @@ contains
   end subroutine enter_zone
 
   !> One step for all lanes: what x, y and 1 become, two elements each; rate and error: (member, node).
-  pure subroutine make_maps(osc, n, duration, width, rate, error, member, map)
+  pure subroutine make_maps(osc, n, duration, width, rate, error, stiff, member, map)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: n
     real(dp), intent(in) :: duration(lanes), width
     real(dp), intent(in), dimension(osc%members, 3) :: rate, error
+    logical, intent(in) :: stiff
     type(member_t), intent(in) :: member(osc%members)
     real(dp), intent(out) :: map(lanes, 6)
     real(dp), dimension(lanes, 3) :: square, drag, push
@@ -161,7 +164,11 @@ contains
         push(l, k) = time**2*push(l, k)
       end do
     end do
-    call collocate(n, square, drag, push, map)
+    if (stiff) then
+      call collocate_stiffly(n, square, drag, push, map)
+    else
+      call collocate(n, square, drag, push, map)
+    end if
     ! Divided, as the error of 1/width would be the same in each of many steps.
     do l = 1, n
       map(l, 2) = map(l, 2)/width

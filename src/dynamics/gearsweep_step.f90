@@ -71,8 +71,7 @@ contains
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
 
-    begins_zone = i == 1
-    if (i > 1) begins_zone = table%zone(i) /= table%zone(i - 1)
+    begins_zone = table%begins(i)
   end function begins_zone
 
   !> May a load be larger than `peak` between two ends? Given there with its slopes: a concave one stays
@@ -111,11 +110,38 @@ contains
       load(0, :) = stiffness(1, :)*gap(0, :)
       load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
       if (.not. may_top(load, peak)) return
-      do k = 1, 2
-        gap(2, k) = end_acceleration(osc, table, i, k, contact, duration, x(k), y(k)) - table%end_error(2, j, k, i)
-      end do
+      if (is_resolved(osc, table, i, duration, contact)) then
+        do k = 1, 2
+          gap(2, k) = end_acceleration(osc, table, i, k, contact, duration, x(k), y(k)) - table%end_error(2, j, k, i)
+        end do
+      else
+        gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
+      end if
       load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
     end associate
     call raise_to_top(load, peak)
   end subroutine track_pair
+
+  !> Does acceleration count? In steps of very many rad it is a small difference of large forces.
+  pure logical function is_resolved(osc, table, i, duration, contact)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    real(dp), intent(in) :: duration
+    logical, intent(in) :: contact(:)
+    real(dp), parameter :: most = 1000           ! rad of the natural motion, or of its decay
+
+    is_resolved = max(1.0_dp, 2*osc%damping_ratio)*duration*table%width(i) &
+                  *sqrt(maxval(sum(table%end_rate(:, :, i), 1, spread(contact, 2, 2)))) < most
+  end function is_resolved
+
+  !> Second derivatives at both ends of the cubic with these values and slopes there, over 0 ... 1.
+  pure function cubic_curvature(value, slope) result(curvature)
+    real(dp), intent(in) :: value(2), slope(2)
+    real(dp) :: curvature(2)
+
+    associate (rise => value(2) - value(1))
+      curvature = [6*rise - 4*slope(1) - 2*slope(2), -6*rise + 2*slope(1) + 4*slope(2)]
+    end associate
+  end function cubic_curvature
 end module gearsweep_step
