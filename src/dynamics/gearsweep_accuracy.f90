@@ -193,21 +193,22 @@ contains
       solved = .false.
       if (graded_steps(osc, resolution) > min(equal/2, real(options%most_steps, dp))) return
       call tabulate(osc, resolution, fine)
+      points%steady = steady_t()
+      call hold_in_lanes(osc, fine, duration, tables%work, points%steady, from)
+      if (.not. any(settled(points%steady))) return
       call tabulate(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
       half = steady_t()
       call hold_in_lanes(osc, coarse, duration, tables%work, half, from)
-      if (.not. any(settled(half))) return
-      points%steady = steady_t()
-      call hold_in_lanes(osc, fine, duration, tables%work, points%steady, from)
-      solved = settled(half) .and. settled(points%steady)
-      if (.not. any(solved)) return
+      solved = settled(points%steady) .and. settled(half)
       points%steps = fine%steps
       points%work = points%work + 2*(fine%steps + coarse%steps)
       points%resolution = resolution
       call compare(osc, duration, half, points)
-      excess = min(maxval(points%step_error, mask=solved)/options%steady%tolerance, 1e8_dp)
+      ! In coarse steps a pair may seem to part.
+      excess = 10
+      if (any(solved)) excess = maxval(points%step_error, mask=solved)/options%steady%tolerance
       if (excess <= 1) exit
-      resolution%base = resolution%base*min(1.2_dp*excess**root, 4.0_dp)
+      resolution%base = resolution%base*min(1.2_dp*excess**0.2_dp, 4.0_dp)
     end do
     call note_inexact(options, points)
   end subroutine solve_graded
@@ -218,17 +219,16 @@ contains
     real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
     type(tables_t), intent(inout) :: tables
-    type(point_t), intent(out) :: point
+    type(point_t), intent(inout) :: point
     logical, intent(out) :: solved
     real(dp), intent(in), optional :: start(2)
     type(point_t) :: points(lanes)
     logical :: all_solved(lanes)
-    integer :: l
 
-    call solve_graded(osc, [(duration, l=1, lanes)], options, tables, points, all_solved)
-    point = points(1)
+    call solve_graded(osc, spread(duration, 1, lanes), options, tables, points, all_solved)
     solved = all_solved(1)
-    if (solved .and. present(start)) solved = distance(osc, duration, point%steady%state - start) < near
+    if (solved .and. present(start)) solved = distance(osc, duration, points(1)%steady%state - start) < near
+    if (solved) point = points(1)
   end subroutine solve_one_graded
 
   !> Whether an error of the last rung is small enough; if not, the rung to try next.

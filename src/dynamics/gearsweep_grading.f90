@@ -23,8 +23,8 @@ contains
   elemental type(grading_t) function make_grading(lowest, highest, zeta, finest, duration) result(grading)
     real(dp), intent(in) :: lowest, highest, zeta, finest, duration
     ! As if what the coefficients ask for turned so many radians a period.
-    real(dp), parameter :: smooth = 16
-    real(dp), parameter :: slower = 1/8.0_dp     ! than the sixth that would do, to be safe
+    real(dp), parameter :: smooth = 24
+    real(dp), parameter :: slower = 1/7.0_dp     ! than the sixth that would do, to be safe
     real(dp) :: fast
 
     fast = 1
@@ -51,7 +51,7 @@ contains
     type(grading_t), intent(in) :: grading
     real(dp), intent(in) :: t
 
-    is_quarter = grading%fastest*t >= pi/2
+    is_quarter = grading%fastest*t >= 1.5_dp*pi
   end function is_quarter
 
   !> About how many steps a zone of `length` gets.

@@ -110,7 +110,7 @@ contains
       load(0, :) = stiffness(1, :)*gap(0, :)
       load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
       if (.not. may_top(load, peak)) return
-      if (is_resolved(osc, table, i, duration, contact)) then
+      if (is_resolved(table, i, duration, contact)) then
         do k = 1, 2
           gap(2, k) = end_acceleration(osc, table, i, k, contact, duration, x(k), y(k)) - table%end_error(2, j, k, i)
         end do
@@ -123,16 +123,14 @@ contains
   end subroutine track_pair
 
   !> Does acceleration count? In steps of very many rad it is a small difference of large forces.
-  pure logical function is_resolved(osc, table, i, duration, contact)
-    type(oscillator_t), intent(in) :: osc
+  pure logical function is_resolved(table, i, duration, contact)
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
     real(dp), intent(in) :: duration
     logical, intent(in) :: contact(:)
-    real(dp), parameter :: most = 1000           ! rad of the natural motion, or of its decay
+    real(dp), parameter :: most = 3e4_dp         ! rad of the natural motion
 
-    is_resolved = max(1.0_dp, 2*osc%damping_ratio)*duration*table%width(i) &
-                  *sqrt(maxval(sum(table%end_rate(:, :, i), 1, spread(contact, 2, 2)))) < most
+    is_resolved = duration*table%width(i)*sqrt(maxval(sum(table%end_rate(:, :, i), 1, spread(contact, 2, 2)))) < most
   end function is_resolved
 
   !> Second derivatives at both ends of the cubic with these values and slopes there, over 0 ... 1.
