@@ -5,7 +5,7 @@ module gearsweep_accuracy
   use gearsweep_gauss, only: order, lanes
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate, graded_steps
   use gearsweep_hold, only: lane_work_t
-  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, hold_in_lanes, settled, shoot, distance, &
+  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, solve_in_contact, settled, shoot, distance, &
                               has_answer, near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
   implicit none
   private
@@ -35,10 +35,13 @@ module gearsweep_accuracy
   !> lies `octave` rungs below.
   integer, parameter :: octave = 3, most_rungs = 48
 
+  type :: rung_t
+    type(table_t), allocatable :: table
+  end type rung_t
+
   !> Tables made so far, and where the next point may start looking.
   type :: tables_t
-    type(table_t) :: rung(0:most_rungs)
-    logical :: made(0:most_rungs) = .false.
+    type(rung_t) :: rung(0:most_rungs)
     real(dp) :: steps_per_second = 0             !< wanted by the last point, over its period
     type(lane_work_t) :: work
   end type tables_t
@@ -82,14 +85,14 @@ contains
     real(dp), parameter :: large = 2**15
     integer :: i
 
-    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large .and. .not. tables%made(rung))
-      if (.not. tables%made(i) .or. rung_steps(i) <= large .or. i == rung - octave) cycle
-      tables%rung(i) = table_t()
-      tables%made(i) = .false.
+    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large .and. .not. allocated(tables%rung(rung)%table))
+      if (rung_steps(i) <= large .or. i == rung - octave) cycle
+      if (allocated(tables%rung(i)%table)) deallocate (tables%rung(i)%table)
     end do
     do i = rung - octave, rung, octave
-      if (.not. tables%made(i)) call tabulate(osc, resolution_of(i), tables%rung(i))
-      tables%made(i) = .true.
+      if (allocated(tables%rung(i)%table)) cycle
+      allocate (tables%rung(i)%table)
+      call tabulate(osc, resolution_of(i), tables%rung(i)%table)
     end do
   end subroutine need_rungs
 
@@ -101,6 +104,7 @@ contains
     type(tables_t), intent(inout) :: tables
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
+    type(resolution_t) :: graded
     real(dp) :: least
     integer :: rung, last, trial
     logical :: done
@@ -109,8 +113,9 @@ contains
       call solve_with_steps(osc, duration, options, point, start)
       return
     end if
-    if (options%steady%method == by_shooting) then
-      call solve_one_graded(osc, duration, options, tables, point, done, start)
+    graded = graded_resolution(osc, [duration], options, tables)
+    if (graded%graded_for > 0) then
+      call solve_one_graded(osc, duration, options, graded, tables, point, done, start)
       if (done) return
     end if
     point%steady%status = point_unresolved
@@ -120,7 +125,7 @@ contains
     rung = min(last, rung_for(max(least, first_guess(osc, duration, options, tables))))
     do trial = 1, most_trials
       call need_rungs(osc, rung, tables)
-      call solve_on(osc, tables%rung(rung), tables%rung(rung - octave), duration, options, point, start)
+      call solve_on(osc, tables%rung(rung)%table, tables%rung(rung - octave)%table, duration, options, point, start)
       point%resolution = resolution_of(rung)
       if (.not. has_answer(point%steady%status)) exit
       call next_rung(osc, options, point%step_error, duration, tables, rung, done)
@@ -141,26 +146,30 @@ contains
     ! For the half's Newton iterations: of its solution, a twentieth counts.
     real(dp), parameter :: most_lane_steps = 4096, loose = 100
     type(steady_t) :: half(lanes)
+    type(resolution_t) :: graded
     real(dp) :: least, longest
     integer :: rung, trial
     logical :: done
 
-    call solve_graded(osc, duration, options, tables, points, solved)
-    if (any(solved)) return
     longest = maxval(duration)
+    graded = graded_resolution(osc, duration, options, tables)
+    if (graded%graded_for > 0) then
+      call solve_graded(osc, duration, options, graded, tables, points, solved)
+      if (any(solved)) return
+    end if
     least = 2*resolving_steps(osc, longest)
     rung = rung_for(max(least, first_guess(osc, longest, options, tables)))
     do trial = 1, most_trials
       solved = .false.
       if (rung_steps(rung) > min(most_lane_steps, real(options%most_steps, dp)) .or. rung_steps(rung) < least) return
       call need_rungs(osc, rung, tables)
-      call find_in_lanes(osc, tables%rung(rung - octave), duration, loose*options%steady%tolerance, tables%work, half)
+      call find_in_lanes(osc, tables%rung(rung - octave)%table, duration, loose*options%steady%tolerance, tables%work, half)
       if (.not. any(settled(half))) return
-      call find_in_lanes(osc, tables%rung(rung), duration, options%steady%tolerance, tables%work, points%steady, half)
+      call find_in_lanes(osc, tables%rung(rung)%table, duration, options%steady%tolerance, tables%work, points%steady, half)
       solved = settled(half) .and. settled(points%steady)
       if (.not. any(solved)) return
       call compare(osc, duration, half, points)
-      points%steps = tables%rung(rung)%steps
+      points%steps = tables%rung(rung)%table%steps
       points%resolution = resolution_of(rung)
       call next_rung(osc, options, maxval(points%step_error, mask=solved), longest, tables, rung, done)
       if (done) exit
@@ -168,38 +177,48 @@ contains
     call note_inexact(options, points)
   end subroutine solve_lanes
 
-  !> With all pairs in contact, in steps that grow behind each break, where these are fewer than half of
-  !> equal ones.
-  pure subroutine solve_graded(osc, duration, options, tables, points, solved)
+  !> Steps that grow behind each break, as many as the tolerance may want for these periods (s), where they
+  !> are fewer than half of equal ones.
+  pure type(resolution_t) function graded_resolution(osc, duration, options, tables) result(resolution)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration(lanes)
+    real(dp), intent(in) :: duration(:)
     type(accuracy_t), intent(in) :: options
-    type(tables_t), intent(inout) :: tables
-    type(point_t), intent(out) :: points(lanes)
-    logical, intent(out) :: solved(lanes)
-    type(steady_t) :: half(lanes)
-    type(table_t) :: fine, coarse
-    type(resolution_t) :: resolution
-    real(dp) :: longest, equal, excess, from(2, lanes)
-    integer :: trial
+    type(tables_t), intent(in) :: tables
+    real(dp) :: shortest, longest, equal
 
-    solved = .false.
+    shortest = minval(duration)
     longest = maxval(duration)
     equal = max(2*resolving_steps(osc, longest), first_guess(osc, longest, options, tables))
-    resolution%graded_for = minval(duration)
-    resolution%base = 0.8_dp*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/resolution%graded_for
-    resolution%times = 2
+    resolution = resolution_t(0.8_dp*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/shortest, 2, shortest)
+    if (options%steady%method /= by_shooting .or. graded_steps(osc, resolution) > equal/2) resolution = resolution_t()
+  end function graded_resolution
+
+  !> One speed or all lanes in such steps; `solved` where all pairs stay in contact. (A change of contact
+  !> would want short steps behind it, too.)
+  pure subroutine solve_graded(osc, duration, options, first, tables, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration(:)
+    type(accuracy_t), intent(in) :: options
+    type(resolution_t), intent(in) :: first
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(inout) :: points(:)
+    logical, intent(out) :: solved(:)
+    type(steady_t) :: half(size(duration))
+    type(table_t) :: fine, coarse
+    type(resolution_t) :: resolution
+    real(dp) :: excess
+    integer :: trial
+
+    resolution = first
     do trial = 1, most_trials
       solved = .false.
-      if (graded_steps(osc, resolution) > min(equal/2, real(options%most_steps, dp))) return
+      if (graded_steps(osc, resolution) > options%most_steps) return
       call tabulate(osc, resolution, fine)
-      points%steady = steady_t()
-      call hold_in_lanes(osc, fine, duration, tables%work, points%steady, from)
-      if (.not. any(settled(points%steady))) return
+      call hold(osc, fine, duration, options, tables, points%steady)
+      if (.not. any(in_contact(points%steady))) return
       call tabulate(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
-      half = steady_t()
-      call hold_in_lanes(osc, coarse, duration, tables%work, half, from)
-      solved = settled(points%steady) .and. settled(half)
+      call hold(osc, coarse, duration, options, tables, half)
+      solved = in_contact(points%steady) .and. in_contact(half)
       points%steps = fine%steps
       points%work = points%work + 2*(fine%steps + coarse%steps)
       points%resolution = resolution
@@ -213,19 +232,43 @@ contains
     call note_inexact(options, points)
   end subroutine solve_graded
 
+  !> Motions with all pairs in contact, at one speed or in all lanes.
+  pure subroutine hold(osc, table, duration, options, tables, steady)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    real(dp), intent(in) :: duration(:)
+    type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(steady_t), intent(out) :: steady(:)
+    real(dp) :: state(2)
+
+    if (size(duration) == lanes) then
+      call find_in_lanes(osc, table, duration, options%steady%tolerance, tables%work, steady)
+    else
+      call solve_in_contact(osc, table, duration(1), state, steady(1))
+    end if
+  end subroutine hold
+
+  elemental logical function in_contact(steady)
+    type(steady_t), intent(in) :: steady
+
+    in_contact = settled(steady) .and. .not. steady%partial
+  end function in_contact
+
   !> The same for one speed; on the branch `start` leads to.
-  pure subroutine solve_one_graded(osc, duration, options, tables, point, solved, start)
+  pure subroutine solve_one_graded(osc, duration, options, resolution, tables, point, solved, start)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
+    type(resolution_t), intent(in) :: resolution
     type(tables_t), intent(inout) :: tables
     type(point_t), intent(inout) :: point
     logical, intent(out) :: solved
     real(dp), intent(in), optional :: start(2)
-    type(point_t) :: points(lanes)
-    logical :: all_solved(lanes)
+    type(point_t) :: points(1)
+    logical :: all_solved(1)
 
-    call solve_graded(osc, spread(duration, 1, lanes), options, tables, points, all_solved)
+    call solve_graded(osc, [duration], options, resolution, tables, points, all_solved)
     solved = all_solved(1)
     if (solved .and. present(start)) solved = distance(osc, duration, points(1)%steady%state - start) < near
     if (solved) point = points(1)

@@ -224,8 +224,7 @@ contains
         if (resolution%graded_for > 0) then
           call grade_zone(osc, i, resolution, grading(i), first, last, table)
         else
-          table%begins(first:last) = [(j == 1, j=1, counts(i))]
-          table%stiff(first:last) = .false.
+          table%begins(first) = .true.
           table%width(first:last) = (zone%last - zone%first)/counts(i)
           table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
         end if
@@ -280,13 +279,6 @@ contains
     end do
   end subroutine grade_zone
 
-  pure function nodes_of(stiff)
-    logical, intent(in) :: stiff
-    real(dp) :: nodes_of(3)
-
-    nodes_of = merge(stiff_nodes, nodes, stiff)
-  end function nodes_of
-
   !> Pairs that a zone does not have keep zeros.
   pure subroutine allocate_table(osc, steps, table)
     type(oscillator_t), intent(in) :: osc
@@ -297,7 +289,7 @@ contains
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
       allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
-      allocate (table%begins(steps), table%stiff(steps))
+      allocate (table%begins(steps), table%stiff(steps), source=.false.)
       allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
       allocate (table%square(3, steps), table%push(3, steps))
@@ -331,7 +323,13 @@ contains
 
     n = last - first + 1
     do i = 1, n
-      s(3*i - 2:3*i) = table%left(first + i - 1) + j - 1 + table%width(first + i - 1)*nodes_of(table%stiff(first + i - 1))
+      associate (step => first + i - 1)
+        if (table%stiff(step)) then
+          s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*stiff_nodes
+        else
+          s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*nodes
+        end if
+      end associate
     end do
     call osc%mesh%stiffness%sample(s, 0, rate)
     rate = rate*mobility(osc, s, zone%recess(j))
@@ -370,7 +368,7 @@ contains
       table%end_error(0, coast, :, :) = -osc%backlash
       do i = 1, table%steps
         associate (zone => osc%zones(table%zone(i)))
-          s = table%left(i) + table%width(i)*nodes_of(table%stiff(i))
+          s = table%left(i) + table%width(i)*merge(stiff_nodes, nodes, table%stiff(i))
           do j = 1, zone%pairs
             do k = 1, size(nodes)
               table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &

@@ -12,7 +12,7 @@ module gearsweep_steady
   use gearsweep_march, only: march, steady_options_t, by_shooting, by_marching
   implicit none
   private
-  public :: find_steady, find_in_lanes, hold_in_lanes, settled, steady_options_t, by_shooting, by_marching
+  public :: find_steady, find_in_lanes, solve_in_contact, settled, steady_options_t, by_shooting, by_marching
   public :: steady_t, name_of, has_answer, shoot, distance, largest_multiplier, near, unbounded
   public :: point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, point_aperiodic, &
             point_unresolved, point_chatter, point_chaotic
