@@ -31,7 +31,11 @@ contains
     if (allocated(maps%touch)) then
       if (size(maps%touch, 2) < places) deallocate (maps%touch, maps%map)
     end if
-    if (.not. allocated(maps%touch)) allocate (maps%touch(lanes, places), maps%map(lanes, 6, places))
+    if (.not. allocated(maps%touch)) then
+      allocate (maps%touch(lanes, places), maps%map(lanes, 6, places))
+      ! Lanes that nobody uses go along, at rest.
+      maps%map = 0
+    end if
     maps%touch(:, :places) = not_made
   end subroutine begin_maps
 
@@ -44,50 +48,58 @@ contains
     type(member_t), intent(in) :: member(osc%members)
     type(maps_t), intent(inout) :: maps
     integer, intent(out) :: place
-    integer :: other, full, l
 
     place = merge(i, 1, maps%kept)
-    other = merge(0, 1, maps%kept)
-    do l = 1, n
-      other = ior(other, ieor(touch(l), maps%touch(l, place)))
-    end do
-    if (other == 0) return
-    full = all_pairs(table, i)
-    other = 0
-    do l = 1, n
-      other = ior(other, ieor(touch(l), full))
-    end do
-    if (other == 0) then
-      call make_map(osc, n, duration, table%width(i), table%square(:, i), table%omega(:, i), table%push(:, i), &
-                    maps%map(:, :, place))
+    if (maps%kept .and. are_same(touch, maps%touch(:, place))) return
+    if (are_same(touch, spread(all_pairs(table, i), 1, lanes))) then
+      call make_map(osc, table, i, n, duration, maps%map(:, :, place))
     else
       call make_maps(osc, n, duration, table%width(i), table%rate(:, :, i), table%error(:, :, i), member, &
                      maps%map(:, :, place))
     end if
-    maps%touch(:n, place) = touch(:n)
+    maps%touch(:, place) = touch
   end subroutine need_map
 
+  pure logical function are_same(a, b)
+    integer, intent(in), dimension(lanes) :: a, b
+    integer :: other, l
+
+    other = 0
+    do l = 1, lanes
+      other = ior(other, ieor(a(l), b(l)))
+    end do
+    are_same = other == 0
+  end function are_same
+
   !> All pairs in contact: w^2, w and sum of k e at the nodes are those of the table.
-  pure subroutine make_map(osc, n, duration, width, square_sum, omega_sum, push_sum, map)
+  pure subroutine make_map(osc, table, i, n, duration, map)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: n
-    real(dp), intent(in) :: duration(lanes), width, square_sum(3), omega_sum(3), push_sum(3)
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, n
+    real(dp), intent(in) :: duration(lanes)
     real(dp), intent(out) :: map(lanes, 6)
     real(dp), dimension(lanes, 3) :: square, drag, push
-    real(dp) :: time, pushes, drags
-    integer :: k, l
+    real(dp), dimension(3) :: squares, drags, pushes
+    real(dp) :: time
+    integer :: l
 
-    do k = 1, 3
-      pushes = push_sum(k) + osc%load*sum(1/osc%mass)
-      drags = 2*osc%damping_ratio*omega_sum(k)
-      do l = 1, n
-        time = duration(l)*width
-        square(l, k) = time**2*square_sum(k)
-        drag(l, k) = drags*time
-        push(l, k) = time**2*pushes
-      end do
+    squares = table%square(:, i)
+    drags = 2*osc%damping_ratio*table%omega(:, i)
+    pushes = table%push(:, i) + osc%load*sum(1/osc%mass)
+    do l = 1, n
+      time = duration(l)*table%width(i)
+      drag(l, 1) = drags(1)*time
+      drag(l, 2) = drags(2)*time
+      drag(l, 3) = drags(3)*time
+      time = time**2
+      square(l, 1) = squares(1)*time
+      square(l, 2) = squares(2)*time
+      square(l, 3) = squares(3)*time
+      push(l, 1) = pushes(1)*time
+      push(l, 2) = pushes(2)*time
+      push(l, 3) = pushes(3)*time
     end do
-    call finish_map(n, width, square, drag, push, map)
+    call finish_map(n, table%width(i), square, drag, push, map)
   end subroutine make_map
 
   !> Each lane with its own members in contact; rate and error: (member, node).
@@ -116,8 +128,9 @@ contains
       do l = 1, n
         time = duration(l)*width
         drag(l, k) = 2*osc%damping_ratio*sqrt(square(l, k))*time
-        square(l, k) = time**2*square(l, k)
-        push(l, k) = time**2*(push(l, k) + osc%load*sum(1/osc%mass))
+        time = time**2
+        square(l, k) = square(l, k)*time
+        push(l, k) = (push(l, k) + osc%load*sum(1/osc%mass))*time
       end do
     end do
     call finish_map(n, width, square, drag, push, map)
@@ -141,36 +154,32 @@ contains
   end subroutine finish_map
 
   !> The state after a step.
-  pure subroutine move(n, map, x, y, x_next, y_next)
-    integer, intent(in) :: n
+  pure subroutine move(map, x, y, x_next, y_next)
     real(dp), intent(in) :: map(lanes, 6)
     real(dp), intent(in), dimension(lanes) :: x, y
     real(dp), intent(out), dimension(lanes) :: x_next, y_next
     integer :: l
 
-    do l = 1, n
+    do l = 1, lanes
       x_next(l) = map(l, 1)*x(l) + map(l, 3)*y(l) + map(l, 5)
       y_next(l) = map(l, 2)*x(l) + map(l, 4)*y(l) + map(l, 6)
     end do
   end subroutine move
 
   !> Lets a step follow what was before: derivative by the first state, columns one after the other.
-  pure subroutine chain(n, map, total)
-    integer, intent(in) :: n
+  pure subroutine chain(map, total)
     real(dp), intent(in) :: map(lanes, 6)
     real(dp), intent(inout) :: total(lanes, 4)
     real(dp) :: x, y
-    integer :: l
+    integer :: k, l
 
-    do l = 1, n
-      x = total(l, 1)
-      y = total(l, 2)
-      total(l, 1) = map(l, 1)*x + map(l, 3)*y
-      total(l, 2) = map(l, 2)*x + map(l, 4)*y
-      x = total(l, 3)
-      y = total(l, 4)
-      total(l, 3) = map(l, 1)*x + map(l, 3)*y
-      total(l, 4) = map(l, 2)*x + map(l, 4)*y
+    do k = 1, 3, 2
+      do l = 1, lanes
+        x = total(l, k)
+        y = total(l, k + 1)
+        total(l, k) = map(l, 1)*x + map(l, 3)*y
+        total(l, k + 1) = map(l, 2)*x + map(l, 4)*y
+      end do
     end do
   end subroutine chain
 
@@ -183,29 +192,29 @@ contains
     real(dp), intent(in) :: duration(lanes), start(2, lanes)
     type(maps_t), intent(inout) :: maps
     type(period_t), intent(inout) :: out(lanes)
-    real(dp) :: total(lanes, 4)
-    real(dp), dimension(lanes) :: x, y, x_next, y_next
-    integer :: i, l, place
+    real(dp) :: total(lanes, 4), x(lanes, 2), y(lanes, 2)
+    integer :: place, from, to, i, l
 
-    x = start(1, :)
-    y = start(2, :)
+    from = 1
+    to = 2
+    x(:, from) = start(1, :)
+    y(:, from) = start(2, :)
     total = 0
     total(:, 1) = 1
     total(:, 4) = 1
     do i = 1, table%steps
       place = merge(i, 1, maps%kept)
-      call make_map(osc, n, duration, table%width(i), table%square(:, i), table%omega(:, i), table%push(:, i), &
-                    maps%map(:, :, place))
-      maps%touch(:n, place) = all_pairs(table, i)
-      call move(n, maps%map(:, :, place), x, y, x_next, y_next)
-      call chain(n, maps%map(:, :, place), total)
-      x(:n) = x_next(:n)
-      y(:n) = y_next(:n)
+      call make_map(osc, table, i, n, duration, maps%map(:, :, place))
+      maps%touch(:, place) = all_pairs(table, i)
+      call chain(maps%map(:, :, place), total)
+      call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
+      from = to
+      to = 3 - from
     end do
     do l = 1, n
       out(l)%map(:, 1) = total(l, :2)
       out(l)%map(:, 2) = total(l, 3:)
-      out(l)%state = [x(l), y(l)]
+      out(l)%state = [x(l, from), y(l, from)]
     end do
   end subroutine hold_lanes
 end module gearsweep_maps

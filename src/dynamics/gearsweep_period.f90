@@ -75,45 +75,60 @@ contains
     type(crossing_t), allocatable :: crossing
     type(member_t) :: member(osc%members)
     type(tops_t) :: tops(lanes)
-    real(dp), dimension(lanes) :: x, y, x_next, y_next, peak
+    ! At the begin of a step and its end, which change places.
+    real(dp) :: x(lanes, 2), y(lanes, 2), gap(lanes, osc%members, 2), slope(lanes, osc%members, 2)
+    real(dp), dimension(lanes) :: held, lowest, peak
     real(dp) :: map(lanes, 6), total(lanes, 4)
-    logical, dimension(lanes) :: free, changes
-    integer :: touch(lanes), place, i, l
+    logical :: changes(lanes)
+    integer :: touch(lanes), place, from, to, i, l
 
-    x = start(1, :)
-    y = start(2, :)
-    free = open
+    from = 1
+    to = 2
+    x(:, from) = start(1, :)
+    y(:, from) = start(2, :)
+    held = merge(0, 1, open .and. [(l <= n, l=1, lanes)])
+    changes = .false.
     peak = 0
     total = 0
     total(:, 1) = 1
     total(:, 4) = 1
     tops%count = 0
     do i = 1, table%steps
-      if (begins_zone(table, i)) call enter_zone(osc, table, i, n, x, y, free, touch, member, peak, out)
-      call need_map(osc, table, i, n, duration, touch, member, maps, place)
-      call move(n, maps%map(:, :, place), x, y, x_next, y_next)
-      call find_changes(osc, table, i, n, x_next, y_next, free, member, changes)
-      if (any(changes)) then
-        if (.not. allocated(crossing)) call make_crossing(osc, n, duration, crossing)
-        map = maps%map(:, :, place)
-        call cross(osc, table, i, x, y, changes, peaks, crossing, touch, member, x_next, y_next, map, peak, out, trace)
-        if (all(out(:n)%failed)) return
-        free = free .and. .not. out%failed
-        call chain(n, map, total)
-      else
-        call chain(n, maps%map(:, :, place), total)
+      if (begins_zone(table, i)) then
+        call enter_zone(osc, table, i, n, x(:, from), held, touch, member, out)
+        call begin_gaps(table, i, x(:, from), y(:, from), gap(:, :, from), slope(:, :, from))
+        call begin_loads(table, i, gap(:, :, from), slope(:, :, from), member, peak)
       end if
-      call note_gaps(osc, table, i, 2, n, x_next, y_next, member)
-      if (peaks) call watch(osc, table, i, n, duration, x, y, x_next, y_next, changes, touch, member, tops, peak)
-      if (present(trace) .and. .not. changes(1)) call note(osc, table, i, [x(1), x_next(1)], touch(1), trace)
+      call need_map(osc, table, i, n, duration, touch, member, maps, place)
+      call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
+      call look(osc, table, i, x(:, to), y(:, to), gap(:, :, from), slope(:, :, from), held, member, &
+                gap(:, :, to), slope(:, :, to), lowest)
+      if (any(lowest < 0)) then
+        changes = lowest < 0
+        map = maps%map(:, :, place)
+        if (.not. allocated(crossing)) call make_crossing(osc, n, duration, crossing)
+        call cross(osc, table, i, x(:, from), y(:, from), changes, peaks, crossing, touch, member, x(:, to), y(:, to), &
+                   map, peak, out, trace)
+        if (all(out(:n)%failed)) return
+        where (out%failed) held = 1
+        call chain(map, total)
+        call look(osc, table, i, x(:, to), y(:, to), gap(:, :, from), slope(:, :, from), held, member, &
+                  gap(:, :, to), slope(:, :, to), lowest)
+      else
+        changes = .false.
+        call chain(maps%map(:, :, place), total)
+      end if
+      if (peaks) call watch(osc, table, i, n, duration, x, y, from, to, gap(:, :, to), slope(:, :, to), changes, touch, &
+                            member, tops, peak)
+      if (present(trace) .and. .not. changes(1)) call note(osc, table, i, x(1, [from, to]), touch(1), trace)
       if (modulo(i, 64) == 0) call forget(total)
-      x(:n) = x_next(:n)
-      y(:n) = y_next(:n)
+      from = to
+      to = 3 - from
     end do
     do l = 1, n
       call settle_tops(osc, table, duration(l), tops(l), peak(l))
       out(l)%peak = peak(l)
-      out(l)%state = [x(l), y(l)]
+      out(l)%state = [x(l, from), y(l, from)]
       out(l)%map(:, 1) = total(l, :2)
       out(l)%map(:, 2) = total(l, 3:)
       out(l)%work = out(l)%work + table%steps
@@ -121,26 +136,27 @@ contains
   end subroutine follow
 
   !> Which members touch where the zone of step i begins.
-  pure subroutine enter_zone(osc, table, i, n, x, y, free, touch, member, peak, out)
+  pure subroutine enter_zone(osc, table, i, n, x, held, touch, member, out)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i, n
-    real(dp), intent(in), dimension(lanes) :: x, y
-    logical, intent(in) :: free(lanes)
+    real(dp), intent(in) :: x(lanes), held(lanes)
     integer, intent(inout) :: touch(lanes)
     type(member_t), intent(inout) :: member(osc%members)
-    real(dp), intent(inout) :: peak(lanes)
     type(period_t), intent(inout) :: out(lanes)
-    real(dp) :: bound(lanes), excess
     logical :: contact
     integer :: j, l
 
     touch = 0
     do j = 1, osc%members
-      do l = 1, n
-        contact = j <= table%pairs(i)
-        if (contact .and. free(l)) contact = x(l) > table%end_error(0, j, 1, i)
-        if (j > osc%pairs .and. free(l)) contact = x(l) < -osc%backlash
+      do l = 1, lanes
+        if (held(l) > 0) then
+          contact = j <= table%pairs(i)
+        else if (j > osc%pairs) then
+          contact = x(l) < -osc%backlash
+        else
+          contact = j <= table%pairs(i) .and. x(l) > table%end_error(0, j, 1, i)
+        end if
         call set_contact(osc, l, j, contact, touch(l), member(j))
       end do
     end do
@@ -148,112 +164,125 @@ contains
       if (touch(l) /= all_pairs(table, i)) call note_contact(osc, touch(l), out(l))
       out(l)%mark = out(l)%mark + x(l)
     end do
-    call note_gaps(osc, table, i, 1, n, x, y, member)
-    do j = 1, table%pairs(i)
-      call load_pair(n, table%width(i), table%end_stiffness(:1, j, 1, i), member(j), peak, bound, excess)
-    end do
   end subroutine enter_zone
 
-  !> The free lanes in which a member may touch or leave during step i, which ends at x, y.
-  pure subroutine find_changes(osc, table, i, n, x, y, free, member, changes)
+  !> Overlap of each member, and its slope over the step, where the zone of step i begins.
+  pure subroutine begin_gaps(table, i, x, y, gap, slope)
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+    real(dp), intent(in), dimension(lanes) :: x, y
+    real(dp), intent(out), dimension(lanes, table%members) :: gap, slope
+    integer :: j
+
+    do j = 1, table%members
+      gap(:, j) = x - table%end_error(0, j, 1, i)
+      slope(:, j) = (y - table%end_error(1, j, 1, i))*table%width(i)
+    end do
+  end subroutine begin_gaps
+
+  !> The same where step i ends, at x, y; and what the overlaps, turned so that they are positive while
+  !> contact stays as it is, stay above on the way. Below 0 contact may change; where it is `held`, it does not.
+  pure subroutine look(osc, table, i, x, y, gap, slope, held, member, gap_next, slope_next, lowest)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, n
-    real(dp), intent(in), dimension(lanes) :: x, y
-    logical, intent(in) :: free(lanes)
+    integer, intent(in) :: i
+    real(dp), intent(in), dimension(lanes) :: x, y, held
+    real(dp), intent(in), dimension(lanes, osc%members) :: gap, slope
     type(member_t), intent(in) :: member(osc%members)
-    logical, intent(out) :: changes(lanes)
-    real(dp) :: lowest(lanes), least, gap, before, fall, rise, error(0:1), width
-    integer :: j, l
+    real(dp), intent(out), dimension(lanes, osc%members) :: gap_next, slope_next
+    real(dp), intent(out) :: lowest(lanes)
+    integer :: j
 
-    lowest = 0
-    least = 0
-    width = table%width(i)
+    lowest = huge(lowest)
     do j = 1, osc%members
       if (j > table%pairs(i) .and. j <= osc%pairs) cycle
-      error = table%end_error(:1, j, 2, i)
-      do l = 1, n
-        gap = member(j)%sense(l)*(x(l) - error(0))
-        before = max(0.0_dp, member(j)%sense(l)*member(j)%gap(l))
-        fall = max(0.0_dp, -member(j)%sense(l)*member(j)%gap_slope(l))
-        rise = max(0.0_dp, member(j)%sense(l)*(width*(y(l) - error(1))))
-        ! A convex curve stays above its tangents.
-        lowest(l) = min(lowest(l), gap, max(0.0_dp, min(gap, before)) - min(fall, rise, (fall + rise)/4))
-        least = min(least, lowest(l))
-      end do
+      call look_at(table%width(i), table%end_error(:1, j, 2, i), x, y, member(j)%sense, gap(:, j), slope(:, j), &
+                   gap_next(:, j), slope_next(:, j), lowest)
     end do
-    changes = .false.
-    if (least < 0) changes(:n) = free(:n) .and. lowest(:n) < 0
-  end subroutine find_changes
+    where (held > 0) lowest = 0
+  end subroutine look
 
-  !> Moves the members to an end of step i, where the lanes are at x, y.
-  pure subroutine note_gaps(osc, table, i, end, n, x, y, member)
-    type(oscillator_t), intent(in) :: osc
+  !> One member: a convex curve stays above its tangents.
+  pure subroutine look_at(width, error, x, y, sense, gap, slope, gap_next, slope_next, lowest)
+    real(dp), intent(in) :: width, error(0:1)
+    real(dp), intent(in), dimension(lanes) :: x, y, sense, gap, slope
+    real(dp), intent(out), dimension(lanes) :: gap_next, slope_next
+    real(dp), intent(inout) :: lowest(lanes)
+    real(dp) :: before, after, fall, rise
+    integer :: l
+
+    do l = 1, lanes
+      gap_next(l) = x(l) - error(0)
+      slope_next(l) = (y(l) - error(1))*width
+      before = max(0.0_dp, sense(l)*gap(l))
+      after = sense(l)*gap_next(l)
+      fall = max(0.0_dp, -sense(l)*slope(l))
+      rise = max(0.0_dp, sense(l)*slope_next(l))
+      lowest(l) = min(lowest(l), min(before, after) - min(fall, rise, (fall + rise)/4))
+    end do
+  end subroutine look_at
+
+  !> The loads where the zone of step i begins.
+  pure subroutine begin_loads(table, i, gap, slope, member, peak)
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, end, n
-    real(dp), intent(in), dimension(lanes) :: x, y
-    type(member_t), intent(inout) :: member(osc%members)
-    real(dp) :: error(0:1), width
-    integer :: j, l
+    integer, intent(in) :: i
+    real(dp), intent(in), dimension(lanes, table%members) :: gap, slope
+    type(member_t), intent(inout) :: member(:)
+    real(dp), intent(inout) :: peak(lanes)
+    real(dp) :: bound(lanes)
+    integer :: j
 
-    width = table%width(i)
-    do j = 1, osc%members
-      error = table%end_error(:1, j, end, i)
-      do l = 1, n
-        member(j)%gap(l) = x(l) - error(0)
-        member(j)%gap_slope(l) = width*(y(l) - error(1))
-      end do
+    do j = 1, table%pairs(i)
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 1, i), gap(:, j), slope(:, j), member(j), peak, bound)
     end do
-  end subroutine note_gaps
+  end subroutine begin_loads
 
-  !> The loads over step i from x, y to x_next, y_next, where the gaps are known: raises `peak`, and notes
+  !> The loads over step i from x, y to where the gaps are given: raises `peak`, and notes
   !> where a load may be larger on the way.
-  pure subroutine watch(osc, table, i, n, duration, x, y, x_next, y_next, changes, touch, member, tops, peak)
+  pure subroutine watch(osc, table, i, n, duration, x, y, from, to, gap, slope, changes, touch, member, tops, peak)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, n, touch(lanes)
-    real(dp), intent(in), dimension(lanes) :: duration, x, y, x_next, y_next
+    integer, intent(in) :: i, n, from, to, touch(lanes)
+    real(dp), intent(in) :: duration(lanes), x(lanes, 2), y(lanes, 2)
+    real(dp), intent(in), dimension(lanes, osc%members) :: gap, slope
     logical, intent(in) :: changes(lanes)
     type(member_t), intent(inout) :: member(osc%members)
     type(tops_t), intent(inout) :: tops(lanes)
     real(dp), intent(inout) :: peak(lanes)
-    real(dp) :: bound(lanes), excess
+    real(dp) :: bound(lanes)
     integer :: j, l
 
     do j = 1, table%pairs(i)
-      call load_pair(n, table%width(i), table%end_stiffness(:1, j, 2, i), member(j), peak, bound, excess)
-      if (.not. excess > 0) cycle
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 2, i), gap(:, j), slope(:, j), member(j), peak, bound)
+      if (.not. any(bound > peak)) cycle
       do l = 1, n
         if (changes(l) .or. bound(l) <= peak(l)) cycle
-        call note_top(osc, table, duration(l), top_t(bound(l), [x(l), x_next(l)], [y(l), y_next(l)], i, j, touch(l)), &
-                      tops(l), peak(l))
+        call note_top(osc, table, duration(l), top_t(bound(l), x(l, [from, to]), y(l, [from, to]), i, j, touch(l)), tops(l), &
+                      peak(l))
       end do
     end do
   end subroutine watch
 
-  !> Moves the load of a pair to where its gap is and its stiffness has this value and derivative: raises
-  !> `peak`, and tells what the load stays below on the way, `excess` of them over the peaks at most.
-  pure subroutine load_pair(n, width, stiffness, pair, peak, bound, excess)
-    integer, intent(in) :: n
+  !> Moves the load of a pair to where its stiffness has this value and derivative: raises `peak`, and tells
+  !> what the load stays below on the way: a concave curve stays below its tangents.
+  pure subroutine load_pair(width, stiffness, gap, slope, pair, peak, bound)
     real(dp), intent(in) :: width, stiffness(0:1)
+    real(dp), intent(in), dimension(lanes) :: gap, slope
     type(member_t), intent(inout) :: pair
     real(dp), intent(inout) :: peak(lanes)
-    real(dp), intent(out) :: bound(lanes), excess
-    real(dp) :: load, slope, rise, fall
+    real(dp), intent(out) :: bound(lanes)
+    real(dp) :: load, load_slope, rise, fall
     integer :: l
 
-    excess = 0
-    do l = 1, n
-      load = pair%weight(l)*stiffness(0)*pair%gap(l)
-      slope = pair%weight(l)*(width*stiffness(1)*pair%gap(l) + stiffness(0)*pair%gap_slope(l))
+    do l = 1, lanes
+      load = pair%weight(l)*stiffness(0)*gap(l)
+      load_slope = pair%weight(l)*(width*stiffness(1)*gap(l) + stiffness(0)*slope(l))
       rise = max(0.0_dp, pair%load_slope(l))
-      fall = max(0.0_dp, -slope)
-      ! A concave curve stays below its tangents.
+      fall = max(0.0_dp, -load_slope)
       bound(l) = max(pair%load(l), load) + min(rise, fall, (rise + fall)/4)
       peak(l) = max(peak(l), load)
-      excess = max(excess, bound(l) - peak(l))
       pair%load(l) = load
-      pair%load_slope(l) = slope
+      pair%load_slope(l) = load_slope
     end do
   end subroutine load_pair
 

@@ -27,7 +27,7 @@ module gearsweep_step
   !> overlap's sign while its contact stays as it is, `weight` 1 in contact and 0 apart.
   type :: member_t
     real(dp), dimension(lanes) :: weight = 0, sense = 1
-    real(dp), dimension(lanes) :: gap = 0, gap_slope = 0, load = 0, load_slope = 0
+    real(dp), dimension(lanes) :: load = 0, load_slope = 0
   end type member_t
 
 contains
