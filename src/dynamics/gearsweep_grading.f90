@@ -7,7 +7,7 @@ module gearsweep_grading
   use gearsweep_kinds, only: dp, pi
   implicit none
   private
-  public :: grading_t, make_grading, is_stiff, is_quarter, expected_steps, count_steps, spread_steps
+  public :: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
 
   !> Steps over the mesh phase at the phase t behind a break: the sum of dense*exp(-fade*t).
   type :: grading_t
@@ -46,13 +46,13 @@ contains
     is_stiff = grading%fastest*width > most
   end function is_stiff
 
-  !> Has the natural motion done a quarter of a turn at the phase t behind the break?
-  elemental logical function is_quarter(grading, t)
+  !> Has the natural motion done three quarters of a turn at the phase t behind the break?
+  elemental logical function has_turned(grading, t)
     type(grading_t), intent(in) :: grading
     real(dp), intent(in) :: t
 
-    is_quarter = grading%fastest*t >= 1.5_dp*pi
-  end function is_quarter
+    has_turned = grading%fastest*t >= 1.5_dp*pi
+  end function has_turned
 
   !> About how many steps a zone of `length` gets, a quarter less at worst.
   elemental real(dp) function expected_steps(grading, length) result(steps)

@@ -11,7 +11,7 @@ module gearsweep_motion
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gauss, only: nodes
-  use gearsweep_grading, only: grading_t, make_grading, is_stiff, is_quarter, expected_steps, count_steps, spread_steps
+  use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_radau, only: stiff_nodes
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
   use gearsweep_text, only: str
@@ -46,16 +46,22 @@ module gearsweep_motion
     real(dp) :: graded_for = 0         !< duration of the period, s; 0: equal steps
   end type resolution_t
 
+  !> What is special about a step.
+  type :: kind_t
+    !> A zone begins, or, where steps are graded, three quarters of a turn of the natural motion behind that.
+    logical :: begins = .false.
+    logical :: widens = .false.        !< a zone begins, or the step before was shorter
+    logical :: stiff = .false.         !< too long to see the natural motion: by Radau's points
+  end type kind_t
+
   !> Coefficients of each step: at the nodes of the integration and at both ends, one-sided at the breaks.
   type :: table_t
     integer :: steps = 0
     integer :: members = 0             !< pairs at most, and the coast side
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
-    !> A zone begins, or, where steps are graded, a quarter of the natural motion behind that.
-    logical, allocatable :: begins(:)
+    type(kind_t), allocatable :: kind(:)
     real(dp), allocatable :: left(:), width(:)      !< phases
-    logical, allocatable :: stiff(:)   !< steps too long to see the natural motion, by Radau's points
     real(dp), allocatable :: rate(:, :, :)          !< (member, node, step)
     real(dp), allocatable :: error(:, :, :)         !< (member, node, step)
     real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
@@ -179,20 +185,19 @@ contains
                    - 2*osc%damping_ratio*duration*sqrt(square)*y
   end function acceleration
 
-  !> The same at an end of step i.
-  pure real(dp) function end_acceleration(osc, table, i, end, contact, duration, x, y)
+  !> The same at an end of step i, where the members touch that the bits of `touch` tell.
+  pure real(dp) function end_acceleration(osc, table, i, end, touch, duration, x, y)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, end
+    integer, intent(in) :: i, end, touch
     real(dp), intent(in) :: duration, x, y
-    logical, intent(in) :: contact(:)
     real(dp) :: square, push
     integer :: j
 
     square = 0
     push = 0
-    do j = 1, size(contact)
-      if (.not. contact(j)) cycle
+    do j = 1, osc%members
+      if (.not. btest(touch, j - 1)) cycle
       square = square + table%end_rate(j, end, i)
       push = push + table%end_rate(j, end, i)*table%end_error(0, j, end, i)
     end do
@@ -224,7 +229,7 @@ contains
         if (resolution%graded_for > 0) then
           call grade_zone(osc, i, resolution, grading(i), first, last, table)
         else
-          table%begins(first) = .true.
+          table%kind(first) = kind_t(begins=.true., widens=.true.)
           table%width(first:last) = (zone%last - zone%first)/counts(i)
           table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
         end if
@@ -262,19 +267,22 @@ contains
     type(grading_t), intent(in) :: grading
     type(table_t), intent(inout) :: table
     real(dp) :: widths((last - first + 1)/resolution%times), behind
-    logical :: seen
+    logical :: noted
     integer :: k, step
 
     call spread_steps(grading, osc%zones(i)%last - osc%zones(i)%first, widths)
     behind = 0
-    seen = .false.
+    noted = .false.
     do k = 0, last - first
       step = first + k
       table%width(step) = widths(1 + k/resolution%times)/resolution%times
       table%left(step) = osc%zones(i)%first + behind
-      table%stiff(step) = is_stiff(grading, table%width(step))
-      table%begins(step) = k == 0 .or. (modulo(k, resolution%times) == 0 .and. .not. seen .and. is_quarter(grading, behind))
-      seen = seen .or. (k > 0 .and. table%begins(step))
+      associate (kind => table%kind(step))
+        kind%stiff = is_stiff(grading, table%width(step))
+        kind%widens = modulo(k, resolution%times) == 0
+        kind%begins = k == 0 .or. (kind%widens .and. .not. noted .and. has_turned(grading, behind))
+        noted = noted .or. (k > 0 .and. kind%begins)
+      end associate
       behind = behind + table%width(step)
     end do
   end subroutine grade_zone
@@ -288,8 +296,7 @@ contains
     table%steps = steps
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
-      allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
-      allocate (table%begins(steps), table%stiff(steps), source=.false.)
+      allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps), table%kind(steps))
       allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
       allocate (table%square(3, steps), table%push(3, steps))
@@ -324,7 +331,7 @@ contains
     n = last - first + 1
     do i = 1, n
       associate (step => first + i - 1)
-        if (table%stiff(step)) then
+        if (table%kind(step)%stiff) then
           s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*stiff_nodes
         else
           s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*nodes
@@ -368,7 +375,7 @@ contains
       table%end_error(0, coast, :, :) = -osc%backlash
       do i = 1, table%steps
         associate (zone => osc%zones(table%zone(i)))
-          s = table%left(i) + table%width(i)*merge(stiff_nodes, nodes, table%stiff(i))
+          s = table%left(i) + table%width(i)*merge(stiff_nodes, nodes, table%kind(i)%stiff)
           do j = 1, zone%pairs
             do k = 1, size(nodes)
               table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
