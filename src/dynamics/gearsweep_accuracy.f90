@@ -177,24 +177,27 @@ contains
     call note_inexact(options, points)
   end subroutine solve_lanes
 
-  !> Steps that grow behind each break, as many as the tolerance may want for these periods (s), where they
-  !> are fewer than half of equal ones.
+  !> Steps that grow behind each break, as many as the tolerance should want for these periods (s), where
+  !> they are fewer than half of equal ones; else none.
   pure type(resolution_t) function graded_resolution(osc, duration, options, tables) result(resolution)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration(:)
     type(accuracy_t), intent(in) :: options
     type(tables_t), intent(in) :: tables
+    ! Half of the table a radian behind the break, at 1e-6 or more.
+    real(dp), parameter :: dense = 0.8_dp
     real(dp) :: shortest, longest, equal
 
     shortest = minval(duration)
     longest = maxval(duration)
     equal = max(2*resolving_steps(osc, longest), first_guess(osc, longest, options, tables))
-    resolution = resolution_t(0.8_dp*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/shortest, 2, shortest)
-    if (options%steady%method /= by_shooting .or. graded_steps(osc, resolution) > equal/2) resolution = resolution_t()
+    resolution = resolution_t(dense*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/shortest, 2, shortest)
+    if (options%steady%method /= by_shooting .or. graded_steps(osc, resolution) > min(equal/2, real(options%most_steps, dp))) &
+      resolution = resolution_t()
   end function graded_resolution
 
-  !> One speed or all lanes in such steps; `solved` where all pairs stay in contact. (A change of contact
-  !> would want short steps behind it, too.)
+  !> One speed or all lanes in such steps, from a first resolution on. `solved` where all pairs stay in
+  !> contact: a change of contact would want short steps behind it, too.
   pure subroutine solve_graded(osc, duration, options, first, tables, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration(:)
@@ -211,14 +214,13 @@ contains
 
     resolution = first
     do trial = 1, most_trials
-      solved = .false.
-      if (graded_steps(osc, resolution) > options%most_steps) return
       call tabulate(osc, resolution, fine)
       call hold(osc, fine, duration, options, tables, points%steady)
-      if (.not. any(in_contact(points%steady))) return
+      solved = in_contact(points%steady)
+      if (.not. any(solved)) return
       call tabulate(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
       call hold(osc, coarse, duration, options, tables, half)
-      solved = in_contact(points%steady) .and. in_contact(half)
+      solved = solved .and. in_contact(half)
       points%steps = fine%steps
       points%work = points%work + 2*(fine%steps + coarse%steps)
       points%resolution = resolution
@@ -228,6 +230,7 @@ contains
       if (any(solved)) excess = maxval(points%step_error, mask=solved)/options%steady%tolerance
       if (excess <= 1) exit
       resolution%base = resolution%base*min(1.2_dp*excess**0.2_dp, 4.0_dp)
+      if (graded_steps(osc, resolution) > options%most_steps) exit
     end do
     call note_inexact(options, points)
   end subroutine solve_graded

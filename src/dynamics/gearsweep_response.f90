@@ -1,7 +1,7 @@
 !> The steady motion at one speed, followed over the path of contact.
 module gearsweep_response
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t, table_t, tabulate
+  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_period, only: period_t, maps_t, begin_maps, run_period
   use gearsweep_steady, only: has_answer
   use gearsweep_accuracy, only: accuracy_t, tables_t, point_t, solve_point, mesh_period
@@ -30,6 +30,7 @@ contains
     integer, parameter :: fewest = 200
     type(tables_t), allocatable :: tables
     type(accuracy_t) :: dense
+    type(resolution_t) :: resolution
     type(table_t) :: table
     type(trace_t) :: trace
     type(period_t) :: run
@@ -38,14 +39,18 @@ contains
     response%rpm = rpm
     allocate (tables)
     call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm), options, tables, response%point)
-    if (has_answer(response%point%steady%status) .and. response%point%steps < fewest .and. options%steps == 0) then
+    resolution = response%point%resolution
+    if (resolution%graded_for > 0) then
+      resolution%times = resolution%times*ceiling(fewest/real(response%point%steps, dp))
+    else if (has_answer(response%point%steady%status) .and. response%point%steps < fewest .and. options%steps == 0) then
       dense = options
       dense%steps = fewest
       call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm), dense, tables, response%point)
+      resolution = response%point%resolution
     end if
     allocate (response%s(0), response%load(0), response%error(0))
     if (.not. has_answer(response%point%steady%status)) return
-    call tabulate(osc, response%point%resolution, table)
+    call tabulate(osc, resolution, table)
     call begin_maps(table, maps)
     call run_period(osc, table, mesh_period(osc%mesh%teeth(1), rpm), response%point%steady%state, maps, run, trace)
     call pair_path(trace, response%s, response%load, response%error)

@@ -180,7 +180,8 @@ contains
 
     ! The answer shall not depend on what the tables were used for before.
     tables%steps_per_second = 0
-    if (options%accuracy%steps == 0 .and. options%accuracy%steady%method == by_shooting) then
+    ! One speed by itself is faster without lanes.
+    if (size(rpm) > 1 .and. options%accuracy%steps == 0 .and. options%accuracy%steady%method == by_shooting) then
       do k = block%first, block%last, lanes
         call solve_group(osc, rpm, k, min(k + lanes - 1, block%last), options, tables, points, solved)
       end do
