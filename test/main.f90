@@ -12,6 +12,7 @@ program check
   use test_extremes, only: run_extremes => run
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
+  use test_grading, only: run_grading => run
   use test_honesty, only: run_honesty => run
   use test_harmonics, only: run_harmonics => run
   use test_inputs, only: run_inputs => run
@@ -37,6 +38,7 @@ program check
     & suite_t('mesh', run_mesh), &
     & suite_t('harmonics', run_harmonics), &
     & suite_t('motion', run_motion), &
+    & suite_t('grading', run_grading), &
     & suite_t('sweep', run_sweep), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &

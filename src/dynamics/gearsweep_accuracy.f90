@@ -402,7 +402,8 @@ contains
       ! Where strong drag ends contact within a step or two, the order does not show.
       if (osc%damping_ratio > 1 .and. point%steady%partial) point%step_error = 20*point%step_error
       ! In long steps the order is less, down to the third where the stiffness is least smooth.
-      if (point%resolution%graded_for > 0) point%step_error = 3*point%step_error
+      if (point%resolution%graded_for > 0) point%step_error = 3*max(point%step_error, &
+          doubling_error(0.0_dp, 3*abs(point%steady%mark - half%mark)/osc%static_scale))
       ! So near to 1 that the steps' error decides on which side.
       if (has_answer(point%steady%status) .and. &
           abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = point_marginal

@@ -14,6 +14,7 @@ module gearsweep_grading
     private
     real(dp), dimension(3) :: dense = 0, fade = 0
     real(dp) :: fastest = 0                      !< rate of the natural motion over the phase
+    real(dp) :: turn = 0                         !< phase behind the break at which it is noted
   end type grading_t
 
 contains
@@ -25,16 +26,20 @@ contains
     ! As if what the coefficients ask for turned so many radians a period.
     real(dp), parameter :: smooth = 24
     real(dp), parameter :: slower = 1/7.0_dp     ! than the sixth that would do, to be safe
-    real(dp) :: fast
+    real(dp) :: rate, decay                      ! of the fastest motion, over the frequency
 
-    fast = 1
-    if (zeta > 1) fast = zeta + sqrt(zeta**2 - 1)
-    grading%fastest = fast*highest*duration
-    grading%dense = finest*[smooth, fast*highest*duration, 0.0_dp]
-    grading%fade = slower*[0.0_dp, merge(fast, zeta, zeta > 1)*lowest*duration, 0.0_dp]
-    if (.not. zeta > 1) return
-    grading%dense(3) = finest*highest*duration/fast
-    grading%fade(3) = slower*lowest*duration/fast
+    rate = 1
+    decay = zeta
+    if (zeta > 1) then
+      rate = zeta + sqrt(zeta**2 - 1)
+      decay = rate
+      grading%dense(3) = finest*highest*duration/rate
+      grading%fade(3) = slower*lowest*duration/rate
+    end if
+    grading%dense(:2) = finest*[smooth, rate*highest*duration]
+    grading%fade(2) = slower*decay*lowest*duration
+    grading%fastest = rate*highest*duration
+    grading%turn = min(1.5_dp*pi/rate, 1/max(decay, tiny(decay)))/(highest*duration)
   end function make_grading
 
   !> Is a step too long to see the natural motion, or its decay?
@@ -46,12 +51,13 @@ contains
     is_stiff = grading%fastest*width > most
   end function is_stiff
 
-  !> Has the natural motion done three quarters of a turn at the phase t behind the break?
+  !> Has the natural motion done three quarters of a turn at the phase t behind the break, or decayed to a
+  !> third? There errors of the steps behind the break show that its end, and the peak, may not.
   elemental logical function has_turned(grading, t)
     type(grading_t), intent(in) :: grading
     real(dp), intent(in) :: t
 
-    has_turned = grading%fastest*t >= 1.5_dp*pi
+    has_turned = t >= grading%turn
   end function has_turned
 
   !> About how many steps a zone of `length` gets, a quarter less at worst.
