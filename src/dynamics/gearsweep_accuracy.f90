@@ -401,9 +401,8 @@ contains
                                             abs(point%steady%mark - half%mark)/osc%static_scale))
       ! Where strong drag ends contact within a step or two, the order does not show.
       if (osc%damping_ratio > 1 .and. point%steady%partial) point%step_error = 20*point%step_error
-      ! In long steps the order is less, down to the third where the stiffness is least smooth.
-      if (point%resolution%graded_for > 0) point%step_error = 3*max(point%step_error, &
-          doubling_error(0.0_dp, 3*abs(point%steady%mark - half%mark)/osc%static_scale))
+      if (point%resolution%graded_for > 0) &
+        point%step_error = graded_error(point%step_error, abs(point%steady%mark - half%mark)/osc%static_scale)
       ! So near to 1 that the steps' error decides on which side.
       if (has_answer(point%steady%status) .and. &
           abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = point_marginal
@@ -419,6 +418,15 @@ contains
 
     doubling_error = max(peak, state/4)/20
   end function doubling_error
+
+  !> The same in graded steps: again three times raised, as in long steps the order is less, down to the third
+  !> where the stiffness is least smooth. The motion soon behind the breaks is asked in earnest, as its end
+  !> has long forgotten the error there.
+  pure real(dp) function graded_error(equal, behind)
+    real(dp), intent(in) :: equal, behind
+
+    graded_error = 3*max(equal, doubling_error(0.0_dp, 3*behind))
+  end function graded_error
 
   !> Steps of a period that see the fastest natural motion: 2.6 rad of it, or of its decay, a step.
   pure real(dp) function resolving_steps(osc, duration)
