@@ -48,10 +48,12 @@ contains
     type(member_t), intent(in) :: member(osc%members)
     type(maps_t), intent(inout) :: maps
     integer, intent(out) :: place
+    integer :: full(lanes)
 
     place = merge(i, 1, maps%kept)
     if (maps%kept .and. are_same(touch, maps%touch(:, place))) return
-    if (are_same(touch, spread(all_pairs(table, i), 1, lanes))) then
+    call note_touch(all_pairs(table, i), full)
+    if (are_same(touch, full)) then
       call make_map(osc, table, i, n, duration, maps%map(:, :, place))
     else
       call make_maps(osc, n, duration, table%width(i), table%rate(:, :, i), table%error(:, :, i), member, &
@@ -59,6 +61,13 @@ contains
     end if
     maps%touch(:, place) = touch
   end subroutine need_map
+
+  pure subroutine note_touch(all, touch)
+    integer, intent(in) :: all
+    integer, intent(out) :: touch(lanes)
+
+    touch = all
+  end subroutine note_touch
 
   pure logical function are_same(a, b)
     integer, intent(in), dimension(lanes) :: a, b
@@ -205,7 +214,7 @@ contains
     do i = 1, table%steps
       place = merge(i, 1, maps%kept)
       call make_map(osc, table, i, n, duration, maps%map(:, :, place))
-      maps%touch(:, place) = all_pairs(table, i)
+      call note_touch(all_pairs(table, i), maps%touch(:, place))
       call chain(maps%map(:, :, place), total)
       call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
       from = to
