@@ -56,8 +56,7 @@ contains
     if (are_same(touch, full)) then
       call make_map(osc, table, i, n, duration, maps%map(:, :, place))
     else
-      call make_maps(osc, n, duration, table%width(i), table%rate(:, :, i), table%error(:, :, i), member, &
-                     maps%map(:, :, place))
+      call make_maps(osc, table, i, n, duration, member, maps%map(:, :, place))
     end if
     maps%touch(:, place) = touch
   end subroutine need_map
@@ -111,38 +110,41 @@ contains
     call finish_map(n, table%width(i), square, drag, push, map)
   end subroutine make_map
 
-  !> Each lane with its own members in contact; rate and error: (member, node).
-  pure subroutine make_maps(osc, n, duration, width, rate, error, member, map)
+  !> Each lane with its own members in contact.
+  pure subroutine make_maps(osc, table, i, n, duration, member, map)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: n
-    real(dp), intent(in) :: duration(lanes), width
-    real(dp), intent(in), dimension(osc%members, 3) :: rate, error
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, n
+    real(dp), intent(in) :: duration(lanes)
     type(member_t), intent(in) :: member(osc%members)
     real(dp), intent(out) :: map(lanes, 6)
     real(dp), dimension(lanes, 3) :: square, drag, push
-    real(dp) :: time
+    real(dp) :: time, rate, pull
     integer :: j, k, l
 
     square = 0
     push = 0
     do j = 1, osc%members
+      if (j > table%pairs(i) .and. j <= osc%pairs) cycle
       do k = 1, 3
+        rate = table%rate(j, k, i)
+        pull = rate*table%error(j, k, i)
         do l = 1, n
-          square(l, k) = square(l, k) + member(j)%weight(l)*rate(j, k)
-          push(l, k) = push(l, k) + member(j)%weight(l)*(rate(j, k)*error(j, k))
+          square(l, k) = square(l, k) + member(j)%weight(l)*rate
+          push(l, k) = push(l, k) + member(j)%weight(l)*pull
         end do
       end do
     end do
     do k = 1, 3
       do l = 1, n
-        time = duration(l)*width
+        time = duration(l)*table%width(i)
         drag(l, k) = 2*osc%damping_ratio*sqrt(square(l, k))*time
         time = time**2
         square(l, k) = square(l, k)*time
         push(l, k) = (push(l, k) + osc%load*sum(1/osc%mass))*time
       end do
     end do
-    call finish_map(n, width, square, drag, push, map)
+    call finish_map(n, table%width(i), square, drag, push, map)
   end subroutine make_maps
 
   !> From displacements over the step to derivatives over the phase. Divided, as the error of 1/width

@@ -54,6 +54,7 @@ module gearsweep_motion
     real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
     !> Value, first and second derivative over the phase, (0:2, pair or member, end, step).
     real(dp), allocatable :: end_stiffness(:, :, :, :), end_error(:, :, :, :)
+    real(dp), allocatable :: crest(:)               !< a motion whose tangents stay above keeps all pairs in contact
     !> Sums over all pairs at the nodes: w^2, sum of k e, w.
     real(dp), allocatable :: square(:, :), push(:, :), omega(:, :)
   end type table_t
@@ -205,17 +206,18 @@ contains
         table%pairs(first:last) = zone%pairs
         table%width(first:last) = (zone%last - zone%first)/counts(i)
         table%left(first:last) = zone%first + [(j, j=0, counts(i) - 1)]*table%width(first)
-        if (zone%pairs < table%members) call clear_pairs(zone%pairs, first, last, table)
         do j = 1, zone%pairs
           call fill_pair(osc, zone, j, first, last, table)
         end do
       end associate
     end do
     if (osc%has_backlash) call fill_coast(osc, table)
+    call find_crests(osc, table)
     table%omega(:, :) = sqrt(table%square)
   end subroutine tabulate
 
-  !> Room for so many steps; that of the last table stays where it is as large.
+  !> Room for so many steps; that of the last table stays where it is as large. Pairs that a zone does not
+  !> have stay undefined.
   pure subroutine allocate_table(osc, steps, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
@@ -228,27 +230,31 @@ contains
     table%steps = steps
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
-      allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
+      allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps), table%crest(steps))
       allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
       allocate (table%square(3, steps), table%push(3, steps), table%omega(3, steps))
     end associate
   end subroutine allocate_table
 
-  !> Zeros for pairs that the steps first to last, those of one zone, do not have.
-  pure subroutine clear_pairs(pairs, first, last, table)
-    integer, intent(in) :: pairs, first, last
+  !> The highest profile error at the ends of each step and what its slopes take from the motion's; at least the
+  !> coast side.
+  pure subroutine find_crests(osc, table)
+    type(oscillator_t), intent(in) :: osc
     type(table_t), intent(inout) :: table
-    integer :: i
+    real(dp) :: height, steepness
+    integer :: i, j
 
-    do i = first, last
-      table%rate(pairs + 1:, :, i) = 0
-      table%error(pairs + 1:, :, i) = 0
-      table%end_rate(pairs + 1:, :, i) = 0
-      table%end_stiffness(:, pairs + 1:, :, i) = 0
-      table%end_error(:, pairs + 1:, :, i) = 0
+    do i = 1, table%steps
+      height = -osc%backlash
+      steepness = 0
+      do j = 1, table%pairs(i)
+        height = max(height, table%end_error(0, j, 1, i), table%end_error(0, j, 2, i))
+        steepness = max(steepness, abs(table%end_error(1, j, 1, i)), abs(table%end_error(1, j, 2, i)))
+      end do
+      table%crest(i) = height + steepness*table%width(i)/2
     end do
-  end subroutine clear_pairs
+  end subroutine find_crests
 
   !> Pair j over the steps first to last, those of one zone.
   pure subroutine fill_pair(osc, zone, j, first, last, table)
@@ -298,7 +304,10 @@ contains
     integer :: i, j, k
 
     associate (coast => osc%members)
+      table%rate(coast, :, :) = 0
+      table%end_rate(coast, :, :) = 0
       table%error(coast, :, :) = -osc%backlash
+      table%end_error(:, coast, :, :) = 0
       table%end_error(0, coast, :, :) = -osc%backlash
       do i = 1, table%steps
         associate (zone => osc%zones(table%zone(i)))

@@ -18,6 +18,9 @@ module gearsweep_period
   !> would slow the processor down.
   real(dp), parameter :: forgotten = 1e-150_dp
 
+  !> Above all profile errors.
+  real(dp), parameter :: far = 1e30_dp
+
 contains
 
   !> Follows the motion from `start` over one period of duration `duration` (s). `maps` begun for it.
@@ -76,17 +79,17 @@ contains
     type(member_t) :: member(osc%members)
     type(tops_t) :: tops(lanes)
     ! At the begin of a step and its end, which change places.
-    real(dp) :: x(lanes, 2), y(lanes, 2), gap(lanes, osc%members, 2), slope(lanes, osc%members, 2)
+    real(dp) :: x(lanes, 2), y(lanes, 2)
     real(dp), dimension(lanes) :: held, lowest, peak
     real(dp) :: map(lanes, 6), total(lanes, 4)
-    logical :: changes(lanes)
+    logical :: changes(lanes), whole
     integer :: touch(lanes), place, from, to, i, l
 
     from = 1
     to = 2
     x(:, from) = start(1, :)
     y(:, from) = start(2, :)
-    held = merge(0, 1, open .and. [(l <= n, l=1, lanes)])
+    held = merge(0.0_dp, far, open .and. [(l <= n, l=1, lanes)])
     changes = .false.
     peak = 0
     total = 0
@@ -96,30 +99,27 @@ contains
     do i = 1, table%steps
       if (begins_zone(table, i)) then
         call enter_zone(osc, table, i, n, x(:, from), held, touch, member, out)
-        call begin_gaps(table, i, x(:, from), y(:, from), gap(:, :, from), slope(:, :, from))
-        call begin_loads(table, i, gap(:, :, from), slope(:, :, from), member, peak)
+        call begin_loads(table, i, x(:, from), y(:, from), member, peak)
+        whole = all(touch == all_pairs(table, i))
       end if
       call need_map(osc, table, i, n, duration, touch, member, maps, place)
       call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
-      call look(osc, table, i, x(:, to), y(:, to), gap(:, :, from), slope(:, :, from), held, member, &
-                gap(:, :, to), slope(:, :, to), lowest)
-      if (any(lowest < 0)) then
-        changes = lowest < 0
+      changes = .false.
+      if (.not. (whole .and. stays_above(table, i, x, y, held))) &
+        call find_changes(osc, table, i, x, y, from, to, held, member, changes)
+      if (any(changes)) then
         map = maps%map(:, :, place)
         if (.not. allocated(crossing)) call make_crossing(osc, n, duration, crossing)
         call cross(osc, table, i, x(:, from), y(:, from), changes, peaks, crossing, touch, member, x(:, to), y(:, to), &
                    map, peak, out, trace)
         if (all(out(:n)%failed)) return
-        where (out%failed) held = 1
+        where (out%failed) held = far
+        whole = all(touch == all_pairs(table, i))
         call chain(map, total)
-        call look(osc, table, i, x(:, to), y(:, to), gap(:, :, from), slope(:, :, from), held, member, &
-                  gap(:, :, to), slope(:, :, to), lowest)
       else
-        changes = .false.
         call chain(maps%map(:, :, place), total)
       end if
-      if (peaks) call watch(osc, table, i, n, duration, x, y, from, to, gap(:, :, to), slope(:, :, to), changes, touch, &
-                            member, tops, peak)
+      if (peaks) call watch(osc, table, i, n, duration, x, y, from, to, changes, touch, member, tops, peak)
       if (present(trace) .and. .not. changes(1)) call note(osc, table, i, x(1, [from, to]), touch(1), trace)
       if (modulo(i, 64) == 0) call forget(total)
       from = to
@@ -166,85 +166,81 @@ contains
     end do
   end subroutine enter_zone
 
-  !> Overlap of each member, and its slope over the step, where the zone of step i begins.
-  pure subroutine begin_gaps(table, i, x, y, gap, slope)
+  !> Do the lanes that are not `held` stay above the highest profile error during step i? A convex curve
+  !> stays above its tangents.
+  pure logical function stays_above(table, i, x, y, held)
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
-    real(dp), intent(in), dimension(lanes) :: x, y
-    real(dp), intent(out), dimension(lanes, table%members) :: gap, slope
-    integer :: j
+    real(dp), intent(in) :: x(lanes, 2), y(lanes, 2), held(lanes)
+    real(dp) :: lowest(lanes)
+    integer :: l
 
-    do j = 1, table%members
-      gap(:, j) = x - table%end_error(0, j, 1, i)
-      slope(:, j) = (y - table%end_error(1, j, 1, i))*table%width(i)
+    do l = 1, lanes
+      lowest(l) = min(x(l, 1), x(l, 2)) - (abs(y(l, 1)) + abs(y(l, 2)))*(table%width(i)/4) + held(l)
     end do
-  end subroutine begin_gaps
+    stays_above = minval(lowest) > table%crest(i)
+  end function stays_above
 
-  !> The same where step i ends, at x, y; and what the overlaps, turned so that they are positive while
-  !> contact stays as it is, stay above on the way. Below 0 contact may change; where it is `held`, it does not.
-  pure subroutine look(osc, table, i, x, y, gap, slope, held, member, gap_next, slope_next, lowest)
+  !> The lanes in which a member may touch or leave during step i; not where contact is `held`.
+  pure subroutine find_changes(osc, table, i, x, y, from, to, held, member, changes)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i
-    real(dp), intent(in), dimension(lanes) :: x, y, held
-    real(dp), intent(in), dimension(lanes, osc%members) :: gap, slope
+    integer, intent(in) :: i, from, to
+    real(dp), intent(in) :: x(lanes, 2), y(lanes, 2), held(lanes)
     type(member_t), intent(in) :: member(osc%members)
-    real(dp), intent(out), dimension(lanes, osc%members) :: gap_next, slope_next
-    real(dp), intent(out) :: lowest(lanes)
+    logical, intent(out) :: changes(lanes)
+    real(dp) :: lowest(lanes)
     integer :: j
 
     lowest = huge(lowest)
     do j = 1, osc%members
       if (j > table%pairs(i) .and. j <= osc%pairs) cycle
-      call look_at(table%width(i), table%end_error(:1, j, 2, i), x, y, member(j)%sense, gap(:, j), slope(:, j), &
-                   gap_next(:, j), slope_next(:, j), lowest)
+      call lower(table%width(i), table%end_error(:1, j, :, i), x(:, from), y(:, from), x(:, to), y(:, to), &
+                 member(j)%sense, lowest)
     end do
-    where (held > 0) lowest = 0
-  end subroutine look
+    changes = lowest < 0 .and. held <= 0
+  end subroutine find_changes
 
-  !> One member: a convex curve stays above its tangents.
-  pure subroutine look_at(width, error, x, y, sense, gap, slope, gap_next, slope_next, lowest)
-    real(dp), intent(in) :: width, error(0:1)
-    real(dp), intent(in), dimension(lanes) :: x, y, sense, gap, slope
-    real(dp), intent(out), dimension(lanes) :: gap_next, slope_next
+  !> Lowers what overlaps, turned so that they are positive while contact stays as it is, stay above: a convex
+  !> curve stays above its tangents.
+  pure subroutine lower(width, error, x, y, x_next, y_next, sense, lowest)
+    real(dp), intent(in) :: width, error(0:1, 2)
+    real(dp), intent(in), dimension(lanes) :: x, y, x_next, y_next, sense
     real(dp), intent(inout) :: lowest(lanes)
     real(dp) :: before, after, fall, rise
     integer :: l
 
     do l = 1, lanes
-      gap_next(l) = x(l) - error(0)
-      slope_next(l) = (y(l) - error(1))*width
-      before = max(0.0_dp, sense(l)*gap(l))
-      after = sense(l)*gap_next(l)
-      fall = max(0.0_dp, -sense(l)*slope(l))
-      rise = max(0.0_dp, sense(l)*slope_next(l))
+      before = max(0.0_dp, sense(l)*(x(l) - error(0, 1)))
+      after = sense(l)*(x_next(l) - error(0, 2))
+      fall = max(0.0_dp, sense(l)*(error(1, 1) - y(l))*width)
+      rise = max(0.0_dp, sense(l)*(y_next(l) - error(1, 2))*width)
       lowest(l) = min(lowest(l), min(before, after) - min(fall, rise, (fall + rise)/4))
     end do
-  end subroutine look_at
+  end subroutine lower
 
-  !> The loads where the zone of step i begins.
-  pure subroutine begin_loads(table, i, gap, slope, member, peak)
+  !> The loads where the zone of step i begins, at x, y.
+  pure subroutine begin_loads(table, i, x, y, member, peak)
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
-    real(dp), intent(in), dimension(lanes, table%members) :: gap, slope
+    real(dp), intent(in), dimension(lanes) :: x, y
     type(member_t), intent(inout) :: member(:)
     real(dp), intent(inout) :: peak(lanes)
     real(dp) :: bound(lanes)
     integer :: j
 
     do j = 1, table%pairs(i)
-      call load_pair(table%width(i), table%end_stiffness(:1, j, 1, i), gap(:, j), slope(:, j), member(j), peak, bound)
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 1, i), table%end_error(:1, j, 1, i), x, y, member(j), &
+                     peak, bound)
     end do
   end subroutine begin_loads
 
-  !> The loads over step i from x, y to where the gaps are given: raises `peak`, and notes
-  !> where a load may be larger on the way.
-  pure subroutine watch(osc, table, i, n, duration, x, y, from, to, gap, slope, changes, touch, member, tops, peak)
+  !> The loads over step i: raises `peak`, and notes where a load may be larger on the way.
+  pure subroutine watch(osc, table, i, n, duration, x, y, from, to, changes, touch, member, tops, peak)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i, n, from, to, touch(lanes)
     real(dp), intent(in) :: duration(lanes), x(lanes, 2), y(lanes, 2)
-    real(dp), intent(in), dimension(lanes, osc%members) :: gap, slope
     logical, intent(in) :: changes(lanes)
     type(member_t), intent(inout) :: member(osc%members)
     type(tops_t), intent(inout) :: tops(lanes)
@@ -253,7 +249,8 @@ contains
     integer :: j, l
 
     do j = 1, table%pairs(i)
-      call load_pair(table%width(i), table%end_stiffness(:1, j, 2, i), gap(:, j), slope(:, j), member(j), peak, bound)
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 2, i), table%end_error(:1, j, 2, i), x(:, to), y(:, to), &
+                     member(j), peak, bound)
       if (.not. any(bound > peak)) cycle
       do l = 1, n
         if (changes(l) .or. bound(l) <= peak(l)) cycle
@@ -263,20 +260,21 @@ contains
     end do
   end subroutine watch
 
-  !> Moves the load of a pair to where its stiffness has this value and derivative: raises `peak`, and tells
-  !> what the load stays below on the way: a concave curve stays below its tangents.
-  pure subroutine load_pair(width, stiffness, gap, slope, pair, peak, bound)
-    real(dp), intent(in) :: width, stiffness(0:1)
-    real(dp), intent(in), dimension(lanes) :: gap, slope
+  !> Moves the load of a pair to x, y, where its stiffness and profile error have this value and derivative:
+  !> raises `peak`, and tells what the load stays below on the way: a concave curve stays below its tangents.
+  pure subroutine load_pair(width, stiffness, error, x, y, pair, peak, bound)
+    real(dp), intent(in) :: width, stiffness(0:1), error(0:1)
+    real(dp), intent(in), dimension(lanes) :: x, y
     type(member_t), intent(inout) :: pair
     real(dp), intent(inout) :: peak(lanes)
     real(dp), intent(out) :: bound(lanes)
-    real(dp) :: load, load_slope, rise, fall
+    real(dp) :: gap, load, load_slope, rise, fall
     integer :: l
 
     do l = 1, lanes
-      load = pair%weight(l)*stiffness(0)*gap(l)
-      load_slope = pair%weight(l)*(width*stiffness(1)*gap(l) + stiffness(0)*slope(l))
+      gap = x(l) - error(0)
+      load = pair%weight(l)*stiffness(0)*gap
+      load_slope = pair%weight(l)*width*(stiffness(1)*gap + stiffness(0)*(y(l) - error(1)))
       rise = max(0.0_dp, pair%load_slope(l))
       fall = max(0.0_dp, -load_slope)
       bound(l) = max(pair%load(l), load) + min(rise, fall, (rise + fall)/4)

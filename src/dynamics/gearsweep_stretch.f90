@@ -77,6 +77,7 @@ contains
       end associate
     end do
     do j = 1, osc%members
+      if (j > table%pairs(i) .and. j <= osc%pairs) cycle
       c%error(:, j) = quintic(scale*table%end_error(:, j, 1, i), scale*table%end_error(:, j, 2, i))
     end do
     if (osc%damping_ratio > 1) c%longest = longest_stretch(osc, c%duration*table%width(i))
