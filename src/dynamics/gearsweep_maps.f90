@@ -8,15 +8,21 @@ module gearsweep_maps
   use gearsweep_step, only: period_t, member_t, all_pairs
   implicit none
   private
-  public :: maps_t, begin_maps, need_map, move, chain, hold_lanes
+  public :: maps_t, begin_maps, need_map, move, chain, forget, hold_lanes, leave_held
 
   !> Of periods with more than `most_kept` steps only the last map is kept.
   type :: maps_t
     logical :: kept = .false.
     real(dp), allocatable :: map(:, :, :)        !< what x, y and 1 become, two elements each: (lane, element, place)
     integer, allocatable :: touch(:, :)          !< what touches in it, (lane, place)
+    logical :: held = .false.                    !< all pairs touch in all of them, then
+    real(dp) :: total(lanes, 4) = 0              !< all of them one after the other
   end type maps_t
   integer, parameter :: most_kept = 2048, not_made = -1
+
+  !> A start of which less than this is left tells nothing; on its way to 0 it
+  !> would slow the processor down.
+  real(dp), parameter :: forgotten = 1e-150_dp
 
 contains
 
@@ -37,6 +43,7 @@ contains
       maps%map = 0
     end if
     maps%touch(:, :places) = not_made
+    maps%held = .false.
   end subroutine begin_maps
 
   !> Where the map of step i is for the first `n` lanes with these members in contact.
@@ -194,6 +201,29 @@ contains
     end do
   end subroutine chain
 
+  !> From `held` maps to others after so many steps: what these steps make one after the other.
+  pure subroutine leave_held(steps, maps, total)
+    integer, intent(in) :: steps
+    type(maps_t), intent(inout) :: maps
+    real(dp), intent(inout) :: total(lanes, 4)
+    integer :: i
+
+    do i = 1, steps
+      call chain(maps%map(:, :, i), total)
+      if (modulo(i, 64) == 0) call forget(total)
+    end do
+    maps%held = .false.
+  end subroutine leave_held
+
+  pure subroutine forget(total)
+    real(dp), intent(inout) :: total(lanes, 4)
+    integer :: l
+
+    do l = 1, lanes
+      if (all(abs(total(l, :)) < forgotten)) total(l, :) = 0
+    end do
+  end subroutine forget
+
   !> One period of the first `n` lanes from `start`, in which every pair between A and E stays in contact,
   !> pull or push: the state after it and its derivative by `start`.
   pure subroutine hold_lanes(osc, table, n, duration, start, maps, out)
@@ -218,10 +248,13 @@ contains
       call make_map(osc, table, i, n, duration, maps%map(:, :, place))
       call note_touch(all_pairs(table, i), maps%touch(:, place))
       call chain(maps%map(:, :, place), total)
+      if (modulo(i, 64) == 0) call forget(total)
       call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
       from = to
       to = 3 - from
     end do
+    maps%held = maps%kept
+    maps%total = total
     do l = 1, n
       out(l)%map(:, 1) = total(l, :2)
       out(l)%map(:, 2) = total(l, 3:)

@@ -5,18 +5,14 @@ module gearsweep_period
   use gearsweep_kinds, only: dp
   use gearsweep_contact, only: crossing_t, make_crossing, cross
   use gearsweep_gauss, only: lanes
-  use gearsweep_maps, only: maps_t, begin_maps, need_map, move, chain, hold_lanes
+  use gearsweep_maps, only: maps_t, begin_maps, need_map, move, chain, forget, hold_lanes, leave_held
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_peaks, only: top_t, tops_t, note_top, settle_tops
-  use gearsweep_step, only: period_t, member_t, touches, all_pairs, set_contact, note_contact, begins_zone
+  use gearsweep_step, only: period_t, member_t, touches, all_pairs, note_contact, begins_zone
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
   public :: period_t, maps_t, begin_maps, run_period, hold_period, run_lanes, hold_lanes
-
-  !> A start of which less than this is left tells nothing; on its way to 0 it
-  !> would slow the processor down.
-  real(dp), parameter :: forgotten = 1e-150_dp
 
   !> Above all profile errors.
   real(dp), parameter :: far = 1e30_dp
@@ -82,7 +78,7 @@ contains
     real(dp) :: x(lanes, 2), y(lanes, 2)
     real(dp), dimension(lanes) :: held, lowest, peak
     real(dp) :: map(lanes, 6), total(lanes, 4)
-    logical :: changes(lanes), whole
+    logical :: changes(lanes), whole, held_so_far
     integer :: touch(lanes), place, from, to, i, l
 
     from = 1
@@ -96,13 +92,19 @@ contains
     total(:, 1) = 1
     total(:, 4) = 1
     tops%count = 0
+    held_so_far = maps%held
     do i = 1, table%steps
       if (begins_zone(table, i)) then
         call enter_zone(osc, table, i, n, x(:, from), held, touch, member, out)
         call begin_loads(table, i, x(:, from), y(:, from), member, peak)
         whole = all(touch == all_pairs(table, i))
       end if
-      call need_map(osc, table, i, n, duration, touch, member, maps, place)
+      if (held_so_far .and. .not. whole) then
+        call leave_held(i - 1, maps, total)
+        held_so_far = .false.
+      end if
+      place = i
+      if (.not. held_so_far) call need_map(osc, table, i, n, duration, touch, member, maps, place)
       call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
       changes = .false.
       if (.not. (whole .and. stays_above(table, i, x, y, held))) &
@@ -115,8 +117,10 @@ contains
         if (all(out(:n)%failed)) return
         where (out%failed) held = far
         whole = all(touch == all_pairs(table, i))
+        if (held_so_far) call leave_held(i - 1, maps, total)
+        held_so_far = .false.
         call chain(map, total)
-      else
+      else if (.not. held_so_far) then
         call chain(maps%map(:, :, place), total)
       end if
       if (peaks) call watch(osc, table, i, n, duration, x, y, from, to, changes, touch, member, tops, peak)
@@ -125,6 +129,7 @@ contains
       from = to
       to = 3 - from
     end do
+    if (held_so_far) total = maps%total
     do l = 1, n
       call settle_tops(osc, table, duration(l), tops(l), peak(l))
       out(l)%peak = peak(l)
@@ -144,21 +149,23 @@ contains
     integer, intent(inout) :: touch(lanes)
     type(member_t), intent(inout) :: member(osc%members)
     type(period_t), intent(inout) :: out(lanes)
-    logical :: contact
-    integer :: j, l
+    integer :: contact, j, l
 
     touch = 0
     do j = 1, osc%members
       do l = 1, lanes
-        if (held(l) > 0) then
-          contact = j <= table%pairs(i)
-        else if (j > osc%pairs) then
-          contact = x(l) < -osc%backlash
+        if (j > osc%pairs) then
+          contact = merge(1, 0, x(l) + held(l) < -osc%backlash)
+        else if (j <= table%pairs(i)) then
+          contact = merge(1, 0, x(l) + held(l) > table%end_error(0, j, 1, i))
         else
-          contact = j <= table%pairs(i) .and. x(l) > table%end_error(0, j, 1, i)
+          contact = 0
         end if
-        call set_contact(osc, l, j, contact, touch(l), member(j))
+        touch(l) = touch(l) + contact*2**(j - 1)
+        member(j)%weight(l) = contact
+        member(j)%sense(l) = 2*contact - 1
       end do
+      if (j > osc%pairs) member(j)%sense = -member(j)%sense
     end do
     do l = 1, n
       if (touch(l) /= all_pairs(table, i)) call note_contact(osc, touch(l), out(l))
@@ -283,15 +290,6 @@ contains
       pair%load_slope(l) = load_slope
     end do
   end subroutine load_pair
-
-  pure subroutine forget(total)
-    real(dp), intent(inout) :: total(lanes, 4)
-    integer :: l
-
-    do l = 1, lanes
-      if (all(abs(total(l, :)) < forgotten)) total(l, :) = 0
-    end do
-  end subroutine forget
 
   pure subroutine note(osc, table, i, x, touch, trace)
     type(oscillator_t), intent(in) :: osc
