@@ -202,9 +202,10 @@ contains
   end subroutine chain
 
   !> From `held` maps to others after so many steps: what these steps make one after the other.
-  pure subroutine leave_held(steps, maps, total)
+  pure subroutine leave_held(steps, maps, along, total)
     integer, intent(in) :: steps
     type(maps_t), intent(inout) :: maps
+    logical, intent(inout) :: along
     real(dp), intent(inout) :: total(lanes, 4)
     integer :: i
 
@@ -213,6 +214,7 @@ contains
       if (modulo(i, 64) == 0) call forget(total)
     end do
     maps%held = .false.
+    along = .false.
   end subroutine leave_held
 
   pure subroutine forget(total)

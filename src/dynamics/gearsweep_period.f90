@@ -17,6 +17,22 @@ module gearsweep_period
   !> Above all profile errors.
   real(dp), parameter :: far = 1e30_dp
 
+  !> Motions on their way through the period; at the begin and at the end of a step, which change places.
+  type :: course_t
+    integer :: from = 1, to = 2
+    real(dp), dimension(lanes, 2) :: x, y
+    real(dp) :: total(lanes, 4)                  !< derivative by the first state, columns one after the other
+    real(dp) :: held(lanes)                      !< 0 where contact may change, else `far`
+    type(member_t), allocatable :: member(:)
+    integer :: touch(lanes)
+    logical :: whole                             !< every pair between A and E touches in every lane
+    logical :: along                             !< so it was in all steps, whose maps and their total are there
+    logical :: changes(lanes)                    !< of contact within the step
+    type(crossing_t), allocatable :: crossing
+    real(dp) :: peak(lanes)
+    type(tops_t) :: tops(lanes)
+  end type course_t
+
 contains
 
   !> Follows the motion from `start` over one period of duration `duration` (s). `maps` begun for it.
@@ -71,107 +87,120 @@ contains
     type(maps_t), intent(inout) :: maps
     type(period_t), intent(out) :: out(lanes)
     type(trace_t), intent(inout), optional :: trace
-    type(crossing_t), allocatable :: crossing
-    type(member_t) :: member(osc%members)
-    type(tops_t) :: tops(lanes)
-    ! At the begin of a step and its end, which change places.
-    real(dp) :: x(lanes, 2), y(lanes, 2)
-    real(dp), dimension(lanes) :: held, lowest, peak
-    real(dp) :: map(lanes, 6), total(lanes, 4)
-    logical :: changes(lanes), whole, held_so_far
-    integer :: touch(lanes), place, from, to, i, l
+    type(course_t) :: c
+    integer :: i, l
 
-    from = 1
-    to = 2
-    x(:, from) = start(1, :)
-    y(:, from) = start(2, :)
-    held = merge(0.0_dp, far, open .and. [(l <= n, l=1, lanes)])
-    changes = .false.
-    peak = 0
-    total = 0
-    total(:, 1) = 1
-    total(:, 4) = 1
-    tops%count = 0
-    held_so_far = maps%held
+    call begin(osc, start, open .and. [(l <= n, l=1, lanes)], maps, c)
     do i = 1, table%steps
-      if (begins_zone(table, i)) then
-        call enter_zone(osc, table, i, n, x(:, from), held, touch, member, out)
-        call begin_loads(table, i, x(:, from), y(:, from), member, peak)
-        whole = all(touch == all_pairs(table, i))
-      end if
-      if (held_so_far .and. .not. whole) then
-        call leave_held(i - 1, maps, total)
-        held_so_far = .false.
-      end if
-      place = i
-      if (.not. held_so_far) call need_map(osc, table, i, n, duration, touch, member, maps, place)
-      call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
-      changes = .false.
-      if (.not. (whole .and. stays_above(table, i, x, y, held))) &
-        call find_changes(osc, table, i, x, y, from, to, held, member, changes)
-      if (any(changes)) then
-        map = maps%map(:, :, place)
-        if (.not. allocated(crossing)) call make_crossing(osc, n, duration, crossing)
-        call cross(osc, table, i, x(:, from), y(:, from), changes, peaks, crossing, touch, member, x(:, to), y(:, to), &
-                   map, peak, out, trace)
-        if (all(out(:n)%failed)) return
-        where (out%failed) held = far
-        whole = all(touch == all_pairs(table, i))
-        if (held_so_far) call leave_held(i - 1, maps, total)
-        held_so_far = .false.
-        call chain(map, total)
-      else if (.not. held_so_far) then
-        call chain(maps%map(:, :, place), total)
-      end if
-      if (peaks) call watch(osc, table, i, n, duration, x, y, from, to, changes, touch, member, tops, peak)
-      if (present(trace) .and. .not. changes(1)) call note(osc, table, i, x(1, [from, to]), touch(1), trace)
-      if (modulo(i, 64) == 0) call forget(total)
-      from = to
-      to = 3 - from
+      if (begins_zone(table, i)) call enter_zone(osc, table, i, n, c, out)
+      call advance(osc, table, i, n, duration, peaks, maps, c, out, trace)
+      if (all(out(:n)%failed)) return
+      if (peaks) call watch(osc, table, i, n, duration, c)
+      if (present(trace) .and. .not. c%changes(1)) call note(osc, table, i, c%x(1, [c%from, c%to]), c%touch(1), trace)
+      if (modulo(i, 64) == 0) call forget(c%total)
+      c%from = c%to
+      c%to = 3 - c%from
     end do
-    if (held_so_far) total = maps%total
+    if (c%along) c%total = maps%total
     do l = 1, n
-      call settle_tops(osc, table, duration(l), tops(l), peak(l))
-      out(l)%peak = peak(l)
-      out(l)%state = [x(l, from), y(l, from)]
-      out(l)%map(:, 1) = total(l, :2)
-      out(l)%map(:, 2) = total(l, 3:)
+      call settle_tops(osc, table, duration(l), c%tops(l), c%peak(l))
+      out(l)%peak = c%peak(l)
+      out(l)%state = [c%x(l, c%from), c%y(l, c%from)]
+      out(l)%map(:, 1) = c%total(l, :2)
+      out(l)%map(:, 2) = c%total(l, 3:)
       out(l)%work = out(l)%work + table%steps
     end do
   end subroutine follow
 
-  !> Which members touch where the zone of step i begins.
-  pure subroutine enter_zone(osc, table, i, n, x, held, touch, member, out)
+  pure subroutine begin(osc, start, open, maps, c)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: start(2, lanes)
+    logical, intent(in) :: open(lanes)
+    type(maps_t), intent(in) :: maps
+    type(course_t), intent(inout) :: c
+
+    allocate (c%member(osc%members))
+    c%x(:, c%from) = start(1, :)
+    c%y(:, c%from) = start(2, :)
+    c%total = 0
+    c%total(:, 1) = 1
+    c%total(:, 4) = 1
+    c%held = merge(0.0_dp, far, open)
+    c%along = maps%held
+    c%peak = 0
+    c%tops%count = 0
+  end subroutine begin
+
+  !> Which members touch where the zone of step i begins, and their loads there.
+  pure subroutine enter_zone(osc, table, i, n, c, out)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i, n
-    real(dp), intent(in) :: x(lanes), held(lanes)
-    integer, intent(inout) :: touch(lanes)
-    type(member_t), intent(inout) :: member(osc%members)
+    type(course_t), intent(inout) :: c
     type(period_t), intent(inout) :: out(lanes)
+    real(dp) :: bound(lanes)
     integer :: contact, j, l
 
-    touch = 0
+    c%touch = 0
     do j = 1, osc%members
       do l = 1, lanes
         if (j > osc%pairs) then
-          contact = merge(1, 0, x(l) + held(l) < -osc%backlash)
+          contact = merge(1, 0, c%x(l, c%from) + c%held(l) < -osc%backlash)
         else if (j <= table%pairs(i)) then
-          contact = merge(1, 0, x(l) + held(l) > table%end_error(0, j, 1, i))
+          contact = merge(1, 0, c%x(l, c%from) + c%held(l) > table%end_error(0, j, 1, i))
         else
           contact = 0
         end if
-        touch(l) = touch(l) + contact*2**(j - 1)
-        member(j)%weight(l) = contact
-        member(j)%sense(l) = 2*contact - 1
+        c%touch(l) = c%touch(l) + contact*2**(j - 1)
+        c%member(j)%weight(l) = contact
+        c%member(j)%sense(l) = 2*contact - 1
       end do
-      if (j > osc%pairs) member(j)%sense = -member(j)%sense
+      if (j > osc%pairs) c%member(j)%sense = -c%member(j)%sense
     end do
+    c%whole = all(c%touch == all_pairs(table, i))
     do l = 1, n
-      if (touch(l) /= all_pairs(table, i)) call note_contact(osc, touch(l), out(l))
-      out(l)%mark = out(l)%mark + x(l)
+      if (c%touch(l) /= all_pairs(table, i)) call note_contact(osc, c%touch(l), out(l))
+      out(l)%mark = out(l)%mark + c%x(l, c%from)
+    end do
+    do j = 1, table%pairs(i)
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 1, i), table%end_error(:1, j, 1, i), c%x(:, c%from), &
+                     c%y(:, c%from), c%member(j), c%peak, bound)
     end do
   end subroutine enter_zone
+
+  !> The state at the end of step i, changes of contact on the way, and the derivative so far.
+  pure subroutine advance(osc, table, i, n, duration, peaks, maps, c, out, trace)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, n
+    real(dp), intent(in) :: duration(lanes)
+    logical, intent(in) :: peaks
+    type(maps_t), intent(inout) :: maps
+    type(course_t), intent(inout) :: c
+    type(period_t), intent(inout) :: out(lanes)
+    type(trace_t), intent(inout), optional :: trace
+    real(dp) :: map(lanes, 6)
+    integer :: place
+
+    if (c%along .and. .not. c%whole) call leave_held(i - 1, maps, c%along, c%total)
+    place = i
+    if (.not. c%along) call need_map(osc, table, i, n, duration, c%touch, c%member, maps, place)
+    call move(maps%map(:, :, place), c%x(:, c%from), c%y(:, c%from), c%x(:, c%to), c%y(:, c%to))
+    c%changes = .false.
+    if (.not. (c%whole .and. stays_above(table, i, c%x, c%y, c%held))) call find_changes(osc, table, i, c)
+    if (any(c%changes)) then
+      if (c%along) call leave_held(i - 1, maps, c%along, c%total)
+      if (.not. allocated(c%crossing)) call make_crossing(osc, n, duration, c%crossing)
+      map = maps%map(:, :, place)
+      call cross(osc, table, i, c%x(:, c%from), c%y(:, c%from), c%changes, peaks, c%crossing, c%touch, c%member, &
+                 c%x(:, c%to), c%y(:, c%to), map, c%peak, out, trace)
+      where (out%failed) c%held = far
+      c%whole = all(c%touch == all_pairs(table, i))
+      call chain(map, c%total)
+    else if (.not. c%along) then
+      call chain(maps%map(:, :, place), c%total)
+    end if
+  end subroutine advance
 
   !> Do the lanes that are not `held` stay above the highest profile error during step i? A convex curve
   !> stays above its tangents.
@@ -188,24 +217,22 @@ contains
     stays_above = minval(lowest) > table%crest(i)
   end function stays_above
 
-  !> The lanes in which a member may touch or leave during step i; not where contact is `held`.
-  pure subroutine find_changes(osc, table, i, x, y, from, to, held, member, changes)
+  !> The lanes in which a member may touch or leave during step i.
+  pure subroutine find_changes(osc, table, i, c)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, from, to
-    real(dp), intent(in) :: x(lanes, 2), y(lanes, 2), held(lanes)
-    type(member_t), intent(in) :: member(osc%members)
-    logical, intent(out) :: changes(lanes)
+    integer, intent(in) :: i
+    type(course_t), intent(inout) :: c
     real(dp) :: lowest(lanes)
     integer :: j
 
     lowest = huge(lowest)
     do j = 1, osc%members
       if (j > table%pairs(i) .and. j <= osc%pairs) cycle
-      call lower(table%width(i), table%end_error(:1, j, :, i), x(:, from), y(:, from), x(:, to), y(:, to), &
-                 member(j)%sense, lowest)
+      call lower(table%width(i), table%end_error(:1, j, :, i), c%x(:, c%from), c%y(:, c%from), c%x(:, c%to), c%y(:, c%to), &
+                 c%member(j)%sense, lowest)
     end do
-    changes = lowest < 0 .and. held <= 0
+    c%changes = lowest < 0 .and. .not. c%held > 0
   end subroutine find_changes
 
   !> Lowers what overlaps, turned so that they are positive while contact stays as it is, stay above: a convex
@@ -226,43 +253,25 @@ contains
     end do
   end subroutine lower
 
-  !> The loads where the zone of step i begins, at x, y.
-  pure subroutine begin_loads(table, i, x, y, member, peak)
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: i
-    real(dp), intent(in), dimension(lanes) :: x, y
-    type(member_t), intent(inout) :: member(:)
-    real(dp), intent(inout) :: peak(lanes)
-    real(dp) :: bound(lanes)
-    integer :: j
-
-    do j = 1, table%pairs(i)
-      call load_pair(table%width(i), table%end_stiffness(:1, j, 1, i), table%end_error(:1, j, 1, i), x, y, member(j), &
-                     peak, bound)
-    end do
-  end subroutine begin_loads
-
-  !> The loads over step i: raises `peak`, and notes where a load may be larger on the way.
-  pure subroutine watch(osc, table, i, n, duration, x, y, from, to, changes, touch, member, tops, peak)
+  !> The loads over step i: raises the peaks, and notes where a load may be larger on the way.
+  pure subroutine watch(osc, table, i, n, duration, c)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, n, from, to, touch(lanes)
-    real(dp), intent(in) :: duration(lanes), x(lanes, 2), y(lanes, 2)
-    logical, intent(in) :: changes(lanes)
-    type(member_t), intent(inout) :: member(osc%members)
-    type(tops_t), intent(inout) :: tops(lanes)
-    real(dp), intent(inout) :: peak(lanes)
+    integer, intent(in) :: i, n
+    real(dp), intent(in) :: duration(lanes)
+    type(course_t), intent(inout) :: c
     real(dp) :: bound(lanes)
-    integer :: j, l
+    integer :: ends(2), j, l
 
+    ends = [c%from, c%to]
     do j = 1, table%pairs(i)
-      call load_pair(table%width(i), table%end_stiffness(:1, j, 2, i), table%end_error(:1, j, 2, i), x(:, to), y(:, to), &
-                     member(j), peak, bound)
-      if (.not. any(bound > peak)) cycle
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 2, i), table%end_error(:1, j, 2, i), c%x(:, c%to), &
+                     c%y(:, c%to), c%member(j), c%peak, bound)
+      if (.not. any(bound > c%peak)) cycle
       do l = 1, n
-        if (changes(l) .or. bound(l) <= peak(l)) cycle
-        call note_top(osc, table, duration(l), top_t(bound(l), x(l, [from, to]), y(l, [from, to]), i, j, touch(l)), tops(l), &
-                      peak(l))
+        if (c%changes(l) .or. bound(l) <= c%peak(l)) cycle
+        call note_top(osc, table, duration(l), top_t(bound(l), c%x(l, ends), c%y(l, ends), i, j, c%touch(l)), c%tops(l), &
+                      c%peak(l))
       end do
     end do
   end subroutine watch
