@@ -325,7 +325,7 @@ contains
     if (tables%steps_per_second > 0) then
       steps = tables%steps_per_second*duration
     else
-      steps = 1.6_dp*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**root
+      steps = 1.2_dp*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**root
     end if
     steps = max(steps, 12*(1e-6_dp/options%steady%tolerance)**root)
   end function first_guess
