@@ -124,7 +124,7 @@ int gsc_motion(const char *text, size_t text_length, int nwork, const double *wo
                size_t message_size);
 
 /* Task mesh: one pair along the path of contact, static; arrays of rows, reliefs after each other.
-   s: base pitches from A; pair_n_um, mesh_n_um: stiffness of this pair, of all that carry;
+   s: base pitches from A; pair_n_um, mesh_n_um: stiffness of this pair, of all that carry and whole gears' discs;
    error_um: profile error; share: of the static load; ste_um: static transmission error */
 int gsc_mesh(const char *text, size_t text_length, int nwork, const double *work, int rows,
              double *relief_um, double *s, double *pair_n_um, double *mesh_n_um, double *error_um,

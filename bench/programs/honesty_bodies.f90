@@ -9,6 +9,7 @@ program honesty_bodies
   use, intrinsic :: iso_fortran_env, only: output_unit
   use bench_tools, only: check, number, numbers, word
   use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
   use gearsweep_material, only: material_t
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_stress, only: root_stress_t, root_stress

@@ -195,7 +195,7 @@ class Mesh(Result):
         Relief; path coordinate from A in base pitches, ascending. Where a pair enters or a relief begins,
         both sides have a row.
     pair_n_um, mesh_n_um : array (row)
-        Stiffness of this pair and of all that carry, whole width.
+        Stiffness of this pair; of all that carry and, of whole gears, their discs. Whole width.
     error_um : array (row)
         Profile error.
     share : array (row)

@@ -88,7 +88,7 @@ end subroutine gs_motion
 !> after each other, s ascending; where a pair enters or a relief begins, both sides have a row.
 !>
 !> relief_um(rows)  s(rows) base pitches from A    pair_n_um(rows)  stiffness of this pair
-!> mesh_n_um(rows)  stiffness of all pairs that carry             error_um(rows)  profile error
+!> mesh_n_um(rows)  of all pairs that carry and whole gears' discs  error_um(rows)  profile error
 !> share(rows)      of the static load             ste_um(rows)     static transmission error
 subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, error_um, share, ste_um, &
                    info, message)
