@@ -191,7 +191,7 @@ contains
   !> a test has to be quick.
   subroutine honest_estimates(t)
     type(tally_t), intent(inout) :: t
-    integer, parameter :: bodies = 8, modes = 4, most_across = 4
+    integer, parameter :: bodies = 8, modes = 4, most_across = 3
     type(random_body_t) :: body
     type(modal_t) :: asked, truth
     type(error_t), allocatable :: error

@@ -174,12 +174,17 @@ class Motion(Result):
         Mean mesh stiffness, whole width.
     frequency_hz : float
         Natural frequency.
+    turn_um, shared_um : float
+        What whole gears turn about their bores under the load, which the motion leaves out, and what neighbouring
+        teeth share beyond that: of a stiffness by finite elements, else 0.
     """
 
     load_n: float = _field('N')
     mass_kg: Reals = _field('kg', 'member')
     stiffness_n_um: float = _field('N/um')
     frequency_hz: float = _field('Hz')
+    turn_um: float = _field('um')
+    shared_um: float = _field('um')
 
     labels = {'member': ['pinion', 'gear']}
     rows = ('member',)
