@@ -45,10 +45,11 @@ contains
     integer, parameter :: places = 3
     real(dp), parameter :: node(places) = 0.5_dp + [-0.5_dp, 0.0_dp, 0.5_dp]*sqrt(0.6_dp)
     real(dp), parameter :: weight(places) = [5, 8, 5]/18.0_dp
-    real(dp) :: x(body%unknowns, 2*places + 1), pitch, curvature, turn, both
+    real(dp), allocatable :: x(:, :)
+    real(dp) :: pitch, curvature, turn, both
     integer :: i
 
-    x = 0
+    allocate (x(body%unknowns, 2*places + 1), source=0.0_dp)
     pitch = 2*pi*section%gear%base_radius(drive)/section%gear%spec%teeth
     do i = 1, places
       curvature = first + (last - pitch - first)*node(i)
