@@ -203,7 +203,8 @@ contains
     do while (found < bodies)
       i = i + 1
       call random_body(i, most_across, most_across, body)
-      if (body%bore_share > 0.12_dp .or. body%gear%spec%teeth > 16 .or. body%options%teeth > 2) cycle
+      if (body%bore_share > 0.12_dp .or. body%options%teeth > 2) cycle
+      if (body%options%teeth == 0 .and. body%gear%spec%teeth > 12) cycle
       found = found + 1
       call section_modes(body%gear, material_t(), body%options, modes, asked, error)
       call check_no_error(t, 'random body '//str(i), error)
