@@ -1,4 +1,5 @@
-"""How honest the reported error estimates are: random meshes against an independent reference.
+"""How honest the reported error estimates are: random meshes against an independent reference, random gear bodies against
+finer grids.
 
     python bench/honesty.py PROGRAMS        (bench/run.sh honesty sets up and does this)
 """
@@ -9,6 +10,7 @@ import tempfile
 
 import numpy as np
 
+from honesty_bodies import compare
 from report import COLOURS, Report, machine, plt, run, save_figure
 
 MESHES, SPEEDS = 80, 12
@@ -101,6 +103,7 @@ def main():
                    f'{error[i]:.1e}') for i in worst])
     report.csv('honesty', (*COLUMNS, 'true_error'), np.column_stack([*points.values(), error]))
     draw(points, error, chosen)
+    compare(report, programs)
     report.save()
 
 

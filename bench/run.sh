@@ -50,7 +50,8 @@ measure() {
   case $1 in
     dynamics) need g++ g++ && need /usr/include/boost/numeric/odeint.hpp libboost-dev && need octave-cli octave &&
       program dynamics && program dynamics-native -march=native && peer odeint && peer reference ;;
-    honesty) need g++ g++ && need /usr/include/boost/numeric/odeint.hpp libboost-dev && program honesty && peer reference ;;
+    honesty) need g++ g++ && need /usr/include/boost/numeric/odeint.hpp libboost-dev && program honesty &&
+      program honesty_bodies && peer reference ;;
     harmonics) program harmonics ;;
     elastic) need ccx calculix-ccx && program elastic ;;
     scenes) program scenes && build_package ;;

@@ -118,13 +118,14 @@ int gsc_geometry(const char *text, size_t text_length, double *radius_mm, double
                  size_t message_size);
 
 /* Static load on the line of action, effective masses[2] on it, mean mesh stiffness over the whole
-   width, natural frequency. */
+   width, natural frequency. turn_um: what whole gears turn about their bores under the load, not in the
+   motion; shared_um: what neighbouring teeth share beyond that; model 'fe', else 0. */
 int gsc_motion(const char *text, size_t text_length, int nwork, const double *work, double *load_n,
-               double *mass_kg, double *stiffness_n_um, double *frequency_hz, char *message,
-               size_t message_size);
+               double *mass_kg, double *stiffness_n_um, double *frequency_hz, double *turn_um,
+               double *shared_um, char *message, size_t message_size);
 
 /* Task mesh: one pair along the path of contact, static; arrays of rows, reliefs after each other.
-   s: base pitches from A; pair_n_um, mesh_n_um: stiffness of this pair, of all that carry;
+   s: base pitches from A; pair_n_um, mesh_n_um: stiffness of this pair, of all that carry and whole gears' discs;
    error_um: profile error; share: of the static load; ste_um: static transmission error */
 int gsc_mesh(const char *text, size_t text_length, int nwork, const double *work, int rows,
              double *relief_um, double *s, double *pair_n_um, double *mesh_n_um, double *error_um,

@@ -20,6 +20,7 @@ module gearsweep
   use gearsweep_material, only: material_t
   use gearsweep_stiffness, only: polynomial_stiffness, table_stiffness, iso_stiffness
   use gearsweep_weber, only: weber_stiffness
+  use gearsweep_disc, only: disc_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_section, only: section_options_t, section_t, make_section
   use gearsweep_modal, only: modal_t, section_modes

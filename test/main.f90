@@ -6,6 +6,7 @@ program check
   use test_band, only: run_band => run
   use test_branches, only: run_branches => run
   use test_elastic_body, only: run_elastic_body => run
+  use test_elastic_disc, only: run_elastic_disc => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
@@ -50,6 +51,7 @@ program check
     & suite_t('elastic_modes', run_elastic_modes), &
     & suite_t('elastic_stiffness', run_elastic_stiffness), &
     & suite_t('elastic_stress', run_elastic_stress), &
+    & suite_t('elastic_disc', run_elastic_disc), &
     & suite_t('scenes', run_scenes), &
     & suite_t('flat', run_flat)])
   print '(i0, a, i0, a)', all%passed, ' passed, ', all%failed, ' failed'

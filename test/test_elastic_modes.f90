@@ -8,8 +8,10 @@ module test_elastic_modes
   use gearsweep_material, only: material_t
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_modes, only: modes_t, find_modes
+  use gearsweep_q8, only: element_mass
   use gearsweep_section, only: section_options_t, section_t, make_section
   use gearsweep_text, only: str
+  use random_bodies, only: random_body_t, random_body
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
@@ -35,6 +37,8 @@ contains
     call tapered_cantilever(t)
     call hassan_section(t)
     call whole_gear_densely(t)
+    call small_bore(t)
+    call honest_estimates(t)
     call refusals(t)
   end subroutine run
 
@@ -143,6 +147,73 @@ contains
       call check_close(t, 'mode '//str(i)//' of the whole gear', modes%frequency(i), sqrt(w(i))/(2*pi), 1e-8_dp)
     end do
   end subroutine whole_gear_densely
+
+  !> On a very small bore a gear is a disc that turns on a spring: f = sqrt(c/J)/(2 pi), with the twist
+  !> of an annulus c = 4 pi G t/(1/ri**2 - 2/(ro**2 + ri**2)), as its mean over J feels it. Rayleigh's
+  !> quotient of that field is above the true frequency by terms of (ri/ro)**2.
+  subroutine small_bore(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: bore = 0.0004_dp, width = 0.02_dp
+    type(material_t), parameter :: steel = material_t()
+    type(gear_t) :: gear
+    type(modal_t) :: modal
+    type(error_t), allocatable :: error
+    real(dp) :: outer, spring, inertia
+
+    call make_gear(gear_spec_t('pinion', 20, 0.003_dp, face_width=width, bore_radius=bore), gear, error)
+    call section_modes(gear, steel, section_options_t(teeth=0, elements_across=4), 1, modal, error)
+    call check_no_error(t, 'small bore', error)
+    associate (area => modal%section%grid%area())
+      outer = sqrt(area/pi + bore**2)
+    end associate
+    spring = 2*pi*steel%young/(1 + steel%poisson)*width/(1/bore**2 - 2/(outer**2 + bore**2))
+    inertia = steel%density*width*polar_moment(modal%section%grid)
+    call check_close(t, 'disc on its twist', modal%modes%frequency(1), sqrt(spring/inertia)/(2*pi), relative=2e-3_dp)
+    call check_true(t, 'its estimate', modal%error_estimate(1) < 2e-3_dp, str(modal%error_estimate(1)))
+  end subroutine small_bore
+
+  !> Second moment of area about the origin, m4.
+  pure real(dp) function polar_moment(grid)
+    type(grid_t), intent(in) :: grid
+    integer :: e
+
+    polar_moment = 0
+    do e = 1, size(grid%element, 2)
+      associate (x => grid%x(:, grid%element(:, e)))
+        polar_moment = polar_moment + sum(x*matmul(x, element_mass(x)))
+      end associate
+    end do
+  end function polar_moment
+
+  !> Random bodies, whole gears and sections, on small bores, where estimates were once too good by an
+  !> order: one in twenty may be exceeded twofold. What is true comes from a grid three times as
+  !> fine; `sh bench/run.sh honesty` does this for more bodies, wide bores and finer grids. Few teeth, as
+  !> a test has to be quick.
+  subroutine honest_estimates(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: bodies = 8, modes = 4, most_across = 3
+    type(random_body_t) :: body
+    type(modal_t) :: asked, truth
+    type(error_t), allocatable :: error
+    integer :: i, found, optimistic
+
+    i = 0
+    found = 0
+    optimistic = 0
+    do while (found < bodies)
+      i = i + 1
+      call random_body(i, most_across, most_across, body)
+      if (body%bore_share > 0.12_dp .or. body%options%teeth > 2) cycle
+      if (body%options%teeth == 0 .and. body%gear%spec%teeth > 12) cycle
+      found = found + 1
+      call section_modes(body%gear, material_t(), body%options, modes, asked, error)
+      call check_no_error(t, 'random body '//str(i), error)
+      body%options%elements_across = 3*body%options%elements_across
+      call section_modes(body%gear, material_t(), body%options, modes, truth, error)
+      optimistic = optimistic + count(abs(asked%modes%frequency/truth%modes%frequency - 1) > 2*asked%error_estimate)
+    end do
+    call check_true(t, 'estimates hold twofold in 95 %', 20*optimistic <= bodies*modes, str(optimistic)//' of '//str(bodies*modes))
+  end subroutine honest_estimates
 
   type(gear_t) function hassan_gear() result(gear)
     type(error_t), allocatable :: error

@@ -1,6 +1,7 @@
 !> Tooth compliance and pair stiffness: convergence with the grid, the depth
 !> that must not matter, supports, equal and unequal gears.
 module test_elastic_stiffness
+  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness, tooth_compliance
   use gearsweep_flattening, only: contact_half_width, surface_to_depth
@@ -80,17 +81,18 @@ contains
     type(pair_t) :: pair
     type(fe_options_t) :: options
     type(piecewise_t) :: rough, usual, fine
+    type(disc_t) :: disc
     type(error_t), allocatable :: error
 
     pair = dogan_pair([25, 25], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, load, usual, error)
+    call fe_stiffness(pair, material_t(), options, load, usual, disc, error)
     call check_no_error(t, 'fe stiffness', error)
     options%section%elements_across = 7
-    call fe_stiffness(pair, material_t(), options, load, rough, error)
+    call fe_stiffness(pair, material_t(), options, load, rough, disc, error)
     options%section%elements_across = 40
     options%section%others_across = 10
     options%positions = 33
-    call fe_stiffness(pair, material_t(), options, load, fine, error)
+    call fe_stiffness(pair, material_t(), options, load, fine, disc, error)
     call check_close(t, 'pair stiffness, default grid', apart(usual, fine, pair%contact_ratio), 0.0_dp, absolute=1e-3_dp)
     call check_close(t, 'pair stiffness, rough grid', apart(rough, fine, pair%contact_ratio), 0.0_dp, absolute=1e-2_dp)
     call check_close(t, 'same at both ends', usual%value(0.0_dp), usual%value(pair%contact_ratio), relative=1e-12_dp)
@@ -104,14 +106,15 @@ contains
     type(pair_t) :: pair
     type(fe_options_t) :: options
     type(piecewise_t) :: near, far
+    type(disc_t) :: disc
     type(error_t), allocatable :: error
 
     pair = dogan_pair([25, 25], 0.0_dp)
     options%section%elements_across = 24
     options%depth = 0.25_dp
-    call fe_stiffness(pair, material_t(), options, load, near, error)
+    call fe_stiffness(pair, material_t(), options, load, near, disc, error)
     options%depth = 0.4_dp
-    call fe_stiffness(pair, material_t(), options, load, far, error)
+    call fe_stiffness(pair, material_t(), options, load, far, disc, error)
     call check_close(t, 'depth of the cut', apart(near, far, pair%contact_ratio), 0.0_dp, absolute=5e-3_dp)
   end subroutine depth
 
@@ -122,6 +125,7 @@ contains
     type(pair_t) :: pair
     type(fe_options_t) :: options
     type(piecewise_t) :: curve, wide
+    type(disc_t) :: disc, slit
     type(error_t), allocatable :: error
     real(dp) :: last, now
     integer :: i
@@ -131,15 +135,20 @@ contains
     last = huge(last)
     do i = 1, size(teeth)
       options%section%teeth = teeth(i)
-      call fe_stiffness(pair, material_t(), options, load, curve, error)
+      call fe_stiffness(pair, material_t(), options, load, curve, disc, error)
       call check_no_error(t, 'support with '//str(teeth(i))//' teeth', error)
-      now = curve%integral(0.0_dp, pair%contact_ratio)
+      now = 1/(1/curve%value(pair%contact_ratio/2) + disc%turn)
       call check_true(t, 'wider is softer', now < last, str(now)//' after '//str(last))
+      call check_true(t, 'only a whole gear turns', disc%turn > 0 .eqv. teeth(i) == 25)
       last = now
     end do
     options%section%half_angle = pi - 1e-9_dp
-    call fe_stiffness(pair, material_t(), options, load, wide, error)
-    call check_close(t, 'whole gear and slit gear', apart(wide, curve, pair%contact_ratio), 0.0_dp, absolute=3e-3_dp)
+    call fe_stiffness(pair, material_t(), options, load, wide, slit, error)
+    do i = 0, 8
+      associate (s => pair%contact_ratio*i/8)
+        call check_close(t, 'whole gear and slit gear', 1/curve%value(s) + disc%turn, 1/wide%value(s), relative=3e-3_dp)
+      end associate
+    end do
   end subroutine supports
 
   !> Exchanging unequal members mirrors the curve; flanks of unequal angle work.
@@ -148,23 +157,24 @@ contains
     type(pair_t) :: pair
     type(fe_options_t) :: options
     type(piecewise_t) :: one, other
+    type(disc_t) :: disc
     type(error_t), allocatable :: error
     integer :: i
 
     options%section%elements_across = 8
     pair = dogan_pair([25, 40], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, load, one, error)
+    call fe_stiffness(pair, material_t(), options, load, one, disc, error)
     call check_no_error(t, 'unequal gears', error)
     pair = dogan_pair([40, 25], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, load, other, error)
+    call fe_stiffness(pair, material_t(), options, load, other, disc, error)
     do i = 0, 8
       call check_close(t, 'mirrored', one%value(pair%contact_ratio*i/8), other%value(pair%contact_ratio*(8 - i)/8), &
                        relative=1e-9_dp)
     end do
     pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 30.0_dp])
-    call fe_stiffness(pair, material_t(), options, load, one, error)
+    call fe_stiffness(pair, material_t(), options, load, one, disc, error)
     pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 20.0_dp])
-    call fe_stiffness(pair, material_t(), options, load, other, error)
+    call fe_stiffness(pair, material_t(), options, load, other, disc, error)
     call check_true(t, 'a steeper coast flank stiffens', one%integral(0.0_dp, 1.0_dp) > 1.02_dp*other%integral(0.0_dp, 1.0_dp))
   end subroutine exchange
 
@@ -172,19 +182,20 @@ contains
     type(tally_t), intent(inout) :: t
     type(fe_options_t) :: options
     type(piecewise_t) :: curve
+    type(disc_t) :: disc
     type(error_t), allocatable :: error
     type(pair_t) :: pair
 
     pair = dogan_pair([25, 25], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, 0.0_dp, curve, error)
+    call fe_stiffness(pair, material_t(), options, 0.0_dp, curve, disc, error)
     call check_error(t, 'no load', error, '&load line_load_n_mm = 0')
-    call fe_stiffness(pair, material_t(poisson=0.5_dp), options, load, curve, error)
+    call fe_stiffness(pair, material_t(poisson=0.5_dp), options, load, curve, disc, error)
     call check_error(t, 'incompressible', error, '&material poisson')
-    call tooth_compliance(pair%gear(1), material_t(), options, 0.001_dp, 0.03_dp, curve, error)
+    call tooth_compliance(pair%gear(1), material_t(), options, 0.001_dp, 0.03_dp, curve, disc, error)
     call check_error(t, 'load off the path', error, 'off the flank')
     options%section%fixed_sides = .false.
     options%section%fixed_rim = .false.
-    call fe_stiffness(pair, material_t(), options, load, curve, error)
+    call fe_stiffness(pair, material_t(), options, load, curve, disc, error)
     call check_error(t, 'nothing fixed', error, '&section fixed')
   end subroutine refusals
 end module test_elastic_stiffness

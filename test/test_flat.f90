@@ -124,7 +124,7 @@ contains
   subroutine test_static_results(t)
     type(tally_t), intent(inout) :: t
     real(dp), allocatable :: s(:), radius(:), share(:, :), sigma(:, :, :), parts(:, :, :, :), mesh(:, :)
-    real(dp) :: relief(2), peak(2, 5), iso, lewis, modes(3, 4), none(1), drive(5)
+    real(dp) :: relief(2), peak(2, 5), iso, lewis, modes(3, 4), none(1), drive(7)
     integer :: n(10), length, info
     character(200) :: message
     character(9000) :: answer
@@ -144,7 +144,7 @@ contains
     call gs_mesh(text, 0, none, n(3), mesh(:, 1), mesh(:, 2), mesh(:, 3), mesh(:, 4), mesh(:, 5), mesh(:, 6), &
                  mesh(:, 7), info, message)
     call check_true(t, 'mesh', info == code_ok .and. maxval(mesh(:, 6)) <= 1 + 1e-12_dp)
-    call gs_motion(text, 0, none, drive(1), drive(2:3), drive(4), drive(5), info, message)
+    call gs_motion(text, 0, none, drive(1), drive(2:3), drive(4), drive(5), drive(6), drive(7), info, message)
     call check_close(t, 'load', drive(1), 4000.0_dp)
     call gs_report(text, '', 0, none, 1, answer(:20), length, info, message)
     call check_true(t, 'the answer needs room', info == code_input .and. length > 500)

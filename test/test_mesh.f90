@@ -3,6 +3,7 @@ module test_mesh
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
+  use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_material, only: material_t
   use gearsweep_mesh, only: mesh_t
   use gearsweep_motion, only: oscillator_t
@@ -30,6 +31,7 @@ contains
     call deflection(t)
     call sharing_identities(t)
     call slow_relief(t)
+    call discs(t)
   end subroutine run
 
   type(pair_t) function pair_of(teeth) result(pair)
@@ -215,4 +217,40 @@ contains
     call check_close(t, 'error of one pair', maxval(sharing%error), 20e-6_dp, 1e-12_dp)
     call check_close(t, 'no step left', minval(sharing%error), 20e-6_dp, 1e-12_dp)
   end subroutine slow_relief
+
+  !> Two pairs on discs, by their full compliance matrix: alone 1/K + turn, each under the other's load
+  !> turn + shared. Each pair's deflection under both loads, and its profile error, is the same
+  !> transmission error, which has the turn once.
+  subroutine discs(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: load = 8000
+    type(oscillator_t) :: osc
+    type(sharing_t) :: rigid, sharing
+    type(harmonics_t) :: harmonics
+    real(dp) :: alone, other
+    integer :: j, k
+
+    call prescribed(1.5_dp, [400.0_dp, 20.0_dp, -110.0_dp], [8.0_dp, 5.0_dp], 1, osc)
+    associate (mesh => osc%mesh)
+      mesh%disc%turn = 5e-9_dp
+      call share_load(mesh, load, 100, rigid)
+      mesh%disc%shared = 0.8e-9_dp
+      call share_load(mesh, load, 100, sharing)
+      do k = 1, size(sharing%phase)
+        call check_close(t, 'balance on discs', sum(sharing%load(:, k)), load, 1e-12_dp)
+        do j = 1, 2
+          if (.not. sharing%load(j, k) > 0) cycle
+          alone = 1/mesh%stiffness%value(sharing%s(j, k)) + mesh%disc%turn
+          other = mesh%disc%turn + mesh%disc%shared
+          call check_close(t, 'deflection on discs', mesh%profile_error%value(sharing%s(j, k)) &
+            + alone*sharing%load(j, k) + other*sharing%load(3 - j, k), sharing%error(k), 1e-12_dp)
+        end do
+      end do
+      call find_harmonics(mesh, load, 2, harmonics)
+    end associate
+    call check_close(t, 'peak-to-peak on discs', harmonics%peak_to_peak(), maxval(sharing%error) - minval(sharing%error), 1e-3_dp)
+    call check_true(t, 'mean has the turn', harmonics%mean > 40e-6_dp .and. harmonics%mean < 40e-6_dp + load/4e8_dp)
+    call check_close(t, 'one pair feels no sharing', sharing%error(maxloc(sharing%error, 1)), maxval(rigid%error), 1e-12_dp)
+    call check_true(t, 'two pairs do', minval(sharing%error) > minval(rigid%error) + 0.3e-9_dp*load)
+  end subroutine discs
 end module test_mesh

@@ -4,6 +4,7 @@ module test_scenes
   use gearsweep_accuracy, only: mesh_period
   use gearsweep_case, only: case_t, task_names
   use gearsweep_case_reader, only: read_case
+  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_gauss, only: lanes
@@ -271,6 +272,7 @@ contains
     type(pair_t) :: pair
     type(fe_options_t) :: options
     type(piecewise_t) :: once, twice
+    type(disc_t) :: disc
     type(error_t), allocatable :: error
 
     call read_case('&case tasks = ''geometry'' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 25 /'// &
@@ -280,10 +282,10 @@ contains
     pair = study%pair
     options%section%rim = 15e-3_dp
     options%section%elements_across = 6
-    call fe_stiffness(pair, case%material, options, 280e3_dp, once, error)
+    call fe_stiffness(pair, case%material, options, 280e3_dp, once, disc, error)
     call check_no_error(t, 'equal gears', error)
     pair%gear(2)%spec%bore_radius = 1e-3_dp
-    call fe_stiffness(pair, case%material, options, 280e3_dp, twice, error)
+    call fe_stiffness(pair, case%material, options, 280e3_dp, twice, disc, error)
     call check_no_error(t, 'the same twice', error)
     call check_true(t, 'equal gears: the same bits', same_bits(reshape(once%coef, [size(once%coef)]), &
                                                                reshape(twice%coef, [size(twice%coef)])))

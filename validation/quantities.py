@@ -59,6 +59,12 @@ def pair_stiffness(name, letter):
     return np.interp(_at(name, letter), mesh.s, mesh.pair_n_um)
 
 
+def static_error(name, letter):
+    """Static transmission error while a pair touches at a point of the path of contact, um."""
+    mesh = result('mesh', name)
+    return np.interp(_at(name, letter), mesh.s, mesh.ste_um)
+
+
 def hertz(name):
     """Largest contact pressure at the pitch point, where one pair carries the whole load."""
     curvature = [radius(name, member, 'base') * math.tan(working_angle(name)) for member in (1, 2)]

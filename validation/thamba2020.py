@@ -4,7 +4,7 @@ import math
 
 from . import ledger, quantities
 from .cases import given
-from .quantities import load, pair_stiffness, radius
+from .quantities import load, pair_stiffness, radius, static_error
 
 CASE, WHOLE = 'thamba', 'thamba+whole'
 
@@ -67,8 +67,8 @@ def relief_for_load():
 # Deformation and stress
 
 def disc_deflection():
-    """Half the deflection of one pair at P on whole discs, m."""
-    return 0.5e-6 * load(WHOLE) / pair_stiffness(WHOLE, 'P')
+    """Half the static transmission error at P, where one pair carries, on whole discs that turn about their bores, m."""
+    return 0.5e-6 * static_error(WHOLE, 'P')
 
 
 def root_tension():

@@ -15,6 +15,7 @@ program elastic
   use gearsweep_band, only: band_t, make_band
   use gearsweep_body, only: body_t, make_body
   use gearsweep_compliance, only: deflection_at_depth, flank_load, load_line
+  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive, coast
@@ -209,6 +210,7 @@ contains
     type(pair_t) :: pair
     type(fe_options_t) :: options
     type(piecewise_t) :: curve
+    type(disc_t) :: disc
     real(dp) :: from, taken
     integer :: i
 
@@ -220,7 +222,7 @@ contains
     options%section%others_across = others
     options%positions = places
     from = seconds()
-    call fe_stiffness(pair, material_t(), options, 280e3_dp, curve, error)
+    call fe_stiffness(pair, material_t(), options, 280e3_dp, curve, disc, error)
     call check(error)
     taken = seconds() - from
     write (output_unit, numbers) taken, (1/curve%value(pair%contact_ratio*i/(points - 1)), i=0, points - 1)

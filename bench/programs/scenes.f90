@@ -7,7 +7,7 @@
 !> relative difference of the answers, what it may be. One thread. Stops where it is more.
 program scenes
   use bench_tools, only: word, seconds, median, check
-  use gearsweep, only: dp, case_t, study_t, oscillator_t, error_t, pair_t, read_case, run_study, &
+  use gearsweep, only: dp, case_t, disc_t, study_t, oscillator_t, error_t, pair_t, read_case, run_study, &
                        fe_options_t, fe_stiffness
   use gearsweep_accuracy, only: mesh_period
   use gearsweep_case, only: speeds, task_names
@@ -269,6 +269,7 @@ contains
     logical, intent(in) :: full
     type(answer_t), intent(out) :: answer
     type(piecewise_t) :: curve
+    type(disc_t) :: disc
     type(fe_options_t) :: options
     type(error_t), allocatable :: error
     type(pair_t) :: gears
@@ -277,7 +278,7 @@ contains
     gears = pair
     if (full) gears%gear(2)%spec%bore_radius = 1e-3_dp
     options%section%rim = 5*gears%gear(1)%spec%module
-    call fe_stiffness(gears, pair_case%material, options, pair_case%line_load, curve, error)
+    call fe_stiffness(gears, pair_case%material, options, pair_case%line_load, curve, disc, error)
     call check(error)
     answer = exact([(curve%value(pair%contact_ratio*i/100), i=0, 100)])
   end subroutine equal_gears

@@ -174,12 +174,17 @@ class Motion(Result):
         Mean mesh stiffness, whole width.
     frequency_hz : float
         Natural frequency.
+    turn_um, shared_um : float
+        What whole gears turn about their bores under the load, which the motion leaves out, and what neighbouring
+        teeth share beyond that: of a stiffness by finite elements, else 0.
     """
 
     load_n: float = _field('N')
     mass_kg: Reals = _field('kg', 'member')
     stiffness_n_um: float = _field('N/um')
     frequency_hz: float = _field('Hz')
+    turn_um: float = _field('um')
+    shared_um: float = _field('um')
 
     labels = {'member': ['pinion', 'gear']}
     rows = ('member',)
@@ -195,7 +200,7 @@ class Mesh(Result):
         Relief; path coordinate from A in base pitches, ascending. Where a pair enters or a relief begins,
         both sides have a row.
     pair_n_um, mesh_n_um : array (row)
-        Stiffness of this pair and of all that carry, whole width.
+        Stiffness of this pair; of all that carry and, of whole gears, their discs. Whole width.
     error_um : array (row)
         Profile error.
     share : array (row)

@@ -58,6 +58,25 @@ def test_motion():
     assert motion.frequency_hz == pytest.approx(np.sqrt(1e6 * motion.stiffness_n_um / reduced) / (2 * np.pi), rel=1e-13)
 
 
+def test_whole_gears_turn_about_their_bores():
+    """Once for all pairs: what one pair alone adds up, and two pairs with half of what each has alone, if that is equal."""
+    case = Case(GEARED).changed(
+        mesh={'model': 'fe'}, section={'teeth': 0, 'fixed': 'rim', 'elements_across': 4}, relief={'amount_um': 0},
+        pinion={'teeth': 24, 'bore_mm': 8}, gear={'teeth': 24, 'bore_mm': 8},
+    )  # fmt: skip
+    work = gearsweep.prepare(case)
+    motion, mesh = gearsweep.motion(case, work=work), gearsweep.mesh(case, work=work)
+    assert motion.turn_um > 5 * motion.shared_um > 0
+    one = mesh.share == 1
+    np.testing.assert_allclose(mesh.ste_um[one], motion.load_n / mesh.pair_n_um[one] + motion.turn_um, rtol=1e-12)
+    # Equal gears, half the load each: the two pairs mirror each other.
+    half = np.argmin(np.abs(mesh.share - 0.5))
+    alone = motion.load_n / mesh.pair_n_um[half] - motion.shared_um
+    assert mesh.ste_um[half] == pytest.approx(alone / 2 + motion.shared_um + motion.turn_um, rel=1e-3)
+    np.testing.assert_allclose(mesh.mesh_n_um * mesh.ste_um, motion.load_n, rtol=1e-12)
+    np.testing.assert_array_equal(gearsweep.mesh(case).ste_um, mesh.ste_um)
+
+
 def test_reliefs_are_those_of_the_case():
     """To the last bit, so that they can be looked up."""
     reliefs = [0, 0.1, 0.7, 2.675, 15, 17.3, 33.33]

@@ -7,6 +7,7 @@ module gearsweep_border
   use gearsweep_case, only: case_t, task_names
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t, fail, code_input, code_ok, code_partial
+  use gearsweep_disc, only: disc_t
   use gearsweep_fe_stiffness, only: fe_knots
   use gearsweep_piecewise, only: constant, piecewise_t
   use gearsweep_report, only: failed_points
@@ -18,7 +19,7 @@ module gearsweep_border
             give_text, tell, work_size
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
-  integer, parameter :: head = 3
+  integer, parameter :: head = 5
   integer, parameter :: most_threads = 1024
   integer, parameter, public :: longest_text = 10**9
 
@@ -56,6 +57,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: folder
     type(piecewise_t), allocatable :: stiffness
+    type(disc_t) :: disc
     character(:), allocatable :: place
 
     if (allocated(error)) return
@@ -63,10 +65,10 @@ contains
     if (present(folder)) place = folder
     if (nwork /= 0) then
       allocate (stiffness)
-      call unpack_stiffness(case, nwork, work, stiffness, error)
+      call unpack_stiffness(case, nwork, work, stiffness, disc, error)
     end if
     ! One that is not allocated counts as not passed.
-    if (.not. allocated(error)) call run_study(case, place, threads, study, error, stiffness=stiffness)
+    if (.not. allocated(error)) call run_study(case, place, threads, study, error, stiffness=stiffness, disc=disc)
   end subroutine run_case
 
   !> A folder as the study takes it: empty for the current one, else with its slash.
@@ -163,18 +165,19 @@ contains
       call need_room('work', nwork, size_of(stiffness), error)
       if (allocated(error)) return
       n = size(stiffness%breaks)
-      work(2:head) = [real(n - 1, dp), real(size(stiffness%coef, 1), dp)]
+      work(2:head) = [real(n - 1, dp), real(size(stiffness%coef, 1), dp), study%mesh%disc%turn, study%mesh%disc%shared]
       work(head + 1:head + n) = stiffness%breaks
       work(head + n + 1:size_of(stiffness)) = reshape(stiffness%coef, [size(stiffness%coef)])
       work(1) = key_of(study%case, work(2:size_of(stiffness)))
     end associate
   end subroutine pack_stiffness
 
-  subroutine unpack_stiffness(case, nwork, work, stiffness, error)
+  subroutine unpack_stiffness(case, nwork, work, stiffness, disc, error)
     type(case_t), intent(in) :: case
     integer, intent(in) :: nwork
     real(dp), intent(in) :: work(*)
     type(piecewise_t), intent(out) :: stiffness
+    type(disc_t), intent(out) :: disc
     type(error_t), allocatable, intent(inout) :: error
     integer :: pieces, terms, n
     logical :: fits
@@ -194,6 +197,7 @@ contains
       call fail(error, code_input, 'work: is not of these gears, this material, section and load; prepare it again')
       return
     end if
+    disc = disc_t(turn=work(4), shared=work(5))
     allocate (stiffness%breaks, source=work(head + 1:n))
     allocate (stiffness%coef(0:terms - 1, pieces))
     stiffness%coef = reshape(work(n + 1:n + pieces*terms), [terms, pieces])

@@ -205,12 +205,12 @@ contains
     call give_text(trim(words), message, message_size)
   end function gsc_geometry
 
-  function gsc_motion(text, text_length, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, message, &
-                      message_size) result(info) bind(c)
+  function gsc_motion(text, text_length, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, turn_um, &
+                      shared_um, message, message_size) result(info) bind(c)
     type(c_ptr), value :: text, work, message
     integer(c_size_t), value :: text_length, message_size
     integer(c_int), value :: nwork
-    real(c_double), intent(inout), optional :: load_n, stiffness_n_um, frequency_hz
+    real(c_double), intent(inout), optional :: load_n, stiffness_n_um, frequency_hz, turn_um, shared_um
     real(c_double), intent(inout), optional :: mass_kg(2)
     integer(c_int) :: info
     character(:), allocatable :: case
@@ -218,9 +218,10 @@ contains
 
     call take_text(text, text_length, case, info, words)
     call need_all([nwork == 0 .or. c_associated(work), present(load_n), present(mass_kg), &
-                   present(stiffness_n_um), present(frequency_hz)], info, words)
+                   present(stiffness_n_um), present(frequency_hz), present(turn_um), &
+                   present(shared_um)], info, words)
     if (info == code_ok) call gs_motion(case, nwork, numbers(work, nwork), load_n, mass_kg, stiffness_n_um, &
-                                        frequency_hz, info, words)
+                                        frequency_hz, turn_um, shared_um, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_motion
 

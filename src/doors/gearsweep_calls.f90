@@ -84,11 +84,11 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_geometry
 
-    subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, info, message)
+    subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, turn_um, shared_um, info, message)
       character(*), intent(in) :: text
       integer, intent(in) :: nwork
       double precision, intent(in) :: work(*)
-      double precision, intent(inout) :: load_n, mass_kg(2), stiffness_n_um, frequency_hz
+      double precision, intent(inout) :: load_n, mass_kg(2), stiffness_n_um, frequency_hz, turn_um, shared_um
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_motion

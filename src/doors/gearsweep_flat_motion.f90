@@ -56,7 +56,9 @@ end subroutine gs_geometry
 !>
 !> load_n        static load on the line of action      mass_kg(2)    effective masses on it
 !> stiffness_n_um mean mesh stiffness, whole width      frequency_hz  natural frequency
-subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, info, message)
+!> turn_um       what whole gears turn about their bores under the load, on the line of action; not in the motion
+!> shared_um     what neighbouring teeth share beyond that, in the stiffness of each pair; both of model 'fe', else 0
+subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, turn_um, shared_um, info, message)
   use gearsweep_border, only: open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
@@ -66,7 +68,7 @@ subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequen
   character(*), intent(in) :: text
   integer, intent(in) :: nwork
   double precision, intent(in) :: work(*)
-  double precision, intent(inout) :: load_n, mass_kg(2), stiffness_n_um, frequency_hz
+  double precision, intent(inout) :: load_n, mass_kg(2), stiffness_n_um, frequency_hz, turn_um, shared_um
   integer, intent(out) :: info
   character(*), intent(out) :: message
   type(case_t) :: case
@@ -80,6 +82,8 @@ subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequen
     mass_kg = study%mass
     stiffness_n_um = study%mesh%mean_stiffness()/1d6
     frequency_hz = study%motion(1)%natural_frequency/(2*pi)
+    turn_um = 1d6*study%load*study%mesh%disc%turn
+    shared_um = 1d6*study%load*study%mesh%disc%shared
   end if
   call tell(error, info, message)
 end subroutine gs_motion
@@ -88,7 +92,7 @@ end subroutine gs_motion
 !> after each other, s ascending; where a pair enters or a relief begins, both sides have a row.
 !>
 !> relief_um(rows)  s(rows) base pitches from A    pair_n_um(rows)  stiffness of this pair
-!> mesh_n_um(rows)  stiffness of all pairs that carry             error_um(rows)  profile error
+!> mesh_n_um(rows)  of all pairs that carry and whole gears' discs  error_um(rows)  profile error
 !> share(rows)      of the static load             ste_um(rows)     static transmission error
 subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, error_um, share, ste_um, &
                    info, message)

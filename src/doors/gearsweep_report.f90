@@ -2,6 +2,7 @@
 module gearsweep_report
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body_report, only: add_modes, add_published, add_root, add_section
+  use gearsweep_disc, only: disc_t
   use gearsweep_gear, only: coast, drive
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_motion_report, only: add_optimum, add_responses, add_sweep
@@ -107,6 +108,7 @@ contains
                      str(motion%mesh%mean_stiffness()/micro, 4)//' N/um')
       if (width > 0) call lines%put(' ('//str(motion%mesh%mean_stiffness()/width*1e-9_dp, 4)//' N/um per mm of width)')
       call lines%add('')
+      if (motion%mesh%disc%turn > 0) call add_disc(motion%mesh%disc, study%load, lines)
       call lines%put(left('Load', 19)//str(study%load, 5)//' N on the line of action, effective masses '// &
                      str(study%mass(1), 4)//' and '//str(study%mass(2), 4)//' kg')
       if (case%needs_motion()) call lines%put(', damping ratio '//str(case%damping_ratio)//', friction '//str(case%friction))
@@ -115,6 +117,18 @@ contains
                      str(60*hertz/motion%mesh%teeth(1), 5)//' rpm of the pinion')
     end associate
   end subroutine add_mesh
+
+  !> What no pair's stiffness has.
+  pure subroutine add_disc(disc, load, lines)
+    type(disc_t), intent(in) :: disc
+    real(dp), intent(in) :: load
+    type(lines_t), intent(inout) :: lines
+
+    call lines%add(left('Discs', 19)//'turn by '//str(micro*load*disc%turn, 4)//' um on the line of action about their bores: '// &
+                   'in the static transmission error,')
+    call lines%add(left('', 19)//'not in the pairs'' stiffness nor in the motion; neighbouring teeth share '// &
+                   str(micro*load*disc%shared, 4)//' um')
+  end subroutine add_disc
 
   pure subroutine add_sharing(study, lines)
     type(study_t), intent(in) :: study

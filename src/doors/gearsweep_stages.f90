@@ -2,6 +2,7 @@
 module gearsweep_stages
   use gearsweep_kinds, only: dp, pi
   use gearsweep_case, only: case_t
+  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_files, only: beside, read_table
@@ -89,9 +90,9 @@ contains
     solid_inertia = pi/2*density*gear%spec%face_width*(gear%reference_radius**4 - gear%spec%bore_radius**4)
   end function solid_inertia
 
-  !> The path's data, and the stiffness by the chosen model under `load` (N) unless it is `known`.
-  !> `folder` is where the case's files lie.
-  subroutine build_mesh(case, pair, load, folder, mesh, error, known)
+  !> The path's data, and the stiffness by the chosen model under `load` (N) unless it is `known`, with
+  !> that of its `disc`. `folder` is where the case's files lie.
+  subroutine build_mesh(case, pair, load, folder, mesh, error, known, disc)
     type(case_t), intent(in) :: case
     type(pair_t), allocatable, intent(in) :: pair
     real(dp), intent(in) :: load
@@ -99,6 +100,7 @@ contains
     type(mesh_t), intent(out) :: mesh
     type(error_t), allocatable, intent(out) :: error
     type(piecewise_t), intent(in), optional :: known
+    type(disc_t), intent(in), optional :: disc
     real(dp) :: points(5)
 
     mesh%teeth = case%spec%teeth
@@ -115,17 +117,19 @@ contains
     end if
     if (present(known)) then
       mesh%stiffness = known
+      if (present(disc)) mesh%disc = disc
     else
-      call build_stiffness(case, pair, load, folder, mesh%contact_ratio, mesh%stiffness, error)
+      call build_stiffness(case, pair, load, folder, mesh%contact_ratio, mesh%stiffness, mesh%disc, error)
     end if
   end subroutine build_mesh
 
-  subroutine build_stiffness(case, pair, load, folder, contact_ratio, stiffness, error)
+  subroutine build_stiffness(case, pair, load, folder, contact_ratio, stiffness, disc, error)
     type(case_t), intent(in) :: case
     type(pair_t), allocatable, intent(in) :: pair
     real(dp), intent(in) :: load, contact_ratio
     character(*), intent(in) :: folder
     type(piecewise_t), intent(out) :: stiffness
+    type(disc_t), intent(out) :: disc
     type(error_t), allocatable, intent(out) :: error
     type(section_options_t) :: body
     real(dp), allocatable :: s(:), values(:)
@@ -135,7 +139,7 @@ contains
       ! The unloaded teeth may be coarser.
       body = case%section
       body%others_across = min(4, body%elements_across)
-      call fe_stiffness(pair, case%material, fe_options_t(section=body), line_load(), stiffness, error)
+      call fe_stiffness(pair, case%material, fe_options_t(section=body), line_load(), stiffness, disc, error)
     case ('weber')
       call weber_stiffness(pair, case%material, line_load(), stiffness, error)
     case ('iso6336')

@@ -5,6 +5,7 @@ module gearsweep_study
   use gearsweep_error, only: error_t
   use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_case, only: case_t, speeds
+  use gearsweep_disc, only: disc_t
   use gearsweep_files, only: beside, read_text
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_mesh, only: mesh_t
@@ -52,9 +53,9 @@ contains
 
   !> Runs what the case's tasks need. `folder` is where its files lie, with the
   !> slash; `threads` 0 takes all. `stiffness` is that of one pair (N/m over s)
-  !> where it is known already: of the same gears, material, section and load.
-  !> Any number of callers at once.
-  subroutine run_study(case, folder, threads, study, error, progress, stiffness)
+  !> where it is known already, with its `disc`: of the same gears, material, section
+  !> and load. Any number of callers at once.
+  subroutine run_study(case, folder, threads, study, error, progress, stiffness, disc)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     integer, intent(in) :: threads
@@ -62,14 +63,15 @@ contains
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
     type(piecewise_t), intent(in), optional :: stiffness
+    type(disc_t), intent(in), optional :: disc
 
     call hold_blas()
-    call run_stages(case, folder, threads, study, error, progress, stiffness)
+    call run_stages(case, folder, threads, study, error, progress, stiffness, disc)
     call release_blas()
   end subroutine run_study
 
   !> The same, whatever BLAS does with threads.
-  subroutine run_stages(case, folder, threads, study, error, progress, stiffness)
+  subroutine run_stages(case, folder, threads, study, error, progress, stiffness, disc)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     integer, intent(in) :: threads
@@ -77,6 +79,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     procedure(progress_of_sweep), optional :: progress
     type(piecewise_t), intent(in), optional :: stiffness
+    type(disc_t), intent(in), optional :: disc
     type(sweep_options_t) :: options
 
     study%case = case
@@ -100,7 +103,7 @@ contains
     end if
     call find_load(case, study%pair, study%base_pitch, study%load, study%mass)
     allocate (study%mesh)
-    call build_mesh(case, study%pair, study%load, folder, study%mesh, error, stiffness)
+    call build_mesh(case, study%pair, study%load, folder, study%mesh, error, stiffness, disc)
     if (present(stiffness)) call note(study, 'mesh: pair stiffness as passed in')
     if (.not. present(stiffness)) call note(study, 'mesh: pair stiffness by model '//case%model)
     if (allocated(error)) return

@@ -110,7 +110,7 @@ contains
     if (study%base_pitch > 0) columns = columns//',path_mm'
     if (allocated(study%pair)) columns = columns//',pinion_radius_mm,pinion_curvature_mm,gear_curvature_mm'
     call open_table(study, 'one pair along the path of contact, static; units: s in base pitches from A, '// &
-                    'stiffness in N/um over the whole face width (mesh: of the pairs that carry), '// &
+                    'stiffness in N/um over the whole face width (mesh: of the pairs that carry, and of whole gears'' discs), '// &
                     'load_share of the static load, ste: static transmission error in um', columns, lines)
     do i = 1, size(study%sharing)
       associate (sharing => study%sharing(i))

@@ -144,7 +144,7 @@ contains
     type(point_t), intent(out) :: points(lanes)
     logical, intent(out) :: solved(lanes)
     ! For the half's Newton iterations: of its solution, a twentieth counts.
-    real(dp), parameter :: most_lane_steps = 4096, loose = 100
+    real(dp), parameter :: most_lane_steps = 4096, loose = 1000
     type(steady_t) :: half(lanes)
     type(resolution_t) :: graded
     real(dp) :: least, longest
@@ -452,7 +452,7 @@ contains
     if (tables%steps_per_second > 0) then
       steps = tables%steps_per_second*duration
     else
-      steps = 1.6_dp*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**root
+      steps = 1.2_dp*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**root
     end if
     steps = max(steps, 12*(1e-6_dp/options%steady%tolerance)**root)
   end function first_guess

@@ -85,7 +85,7 @@ contains
   pure real(dp) function zero_between(c, low_end, high_end) result(t)
     real(dp), intent(in) :: c(0:5), low_end, high_end
     ! The correction after the last one would be its square.
-    real(dp), parameter :: tight = 1e-8_dp
+    real(dp), parameter :: tight = 1e-5_dp
     real(dp) :: low, high, ends(2), f, slope, sense, moved
     integer :: iteration, k
 

@@ -48,58 +48,65 @@ contains
     end do
   end subroutine deflection_at_depth
 
-  !> Where a load on the loaded tooth's drive flank acts, and along which unit vector.
-  pure subroutine load_line(section, radius, point, direction)
+  !> Where a load on a tooth's drive flank acts, and along which unit vector; on the loaded tooth unless said.
+  pure subroutine load_line(section, radius, point, direction, tooth)
     type(section_t), intent(in) :: section
     real(dp), intent(in) :: radius
     real(dp), intent(out) :: point(2), direction(2)
+    integer, intent(in), optional :: tooth
     real(dp) :: angle, along
 
     angle = section%axis(section%loaded) + section%gear%half_angle(drive, radius)
+    if (present(tooth)) angle = section%axis(tooth) + section%gear%half_angle(drive, radius)
     point = radius*[sin(angle), cos(angle)]
     along = angle - acos(min(1.0_dp, section%gear%base_radius(drive)/radius))
     direction = [-cos(along), sin(along)]
   end subroutine load_line
 
-  !> Adds a unit force, normal to the loaded tooth's drive flank at `radius`
-  !> (m), to the unknowns' forces `x`: consistent on the quadratic edge there.
-  subroutine flank_load(section, body, radius, x, error)
+  !> Adds a unit force, normal to a tooth's drive flank at `radius` (m), to the
+  !> unknowns' forces `x`: consistent on the quadratic edge there. It is the
+  !> loaded tooth unless said.
+  subroutine flank_load(section, body, radius, x, error, tooth)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: radius
     real(dp), intent(inout) :: x(:)
     type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: tooth
     real(dp) :: point(2), direction(2), share(3), local
-    integer :: nodes(3)
+    integer :: nodes(3), on
 
-    call find_edge(section, radius, nodes, local)
+    on = section%loaded
+    if (present(tooth)) on = tooth
+    call find_edge(section, on, radius, nodes, local)
     if (nodes(1) == 0) then
       call fail(error, code_input, 'load at radius '//str(1000*radius, 8)// &
         ' mm: off the flank, which runs from '//str(1000*section%gear%form_radius(drive), 8)//' to '// &
         str(1000*section%gear%tip_radius, 8)//' mm')
       return
     end if
-    call load_line(section, radius, point, direction)
+    call load_line(section, radius, point, direction, on)
     share = edge_functions(local)
     call add_force(body, nodes, share, direction, x)
   end subroutine flank_load
 
-  !> The edge of the drive flank that holds `radius`, and the place on it in [-1, 1].
-  pure subroutine find_edge(section, radius, nodes, local)
+  !> The edge of a tooth's drive flank that holds `radius`, and the place on it in [-1, 1].
+  pure subroutine find_edge(section, tooth, radius, nodes, local)
     type(section_t), intent(in) :: section
+    integer, intent(in) :: tooth
     real(dp), intent(in) :: radius
     integer, intent(out) :: nodes(3)
     real(dp), intent(out) :: local
     real(dp) :: low, high, slack
     integer :: line, j, k
 
-    line = section%flank_line(section%loaded, drive)
+    line = section%flank_line(tooth, drive)
     nodes = 0
     local = 0
     slack = 1e-9_dp*radius
     if (radius < section%gear%form_radius(drive) - slack .or. radius > section%gear%tip_radius + slack) return
     associate (node => section%grid%node, x => section%grid%x)
-      do j = ubound(node, 2) - 2, 2*section%rim_rows, -2
+      do j = findloc(node(line, :) > 0, .true., 1, back=.true.) - 3, 2*section%rim_rows, -2
         if (norm2(x(:, node(line, j))) <= radius + slack) exit
       end do
       j = max(j, 2*section%rim_rows)

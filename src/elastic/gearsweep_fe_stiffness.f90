@@ -4,6 +4,7 @@ module gearsweep_fe_stiffness
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t, make_body
   use gearsweep_compliance, only: deflection_at_depth
+  use gearsweep_disc, only: disc_t, disc_compliance
   use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_gear, only: gear_t, drive
@@ -31,19 +32,22 @@ module gearsweep_fe_stiffness
 
 contains
 
-  !> K(s) of one pair (N/m, smaller face width) over the path coordinate s.
+  !> K(s) of one pair (N/m, smaller face width) over the path coordinate s, without the turning of
+  !> whole gears about their bores, and what their discs yield under all pairs together (m/N).
   !>
   !> Both members are of `material`; `line_load` (N/m) is the nominal load that
   !> the flattening is taken at (secant stiffness). Equal gears share the work.
-  subroutine fe_stiffness(pair, material, options, line_load, curve, error)
+  subroutine fe_stiffness(pair, material, options, line_load, curve, disc, error)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material
     type(fe_options_t), intent(in) :: options
     real(dp), intent(in) :: line_load
     type(piecewise_t), intent(out) :: curve
+    type(disc_t), intent(out) :: disc
     type(error_t), allocatable, intent(out) :: error
     type(piecewise_t) :: tooth(2)
-    real(dp) :: s(fe_knots), half_width(fe_knots), flat(fe_knots), total(fe_knots)
+    type(disc_t) :: part(2)
+    real(dp) :: s(fe_knots), half_width(fe_knots), flat(fe_knots), total(fe_knots), width
     integer :: i
 
     if (.not. line_load > 0) then
@@ -54,26 +58,31 @@ contains
     associate (r1 => pair%curvature(1, s), r2 => pair%curvature(2, s), strain => options%section%plane_strain)
       half_width = contact_half_width(material, strain, line_load, r1, r2)
       call check_contact(maxval(half_width), pair%gear(1)%spec%module, line_load, error)
-      if (.not. allocated(error)) call both_teeth(pair, material, options, tooth, error)
+      if (.not. allocated(error)) call both_teeth(pair, material, options, tooth, part, error)
       if (allocated(error)) return
       flat = surface_to_depth(material, strain, half_width, pair%gear(1)%spec%module)
       do i = 1, fe_knots
         total(i) = tooth(1)%value(r1(i)) + tooth(2)%value(r2(i)) + 2*flat(i)
       end do
     end associate
-    if (any(.not. total > 0)) then
-      call fail(error, code_numerical, '&mesh model: the pair compliance is not positive at s = '// &
-        str(s(findloc(.not. total > 0, .true., 1)))//'; the line load is too large')
-      return
-    end if
-    curve = spline(s, minval(pair%gear%spec%face_width)/total)
+    associate (alone => total - sum(part%shared))
+      if (any(.not. alone > 0)) then
+        call fail(error, code_numerical, '&mesh model: the pair compliance is not positive at s = '// &
+          str(s(findloc(.not. alone > 0, .true., 1)))//'; the line load is too large')
+        return
+      end if
+    end associate
+    width = minval(pair%gear%spec%face_width)
+    curve = spline(s, width/total)
+    disc = disc_t(turn=sum(part%turn)/width, shared=sum(part%shared)/width)
   end subroutine fe_stiffness
 
-  subroutine both_teeth(pair, material, options, tooth, error)
+  subroutine both_teeth(pair, material, options, tooth, disc, error)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material
     type(fe_options_t), intent(in) :: options
     type(piecewise_t), intent(out) :: tooth(2)
+    type(disc_t), intent(out) :: disc(2)
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: ends(2)
     integer :: i
@@ -82,8 +91,9 @@ contains
       ends = pair%curvature(i, [0.0_dp, pair%contact_ratio])
       if (i == 2 .and. are_equal(pair%gear(1), pair%gear(2))) then
         tooth(2) = tooth(1)
+        disc(2) = disc(1)
       else
-        call tooth_compliance(pair%gear(i), material, options, minval(ends), maxval(ends), tooth(i), error)
+        call tooth_compliance(pair%gear(i), material, options, minval(ends), maxval(ends), tooth(i), disc(i), error)
         if (allocated(error)) return
       end if
     end do
@@ -91,17 +101,19 @@ contains
 
   !> Compliance (m2/N, per line load) of one tooth on its body over the radius
   !> of curvature of its drive flank from `first` to `last` (m), less
-  !> `surface_to_depth` for the depth of one module.
+  !> `surface_to_depth` for the depth of one module. Of a whole gear also less
+  !> what it turns about its bore, which `disc` has instead.
   !>
   !> Seen from two depths, h and 2 h, and extrapolated to depth 0: what the
   !> grid adds to the half plane between surface and depth is linear in h.
   !> Near the tip h shrinks with the tooth.
-  subroutine tooth_compliance(gear, material, options, first, last, curve, error)
+  subroutine tooth_compliance(gear, material, options, first, last, curve, disc, error)
     type(gear_t), intent(in) :: gear
     type(material_t), intent(in) :: material
     type(fe_options_t), intent(in) :: options
     real(dp), intent(in) :: first, last
     type(piecewise_t), intent(out) :: curve
+    type(disc_t), intent(out) :: disc
     type(error_t), allocatable, intent(out) :: error
     type(section_t) :: section
     type(body_t) :: body
@@ -119,10 +131,11 @@ contains
     radius = min(hypot(gear%base_radius(drive), curvature), gear%tip_radius)
     depth = smaller(options%depth*gear%spec%module, 0.35_dp*chord(gear, radius))
     call deflection_at_depth(section, body, radius, depth, 2*depth, near, far, error)
+    if (.not. allocated(error) .and. section%grid%closed) call disc_compliance(section, body, first, last, disc, error)
     if (allocated(error)) return
     near = near + surface_to_depth(material, options%section%plane_strain, gear%spec%module, depth)
     far = far + surface_to_depth(material, options%section%plane_strain, gear%spec%module, 2*depth)
-    curve = spline(curvature, 2*near - far + offset(material, options%section%plane_strain))
+    curve = spline(curvature, 2*near - far + offset(material, options%section%plane_strain) - disc%turn)
   end subroutine tooth_compliance
 
   !> Length (m) of the line of action within the tooth, on involutes of the drive flank.

@@ -21,7 +21,8 @@ contains
 
   !> The lowest `count` modes of a section of `gear`. The error estimate is what
   !> a grid of half the fineness differs by, over the ratio of steps squared
-  !> less one: second order, as the held corners are singular.
+  !> less one: second order, between the fourth of smooth fields and the 1.5 or so
+  !> of the singular held corners.
   subroutine section_modes(gear, material, options, count, product, error)
     type(gear_t), intent(in) :: gear
     type(material_t), intent(in) :: material

@@ -48,7 +48,8 @@ module gearsweep_section
     procedure :: is_held
   end type section_t
 
-  !> How the element size grows from the root inwards, per tooth width of depth.
+  !> Elements of the rim are as long as this share of their depth below the root, or of their
+  !> radius where that is less, over the number across a tooth.
   real(dp), parameter :: growth = 1.6_dp
   integer, parameter :: most_across = 200
 
@@ -207,7 +208,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: elements, unknowns, width, reach
 
-    reach = rim_reach(section, block)
+    reach = rim_steps(section, block, section%inner_radius)
     elements = columns*block(section%loaded)%across*reach/growth + sum(real(block%across, dp)*block%upper)
     unknowns = 6*elements
     width = 6*(block(section%loaded)%across*reach/growth + block(section%loaded)%upper)
@@ -218,13 +219,42 @@ contains
       str(section%options%most_memory*1e-9_dp, 3)//' GB')
   end subroutine check_size
 
-  !> Depth of the rim as a logarithm: its rows grow inwards in proportion to the depth.
-  pure real(dp) function rim_reach(section, block)
+  !> Rows of the rim grow in proportion to the depth below the root, as the teeth's stress spreads, and
+  !> shrink again with the radius towards a small bore. How far `radius` lies inwards, counted in
+  !> such steps: the integral of dr over their length.
+  pure real(dp) function rim_steps(section, block, radius) result(steps)
     type(section_t), intent(in) :: section
     type(tooth_block_t), intent(in) :: block(:)
+    real(dp), intent(in) :: radius
+    real(dp) :: first, turn
 
-    rim_reach = log(1 + growth*(section%gear%root_radius - section%inner_radius)/block(section%loaded)%width)
-  end function rim_reach
+    first = block(section%loaded)%width/growth
+    turn = turning_radius(section, first)
+    steps = log(1 + (section%gear%root_radius - max(radius, turn))/first)
+    if (radius < turn) steps = steps + log(turn/radius)
+  end function rim_steps
+
+  !> The radius so many steps inwards.
+  pure real(dp) function rim_radius(section, block, steps) result(radius)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(in) :: block(:)
+    real(dp), intent(in) :: steps
+    real(dp) :: first, turn, outer
+
+    first = block(section%loaded)%width/growth
+    turn = turning_radius(section, first)
+    outer = rim_steps(section, block, turn)
+    radius = section%gear%root_radius - first*(exp(min(steps, outer)) - 1)
+    if (steps > outer) radius = turn*exp(outer - steps)
+  end function rim_radius
+
+  !> Where the depth, and the first step beyond it, equal the radius.
+  pure real(dp) function turning_radius(section, first) result(radius)
+    type(section_t), intent(in) :: section
+    real(dp), intent(in) :: first
+
+    radius = min(section%gear%root_radius, (section%gear%root_radius + first)/2)
+  end function turning_radius
 
   !> Rim below, teeth above.
   subroutine fill_lattice(section, block, top, points, part)
@@ -237,7 +267,7 @@ contains
     integer :: i, j, k, c, rows, rim, columns
 
     columns = ubound(top, 2)/2
-    reach = rim_reach(section, block)
+    reach = rim_steps(section, block, section%inner_radius)
     rim = max(1, nint(block(section%loaded)%across*reach/growth))
     section%rim_rows = rim
     rows = rim + maxval(block%upper)
@@ -245,7 +275,8 @@ contains
     allocate (part(columns, rows), source=no_element)
     part(:, :rim) = 0
     do j = 0, 2*rim
-      share = (exp(reach*(2*rim - j)/(2.0_dp*rim)) - 1)/(exp(reach) - 1)
+      share = (section%gear%root_radius - rim_radius(section, block, reach*(2*rim - j)/(2.0_dp*rim))) &
+              /(section%gear%root_radius - section%inner_radius)
       do i = 0, 2*columns
         radius = norm2(top(:, i))
         points(:, i, j) = top(:, i)*(radius + (section%inner_radius - radius)*share)/radius

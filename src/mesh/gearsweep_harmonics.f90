@@ -27,7 +27,7 @@ module gearsweep_harmonics
   integer, parameter :: points = 16              !< of Gauss's rule on a panel
   integer, parameter :: most_halvings = 16
 
-  !> What is integrated: the transmission error over its scale, less 1.
+  !> What is integrated: the pairs' part of the transmission error over its scale, less 1; that of the discs is constant.
   type :: integrand_t
     type(mesh_t) :: mesh
     real(dp) :: load = 0, scale = 1
@@ -61,7 +61,11 @@ contains
         call extremes(f, zone, a, b, harmonics%least, harmonics%largest)
       end associate
     end do
-    harmonics%mean = f%scale*(1 + real(total(0), dp))
+    associate (discs => mesh%disc%yield()*load)
+      harmonics%mean = f%scale*(1 + real(total(0), dp)) + discs
+      harmonics%least = harmonics%least + discs
+      harmonics%largest = harmonics%largest + discs
+    end associate
     harmonics%rms = f%scale*sqrt(max(0.0_dp, real(total(-1), dp) - real(total(0), dp)**2))
     harmonics%amplitude = 2*f%scale*abs(total(1:))
     harmonics%phase = atan2(aimag(total(1:)), real(total(1:), dp))
@@ -93,7 +97,7 @@ contains
     f%tolerance = 1e-13_dp + 4e-15_dp*count
   end subroutine set_up
 
-  !> The static transmission error, m.
+  !> The pairs' part of the static transmission error, m.
   pure real(dp) function error_at(f, zone, phase)
     type(integrand_t), intent(in) :: f
     type(zone_t), intent(in) :: zone

@@ -5,6 +5,7 @@
 !> At mesh phase tau (0 to 1) the pairs j = 1, 2, ... stand at the path
 !> coordinates s = tau + j - 1, as long as s lies below the contact ratio.
 module gearsweep_mesh
+  use gearsweep_disc, only: disc_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_piecewise, only: piecewise_t
   implicit none
@@ -13,7 +14,8 @@ module gearsweep_mesh
 
   type :: mesh_t
     real(dp) :: contact_ratio = 0
-    type(piecewise_t) :: stiffness               !< K(s) of one pair, N/m
+    type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
+    type(disc_t) :: disc                         !< what the discs yield under all pairs together
     type(piecewise_t) :: profile_error           !< e(s) of one pair, m
     !> For friction alone: teeth of both members, path coordinate of the pitch
     !> point, tangent of the working pressure angle.
@@ -22,6 +24,7 @@ module gearsweep_mesh
     real(dp) :: tan_angle = 0
   contains
     procedure :: mean_stiffness
+    procedure :: own_stiffness
     procedure :: curvature_ratio
   end type mesh_t
 
@@ -44,6 +47,16 @@ contains
 
     mean_stiffness = mesh%stiffness%integral(0.0_dp, mesh%contact_ratio)
   end function mean_stiffness
+
+  !> Stiffness (N/m) of the pair at s beyond what it shares with the next one: in series with the
+  !> disc's compliance, which carries all pairs together, it is what the pair has alone.
+  elemental real(dp) function own_stiffness(mesh, s) result(stiffness)
+    class(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: s
+
+    stiffness = mesh%stiffness%value(s)
+    stiffness = stiffness/(1 - mesh%disc%shared*stiffness)
+  end function own_stiffness
 
   !> Radius of curvature over base radius of a member at s.
   elemental real(dp) function curvature_ratio(mesh, member, s) result(ratio)

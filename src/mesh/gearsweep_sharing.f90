@@ -1,4 +1,7 @@
 !> Static load sharing: which pairs carry how much, and the static transmission error.
+!>
+!> The pairs stand beside each other, each with its own stiffness; what the discs of whole gears
+!> yield under all of them is one spring in series, which no relief or share changes.
 module gearsweep_sharing
   use gearsweep_kinds, only: dp
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
@@ -10,7 +13,7 @@ module gearsweep_sharing
   type :: sharing_t
     real(dp), allocatable :: phase(:)            !< ascending, breaks twice
     real(dp), allocatable :: error(:)            !< static transmission error, m
-    real(dp), allocatable :: stiffness(:)        !< of the pairs that carry load, N/m
+    real(dp), allocatable :: stiffness(:)        !< of the pairs that carry load and the discs, N/m
     real(dp), allocatable :: s(:, :)             !< path coordinate of each pair; 2nd index as phase
     real(dp), allocatable :: load(:, :)          !< load of each pair, N; 0 where separated
     integer, allocatable :: pairs(:)             !< pairs between A and E
@@ -36,7 +39,7 @@ contains
     end do
   end function static_deflection
 
-  !> Stiffness (N/m) and profile error (m) of each pair at a phase of `zone`, one-sided at its ends.
+  !> Own stiffness (N/m) and profile error (m) of each pair at a phase of `zone`, one-sided at its ends.
   pure subroutine pairs_at(mesh, zone, phase, stiffness, error)
     type(mesh_t), intent(in) :: mesh
     type(zone_t), intent(in) :: zone
@@ -45,7 +48,7 @@ contains
     integer :: j
 
     do j = 1, zone%pairs
-      stiffness(j) = mesh%stiffness%value(phase + j - 1)
+      stiffness(j) = mesh%own_stiffness(phase + j - 1)
       error(j) = mesh%profile_error%value(phase + j - 1, zone%piece(j))
     end do
   end subroutine pairs_at
@@ -84,15 +87,19 @@ contains
     integer, intent(in) :: row
     type(sharing_t), intent(inout) :: sharing
     real(dp), dimension(zone%pairs) :: stiffness, error, gap
+    real(dp) :: deflection
     integer :: j
 
     sharing%s(:zone%pairs, row) = [(sharing%phase(row) + j - 1, j=1, zone%pairs)]
     call pairs_at(mesh, zone, sharing%phase(row), stiffness, error)
     sharing%pairs(row) = zone%pairs
-    sharing%error(row) = static_deflection(stiffness, error, load)
-    gap = sharing%error(row) - error
+    deflection = static_deflection(stiffness, error, load)
+    gap = deflection - error
+    sharing%error(row) = deflection + mesh%disc%yield()*load
     sharing%load(:zone%pairs, row) = stiffness*max(0.0_dp, gap)
-    sharing%stiffness(row) = sum(stiffness, mask=gap > 0)
+    associate (pairs => sum(stiffness, mask=gap > 0))
+      sharing%stiffness(row) = pairs/(1 + mesh%disc%yield()*pairs)
+    end associate
   end subroutine share_at
 
   !> Share of `load` (N) that the pair at path coordinate `s` carries.
@@ -107,7 +114,7 @@ contains
     pairs = 1 + floor(s) + max(0, ceiling(mesh%contact_ratio - s) - 1)
     allocate (stiffness(pairs), error(pairs))
     do j = 1, pairs
-      stiffness(j) = mesh%stiffness%value(first + j - 1)
+      stiffness(j) = mesh%own_stiffness(first + j - 1)
       error(j) = mesh%profile_error%value(first + j - 1)
     end do
     j = 1 + floor(s)

@@ -70,13 +70,15 @@ int main(void)
   show("backlash", &backlash, 1);
 
   /* The finite elements run here, and in no call that is given work. */
-  double *work = numbers(nwork), load, mass[2], stiffness, frequency;
+  double *work = numbers(nwork), load, mass[2], stiffness, frequency, turn, shared;
   check(gsc_prepare(text, length, NULL, nwork, work, message, sizeof message));
-  check(gsc_motion(text, length, nwork, work, &load, mass, &stiffness, &frequency, message, sizeof message));
+  check(gsc_motion(text, length, nwork, work, &load, mass, &stiffness, &frequency, &turn, &shared, message, sizeof message));
   show("load", &load, 1);
   show("mass", mass, 2);
   show("stiffness", &stiffness, 1);
   show("frequency", &frequency, 1);
+  show("turn", &turn, 1);
+  show("shared", &shared, 1);
 
   double *mesh[7];
   for (int k = 0; k < 7; k++) mesh[k] = numbers(rows);

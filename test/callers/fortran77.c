@@ -36,8 +36,9 @@ int gsc_geometry(text_t text, size_t n, double *a, double *b, double *c, double 
                  double *h, SAY)
 { CALL(gs_geometry_, text, a, b, c, d, e, f, g, h) }
 
-int gsc_motion(text_t text, size_t n, int nwork, work_t work, double *a, double *b, double *c, double *d, SAY)
-{ NO_WORK CALL(gs_motion_, text, &nwork, work, a, b, c, d) }
+int gsc_motion(text_t text, size_t n, int nwork, work_t work, double *a, double *b, double *c, double *d, double *e,
+               double *f, SAY)
+{ NO_WORK CALL(gs_motion_, text, &nwork, work, a, b, c, d, e, f) }
 
 int gsc_mesh(text_t text, size_t n, int nwork, work_t work, int rows, double *a, double *b, double *c, double *d,
              double *e, double *f, double *g, SAY)

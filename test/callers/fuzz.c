@@ -219,7 +219,7 @@ static void spoilt_size(void)
   long x, y, z;
   switch (which) {
     case 10: a = last_size(nwork), info = gsc_prepare(t, length, NULL, a, D(held(a, nwork)), message, words_room()); break;
-    case 11: info = gsc_motion(t, length, n, w, D(1), D(2), D(1), D(1), message, words_room()); break;
+    case 11: info = gsc_motion(t, length, n, w, D(1), D(2), D(1), D(1), D(1), D(1), message, words_room()); break;
     case 12:
       a = last_size(rows), x = held(a, rows);
       info = gsc_mesh(t, length, n, w, a, D(x), D(x), D(x), D(x), D(x), D(x), D(x), message, words_room());

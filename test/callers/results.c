@@ -75,11 +75,13 @@ int main(void)
 
   if (nwork > 0) {
     check(gsc_prepare(text, n, NULL, nwork, work, M));
-    check(gsc_motion(text, n, nwork, work, x[0], x[1], x[2], x[3], M));
+    check(gsc_motion(text, n, nwork, work, x[0], x[1], x[2], x[3], x[4], x[5], M));
     show("motion.load_n", x[0], 1);
     show("motion.mass_kg", x[1], 2);
     show("motion.stiffness_n_um", x[2], 1);
     show("motion.frequency_hz", x[3], 1);
+    show("motion.turn_um", x[4], 1);
+    show("motion.shared_um", x[5], 1);
   }
 
   if (asks("mesh")) {

@@ -53,12 +53,14 @@ C
         CALL GS_PREPARE(CASE, ' ', NWORK, WORK, INFO, MESSAG)
         CALL CHECK(INFO, MESSAG)
         CALL GS_MOTION(CASE, NWORK, WORK, X, X(1, 2), X(1, 3), X(1, 4),
-     1    INFO, MESSAG)
+     1    X(1, 5), X(1, 6), INFO, MESSAG)
         CALL CHECK(INFO, MESSAG)
         CALL SHOW('motion.load_n', X, 1)
         CALL SHOW('motion.mass_kg', X(1, 2), 2)
         CALL SHOW('motion.stiffness_n_um', X(1, 3), 1)
         CALL SHOW('motion.frequency_hz', X(1, 4), 1)
+        CALL SHOW('motion.turn_um', X(1, 5), 1)
+        CALL SHOW('motion.shared_um', X(1, 6), 1)
       END IF
 C
       IF (ASKS(CASE, 'mesh')) THEN

@@ -1,0 +1,45 @@
+!> Natural frequencies and root stress of random gear bodies with their error estimates, for bench/honesty_bodies.py.
+!>
+!>     honesty_bodies asked|true FIRST LAST
+!>
+!> A line for each body, on its grid or on one three to four times as fine: number, teeth in the section (0: whole gear),
+!> bore over root radius, elements across the tooth; tension, compression (Pa) and their estimate; frequencies (Hz) and
+!> their estimates.
+program honesty_bodies
+  use, intrinsic :: iso_fortran_env, only: output_unit
+  use bench_tools, only: check, number, numbers, word
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_material, only: material_t
+  use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_stress, only: root_stress_t, root_stress
+  use random_bodies, only: random_body_t, random_body
+  implicit none
+  integer, parameter :: modes = 8, most_section = 10, most_whole = 6, finest_section = 30, finest_whole = 20
+  integer :: i
+
+  do i = number(2), number(3)
+    call one_body(i)
+  end do
+
+contains
+
+  subroutine one_body(i)
+    integer, intent(in) :: i
+    type(random_body_t) :: body
+    type(error_t), allocatable :: error
+    type(modal_t) :: modal
+    type(root_stress_t) :: stress
+
+    call random_body(i, most_section, most_whole, body)
+    associate (options => body%options, across => body%options%elements_across)
+      if (word(1) == 'true') across = min(4*across, merge(finest_whole, finest_section, options%teeth == 0))
+      call section_modes(body%gear, material_t(), options, modes, modal, error)
+      call check(error)
+      call root_stress(body%gear, material_t(), options, [body%radius], [1e5_dp], stress, error)
+      call check(error)
+      write (output_unit, numbers) i, options%teeth, body%bore_share, across, stress%tension%stress, &
+        stress%compression%stress, stress%error_estimate, modal%modes%frequency, modal%error_estimate
+    end associate
+  end subroutine one_body
+end program honesty_bodies

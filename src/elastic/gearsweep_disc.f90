@@ -1,0 +1,102 @@
+!> What the disc of a whole gear, held at its bore, yields under all teeth in contact together.
+!>
+!> All loads of a gear mesh lie on one line, tangent to the base circle. So whichever tooth takes
+!> them, the body turns by the same angle, and the teeth beside it move too. A spring of each pair's
+!> own would count that once for each pair.
+module gearsweep_disc
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_body, only: body_t
+  use gearsweep_compliance, only: flank_load
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: drive
+  use gearsweep_q8, only: element_mass
+  use gearsweep_section, only: section_t
+  implicit none
+  private
+  public :: disc_t, disc_compliance, turning
+
+  !> Displacement along the line of action, m/N; of both gears where it belongs to a mesh.
+  type :: disc_t
+    !> As the body turns: the mean over its mass, which is what a rigid gear's inertia feels.
+    real(dp) :: turn = 0
+    !> What the load on a tooth moves the next one by beyond that.
+    real(dp) :: shared = 0
+  contains
+    procedure :: yield
+  end type disc_t
+
+contains
+
+  !> Both together, m/N: a spring in series with all pairs.
+  pure real(dp) function yield(disc)
+    class(disc_t), intent(in) :: disc
+
+    yield = disc%turn + disc%shared
+  end function yield
+
+  !> `disc` of a whole gear under a unit line load (m2/N), over radii of curvature of the drive flank
+  !> from `first` to `last` (m): the mean over the stretch where two teeth touch, by Gauss's rule.
+  subroutine disc_compliance(section, body, first, last, disc, error)
+    type(section_t), intent(in) :: section
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: first, last
+    type(disc_t), intent(out) :: disc
+    type(error_t), allocatable, intent(out) :: error
+    integer, parameter :: places = 3
+    real(dp), parameter :: node(places) = 0.5_dp + [-0.5_dp, 0.0_dp, 0.5_dp]*sqrt(0.6_dp)
+    real(dp), parameter :: weight(places) = [5, 8, 5]/18.0_dp
+    real(dp), allocatable :: x(:, :)
+    real(dp) :: pitch, curvature, turn, both
+    integer :: i
+
+    allocate (x(body%unknowns, 2*places + 1), source=0.0_dp)
+    pitch = 2*pi*section%gear%base_radius(drive)/section%gear%spec%teeth
+    do i = 1, places
+      curvature = first + (last - pitch - first)*node(i)
+      call load_tooth(section%loaded, curvature, x(:, i))
+      if (.not. allocated(error)) call load_tooth(section%loaded + 1, curvature + pitch, x(:, places + i))
+      if (allocated(error)) return
+    end do
+    x(:, 2*places + 1) = section%gear%base_radius(drive)*turning(body)
+    call body%stiffness%forward(x, 1)
+    do i = 1, places
+      turn = dot_product(x(:, i), x(:, 2*places + 1))
+      both = dot_product(x(:, i), x(:, places + i))
+      disc%turn = disc%turn + body%thickness*weight(i)*turn
+      disc%shared = disc%shared + body%thickness*weight(i)*(both - turn)
+    end do
+
+  contains
+
+    subroutine load_tooth(tooth, curvature, force)
+      integer, intent(in) :: tooth
+      real(dp), intent(in) :: curvature
+      real(dp), intent(inout) :: force(:)
+
+      call flank_load(section, body, min(hypot(section%gear%base_radius(drive), curvature), section%gear%tip_radius), &
+                      force, error, tooth)
+    end subroutine load_tooth
+  end subroutine disc_compliance
+
+  !> The weights of the displacements in the angle (rad) by which `body` turns about the origin: angular
+  !> momentum over moment of inertia, for uniform density. As forces they are a unit couple.
+  pure function turning(body) result(weights)
+    type(body_t), intent(in) :: body
+    real(dp) :: weights(body%unknowns)
+    real(dp) :: share(2, size(body%grid%x, 2)), inertia
+    integer :: e
+
+    share = 0
+    inertia = 0
+    do e = 1, size(body%grid%element, 2)
+      associate (list => body%grid%element(:, e), x => body%grid%x(:, body%grid%element(:, e)))
+        associate (moment => matmul(x, element_mass(x)))
+          share(1, list) = share(1, list) - moment(2, :)
+          share(2, list) = share(2, list) + moment(1, :)
+          inertia = inertia + sum(moment*x)
+        end associate
+      end associate
+    end do
+    weights = body%gather(share)/inertia
+  end function turning
+end module gearsweep_disc
