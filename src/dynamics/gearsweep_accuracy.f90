@@ -42,6 +42,7 @@ module gearsweep_accuracy
   !> Tables made so far, and where the next point may start looking.
   type :: tables_t
     type(rung_t) :: rung(0:most_rungs)
+    logical :: made(0:most_rungs) = .false.
     real(dp) :: steps_per_second = 0             !< wanted by the last point, over its period
     type(maps_t) :: maps
   end type tables_t
@@ -85,14 +86,15 @@ contains
     real(dp), parameter :: large = 2**15
     integer :: i
 
-    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large .and. .not. allocated(tables%rung(rung)%table))
+    do i = 0, merge(most_rungs, -1, rung_steps(rung) > large .and. .not. tables%made(rung))
       if (rung_steps(i) <= large .or. i == rung - octave) cycle
       if (allocated(tables%rung(i)%table)) deallocate (tables%rung(i)%table)
+      tables%made(i) = .false.
     end do
     do i = rung - octave, rung, octave
-      if (allocated(tables%rung(i)%table)) cycle
-      allocate (tables%rung(i)%table)
-      call tabulate(osc, resolution_of(i), tables%rung(i)%table)
+      if (.not. allocated(tables%rung(i)%table)) allocate (tables%rung(i)%table)
+      if (.not. tables%made(i)) call tabulate(osc, resolution_of(i), tables%rung(i)%table)
+      tables%made(i) = .true.
     end do
   end subroutine need_rungs
 
