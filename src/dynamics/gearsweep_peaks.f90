@@ -82,7 +82,7 @@ contains
         load(0, :) = stiffness(1, :)*gap(0, :)
         load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
         if (.not. may_top(load(:1, :), peak)) return
-        if (duration*width*sqrt(maxval(sum(table%end_rate(:, :, i), 1))) < most) then
+        if (duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most) then
           do k = 1, 2
             gap(2, k) = end_acceleration(osc, table, i, k, top%touch, duration, top%x(k), top%y(k)) &
                         - table%end_error(2, j, k, i)
