@@ -158,6 +158,7 @@ contains
     if (graded%graded_for > 0) then
       call solve_graded(osc, duration, options, graded, tables, points, solved)
       if (any(solved)) return
+      points = point_t()
     end if
     least = 2*resolving_steps(osc, longest)
     rung = rung_for(max(least, first_guess(osc, longest, options, tables)))
