@@ -71,7 +71,7 @@ contains
     type(top_t), intent(in) :: top
     real(dp), intent(inout) :: peak
     ! In steps of more rad of the natural motion acceleration is a small difference of large forces.
-    real(dp), parameter :: most = 1e4_dp
+    real(dp), parameter :: most = 3e3_dp
     real(dp) :: gap(0:2, 2), load(0:2, 2)
     integer :: k
 
