@@ -26,6 +26,7 @@ SCENES = {
     'modes': ('modes only', 'stress, load sharing', ''),
     'mode': ('one frequency', 'nine others', 'rounding; at most 1e-11'),
     'stress': ('stress only', 'modes, mass matrix', ''),
+    'body': ('stress and modes in one case', 'their grids, made and factored again', ''),
 }
 PACKAGES = ('matplotlib', 'pandas', 'xarray', 'scipy')
 ROUNDS = 5

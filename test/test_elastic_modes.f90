@@ -9,11 +9,14 @@ module test_elastic_modes
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_modes, only: modes_t, find_modes
   use gearsweep_section, only: section_options_t, section_t, make_section
+  use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_text, only: str
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
   public :: run
+
+  type(material_t), parameter :: hassan_steel = material_t(2.15e11_dp, 0.3_dp, 8750.0_dp)
 
   interface
     subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
@@ -35,6 +38,7 @@ contains
     call tapered_cantilever(t)
     call hassan_section(t)
     call whole_gear_densely(t)
+    call own_material(t)
     call refusals(t)
   end subroutine run
 
@@ -150,6 +154,18 @@ contains
     call make_gear(gear_spec_t('pinion', 30, 0.025_dp, face_width=0.125_dp, rack_tip_radius=0.30_dp), gear, error)
   end function hassan_gear
 
+  !> Modes of Hassan's section on two grids.
+  subroutine hassan_modes(material, across, count, modal, error)
+    type(material_t), intent(in) :: material
+    integer, intent(in) :: across, count
+    type(modal_t), intent(out) :: modal
+    type(error_t), allocatable, intent(out) :: error
+    type(section_body_t) :: grids(2)
+
+    call make_two_grids(hassan_gear(), material, hassan_options(across), grids, error)
+    if (.not. allocated(error)) call section_modes(grids, count, modal, error)
+  end subroutine hassan_modes
+
   !> Hassan et al. 2009, Table 1; the rack tip radius is inferred.
   subroutine hassan_section(t)
     type(tally_t), intent(inout) :: t
@@ -158,7 +174,7 @@ contains
     type(error_t), allocatable :: error
     integer :: k
 
-    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(12), 5, fine, error)
+    call hassan_modes(hassan_steel, 12, 5, fine, error)
     call check_no_error(t, 'Hassan', error)
     do k = 1, 5
       call check_close(t, 'Hassan, Table 1, mode '//str(k), fine%modes%frequency(k), table(k), relative=5e-3_dp)
@@ -167,10 +183,10 @@ contains
     call check_true(t, 'residuals', maxval(fine%modes%residual) < 1e-8_dp, str(maxval(fine%modes%residual)))
     call check_true(t, 'error estimates', all(fine%error_estimate < 1.5e-3_dp .and. fine%error_estimate > 0), &
                     str(maxval(fine%error_estimate)))
-    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(24), 5, coarse, error)
+    call hassan_modes(hassan_steel, 24, 5, coarse, error)
     call check_true(t, 'error estimates cover the error', all(abs(fine%modes%frequency/coarse%modes%frequency - 1) &
       < fine%error_estimate))
-    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(5), 5, coarse, error)
+    call hassan_modes(hassan_steel, 5, 5, coarse, error)
     do k = 1, 5
       call check_close(t, 'Hassan, coarse grid, mode '//str(k), coarse%modes%frequency(k), table(k), relative=3e-3_dp)
     end do
@@ -185,14 +201,40 @@ contains
     options%elements_across = across
   end function hassan_options
 
+  !> The factored grids know neither width nor stiffness; the modes are those of a body that has its own.
+  subroutine own_material(t)
+    type(tally_t), intent(inout) :: t
+    type(section_t) :: section
+    type(body_t) :: body
+    type(modes_t) :: own
+    type(modal_t) :: modal
+    type(error_t), allocatable :: error
+    integer :: k
+
+    call hassan_modes(hassan_steel, 6, 5, modal, error)
+    call check_no_error(t, 'modes on two grids', error)
+    call make_section(hassan_gear(), hassan_options(6), section, error)
+    call make_body(section%grid, hassan_steel, .false., section%gear%spec%face_width, spread(section%is_held(), 1, 2), &
+                   1e9_dp, body, error)
+    call find_modes(body, 5, own, error)
+    call check_no_error(t, 'modes of the body itself', error)
+    do k = 1, 5
+      call check_close(t, 'own material: frequency', modal%modes%frequency(k), own%frequency(k), relative=1e-10_dp)
+      call check_close(t, 'own material: shape', maxval(abs(modal%modes%shape(:, :, k))), maxval(abs(own%shape(:, :, k))), &
+                       relative=1e-6_dp)
+    end do
+  end subroutine own_material
+
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t
     type(modal_t) :: modal
     type(error_t), allocatable :: error
 
-    call section_modes(hassan_gear(), material_t(), hassan_options(4), 0, modal, error)
+    call hassan_modes(material_t(), 4, 0, modal, error)
     call check_error(t, 'no modes wanted', error, '&modal modes = 0')
-    call section_modes(hassan_gear(), material_t(density=0.0_dp), hassan_options(4), 1, modal, error)
+    call hassan_modes(material_t(density=0.0_dp), 4, 1, modal, error)
     call check_error(t, 'no mass', error, '&material density_kgm3')
+    call hassan_modes(material_t(young=0.0_dp), 4, 1, modal, error)
+    call check_error(t, 'no stiffness', error, '&material young_gpa')
   end subroutine refusals
 end module test_elastic_modes
