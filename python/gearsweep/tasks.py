@@ -68,7 +68,7 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
         warnings.warn(f'keys that no task of this case uses:{keys}', _border.UnusedWarning, stacklevel=2)
     if case.get('mesh', 'contact_ratio') is None:
         found['geometry'] = geometry(case)
-    if not set(_MESH_TASKS).isdisjoint(case.tasks):
+    if needs_mesh(case):
         work = prepare(case) if work is None else work
         found['motion'] = motion(case, work=work)
     for task, result in runs.items():
@@ -191,6 +191,11 @@ def modal(case: Case) -> results.Modal:
     return results.Modal(case, _VERSION, *grid, *_border.modes(named.text, n['modes'], n['nodes']))
 
 
+def needs_mesh(case: Case) -> bool:
+    """Does one of the case's tasks need the pair stiffness?"""
+    return not set(_MESH_TASKS).isdisjoint(case.tasks)
+
+
 def _check(case: Case) -> None:
     if not isinstance(case, Case):
         raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
@@ -210,7 +215,7 @@ def _with_mesh(case: Case) -> Case:
     """The case with at least one task that needs the mesh."""
     _check(case)
     try:
-        named = not set(_MESH_TASKS).isdisjoint(case.tasks)
+        named = needs_mesh(case)
     except Error:
         named = False
     return case if named else _naming(case, 'mesh')
