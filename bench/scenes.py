@@ -21,7 +21,7 @@ SCENES = {
     'friction': ('no friction', 'friction factors, steps that end at the pitch point', 'other steps; both within 1e-6'),
     'relief': ('no relief', 'steps that end where relief begins', 'other steps; both within 1e-6'),
     'coast': ('no backlash', 'coast side', ''),
-    'contact': ('no contact loss possible', 'looking for what touches', 'other order of sums; at most 1e-12'),
+    'contact': ('no contact loss possible', "making the steps' maps anew", ''),
     'gears': ('equal gears', "the second gear's finite elements", ''),
     'modes': ('modes only', 'stress, load sharing', ''),
     'mode': ('one frequency', 'nine others', 'rounding; at most 1e-11'),

@@ -4,7 +4,7 @@ module test_motion
   use gearsweep_error, only: error_t
   use gearsweep_accuracy, only: accuracy_t, point_t, solve_point, tables_t, mesh_period
   use gearsweep_motion, only: oscillator_t, make_oscillator, resolution_t, table_t, tabulate
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, maps_t, begin_maps, hold_period
   use gearsweep_response, only: response_t, find_response
   use gearsweep_steady, only: by_marching, has_answer, largest_multiplier, name_of, point_marginal, point_ok, &
                               point_unresolved
@@ -316,13 +316,15 @@ contains
       type(error_t), allocatable :: error
       type(table_t) :: table
       type(period_t) :: run
+      type(maps_t) :: maps
 
       osc = mesh_of(ratio, [stiffness], [0.0_dp, 0.0_dp], 0.0_dp)
       osc%mass = mass
       osc%mesh%teeth = teeth
       call make_oscillator(osc, error)
       call tabulate(osc, resolution_t(4000.0_dp, 1), table)
-      call run_period(osc, table, mesh_period(teeth, rpm), [0.0_dp, 0.0_dp], .true., run)
+      call begin_maps(table, maps)
+      call hold_period(osc, table, mesh_period(teeth, rpm), [0.0_dp, 0.0_dp], maps, run)
       attracts = largest_multiplier(run%map) < 1 + 1e-7_dp
     end function attracts
   end subroutine meissner_boundaries

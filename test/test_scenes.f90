@@ -7,12 +7,11 @@ module test_scenes
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_gauss, only: lanes
-  use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t, resolution_t, tabulate
   use gearsweep_orbit, only: newton_step
   use gearsweep_pair, only: pair_t
-  use gearsweep_period, only: period_t, run_lanes
+  use gearsweep_period, only: period_t, maps_t, begin_maps, run_lanes, hold_lanes
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_study, only: study_t, run_study
   use gearsweep_text, only: str
@@ -257,14 +256,15 @@ contains
     call check_close(t, 'one mode of ten', one%modal%modes%frequency(1), ten%modal%modes%frequency(1), relative=1e-11_dp)
   end subroutine one_mode
 
-  !> Motions that keep contact: without looking for what touches, and with.
+  !> Motions that keep contact: without looking for what touches, and with; with the maps of the steps as
+  !> they were made before, and made anew.
   subroutine no_contact_loss(t, case)
     type(tally_t), intent(inout) :: t
     type(case_t), intent(in) :: case
     type(study_t) :: study
     type(table_t) :: table
-    type(lane_work_t) :: work
-    type(period_t), dimension(lanes) :: map, held, free
+    type(maps_t) :: maps
+    type(period_t), dimension(lanes) :: map, held, free, anew
     real(dp) :: duration(lanes), from(2, lanes)
     logical :: solved
     integer :: l
@@ -273,17 +273,23 @@ contains
     associate (osc => study%motion(1))
       call tabulate(osc, resolution_t(20.0_dp, 2), table)
       duration = mesh_period(osc%mesh%teeth(1), [(3000 + 100.0_dp*l, l=1, lanes)])
-      call hold_maps(osc, table, duration, work, map)
+      from = 0
+      call begin_maps(table, maps)
+      call hold_lanes(osc, table, lanes, duration, from, maps, map)
       do l = 1, lanes
         call newton_step(map(l)%map, map(l)%state, from(:, l), solved)
       end do
-      call hold_motion(osc, table, duration, from, work, held)
-      call run_lanes(osc, table, duration, from, [(.true., l=1, lanes)], free)
+      call run_lanes(osc, table, duration, from, [(.false., l=1, lanes)], .true., maps, held)
+      call run_lanes(osc, table, duration, from, [(.true., l=1, lanes)], .true., maps, free)
+      call begin_maps(table, maps)
+      call run_lanes(osc, table, duration, from, [(.true., l=1, lanes)], .true., maps, anew)
     end associate
     call check_true(t, 'all pairs in contact', .not. any(held%partial .or. free%partial))
     do l = 1, lanes
       call check_close(t, 'largest load', held(l)%peak, free(l)%peak)
       call check_close(t, 'end of the period', held(l)%state(1), free(l)%state(1))
+      call check_true(t, 'the same bits', all(abs(anew(l)%state - free(l)%state) <= 0) .and. anew(l)%peak <= free(l)%peak &
+                      .and. all(abs(anew(l)%map - map(l)%map) <= 0))
     end do
   end subroutine no_contact_loss
 

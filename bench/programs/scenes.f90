@@ -13,11 +13,10 @@ program scenes
   use gearsweep_case, only: speeds, task_names
   use gearsweep_files, only: read_text
   use gearsweep_gauss, only: lanes
-  use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
   use gearsweep_motion, only: table_t, resolution_t, tabulate
   use gearsweep_orbit, only: newton_step
   use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_period, only: period_t, run_lanes
+  use gearsweep_period, only: period_t, maps_t, begin_maps, run_lanes, hold_lanes
   implicit none
 
   !> Numbers of a scene, and by how much they may be off; 0: not a bit.
@@ -38,7 +37,7 @@ program scenes
   type(piecewise_t) :: stiffness
   type(pair_t) :: pair
   type(table_t) :: table
-  type(lane_work_t) :: work
+  type(maps_t) :: maps
   real(dp) :: duration(lanes)
 
   call get_case(word(1), prescribed)
@@ -227,8 +226,8 @@ contains
     answer%slack = 0
   end subroutine no_coast
 
-  !> Eight speeds with all pairs in contact: period map and motion, with and without looking for
-  !> what touches. The sums are taken in another order.
+  !> Eight speeds with all pairs in contact: period map, then the motion with or without making the
+  !> steps' maps again.
   subroutine no_loss(full, answer)
     logical, intent(in) :: full
     type(answer_t), intent(out) :: answer
@@ -239,15 +238,15 @@ contains
 
     open = .true.
     from = 0
-    if (full) call run_lanes(osc(1), table, duration, from, .not. open, one)
-    if (.not. full) call hold_maps(osc(1), table, duration, work, one)
+    call begin_maps(table, maps)
+    call hold_lanes(osc(1), table, lanes, duration, from, maps, one)
     do l = 1, lanes
       call newton_step(one(l)%map, one(l)%state, from(:, l), solved)
     end do
-    if (full) call run_lanes(osc(1), table, duration, from, open, one)
-    if (.not. full) call hold_motion(osc(1), table, duration, from, work, one)
+    if (full) call begin_maps(table, maps)
+    call run_lanes(osc(1), table, duration, from, open, .true., maps, one)
     if (any(one%partial)) error stop 'no_loss: a pair parts'
-    answer = exact([one%peak], 1e-12_dp)
+    answer = exact([one%peak])
   end subroutine no_loss
 
   !> Ten times the speeds, one relief of five.

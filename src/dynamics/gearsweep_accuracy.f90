@@ -4,7 +4,7 @@ module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
   use gearsweep_gauss, only: order, lanes
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
-  use gearsweep_hold, only: lane_work_t
+  use gearsweep_maps, only: maps_t, begin_maps
   use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, settled, shoot, distance, &
                               has_answer, near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
   implicit none
@@ -40,7 +40,7 @@ module gearsweep_accuracy
     type(table_t) :: rung(0:most_rungs)
     logical :: made(0:most_rungs) = .false.
     real(dp) :: steps_per_second = 0             !< wanted by the last point, over its period
-    type(lane_work_t) :: work
+    type(maps_t) :: maps
   end type tables_t
 
 contains
@@ -148,9 +148,9 @@ contains
       solved = .false.
       if (rung_steps(rung) > min(most_lane_steps, real(options%most_steps, dp)) .or. rung_steps(rung) < least) return
       call need_rungs(osc, rung, tables)
-      call find_in_lanes(osc, tables%rung(rung - octave), duration, loose*options%steady%tolerance, tables%work, half)
+      call find_in_lanes(osc, tables%rung(rung - octave), duration, loose*options%steady%tolerance, tables%maps, half)
       if (.not. any(settled(half))) return
-      call find_in_lanes(osc, tables%rung(rung), duration, options%steady%tolerance, tables%work, points%steady, half)
+      call find_in_lanes(osc, tables%rung(rung), duration, options%steady%tolerance, tables%maps, points%steady, half)
       solved = settled(half) .and. settled(points%steady)
       if (.not. any(solved)) return
       call compare(osc, duration, half, points)
@@ -226,13 +226,15 @@ contains
     real(dp), intent(in), optional :: start(2)
     type(steady_options_t) :: alike
     type(steady_t) :: half
+    type(maps_t) :: maps
 
     call follow_or_find(osc, fine, duration, options, point%steady, start)
     point%steps = fine%steps
     point%work = point%work + point%steady%work
     if (.not. has_answer(point%steady%status)) return
     if (point%steady%partial) then
-      call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, half)
+      call begin_maps(coarse, maps)
+      call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, maps, half)
     else
       alike = options%steady
       alike%method = by_shooting
@@ -253,12 +255,14 @@ contains
     real(dp), intent(in), optional :: start(2)
     real(dp), parameter :: long = 40
     type(steady_t) :: before
+    type(maps_t) :: maps
     real(dp) :: work
 
     work = 0
     if (has_answer(steady%status) .and. steady%work > long*table%steps .and. options%steady%method == by_shooting) then
       before = steady
-      call shoot(osc, table, duration, options%steady%tolerance, before%periods, before%state, steady)
+      call begin_maps(table, maps)
+      call shoot(osc, table, duration, options%steady%tolerance, before%periods, before%state, maps, steady)
       if (has_answer(steady%status) .and. distance(osc, duration, steady%state - before%state) < near) return
       work = steady%work
     end if

@@ -5,9 +5,11 @@ module gearsweep_contact
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: lanes
   use gearsweep_motion, only: oscillator_t, table_t
-  use gearsweep_quintic, only: first_zero, may_pass, quintic, shape_of, value_of
-  use gearsweep_step, only: period_t, member_t, touching, set_contact, note_contact, may_top, raise_to_top
-  use gearsweep_stretch, only: crossing_t, search_t, make_crossing, take_step, sum_up, follow, move_end, motion_of, ends_of, last
+  use gearsweep_quintic, only: first_zero, may_pass, quintic, slope_of, value_of
+  use gearsweep_peaks, only: may_top, raise_to_top
+  use gearsweep_step, only: period_t, member_t, touches, set_contact, note_contact
+  use gearsweep_stretch, only: crossing_t, search_t, make_crossing, take_step, sum_up, follow, move_end, slopes_of, bends_of, &
+                               motion_bends, last
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -26,15 +28,18 @@ module gearsweep_contact
 
 contains
 
-  !> Takes the lanes `changes` through step i, which begins at `start` and would end at x, y after `map`.
-  !> Where contact does change, these become what they are then; `changes` tells.
-  pure subroutine cross(osc, table, i, start, changes, c, member, x, y, map, peak, out, trace)
+  !> Takes the lanes `changes` through step i, which begins at x_start, y_start and would end at x, y after
+  !> `map`. Where contact does change, these become what they are then; `changes` tells. The peaks are not
+  !> wanted everywhere.
+  pure subroutine cross(osc, table, i, x_start, y_start, changes, peaks, c, touch, member, x, y, map, peak, out, trace)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
-    real(dp), intent(in) :: start(lanes, 2)
+    real(dp), intent(in), dimension(lanes) :: x_start, y_start
     logical, intent(inout) :: changes(lanes)
+    logical, intent(in) :: peaks
     type(crossing_t), intent(inout) :: c
+    integer, intent(inout) :: touch(lanes)
     type(member_t), intent(inout) :: member(osc%members)
     real(dp), intent(inout) :: x(lanes), y(lanes), map(lanes, 6), peak(lanes)
     type(period_t), intent(inout) :: out(lanes)
@@ -46,8 +51,10 @@ contains
     c%search%active = changes
     c%left = 0
     c%width = 1
-    c%x(:, 1) = start(:, 1)
-    c%y(:, 1) = start(:, 2)
+    c%peaks = peaks
+    c%touch = touch
+    c%x(:, 1) = x_start
+    c%y(:, 1) = y_start
     c%x(:, 2) = x
     c%y(:, 2) = y
     call sum_up(osc, table, member, 1, c)
@@ -70,6 +77,7 @@ contains
       x(l) = c%x(l, 1)
       y(l) = c%y(l, 1)
       map(l, :4) = c%search(l)%map
+      touch(l) = c%touch(l)
     end do
   end subroutine cross
 
@@ -111,7 +119,7 @@ contains
         c%width(l) = search%part*search%room
       else
         through = c%width(l) >= 1 - c%left(l)
-        call accept(osc, table, l, member, c, peak, trace)
+        call accept(osc, table, l, c, peak, trace)
         search%active = .not. through
       end if
     end associate
@@ -141,18 +149,20 @@ contains
     type(crossing_t), intent(in) :: c
     real(dp), intent(out) :: part
     integer, intent(out) :: which
-    real(dp) :: motion(0:2, 2), overlap(0:2, 2), zero
+    real(dp) :: motion(0:1, 2), overlap(0:2, 2), zero
     logical :: found
     integer :: j
 
     part = 1
     which = 0
     if (.not. c%width(l) > 0) return
-    motion = motion_of(osc, table, l, c)
+    motion(0, :) = c%x(l, :)
+    motion(1, :) = c%width(l)*table%width(c%i)*c%y(l, :)
     do j = 1, osc%members
       if (j > table%pairs(c%i) .and. j <= osc%pairs) cycle
-      overlap = member(j)%sense(l)*(motion - ends_of(c, l, c%error(:, j)))
+      overlap(:1, :) = member(j)%sense(l)*(motion - slopes_of(c, l, c%error(:, j)))
       if (.not. may_pass(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
+      overlap(2, :) = member(j)%sense(l)*(motion_bends(osc, table, l, c) - bends_of(c, l, c%error(:, j)))
       call first_zero(quintic(overlap(:, 1), overlap(:, 2)), zero, found)
       if (.not. found .or. zero >= part) cycle
       part = zero
@@ -174,12 +184,12 @@ contains
     ! What is closer is gone without a stretch of its own.
     real(dp), parameter :: close = 1e-7_dp
     integer, parameter :: most_trials = 50
-    real(dp) :: error(0:2), overlap, slope, miss
+    real(dp) :: place, overlap, slope, miss
 
     associate (search => c%search(l), sense => member(c%search(l)%member)%sense(l))
-      error = shape_of(c%error(:, search%member), c%left(l) + c%width(l))
-      overlap = sense*(c%x(l, 2) - error(0))
-      slope = sense*search%room*(table%width(c%i)*c%y(l, 2) - error(1))
+      place = c%left(l) + c%width(l)
+      overlap = sense*(c%x(l, 2) - value_of(c%error(:, search%member), place))
+      slope = sense*search%room*(table%width(c%i)*c%y(l, 2) - slope_of(c%error(:, search%member), place))
       miss = huge(miss)
       if (slope < 0) miss = hair - overlap/slope
       if (abs(miss) <= close) then
@@ -199,7 +209,7 @@ contains
         end if
       end if
     end associate
-    call accept(osc, table, l, member, c, peak, trace)
+    call accept(osc, table, l, c, peak, trace)
     call switch_contact(osc, table, l, member, c, out)
   end subroutine close_in
 
@@ -211,17 +221,15 @@ contains
     type(member_t), intent(inout) :: member(osc%members)
     type(crossing_t), intent(inout) :: c
     type(period_t), intent(inout) :: out
-    real(dp) :: error(0:2), approach
+    real(dp) :: approach
 
     associate (search => c%search(l), j => c%search(l)%member)
-      error = shape_of(c%error(:, j), c%left(l))
-      approach = c%y(l, 1) - error(1)/table%width(c%i)
+      approach = c%y(l, 1) - slope_of(c%error(:, j), c%left(l))/table%width(c%i)
       search%jumps = abs(approach) > 0
       if (search%jumps) search%ratio = c%y(l, 1)/approach
       search%before = c%square(l, last)
-      c%contact(j) = .not. c%contact(j)
-      call set_contact(osc, l, j, c%contact(j), member(j))
-      call note_contact(osc, c%contact, out)
+      call set_contact(osc, l, j, .not. touches(c%touch(l), j), c%touch(l), member(j))
+      call note_contact(osc, c%touch(l), out)
       search%events = search%events + 1
       search%member = 0
     end associate
@@ -230,36 +238,48 @@ contains
   end subroutine switch_contact
 
   !> Moves lane l to the end of its stretch, and begins the next one.
-  pure subroutine accept(osc, table, l, member, c, peak, trace)
+  pure subroutine accept(osc, table, l, c, peak, trace)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: l
-    type(member_t), intent(in) :: member(osc%members)
     type(crossing_t), intent(inout) :: c
     real(dp), intent(inout) :: peak
     type(trace_t), intent(inout), optional :: trace
-    real(dp), dimension(0:2, 2) :: motion, stiffness, gap, load
-    integer :: j
 
-    call touching(member, l, c%contact)
-    motion = motion_of(osc, table, l, c)
-    do j = 1, table%pairs(c%i)
-      if (.not. c%contact(j)) cycle
-      stiffness = ends_of(c, l, c%stiffness(:, j))
-      gap = motion - ends_of(c, l, c%error(:, j))
-      load(0, :) = stiffness(0, :)*gap(0, :)
-      load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
-      load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) + stiffness(0, :)*gap(2, :)
-      peak = max(peak, load(0, 1), load(0, 2))
-      if (may_top(load, peak)) call raise_to_top(load, peak)
-    end do
-    if (present(trace)) call note(table, l, c, trace)
+    if (c%peaks) call raise_peak(osc, table, l, c, peak)
+    if (present(trace)) call note(osc, table, l, c, trace)
     c%search(l)%map = chained(c%map(l, :4), c%search(l)%map)
     c%x(l, 1) = c%x(l, 2)
     c%y(l, 1) = c%y(l, 2)
     c%left(l) = c%left(l) + c%width(l)
     c%width(l) = max(0.0_dp, min(1 - c%left(l), c%longest(l)))
   end subroutine accept
+
+  !> The loads over the stretch of lane l.
+  pure subroutine raise_peak(osc, table, l, c, peak)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: l
+    type(crossing_t), intent(in) :: c
+    real(dp), intent(inout) :: peak
+    real(dp) :: motion(0:1, 2), stiffness(0:1, 2), gap(0:1, 2), load(0:2, 2)
+    integer :: j
+
+    motion(0, :) = c%x(l, :)
+    motion(1, :) = c%width(l)*table%width(c%i)*c%y(l, :)
+    do j = 1, table%pairs(c%i)
+      if (.not. touches(c%touch(l), j)) cycle
+      stiffness = slopes_of(c, l, c%stiffness(:, j))
+      gap = motion - slopes_of(c, l, c%error(:, j))
+      load(0, :) = stiffness(0, :)*gap(0, :)
+      load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
+      peak = max(peak, load(0, 1), load(0, 2))
+      if (.not. may_top(load(:1, :), peak)) cycle
+      load(2, :) = bends_of(c, l, c%stiffness(:, j))*gap(0, :) + 2*stiffness(1, :)*gap(1, :) &
+                   + stiffness(0, :)*(motion_bends(osc, table, l, c) - bends_of(c, l, c%error(:, j)))
+      call raise_to_top(load, peak)
+    end do
+  end subroutine raise_peak
 
   !> The map of a stretch after that of what was before; columns one after the other.
   pure function chained(map, before) result(c)
@@ -272,7 +292,8 @@ contains
     c(4) = map(2)*before(3) + map(4)*before(4)
   end function chained
 
-  pure subroutine note(table, l, c, trace)
+  pure subroutine note(osc, table, l, c, trace)
+    type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: l
     type(crossing_t), intent(in) :: c
@@ -284,7 +305,8 @@ contains
     associate (i => c%i, pairs => table%pairs(c%i))
       call record(trace, pairs, table%left(i) + table%width(i)*ends, c%x(l, :), &
         reshape([((value_of(c%stiffness(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), &
-        reshape([((value_of(c%error(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), c%contact)
+        reshape([((value_of(c%error(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), &
+        [(touches(c%touch(l), j), j=1, osc%members)])
     end associate
   end subroutine note
 end module gearsweep_contact

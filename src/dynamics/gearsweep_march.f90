@@ -3,7 +3,7 @@
 module gearsweep_march
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, maps_t, run_period
   use gearsweep_orbit, only: steady_t, near, most_work, has_answer, adopt, shoot, newton_step, run_periods, judge, distance, &
                              largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic
   implicit none
@@ -41,12 +41,13 @@ contains
   !> Newton's method takes it to the end as soon as the maps of the last periods
   !> promise an attracting motion nearby. Where nothing settles, an `unstable`
   !> motion found before is what is reported, unless the motion is chaotic.
-  pure subroutine march(osc, table, duration, options, start, steady)
+  pure subroutine march(osc, table, duration, options, start, maps, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration
     type(steady_options_t), intent(in) :: options
     real(dp), intent(in) :: start(2)
+    type(maps_t), intent(inout) :: maps
     type(steady_t), intent(inout) :: steady
     type(trail_t) :: trail
     type(period_t) :: run
@@ -62,16 +63,16 @@ contains
     before = steady%work
     most_cycles = min(options%most_cycles, max(1, int(most_work/table%steps)))
     do while (trail%length < most_cycles .and. steady%work - before < most_work)
-      call run_period(osc, table, duration, trail%state(:, 0), .false., run)
+      call run_period(osc, table, duration, trail%state(:, 0), maps, run)
       steady%work = steady%work + run%work
       if (run%failed) steady%status = point_chatter
       if (run%failed .or. .not. distance(osc, duration, run%state) < huge(1.0_dp)) return
       call follow(trail, run, max(1.0_dp, osc%natural_frequency*duration))
       if (trail%length >= next_shot) then
-        call settle(osc, table, duration, options, trail, periods, trial)
+        call settle(osc, table, duration, options, trail, maps, periods, trial)
         if (has_answer(trial%status)) then
           call adopt(trial, steady)
-          if (periods > 1) call shorten(osc, table, duration, options%tolerance, steady)
+          if (periods > 1) call shorten(osc, table, duration, options%tolerance, maps, steady)
           return
         end if
         steady%work = steady%work + trial%work
@@ -127,12 +128,13 @@ contains
 
   !> Tries to end the march: `periods` is after how many the motion nearly
   !> repeats, 0 where it does not; `found` has an answer where it settled.
-  pure subroutine settle(osc, table, duration, options, trail, periods, found)
+  pure subroutine settle(osc, table, duration, options, trail, maps, periods, found)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration
     type(steady_options_t), intent(in) :: options
     type(trail_t), intent(in) :: trail
+    type(maps_t), intent(inout) :: maps
     integer, intent(out) :: periods
     type(steady_t), intent(out) :: found
     type(period_t) :: run
@@ -153,21 +155,22 @@ contains
     if (periods > min(options%most_periods, trail%length)) then
       periods = 0
     else if (options%method == by_marching) then
-      call run_periods(osc, table, duration, trail%state(:, 0), periods, run)
+      call run_periods(osc, table, duration, trail%state(:, 0), periods, maps, run)
       call judge(osc, duration, trail%state(:, 0), run, periods, found)
       found%work = run%work
     else
-      call shoot(osc, table, duration, options%tolerance, periods, trail%state(:, periods) + step, found)
+      call shoot(osc, table, duration, options%tolerance, periods, trail%state(:, periods) + step, maps, found)
       if (has_answer(found%status) .and. distance(osc, duration, found%state - trail%state(:, 0)) > near) &
         found%status = point_aperiodic
     end if
   end subroutine settle
 
   !> A motion found over several periods may repeat after fewer.
-  pure subroutine shorten(osc, table, duration, tolerance, steady)
+  pure subroutine shorten(osc, table, duration, tolerance, maps, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration, tolerance
+    type(maps_t), intent(inout) :: maps
     type(steady_t), intent(inout) :: steady
     real(dp) :: same
     type(steady_t) :: trial
@@ -178,10 +181,10 @@ contains
     same = max(1e-7_dp, 1e-2_dp*tolerance)
     do periods = 1, steady%periods/2
       if (modulo(steady%periods, periods) /= 0) cycle
-      call run_periods(osc, table, duration, steady%state, periods, run)
+      call run_periods(osc, table, duration, steady%state, periods, maps, run)
       steady%work = steady%work + run%work
       if (distance(osc, duration, run%state - steady%state) > same) cycle
-      call shoot(osc, table, duration, tolerance, periods, steady%state, trial)
+      call shoot(osc, table, duration, tolerance, periods, steady%state, maps, trial)
       if (has_answer(trial%status)) call adopt(trial, steady)
       return
     end do

@@ -151,20 +151,19 @@ contains
                    - 2*osc%damping_ratio*duration*sqrt(square)*y
   end function acceleration
 
-  !> The same at an end of step i.
-  pure real(dp) function end_acceleration(osc, table, i, end, contact, duration, x, y)
+  !> The same at an end of step i, where the members touch that the bits of `touch` tell.
+  pure real(dp) function end_acceleration(osc, table, i, end, touch, duration, x, y)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, end
+    integer, intent(in) :: i, end, touch
     real(dp), intent(in) :: duration, x, y
-    logical, intent(in) :: contact(:)
     real(dp) :: square, push
     integer :: j
 
     square = 0
     push = 0
-    do j = 1, size(contact)
-      if (.not. contact(j)) cycle
+    do j = 1, osc%members
+      if (.not. btest(touch, j - 1)) cycle
       square = square + table%end_rate(j, end, i)
       push = push + table%end_rate(j, end, i)*table%end_error(0, j, end, i)
     end do

@@ -3,7 +3,7 @@
 module gearsweep_orbit
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, maps_t, run_period
   implicit none
   private
   public :: steady_t, name_of, has_answer, settled, adopt
@@ -90,6 +90,19 @@ contains
     real(dp), intent(in) :: map(2, 2), defect(2)
     real(dp), intent(out) :: step(2)
     logical, intent(out) :: solved
+    real(dp) :: inverse(2, 2)
+
+    call invert(map, inverse, solved)
+    step = 0
+    if (solved) step = inverse(:, 1)*defect(1) + inverse(:, 2)*defect(2)
+    solved = solved .and. all(abs(step) < huge(step))
+  end subroutine newton_step
+
+  !> (I - map)^-1.
+  pure subroutine invert(map, inverse, solved)
+    real(dp), intent(in) :: map(2, 2)
+    real(dp), intent(out) :: inverse(2, 2)
+    logical, intent(out) :: solved
     real(dp) :: a(2, 2), determinant
 
     a = -map
@@ -97,25 +110,27 @@ contains
     a(2, 2) = a(2, 2) + 1
     determinant = a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1)
     solved = abs(determinant) > 1e-14_dp*max(abs(a(1, 1)*a(2, 2)), abs(a(1, 2)*a(2, 1)), abs(a(1, 1)) + abs(a(2, 2)))
-    step = 0
-    if (solved) step = [a(2, 2)*defect(1) - a(1, 2)*defect(2), a(1, 1)*defect(2) - a(2, 1)*defect(1)]/determinant
-    solved = solved .and. all(abs(step) < huge(step))
-  end subroutine newton_step
+    inverse = 0
+    if (.not. solved) return
+    inverse(:, 1) = [a(2, 2), -a(2, 1)]/determinant
+    inverse(:, 2) = [-a(1, 2), a(1, 1)]/determinant
+  end subroutine invert
 
   !> Several periods in a row, as one map.
-  pure subroutine run_periods(osc, table, duration, start, periods, run)
+  pure subroutine run_periods(osc, table, duration, start, periods, maps, run)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration, start(2)
     integer, intent(in) :: periods
+    type(maps_t), intent(inout) :: maps
     type(period_t), intent(out) :: run
     type(period_t) :: next
     integer :: i
 
-    call run_period(osc, table, duration, start, .false., run)
+    call run_period(osc, table, duration, start, maps, run)
     do i = 2, periods
       if (run%failed) return
-      call run_period(osc, table, duration, run%state, .false., next)
+      call run_period(osc, table, duration, run%state, maps, next)
       run%state = next%state
       run%map = matmul(next%map, run%map)
       run%work = run%work + next%work
@@ -131,11 +146,12 @@ contains
   !> Newton's method on the map of `periods` periods, steps halved while the
   !> residual grows, until what it leaves is far below the tolerance of the
   !> dynamic factor.
-  pure subroutine shoot(osc, table, duration, tolerance, periods, start, steady)
+  pure subroutine shoot(osc, table, duration, tolerance, periods, start, maps, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration, tolerance, start(2)
     integer, intent(in) :: periods
+    type(maps_t), intent(inout) :: maps
     type(steady_t), intent(out) :: steady
     integer, parameter :: most_iterations = 20, most_halvings = 4
     real(dp), parameter :: acceptable = 1e-9_dp
@@ -145,7 +161,7 @@ contains
     logical :: solved
 
     state = start
-    call run_periods(osc, table, duration, state, periods, run)
+    call run_periods(osc, table, duration, state, periods, maps, run)
     work = run%work
     residual = distance(osc, duration, run%state - state)
     do iteration = 1, most_iterations
@@ -154,7 +170,7 @@ contains
       if (.not. solved) exit
       do halving = 0, most_halvings
         trial = state + step/2**halving
-        call run_periods(osc, table, duration, trial, periods, trial_run)
+        call run_periods(osc, table, duration, trial, periods, maps, trial_run)
         work = work + trial_run%work
         trial_residual = distance(osc, duration, trial_run%state - trial)
         if (trial_residual < residual .and. .not. trial_run%failed) exit
@@ -228,16 +244,15 @@ contains
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration, state(2)
     type(period_t), intent(in) :: run
-    real(dp) :: angle, residual(2), column(2, 2)
-    logical :: solved(2)
+    real(dp) :: angle, residual(2), inverse(2, 2)
+    logical :: solved
 
     angle = osc%natural_frequency*duration
     residual = max(abs(run%state - state), epsilon(1.0_dp)* &
                    [abs(state(1)), abs(state(2)) + angle*min(1.0_dp, angle)*abs(state(1))])
-    call newton_step(run%map, [residual(1), 0.0_dp], column(:, 1), solved(1))
-    call newton_step(run%map, [0.0_dp, residual(2)], column(:, 2), solved(2))
+    call invert(run%map, inverse, solved)
     closure_of = unbounded
-    if (all(solved)) closure_of = distance(osc, duration, sum(abs(column), 2))
+    if (solved) closure_of = distance(osc, duration, abs(inverse(:, 1))*residual(1) + abs(inverse(:, 2))*residual(2))
   end function closure_of
 
   !> Largest modulus of the eigenvalues of a 2 x 2 map.

@@ -4,7 +4,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, shape_of, top_of, first_zero, may_pass
+  public :: quintic, value_of, slope_of, bend_of, top_of, first_zero, may_pass
 
 contains
 
@@ -29,15 +29,18 @@ contains
     value_of = ((((c(5)*t + c(4))*t + c(3))*t + c(2))*t + c(1))*t + c(0)
   end function value_of
 
-  !> Value, first and second derivative.
-  pure function shape_of(c, t) result(f)
+  pure real(dp) function slope_of(c, t)
     real(dp), intent(in) :: c(0:5), t
-    real(dp) :: f(0:2)
 
-    f(0) = value_of(c, t)
-    f(1) = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
-    f(2) = ((20*c(5)*t + 12*c(4))*t + 6*c(3))*t + 2*c(2)
-  end function shape_of
+    slope_of = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
+  end function slope_of
+
+  !> Second derivative.
+  pure real(dp) function bend_of(c, t)
+    real(dp), intent(in) :: c(0:5), t
+
+    bend_of = ((20*c(5)*t + 12*c(4))*t + 6*c(3))*t + 2*c(2)
+  end function bend_of
 
   pure function derivative(c) result(d)
     real(dp), intent(in) :: c(0:5)

@@ -2,7 +2,7 @@
 module gearsweep_response
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t, tabulate
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, maps_t, begin_maps, run_period
   use gearsweep_steady, only: has_answer
   use gearsweep_accuracy, only: accuracy_t, tables_t, point_t, solve_point, mesh_period
   use gearsweep_trace, only: trace_t, pair_path
@@ -33,6 +33,7 @@ contains
     type(table_t) :: table
     type(trace_t) :: trace
     type(period_t) :: run
+    type(maps_t) :: maps
 
     response%rpm = rpm
     allocate (tables)
@@ -45,7 +46,8 @@ contains
     allocate (response%s(0), response%load(0), response%error(0))
     if (.not. has_answer(response%point%steady%status)) return
     call tabulate(osc, response%point%resolution, table)
-    call run_period(osc, table, mesh_period(osc%mesh%teeth(1), rpm), response%point%steady%state, .false., run, trace)
+    call begin_maps(table, maps)
+    call run_period(osc, table, mesh_period(osc%mesh%teeth(1), rpm), response%point%steady%state, maps, run, trace)
     call pair_path(trace, response%s, response%load, response%error)
   end subroutine find_response
 end module gearsweep_response

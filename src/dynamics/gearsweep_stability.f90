@@ -10,7 +10,7 @@ module gearsweep_stability
   use gearsweep_accuracy, only: mesh_period
   use gearsweep_error, only: error_t
   use gearsweep_gauss, only: lanes
-  use gearsweep_hold, only: lane_work_t, hold_maps
+  use gearsweep_maps, only: maps_t, begin_maps, hold_lanes
   use gearsweep_motion, only: make_oscillator, oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_piecewise, only: constant
   use gearsweep_step, only: period_t
@@ -23,7 +23,7 @@ module gearsweep_stability
     type(oscillator_t) :: osc
     type(table_t) :: table
     real(dp) :: frequency = 0                    !< mean of w over the period, rad/s
-    type(lane_work_t) :: work
+    type(maps_t) :: maps
   end type hill_t
 
   !> First index speed, second damping ratio.
@@ -99,10 +99,12 @@ contains
     real(dp), intent(in) :: damping, duration(lanes)
     real(dp), intent(out), dimension(lanes) :: trace, determinant
     type(period_t) :: run(lanes)
+    real(dp), parameter :: rest(2, lanes) = 0
     integer :: l
 
     hill%osc%damping_ratio = damping
-    call hold_maps(hill%osc, hill%table, duration, hill%work, run)
+    call begin_maps(hill%table, hill%maps)
+    call hold_lanes(hill%osc, hill%table, lanes, duration, rest, hill%maps, run)
     do l = 1, lanes
       trace(l) = run(l)%map(1, 1) + run(l)%map(2, 2)
     end do

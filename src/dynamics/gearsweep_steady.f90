@@ -4,8 +4,7 @@ module gearsweep_steady
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_gauss, only: lanes
-  use gearsweep_hold, only: lane_work_t, hold_maps, hold_motion
-  use gearsweep_period, only: period_t, run_period, run_lanes
+  use gearsweep_period, only: period_t, maps_t, begin_maps, run_period, hold_period, run_lanes, hold_lanes
   use gearsweep_orbit, only: steady_t, near, name_of, has_answer, settled, shoot, is_closed, newton_step, judge, distance, &
     largest_multiplier, unbounded, point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, &
     point_aperiodic, point_unresolved, point_chatter, point_chaotic
@@ -29,14 +28,15 @@ contains
     type(steady_options_t), intent(in) :: options
     type(steady_t), intent(out) :: steady
     real(dp), intent(in), optional :: start(2)
-    real(dp) :: rest(2), from(2)
-    real(dp) :: work
+    real(dp) :: rest(2), from(2), work
+    type(maps_t) :: maps
 
+    call begin_maps(table, maps)
     rest = [osc%rest, 0.0_dp]
     from = rest
     work = 0
     if (options%method == by_shooting .and. .not. present(start)) then
-      call solve_in_contact(osc, table, duration, from, steady)
+      call solve_in_contact(osc, table, duration, maps, from, steady)
       if (settled(steady)) return
       work = steady%work
       ! Far from rest Newton's method may find a motion that no start leads to.
@@ -44,116 +44,129 @@ contains
     end if
     if (present(start)) from = start
     if (options%method == by_shooting) then
-      call shoot(osc, table, duration, options%tolerance, 1, from, steady)
+      call shoot(osc, table, duration, options%tolerance, 1, from, maps, steady)
       steady%work = steady%work + work
       if (settled(steady) .and. distance(osc, duration, steady%state - from) < near) return
     end if
     if (.not. present(start)) from = rest
-    call march(osc, table, duration, options, from, steady)
+    call march(osc, table, duration, options, from, maps, steady)
   end subroutine find_steady
 
   !> While all pairs stay in contact the map is affine: one period gives it,
   !> a second one checks that nothing separates and finds the peak.
-  pure subroutine solve_in_contact(osc, table, duration, state, steady)
+  pure subroutine solve_in_contact(osc, table, duration, maps, state, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration
+    type(maps_t), intent(inout) :: maps
     real(dp), intent(out) :: state(2)
     type(steady_t), intent(out) :: steady
     type(period_t) :: run
     real(dp) :: step(2)
     logical :: solved
 
-    call run_period(osc, table, duration, [0.0_dp, 0.0_dp], .true., run)
+    call hold_period(osc, table, duration, [0.0_dp, 0.0_dp], maps, run)
     call newton_step(run%map, run%state, step, solved)
     state = merge(step, [osc%rest, 0.0_dp], solved)
     steady%work = table%steps
     if (.not. solved) return
-    call run_period(osc, table, duration, state, .false., run)
+    call run_period(osc, table, duration, state, maps, run)
     if (.not. (run%partial .or. run%failed)) call judge(osc, duration, state, run, 1, steady)
     steady%work = 2*table%steps
   end subroutine solve_in_contact
 
   !> `find_steady` without its marching at several speeds at once. With `guide`, the motions of a coarser
   !> table: lanes that part there start from there. What stays unsettled is for `find_steady`.
-  pure subroutine find_in_lanes(osc, table, duration, tolerance, work, steady, guide)
+  pure subroutine find_in_lanes(osc, table, duration, tolerance, maps, steady, guide)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration(lanes), tolerance
-    type(lane_work_t), intent(inout) :: work
+    type(maps_t), intent(inout) :: maps
     type(steady_t), intent(out) :: steady(lanes)
     type(steady_t), intent(in), optional :: guide(lanes)
-    real(dp) :: from(2, lanes), rest(2)
-    logical :: parts(lanes), free(lanes)
+    real(dp) :: start(2, lanes)
+    logical :: parts(lanes), open(lanes)
     integer :: l
 
     parts = .false.
-    if (present(guide)) parts = guide%partial .or. .not. settled(guide)
-    if (.not. all(parts)) call hold_in_lanes(osc, table, duration, work, steady, from)
-    free = .not. settled(steady)
-    if (present(guide)) free = free .and. settled(guide)
-    rest = [osc%rest, 0.0_dp]
-    do l = 1, lanes
-      if (present(guide)) then
-        from(:, l) = guide(l)%state
-      else if (distance(osc, duration(l), from(:, l) - rest) > near) then
-        from(:, l) = rest
-      end if
-    end do
-    if (any(free)) call shoot_in_lanes(osc, table, duration, tolerance, from, free, steady)
+    open = .true.
+    if (present(guide)) then
+      parts = guide%partial .or. .not. settled(guide)
+      open = settled(guide)
+      do l = 1, lanes
+        start(:, l) = guide(l)%state
+      end do
+    end if
+    call begin_maps(table, maps)
+    if (.not. all(parts)) call hold_in_lanes(osc, table, duration, parts, maps, start)
+    if (any(open)) call shoot_in_lanes(osc, table, duration, tolerance, start, parts, maps, open, steady)
   end subroutine find_in_lanes
 
-  !> Motions with all pairs in contact; what they start from, which may be of use where a pair parts.
-  pure subroutine hold_in_lanes(osc, table, duration, work, steady, from)
+  !> What the motions with all pairs in contact start from, where they are wanted and there are any: while
+  !> all pairs stay in contact the map is affine.
+  pure subroutine hold_in_lanes(osc, table, duration, parts, maps, start)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     real(dp), intent(in) :: duration(lanes)
-    type(lane_work_t), intent(inout) :: work
-    type(steady_t), intent(inout) :: steady(lanes)
-    real(dp), intent(out) :: from(2, lanes)
+    logical, intent(in) :: parts(lanes)
+    type(maps_t), intent(inout) :: maps
+    real(dp), intent(inout) :: start(2, lanes)
+    real(dp), parameter :: zero(2, lanes) = 0
     type(period_t) :: run(lanes)
-    logical :: solved(lanes)
+    real(dp) :: step(2)
+    logical :: solved
     integer :: l
 
-    call hold_maps(osc, table, duration, work, run)
+    call hold_lanes(osc, table, lanes, duration, zero, maps, run)
     do l = 1, lanes
-      call newton_step(run(l)%map, run(l)%state, from(:, l), solved(l))
-    end do
-    call hold_motion(osc, table, duration, from, work, run)
-    do l = 1, lanes
-      if (solved(l) .and. .not. run(l)%partial) call judge(osc, duration(l), from(:, l), run(l), 1, steady(l))
+      if (parts(l)) cycle
+      call newton_step(run(l)%map, run(l)%state, step, solved)
+      start(:, l) = merge(step, [osc%rest, 0.0_dp], solved)
     end do
   end subroutine hold_in_lanes
 
-  !> Newton's method as in `shoot`, but without halving its steps, in the lanes `free`.
-  pure subroutine shoot_in_lanes(osc, table, duration, tolerance, from, free, steady)
+  !> Newton's method as in `shoot`, but without halving its steps, in the lanes `open`. A start at which all
+  !> pairs should stay in contact, but do not, may be far from rest: then rest is the start.
+  pure subroutine shoot_in_lanes(osc, table, duration, tolerance, start, parts, maps, open, steady)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    real(dp), intent(in) :: duration(lanes), tolerance, from(2, lanes)
-    logical, intent(in) :: free(lanes)
+    real(dp), intent(in) :: duration(lanes), tolerance, start(2, lanes)
+    logical, intent(in) :: parts(lanes)
+    type(maps_t), intent(inout) :: maps
+    logical, intent(inout) :: open(lanes)
     type(steady_t), intent(inout) :: steady(lanes)
     integer, parameter :: most_iterations = 8
     type(period_t) :: run(lanes)
-    real(dp) :: state(2, lanes), step(2)
-    logical :: open(lanes)
+    real(dp) :: state(2, lanes), from(2, lanes), step(2), rest(2)
+    logical :: peaks, last
     integer :: iteration, l
 
-    state = from
-    open = free
+    rest = [osc%rest, 0.0_dp]
+    from = start
+    state = start
+    ! Only a run that closes the motion needs the peaks; the next one may be it where Newton's step was small.
+    peaks = .not. all(parts)
     do iteration = 1, most_iterations
-      call run_lanes(osc, table, duration, state, open, run)
+      call run_lanes(osc, table, duration, state, open, peaks, maps, run)
+      last = .false.
       do l = 1, lanes
         if (.not. open(l)) cycle
-        open(l) = .not. is_closed(osc, duration(l), tolerance, state(:, l), run(l))
-        if (.not. open(l)) then
-          if (distance(osc, duration(l), state(:, l) - from(:, l)) < near) &
+        if (is_closed(osc, duration(l), tolerance, state(:, l), run(l))) then
+          last = .true.
+          open(l) = .not. peaks
+          if (peaks .and. distance(osc, duration(l), state(:, l) - from(:, l)) < near) &
             call judge(osc, duration(l), state(:, l), run(l), 1, steady(l))
+        else if (iteration == 1 .and. .not. parts(l) .and. distance(osc, duration(l), state(:, l) - rest) > near) then
+          from(:, l) = rest
+          state(:, l) = rest
         else
           call newton_step(run(l)%map, run(l)%state - state(:, l), step, open(l))
           state(:, l) = state(:, l) + step
           open(l) = open(l) .and. .not. run(l)%failed .and. distance(osc, duration(l), state(:, l) - from(:, l)) < 2*near
+          last = last .or. distance(osc, duration(l), step)**2 < tolerance
         end if
       end do
+      peaks = last
       if (.not. any(open)) exit
     end do
   end subroutine shoot_in_lanes

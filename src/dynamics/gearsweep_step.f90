@@ -1,15 +1,13 @@
 !> What one step and one period of the motion consist of: members and their contact side by side in
-!> lanes, and the largest load between the ends of a step.
-!>
-!> The state is x (m) and its derivative y over the mesh phase (m).
+!> lanes. The state is x (m) and its derivative y over the mesh phase (m). What touches in a lane is told
+!> by the bits of an integer, member j by bit j - 1.
 module gearsweep_step
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: lanes
-  use gearsweep_motion, only: oscillator_t, table_t, end_acceleration
-  use gearsweep_quintic, only: quintic, top_of, value_of
+  use gearsweep_motion, only: oscillator_t, table_t
   implicit none
   private
-  public :: period_t, member_t, touching, set_contact, note_contact, begins_zone, may_top, track_pair, raise_to_top
+  public :: period_t, member_t, touches, all_pairs, set_contact, note_contact, begins_zone
 
   !> What one period does.
   type :: period_t
@@ -29,42 +27,47 @@ module gearsweep_step
   !> overlap's sign while its contact stays as it is, `weight` 1 in contact and 0 apart.
   type :: member_t
     real(dp), dimension(lanes) :: weight = 0, sense = 1
-    real(dp), dimension(lanes) :: gap = 0, gap_slope = 0, load = 0, load_slope = 0
+    real(dp), dimension(lanes) :: load = 0, load_slope = 0
   end type member_t
 
 contains
 
-  !> The members that touch in lane l.
-  pure subroutine touching(member, l, contact)
-    type(member_t), intent(in) :: member(:)
-    integer, intent(in) :: l
-    logical, intent(out) :: contact(:)
-    integer :: j
+  elemental logical function touches(touch, j)
+    integer, intent(in) :: touch, j
 
-    do j = 1, size(contact)
-      contact(j) = member(j)%weight(l) > 0
-    end do
-  end subroutine touching
+    touches = btest(touch, j - 1)
+  end function touches
 
-  pure subroutine set_contact(osc, l, j, contact, member)
+  !> Every pair between A and E in step i.
+  pure integer function all_pairs(table, i)
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i
+
+    all_pairs = 2**table%pairs(i) - 1
+  end function all_pairs
+
+  !> Lets member j touch or not in lane l.
+  elemental subroutine set_contact(osc, l, j, contact, touch, member)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: l, j
     logical, intent(in) :: contact
+    integer, intent(inout) :: touch
     type(member_t), intent(inout) :: member
 
+    touch = merge(ibset(touch, j - 1), ibclr(touch, j - 1), contact)
     member%weight(l) = merge(1, 0, contact)
     member%sense(l) = merge(1, -1, contact .eqv. j <= osc%pairs)
   end subroutine set_contact
 
   !> Notes that not every pair carries.
-  pure subroutine note_contact(osc, contact, out)
+  pure subroutine note_contact(osc, touch, out)
     type(oscillator_t), intent(in) :: osc
-    logical, intent(in) :: contact(:)
+    integer, intent(in) :: touch
     type(period_t), intent(inout) :: out
 
     out%partial = .true.
-    out%flight = out%flight .or. .not. any(contact)
-    if (osc%has_backlash) out%coast = out%coast .or. contact(size(contact))
+    out%flight = out%flight .or. touch == 0
+    if (osc%has_backlash) out%coast = out%coast .or. touches(touch, osc%members)
   end subroutine note_contact
 
   pure logical function begins_zone(table, i)
@@ -74,48 +77,4 @@ contains
     begins_zone = i == 1
     if (i > 1) begins_zone = table%zone(i) /= table%zone(i - 1)
   end function begins_zone
-
-  !> May a load be larger than `peak` between two ends? Given there with its slopes: a concave one stays
-  !> below its tangents.
-  pure logical function may_top(load, peak)
-    real(dp), intent(in) :: load(0:, :), peak
-
-    may_top = load(1, 1) > 0 .and. load(1, 2) < 0
-    if (may_top) may_top = max(load(0, 1), load(0, 2)) + (load(1, 1) - load(1, 2))/4 > peak
-  end function may_top
-
-  !> Raises `peak` to the largest load between the ends, where it is given with slope and curvature.
-  pure subroutine raise_to_top(load, peak)
-    real(dp), intent(in) :: load(0:2, 2)
-    real(dp), intent(inout) :: peak
-    real(dp) :: c(0:5)
-
-    c = quintic(load(:, 1), load(:, 2))
-    peak = max(peak, value_of(c, top_of(c)))
-  end subroutine raise_to_top
-
-  !> The peak of pair j's load within step i with the contact as it is; x, y at its ends.
-  pure subroutine track_pair(osc, table, i, j, duration, contact, x, y, peak)
-    type(oscillator_t), intent(in) :: osc
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: i, j
-    logical, intent(in) :: contact(:)
-    real(dp), intent(in) :: duration, x(2), y(2)
-    real(dp), intent(inout) :: peak
-    real(dp) :: gap(0:2, 2), load(0:2, 2)
-    integer :: k
-
-    associate (stiffness => table%end_stiffness(:, j, :, i), width => table%width(i))
-      gap(0, :) = x - table%end_error(0, j, :, i)
-      gap(1, :) = y - table%end_error(1, j, :, i)
-      load(0, :) = stiffness(1, :)*gap(0, :)
-      load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
-      if (.not. may_top(load, peak)) return
-      do k = 1, 2
-        gap(2, k) = end_acceleration(osc, table, i, k, contact, duration, x(k), y(k)) - table%end_error(2, j, k, i)
-      end do
-      load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
-    end associate
-    call raise_to_top(load, peak)
-  end subroutine track_pair
 end module gearsweep_step

@@ -4,11 +4,12 @@ module gearsweep_stretch
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: collocate, lanes, nodes
   use gearsweep_motion, only: oscillator_t, table_t, mobility, acceleration
-  use gearsweep_quintic, only: quintic, shape_of
+  use gearsweep_quintic, only: quintic, value_of, slope_of, bend_of
   use gearsweep_step, only: member_t
   implicit none
   private
-  public :: crossing_t, search_t, make_crossing, take_step, sum_up, follow, move_end, motion_of, ends_of, last
+  public :: crossing_t, search_t, make_crossing, take_step, sum_up, follow, move_end, slopes_of, bends_of, &
+            motion_bends, last
 
   !> Places in a stretch at which its coefficients are known: both ends, and the nodes between.
   real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
@@ -38,7 +39,8 @@ module gearsweep_stretch
     real(dp), dimension(lanes, last) :: square = 0, push = 0           !< w^2 and sum of k e
     real(dp), dimension(lanes, 2) :: x = 0, y = 0                      !< at the stretch's ends
     real(dp) :: map(lanes, 6) = 0
-    logical, allocatable :: contact(:)                                 !< of the lane at hand
+    integer :: touch(lanes) = 0
+    logical :: peaks = .true.                                          !< are wanted
   end type crossing_t
 
 contains
@@ -48,12 +50,12 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: n
     real(dp), intent(in) :: duration(lanes)
-    type(crossing_t), intent(out) :: c
+    type(crossing_t), allocatable, intent(out) :: c
 
+    allocate (c)
     c%n = n
     c%duration = duration
     allocate (c%stiffness(0:5, osc%pairs), c%error(0:5, osc%members), c%mobility(0:1, osc%pairs))
-    allocate (c%contact(osc%members))
   end subroutine make_crossing
 
   !> The quintics of step i.
@@ -202,30 +204,40 @@ contains
     curvature = acceleration(osc, c%square(l, k), c%push(l, k), c%duration(l), c%x(l, end), c%y(l, end))
   end function curvature
 
-  !> Value, first and second derivative over the stretch of lane l, at both ends, of the motion.
-  pure function motion_of(osc, table, l, c) result(f)
+  !> Second derivative over the stretch of lane l, at both ends, of the motion.
+  pure function motion_bends(osc, table, l, c) result(f)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: l
     type(crossing_t), intent(in) :: c
-    real(dp) :: f(0:2, 2), width
+    real(dp) :: f(2)
 
-    width = c%width(l)*table%width(c%i)
-    f(0, :) = c%x(l, :)
-    f(1, :) = width*c%y(l, :)
-    f(2, 1) = width**2*curvature(osc, l, 1, c)
-    f(2, 2) = width**2*curvature(osc, l, last, c)
-  end function motion_of
+    f(1) = curvature(osc, l, 1, c)
+    f(2) = curvature(osc, l, last, c)
+    f = (c%width(l)*table%width(c%i))**2*f
+  end function motion_bends
 
-  !> The same of a quintic over the step.
-  pure function ends_of(c, l, q) result(f)
+  !> Value and first derivative over the stretch, at both ends, of a quintic over the step.
+  pure function slopes_of(c, l, q) result(f)
     type(crossing_t), intent(in) :: c
     integer, intent(in) :: l
     real(dp), intent(in) :: q(0:5)
-    real(dp) :: f(0:2, 2), scale(0:2)
+    real(dp) :: f(0:1, 2)
 
-    scale = [1.0_dp, c%width(l), c%width(l)**2]
-    f(:, 1) = scale*shape_of(q, c%left(l))
-    f(:, 2) = scale*shape_of(q, c%left(l) + c%width(l))
-  end function ends_of
+    f(0, 1) = value_of(q, c%left(l))
+    f(1, 1) = slope_of(q, c%left(l))*c%width(l)
+    f(0, 2) = value_of(q, c%left(l) + c%width(l))
+    f(1, 2) = slope_of(q, c%left(l) + c%width(l))*c%width(l)
+  end function slopes_of
+
+  !> Second derivative.
+  pure function bends_of(c, l, q) result(f)
+    type(crossing_t), intent(in) :: c
+    integer, intent(in) :: l
+    real(dp), intent(in) :: q(0:5)
+    real(dp) :: f(2)
+
+    f(1) = bend_of(q, c%left(l))*c%width(l)**2
+    f(2) = bend_of(q, c%left(l) + c%width(l))*c%width(l)**2
+  end function bends_of
 end module gearsweep_stretch

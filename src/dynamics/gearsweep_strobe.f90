@@ -7,7 +7,7 @@ module gearsweep_strobe
   use gearsweep_march, only: sure_growth
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_orbit, only: point_aperiodic, point_chaotic, point_chatter, point_ok, point_subharmonic, point_unresolved
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, maps_t, begin_maps, run_period
   implicit none
   private
   public :: strobe_t, strobe_motion
@@ -67,6 +67,7 @@ contains
     integer, intent(out) :: status
     type(table_t) :: table
     type(period_t) :: run
+    type(maps_t) :: maps
     real(dp) :: steps, unit, from(2), disturbance(2), growth
     integer :: i
 
@@ -75,12 +76,13 @@ contains
     if (steps > most_steps) return
     status = point_chatter
     call tabulate(osc, resolution_t(max(steps, real(fewest_steps, dp))), table)
+    call begin_maps(table, maps)
     unit = max(1.0_dp, osc%natural_frequency*duration)
     from = state*[1.0_dp, duration]
     disturbance = 1
     growth = 0
     do i = 1 - settle, size(x)
-      call run_period(osc, table, duration, from, .false., run)
+      call run_period(osc, table, duration, from, maps, run)
       if (run%failed) return
       from = run%state
       disturbance = matmul(run%map, disturbance*[1.0_dp, unit])/[1.0_dp, unit]
