@@ -112,8 +112,8 @@ def test_all_at_once_gives_what_each_task_gives(text):
 
 
 def test_pictures_compute_nothing_again(tmp_path, monkeypatch):
-    """What the answer, the tables and the pictures show is computed in one call; the stress all over a section is
-    shown by a picture only."""
+    """What the answer, the tables and the pictures show is computed in one call; the stress all over a section, and the
+    stiffness that gives its share of the load, are for a picture only."""
     from gearsweep import __main__, _border
 
     called = []

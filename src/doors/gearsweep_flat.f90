@@ -188,12 +188,15 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values,
     if (out /= '') call make_folder(trim(out), made, error)
   end if
   call run_case(case, nwork, work, threads, study, error, in_folder(folder))
-  if (.not. allocated(error)) stages = study%log
+  if (.not. allocated(error)) then
+    stages = study%log
+    files = ''
+  end if
   if (.not. allocated(error) .and. room > 0) then
     call list_numbers(study, numbers)
-    used = size(numbers%values)
+    used = numbers%used
     names = numbers%names%text()
-    if (used <= room) values(:used) = numbers%values
+    if (used <= room) values(:used) = numbers%values(:used)
   end if
   if (.not. allocated(error) .and. out /= '') then
     call write_report(study, words)

@@ -14,7 +14,8 @@ module gearsweep_numbers
 
   type :: numbers_t
     type(lines_t) :: names                       !< for each array a line: its name, then its shape
-    real(dp), allocatable :: values(:)           !< of all arrays, one after the other
+    real(dp), allocatable :: values(:)           !< of all arrays, one after the other, and room for more
+    integer :: used = 0
   contains
     procedure, private :: add
   end type numbers_t
@@ -27,7 +28,7 @@ contains
     type(study_t), intent(in) :: study
     type(numbers_t), intent(out) :: numbers
 
-    numbers%values = [real(dp) ::]
+    allocate (numbers%values(1000))
     if (allocated(study%motion)) call list_motion(study, numbers)
     if (allocated(study%sharing)) call list_mesh(study, numbers)
     if (allocated(study%harmonics)) call list_harmonics(study, numbers)
@@ -44,14 +45,22 @@ contains
     character(*), intent(in) :: name
     real(dp), intent(in) :: values(:)
     integer, intent(in) :: shape(:)
-    integer :: i
+    real(dp), allocatable :: larger(:)
+    integer :: i, needed
 
     call self%names%put(name)
     do i = 1, size(shape)
       call self%names%put(' '//str(shape(i)))
     end do
     call self%names%add('')
-    self%values = [self%values, values]
+    needed = self%used + size(values)
+    if (needed > size(self%values)) then
+      allocate (larger(2*needed))
+      larger(:self%used) = self%values(:self%used)
+      call move_alloc(larger, self%values)
+    end if
+    self%values(self%used + 1:needed) = values
+    self%used = needed
   end subroutine add
 
   subroutine list_motion(study, numbers)
