@@ -18,6 +18,16 @@ module bench_cost
   integer, parameter :: full = 1, changing = 2, other = 3
   integer, parameter :: share = 8                !< every so many points are marched
 
+  !> A damping ratio, and the seconds taken under it.
+  type :: setting_t
+    type(oscillator_t), allocatable :: osc(:)
+    integer, allocatable :: kind(:, :)           !< of each point (speeds, reliefs)
+    real(dp) :: steps = 0                        !< mean, of the points in full contact
+    real(dp) :: taken(rounds, 5) = 0             !< in each round, of each thing that is timed
+    integer :: times(5) = 0
+    integer :: marched(2) = 0                    !< points, and how many without an answer
+  end type setting_t
+
 contains
 
   !> For each count a line: speeds in the problem's range, seconds for all reliefs, for those in full contact,
@@ -63,58 +73,69 @@ contains
   subroutine cost_over_damping(problem, wanted, ratios)
     type(problem_t), intent(in) :: problem
     real(dp), intent(in) :: wanted, ratios(:)
-    type(oscillator_t) :: osc(size(problem%osc))
-    type(sweep_t) :: sweep
-    real(dp) :: taken(rounds, 5, size(ratios)), steps(size(ratios))
-    integer :: kind(size(problem%rpm), size(problem%osc), size(ratios)), marched(2, size(ratios)), n(5, size(ratios))
+    type(setting_t) :: setting(size(ratios))
     integer :: i, k, what
 
+    do k = 1, size(ratios)
+      call damp(problem, wanted, ratios(k), setting(k))
+    end do
     do i = 1, rounds
       do k = 1, size(ratios)
-        call damp(problem, ratios(k), osc)
-        if (i == 1) then
-          n(:, k) = 0
-          call solve(osc, problem%rpm, each, by_shooting, wanted, sweep, taken(1, 1, k))
-          kind(:, :, k) = kind_of(sweep)
-          steps(k) = sum(sweep%steps, mask=kind(:, :, k) == full)/real(max(1, count(kind(:, :, k) == full)), dp)
-        end if
         do what = 1, 5
-          if (n(what, k) > 0) then
-            if (taken(1, what, k) > slow) cycle
-          end if
-          n(what, k) = i
-          select case (what)
-          case (1)
-            call solve(osc, problem%rpm, problem%case%direction, by_shooting, wanted, sweep, taken(i, 1, k))
-          case (2:4)
-            call solve_some(osc, problem%rpm, kind(:, :, k) == what - 1, by_shooting, wanted, taken(i, what, k))
-          case (5)
-            call solve_some(osc, problem%rpm, thinned(kind(:, :, k) == full), by_marching, wanted, taken(i, 5, k), marched(:, k))
-          end select
+          call take(problem, wanted, what, setting(k))
         end do
       end do
     end do
     do k = 1, size(ratios)
-      print numbers, ratios(k), (count(kind(:, :, k) == what), what=full, other), steps(k), &
-        (median(taken(:n(what, k), what, k)), what=1, 4), marched(:, k), median(taken(:n(5, k), 5, k))
+      associate (one => setting(k))
+        print numbers, ratios(k), (count(one%kind == what), what=full, other), one%steps, &
+          (median(one%taken(:one%times(what), what)), what=1, 4), one%marched, median(one%taken(:one%times(5), 5))
+      end associate
     end do
   end subroutine cost_over_damping
 
-  !> The problem's oscillators, with other damping.
-  subroutine damp(problem, ratio, osc)
+  !> The problem's oscillators with other damping, and what kind of point each speed then is.
+  subroutine damp(problem, wanted, ratio, setting)
     type(problem_t), intent(in) :: problem
-    real(dp), intent(in) :: ratio
-    type(oscillator_t), intent(out) :: osc(:)
+    real(dp), intent(in) :: wanted, ratio
+    type(setting_t), intent(out) :: setting
     type(error_t), allocatable :: error
+    type(sweep_t) :: sweep
+    real(dp) :: taken
     integer :: i
 
-    osc = problem%osc
-    osc%damping_ratio = ratio
-    do i = 1, size(osc)
-      call make_oscillator(osc(i), error)
+    setting%osc = problem%osc
+    setting%osc%damping_ratio = ratio
+    do i = 1, size(setting%osc)
+      call make_oscillator(setting%osc(i), error)
       call check(error)
     end do
+    call solve(setting%osc, problem%rpm, each, by_shooting, wanted, sweep, taken)
+    setting%kind = kind_of(sweep)
+    setting%steps = sum(sweep%steps, mask=setting%kind == full)/real(max(1, count(setting%kind == full)), dp)
   end subroutine damp
+
+  !> Once more what is timed: 1 all points, 2 to 4 those of a kind, 5 marching; not again what is slow.
+  subroutine take(problem, wanted, what, setting)
+    type(problem_t), intent(in) :: problem
+    real(dp), intent(in) :: wanted
+    integer, intent(in) :: what
+    type(setting_t), intent(inout) :: setting
+    type(sweep_t) :: sweep
+
+    if (setting%times(what) > 0 .and. setting%taken(1, what) > slow) return
+    setting%times(what) = setting%times(what) + 1
+    associate (osc => setting%osc, taken => setting%taken(setting%times(what), what))
+      select case (what)
+      case (1)
+        call solve(osc, problem%rpm, problem%case%direction, by_shooting, wanted, sweep, taken)
+      case (5)
+        call solve_some(osc, problem%rpm, thinned(setting%kind == full), by_marching, wanted, taken, setting%marched)
+      case default
+        call solve_some(osc, problem%rpm, setting%kind == what - 1, by_shooting, wanted, taken)
+      end select
+    end associate
+  end subroutine take
 
   pure function kind_of(sweep) result(kind)
     type(sweep_t), intent(in) :: sweep
