@@ -135,7 +135,7 @@ contains
     type(point_t), intent(out) :: points(lanes)
     logical, intent(out) :: solved(lanes)
     ! For the half's Newton iterations: of its solution, a twentieth counts.
-    real(dp), parameter :: most_lane_steps = 4096, loose = 100
+    real(dp), parameter :: most_lane_steps = 4096, loose = 1000
     type(steady_t) :: half(lanes)
     real(dp) :: least, longest
     integer :: rung, trial

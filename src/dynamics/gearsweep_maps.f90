@@ -8,15 +8,21 @@ module gearsweep_maps
   use gearsweep_step, only: period_t, member_t, all_pairs
   implicit none
   private
-  public :: maps_t, begin_maps, need_map, move, chain, hold_lanes
+  public :: maps_t, begin_maps, need_map, move, chain, forget, hold_lanes, leave_held
 
   !> Of periods with more than `most_kept` steps only the last map is kept.
   type :: maps_t
     logical :: kept = .false.
     real(dp), allocatable :: map(:, :, :)        !< what x, y and 1 become, two elements each: (lane, element, place)
     integer, allocatable :: touch(:, :)          !< what touches in it, (lane, place)
+    logical :: held = .false.                    !< all pairs touch in all of them, then
+    real(dp) :: total(lanes, 4) = 0              !< all of them one after the other
   end type maps_t
   integer, parameter :: most_kept = 2048, not_made = -1
+
+  !> A start of which less than this is left tells nothing; on its way to 0 it
+  !> would slow the processor down.
+  real(dp), parameter :: forgotten = 1e-150_dp
 
 contains
 
@@ -37,6 +43,7 @@ contains
       maps%map = 0
     end if
     maps%touch(:, :places) = not_made
+    maps%held = .false.
   end subroutine begin_maps
 
   !> Where the map of step i is for the first `n` lanes with these members in contact.
@@ -48,17 +55,25 @@ contains
     type(member_t), intent(in) :: member(osc%members)
     type(maps_t), intent(inout) :: maps
     integer, intent(out) :: place
+    integer :: full(lanes)
 
     place = merge(i, 1, maps%kept)
     if (maps%kept .and. are_same(touch, maps%touch(:, place))) return
-    if (are_same(touch, spread(all_pairs(table, i), 1, lanes))) then
+    call note_touch(all_pairs(table, i), full)
+    if (are_same(touch, full)) then
       call make_map(osc, table, i, n, duration, maps%map(:, :, place))
     else
-      call make_maps(osc, n, duration, table%width(i), table%rate(:, :, i), table%error(:, :, i), member, &
-                     maps%map(:, :, place))
+      call make_maps(osc, table, i, n, duration, member, maps%map(:, :, place))
     end if
     maps%touch(:, place) = touch
   end subroutine need_map
+
+  pure subroutine note_touch(all, touch)
+    integer, intent(in) :: all
+    integer, intent(out) :: touch(lanes)
+
+    touch = all
+  end subroutine note_touch
 
   pure logical function are_same(a, b)
     integer, intent(in), dimension(lanes) :: a, b
@@ -102,38 +117,41 @@ contains
     call finish_map(n, table%width(i), square, drag, push, map)
   end subroutine make_map
 
-  !> Each lane with its own members in contact; rate and error: (member, node).
-  pure subroutine make_maps(osc, n, duration, width, rate, error, member, map)
+  !> Each lane with its own members in contact.
+  pure subroutine make_maps(osc, table, i, n, duration, member, map)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: n
-    real(dp), intent(in) :: duration(lanes), width
-    real(dp), intent(in), dimension(osc%members, 3) :: rate, error
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, n
+    real(dp), intent(in) :: duration(lanes)
     type(member_t), intent(in) :: member(osc%members)
     real(dp), intent(out) :: map(lanes, 6)
     real(dp), dimension(lanes, 3) :: square, drag, push
-    real(dp) :: time
+    real(dp) :: time, rate, pull
     integer :: j, k, l
 
     square = 0
     push = 0
     do j = 1, osc%members
+      if (j > table%pairs(i) .and. j <= osc%pairs) cycle
       do k = 1, 3
+        rate = table%rate(j, k, i)
+        pull = rate*table%error(j, k, i)
         do l = 1, n
-          square(l, k) = square(l, k) + member(j)%weight(l)*rate(j, k)
-          push(l, k) = push(l, k) + member(j)%weight(l)*(rate(j, k)*error(j, k))
+          square(l, k) = square(l, k) + member(j)%weight(l)*rate
+          push(l, k) = push(l, k) + member(j)%weight(l)*pull
         end do
       end do
     end do
     do k = 1, 3
       do l = 1, n
-        time = duration(l)*width
+        time = duration(l)*table%width(i)
         drag(l, k) = 2*osc%damping_ratio*sqrt(square(l, k))*time
         time = time**2
         square(l, k) = square(l, k)*time
         push(l, k) = (push(l, k) + osc%load*sum(1/osc%mass))*time
       end do
     end do
-    call finish_map(n, width, square, drag, push, map)
+    call finish_map(n, table%width(i), square, drag, push, map)
   end subroutine make_maps
 
   !> From displacements over the step to derivatives over the phase. Divided, as the error of 1/width
@@ -183,6 +201,31 @@ contains
     end do
   end subroutine chain
 
+  !> From `held` maps to others after so many steps: what these steps make one after the other.
+  pure subroutine leave_held(steps, maps, along, total)
+    integer, intent(in) :: steps
+    type(maps_t), intent(inout) :: maps
+    logical, intent(inout) :: along
+    real(dp), intent(inout) :: total(lanes, 4)
+    integer :: i
+
+    do i = 1, steps
+      call chain(maps%map(:, :, i), total)
+      if (modulo(i, 64) == 0) call forget(total)
+    end do
+    maps%held = .false.
+    along = .false.
+  end subroutine leave_held
+
+  pure subroutine forget(total)
+    real(dp), intent(inout) :: total(lanes, 4)
+    integer :: l
+
+    do l = 1, lanes
+      if (all(abs(total(l, :)) < forgotten)) total(l, :) = 0
+    end do
+  end subroutine forget
+
   !> One period of the first `n` lanes from `start`, in which every pair between A and E stays in contact,
   !> pull or push: the state after it and its derivative by `start`.
   pure subroutine hold_lanes(osc, table, n, duration, start, maps, out)
@@ -205,12 +248,15 @@ contains
     do i = 1, table%steps
       place = merge(i, 1, maps%kept)
       call make_map(osc, table, i, n, duration, maps%map(:, :, place))
-      maps%touch(:, place) = all_pairs(table, i)
+      call note_touch(all_pairs(table, i), maps%touch(:, place))
       call chain(maps%map(:, :, place), total)
+      if (modulo(i, 64) == 0) call forget(total)
       call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
       from = to
       to = 3 - from
     end do
+    maps%held = maps%kept
+    maps%total = total
     do l = 1, n
       out(l)%map(:, 1) = total(l, :2)
       out(l)%map(:, 2) = total(l, 3:)

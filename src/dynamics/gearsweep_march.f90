@@ -4,8 +4,8 @@ module gearsweep_march
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_period, only: period_t, maps_t, run_period
-  use gearsweep_orbit, only: steady_t, near, most_work, has_answer, adopt, shoot, newton_step, run_periods, judge, distance, &
-                             largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic
+  use gearsweep_orbit, only: steady_t, near, most_work, has_answer, adopt, shoot, newton_step, closure_of, run_periods, judge, &
+                             distance, largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic
   implicit none
   private
   public :: march, steady_options_t, sure_growth
@@ -156,7 +156,7 @@ contains
       periods = 0
     else if (options%method == by_marching) then
       call run_periods(osc, table, duration, trail%state(:, 0), periods, maps, run)
-      call judge(osc, duration, trail%state(:, 0), run, periods, found)
+      call judge(osc, duration, trail%state(:, 0), run, closure_of(osc, duration, trail%state(:, 0), run), periods, found)
       found%work = run%work
     else
       call shoot(osc, table, duration, options%tolerance, periods, trail%state(:, periods) + step, maps, found)

@@ -54,6 +54,7 @@ module gearsweep_motion
     real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
     !> Value, first and second derivative over the phase, (0:2, pair or member, end, step).
     real(dp), allocatable :: end_stiffness(:, :, :, :), end_error(:, :, :, :)
+    real(dp), allocatable :: crest(:)               !< a motion whose tangents stay above keeps all pairs in contact
     !> Sums over all pairs at the nodes: w^2, sum of k e, w.
     real(dp), allocatable :: square(:, :), push(:, :), omega(:, :)
   end type table_t
@@ -141,6 +142,20 @@ contains
     mobility = mobility + sense*(osc%mesh%curvature_ratio(1, s)/osc%mass(1) + osc%mesh%curvature_ratio(2, s)/osc%mass(2))
   end function mobility
 
+  !> From stiffness to what it makes of the acceleration.
+  pure subroutine weigh(osc, s, recess, rate)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: s(:)
+    logical, intent(in) :: recess
+    real(dp), intent(inout) :: rate(:)
+
+    if (osc%friction > 0) then
+      rate = rate*mobility(osc, s, recess)
+    else
+      rate = rate*(1/osc%mass(1) + 1/osc%mass(2))
+    end if
+  end subroutine weigh
+
   !> Acceleration over the phase (m) of the state x, y; `square` and `push` are w^2 and the sum of k e of
   !> the members in contact.
   pure real(dp) function acceleration(osc, square, push, duration, x, y)
@@ -174,12 +189,14 @@ contains
   pure subroutine tabulate(osc, resolution, table)
     type(oscillator_t), intent(in) :: osc
     type(resolution_t), intent(in) :: resolution
-    type(table_t), intent(out) :: table
+    type(table_t), intent(inout) :: table
     integer, allocatable :: counts(:)
     integer :: i, j, first, last
 
     counts = resolution%times*max(1, ceiling(resolution%base*(osc%zones%last - osc%zones%first) - 1e-6_dp))
     call allocate_table(osc, sum(counts), table)
+    table%square(:, :) = 0
+    table%push(:, :) = 0
     last = 0
     do i = 1, size(osc%zones)
       first = last + 1
@@ -195,38 +212,49 @@ contains
       end associate
     end do
     if (osc%has_backlash) call fill_coast(osc, table)
-    table%omega = sqrt(table%square)
+    call find_crests(osc, table)
+    table%omega(:, :) = sqrt(table%square)
   end subroutine tabulate
 
-  !> Pairs that a zone does not have keep zeros.
+  !> Room for so many steps; that of the last table stays where it is as large. Pairs that a zone does not
+  !> have stay undefined.
   pure subroutine allocate_table(osc, steps, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
     type(table_t), intent(inout) :: table
 
+    if (allocated(table%zone)) then
+      if (steps == table%steps .and. osc%members == table%members .and. osc%pairs == size(table%end_stiffness, 2)) return
+      table = table_t()
+    end if
     table%steps = steps
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
-      allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps))
+      allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps), table%crest(steps))
       allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
-      allocate (table%square(3, steps), table%push(3, steps))
+      allocate (table%square(3, steps), table%push(3, steps), table%omega(3, steps))
     end associate
-    call clear(size(table%rate), table%rate)
-    call clear(size(table%error), table%error)
-    call clear(size(table%end_rate), table%end_rate)
-    call clear(size(table%end_stiffness), table%end_stiffness)
-    call clear(size(table%end_error), table%end_error)
-    call clear(size(table%square), table%square)
-    call clear(size(table%push), table%push)
   end subroutine allocate_table
 
-  pure subroutine clear(n, values)
-    integer, intent(in) :: n
-    real(dp), intent(out) :: values(n)
+  !> The highest profile error at the ends of each step and what its slopes take from the motion's; at least the
+  !> coast side.
+  pure subroutine find_crests(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(inout) :: table
+    real(dp) :: height, steepness
+    integer :: i, j
 
-    values = 0
-  end subroutine clear
+    do i = 1, table%steps
+      height = -osc%backlash
+      steepness = 0
+      do j = 1, table%pairs(i)
+        height = max(height, table%end_error(0, j, 1, i), table%end_error(0, j, 2, i))
+        steepness = max(steepness, abs(table%end_error(1, j, 1, i)), abs(table%end_error(1, j, 2, i)))
+      end do
+      table%crest(i) = height + steepness*table%width(i)/2
+    end do
+  end subroutine find_crests
 
   !> Pair j over the steps first to last, those of one zone.
   pure subroutine fill_pair(osc, zone, j, first, last, table)
@@ -244,13 +272,14 @@ contains
       s(3*i - 2:3*i) = table%left(first + i - 1) + j - 1 + table%width(first)*nodes
     end do
     call osc%mesh%stiffness%sample(s, 0, rate)
-    rate = rate*mobility(osc, s, zone%recess(j))
+    call weigh(osc, s, zone%recess(j), rate)
     call osc%mesh%profile_error%sample(s, zone%piece(j), error)
     ends(:n - 1) = table%left(first:last) + j - 1
     ends(n) = ends(n - 1) + table%width(first)
     call osc%mesh%stiffness%sample(ends, 0, stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
     call osc%mesh%profile_error%sample(ends, zone%piece(j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
-    end_rate = stiffness(:, 0)*mobility(osc, ends, zone%recess(j))
+    end_rate = stiffness(:, 0)
+    call weigh(osc, ends, zone%recess(j), end_rate)
     do i = 1, n
       associate (step => first + i - 1)
         do k = 1, 3
@@ -275,7 +304,10 @@ contains
     integer :: i, j, k
 
     associate (coast => osc%members)
+      table%rate(coast, :, :) = 0
+      table%end_rate(coast, :, :) = 0
       table%error(coast, :, :) = -osc%backlash
+      table%end_error(:, coast, :, :) = 0
       table%end_error(0, coast, :, :) = -osc%backlash
       do i = 1, table%steps
         associate (zone => osc%zones(table%zone(i)))

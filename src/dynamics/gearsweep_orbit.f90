@@ -7,7 +7,7 @@ module gearsweep_orbit
   implicit none
   private
   public :: steady_t, name_of, has_answer, settled, adopt
-  public :: shoot, is_closed, newton_step, run_periods, judge, distance, largest_multiplier
+  public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, largest_multiplier
 
   !> What is known of an operating point. Up to `inexact` there is a dynamic factor.
   integer, parameter, public :: &
@@ -156,7 +156,7 @@ contains
     integer, parameter :: most_iterations = 20, most_halvings = 4
     real(dp), parameter :: acceptable = 1e-9_dp
     type(period_t) :: run, trial_run
-    real(dp) :: state(2), trial(2), step(2), residual, trial_residual, work
+    real(dp) :: state(2), trial(2), step(2), closure, residual, trial_residual, work
     integer :: iteration, halving
     logical :: solved
 
@@ -165,7 +165,8 @@ contains
     work = run%work
     residual = distance(osc, duration, run%state - state)
     do iteration = 1, most_iterations
-      if (run%failed .or. work > most_work .or. is_closed(osc, duration, tolerance, state, run)) exit
+      closure = closure_of(osc, duration, state, run)
+      if (run%failed .or. work > most_work .or. is_closed(closure, tolerance)) exit
       call newton_step(run%map, run%state - state, step, solved)
       if (.not. solved) exit
       do halving = 0, most_halvings
@@ -182,21 +183,20 @@ contains
     end do
     if (run%failed) then
       steady%status = point_chatter
-    else if (closure_of(osc, duration, state, run) < acceptable .or. is_closed(osc, duration, tolerance, state, run) .or. &
-             (.not. solved .and. residual < acceptable)) then
-      call judge(osc, duration, state, run, periods, steady)
+    else
+      closure = closure_of(osc, duration, state, run)
+      if (closure < acceptable .or. is_closed(closure, tolerance) .or. (.not. solved .and. residual < acceptable)) &
+        call judge(osc, duration, state, run, closure, periods, steady)
     end if
     steady%work = work
   end subroutine shoot
 
   !> Is what the residual leaves far below the tolerance of the dynamic factor, or rounding? A small
   !> residual alone proves little: far above resonance any state hardly moves in a period.
-  pure logical function is_closed(osc, duration, tolerance, state, run)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration, tolerance, state(2)
-    type(period_t), intent(in) :: run
+  pure logical function is_closed(closure, tolerance)
+    real(dp), intent(in) :: closure, tolerance
 
-    is_closed = closure_of(osc, duration, state, run) < max(1e-3_dp*tolerance, 1e-12_dp)
+    is_closed = closure < max(1e-3_dp*tolerance, 1e-12_dp)
   end function is_closed
 
   !> Size of a difference of states, in static deflections.
@@ -210,9 +210,9 @@ contains
   end function distance
 
   !> Fills in a converged motion and whether it attracts.
-  pure subroutine judge(osc, duration, state, run, periods, steady)
+  pure subroutine judge(osc, duration, state, run, closure, periods, steady)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration, state(2)
+    real(dp), intent(in) :: duration, state(2), closure
     type(period_t), intent(in) :: run
     integer, intent(in) :: periods
     type(steady_t), intent(out) :: steady
@@ -225,7 +225,7 @@ contains
     steady%coast = run%coast
     steady%periods = periods
     steady%residual = distance(osc, duration, run%state - state)
-    steady%closure = closure_of(osc, duration, state, run)
+    steady%closure = closure
     steady%multiplier = largest_multiplier(run%map)
     if (steady%multiplier > 1 + neutral) then
       steady%status = point_unstable

@@ -5,18 +5,33 @@ module gearsweep_period
   use gearsweep_kinds, only: dp
   use gearsweep_contact, only: crossing_t, make_crossing, cross
   use gearsweep_gauss, only: lanes
-  use gearsweep_maps, only: maps_t, begin_maps, need_map, move, chain, hold_lanes
+  use gearsweep_maps, only: maps_t, begin_maps, need_map, move, chain, forget, hold_lanes, leave_held
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_peaks, only: top_t, tops_t, note_top, settle_tops
-  use gearsweep_step, only: period_t, member_t, touches, all_pairs, set_contact, note_contact, begins_zone
+  use gearsweep_step, only: period_t, member_t, touches, all_pairs, note_contact, begins_zone
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
   public :: period_t, maps_t, begin_maps, run_period, hold_period, run_lanes, hold_lanes
 
-  !> A start of which less than this is left tells nothing; on its way to 0 it
-  !> would slow the processor down.
-  real(dp), parameter :: forgotten = 1e-150_dp
+  !> Above all profile errors.
+  real(dp), parameter :: far = 1e30_dp
+
+  !> Motions on their way through the period; at the begin and at the end of a step, which change places.
+  type :: course_t
+    integer :: from = 1, to = 2
+    real(dp), dimension(lanes, 2) :: x, y
+    real(dp) :: total(lanes, 4)                  !< derivative by the first state, columns one after the other
+    real(dp) :: held(lanes)                      !< 0 where contact may change, else `far`
+    type(member_t), allocatable :: member(:)
+    integer :: touch(lanes)
+    logical :: whole                             !< every pair between A and E touches in every lane
+    logical :: along                             !< so it was in all steps, whose maps and their total are there
+    logical :: changes(lanes)                    !< of contact within the step
+    type(crossing_t), allocatable :: crossing
+    real(dp) :: peak(lanes)
+    type(tops_t) :: tops(lanes)
+  end type course_t
 
 contains
 
@@ -72,211 +87,210 @@ contains
     type(maps_t), intent(inout) :: maps
     type(period_t), intent(out) :: out(lanes)
     type(trace_t), intent(inout), optional :: trace
-    type(crossing_t), allocatable :: crossing
-    type(member_t) :: member(osc%members)
-    type(tops_t) :: tops(lanes)
-    ! At the begin of a step and its end, which change places.
-    real(dp) :: x(lanes, 2), y(lanes, 2), gap(lanes, osc%members, 2), slope(lanes, osc%members, 2)
-    real(dp), dimension(lanes) :: held, lowest, peak
-    real(dp) :: map(lanes, 6), total(lanes, 4)
-    logical :: changes(lanes)
-    integer :: touch(lanes), place, from, to, i, l
+    type(course_t) :: c
+    integer :: i, l
 
-    from = 1
-    to = 2
-    x(:, from) = start(1, :)
-    y(:, from) = start(2, :)
-    held = merge(0, 1, open .and. [(l <= n, l=1, lanes)])
-    changes = .false.
-    peak = 0
-    total = 0
-    total(:, 1) = 1
-    total(:, 4) = 1
-    tops%count = 0
+    call begin(osc, start, open .and. [(l <= n, l=1, lanes)], maps, c)
     do i = 1, table%steps
-      if (begins_zone(table, i)) then
-        call enter_zone(osc, table, i, n, x(:, from), held, touch, member, out)
-        call begin_gaps(table, i, x(:, from), y(:, from), gap(:, :, from), slope(:, :, from))
-        call begin_loads(table, i, gap(:, :, from), slope(:, :, from), member, peak)
-      end if
-      call need_map(osc, table, i, n, duration, touch, member, maps, place)
-      call move(maps%map(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
-      call look(osc, table, i, x(:, to), y(:, to), gap(:, :, from), slope(:, :, from), held, member, &
-                gap(:, :, to), slope(:, :, to), lowest)
-      if (any(lowest < 0)) then
-        changes = lowest < 0
-        map = maps%map(:, :, place)
-        if (.not. allocated(crossing)) call make_crossing(osc, n, duration, crossing)
-        call cross(osc, table, i, x(:, from), y(:, from), changes, peaks, crossing, touch, member, x(:, to), y(:, to), &
-                   map, peak, out, trace)
-        if (all(out(:n)%failed)) return
-        where (out%failed) held = 1
-        call chain(map, total)
-        call look(osc, table, i, x(:, to), y(:, to), gap(:, :, from), slope(:, :, from), held, member, &
-                  gap(:, :, to), slope(:, :, to), lowest)
-      else
-        changes = .false.
-        call chain(maps%map(:, :, place), total)
-      end if
-      if (peaks) call watch(osc, table, i, n, duration, x, y, from, to, gap(:, :, to), slope(:, :, to), changes, touch, &
-                            member, tops, peak)
-      if (present(trace) .and. .not. changes(1)) call note(osc, table, i, x(1, [from, to]), touch(1), trace)
-      if (modulo(i, 64) == 0) call forget(total)
-      from = to
-      to = 3 - from
+      if (begins_zone(table, i)) call enter_zone(osc, table, i, n, c, out)
+      call advance(osc, table, i, n, duration, peaks, maps, c, out, trace)
+      if (all(out(:n)%failed)) return
+      if (peaks) call watch(osc, table, i, n, duration, c)
+      if (present(trace) .and. .not. c%changes(1)) call note(osc, table, i, c%x(1, [c%from, c%to]), c%touch(1), trace)
+      if (modulo(i, 64) == 0) call forget(c%total)
+      c%from = c%to
+      c%to = 3 - c%from
     end do
+    if (c%along) c%total = maps%total
     do l = 1, n
-      call settle_tops(osc, table, duration(l), tops(l), peak(l))
-      out(l)%peak = peak(l)
-      out(l)%state = [x(l, from), y(l, from)]
-      out(l)%map(:, 1) = total(l, :2)
-      out(l)%map(:, 2) = total(l, 3:)
+      call settle_tops(osc, table, duration(l), c%tops(l), c%peak(l))
+      out(l)%peak = c%peak(l)
+      out(l)%state = [c%x(l, c%from), c%y(l, c%from)]
+      out(l)%map(:, 1) = c%total(l, :2)
+      out(l)%map(:, 2) = c%total(l, 3:)
       out(l)%work = out(l)%work + table%steps
     end do
   end subroutine follow
 
-  !> Which members touch where the zone of step i begins.
-  pure subroutine enter_zone(osc, table, i, n, x, held, touch, member, out)
+  pure subroutine begin(osc, start, open, maps, c)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: start(2, lanes)
+    logical, intent(in) :: open(lanes)
+    type(maps_t), intent(in) :: maps
+    type(course_t), intent(inout) :: c
+
+    allocate (c%member(osc%members))
+    c%x(:, c%from) = start(1, :)
+    c%y(:, c%from) = start(2, :)
+    c%total = 0
+    c%total(:, 1) = 1
+    c%total(:, 4) = 1
+    c%held = merge(0.0_dp, far, open)
+    c%along = maps%held
+    c%peak = 0
+    c%tops%count = 0
+  end subroutine begin
+
+  !> Which members touch where the zone of step i begins, and their loads there.
+  pure subroutine enter_zone(osc, table, i, n, c, out)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i, n
-    real(dp), intent(in) :: x(lanes), held(lanes)
-    integer, intent(inout) :: touch(lanes)
-    type(member_t), intent(inout) :: member(osc%members)
+    type(course_t), intent(inout) :: c
     type(period_t), intent(inout) :: out(lanes)
-    logical :: contact
-    integer :: j, l
+    real(dp) :: bound(lanes)
+    integer :: contact, j, l
 
-    touch = 0
+    c%touch = 0
     do j = 1, osc%members
       do l = 1, lanes
-        if (held(l) > 0) then
-          contact = j <= table%pairs(i)
-        else if (j > osc%pairs) then
-          contact = x(l) < -osc%backlash
+        if (j > osc%pairs) then
+          contact = merge(1, 0, c%x(l, c%from) + c%held(l) < -osc%backlash)
+        else if (j <= table%pairs(i)) then
+          contact = merge(1, 0, c%x(l, c%from) + c%held(l) > table%end_error(0, j, 1, i))
         else
-          contact = j <= table%pairs(i) .and. x(l) > table%end_error(0, j, 1, i)
+          contact = 0
         end if
-        call set_contact(osc, l, j, contact, touch(l), member(j))
+        c%touch(l) = c%touch(l) + contact*2**(j - 1)
+        c%member(j)%weight(l) = contact
+        c%member(j)%sense(l) = 2*contact - 1
       end do
+      if (j > osc%pairs) c%member(j)%sense = -c%member(j)%sense
     end do
+    c%whole = all(c%touch == all_pairs(table, i))
     do l = 1, n
-      if (touch(l) /= all_pairs(table, i)) call note_contact(osc, touch(l), out(l))
-      out(l)%mark = out(l)%mark + x(l)
+      if (c%touch(l) /= all_pairs(table, i)) call note_contact(osc, c%touch(l), out(l))
+      out(l)%mark = out(l)%mark + c%x(l, c%from)
+    end do
+    do j = 1, table%pairs(i)
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 1, i), table%end_error(:1, j, 1, i), c%x(:, c%from), &
+                     c%y(:, c%from), c%member(j), c%peak, bound)
     end do
   end subroutine enter_zone
 
-  !> Overlap of each member, and its slope over the step, where the zone of step i begins.
-  pure subroutine begin_gaps(table, i, x, y, gap, slope)
+  !> The state at the end of step i, changes of contact on the way, and the derivative so far.
+  pure subroutine advance(osc, table, i, n, duration, peaks, maps, c, out, trace)
+    type(oscillator_t), intent(in) :: osc
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: i, n
+    real(dp), intent(in) :: duration(lanes)
+    logical, intent(in) :: peaks
+    type(maps_t), intent(inout) :: maps
+    type(course_t), intent(inout) :: c
+    type(period_t), intent(inout) :: out(lanes)
+    type(trace_t), intent(inout), optional :: trace
+    real(dp) :: map(lanes, 6)
+    integer :: place
+
+    if (c%along .and. .not. c%whole) call leave_held(i - 1, maps, c%along, c%total)
+    place = i
+    if (.not. c%along) call need_map(osc, table, i, n, duration, c%touch, c%member, maps, place)
+    call move(maps%map(:, :, place), c%x(:, c%from), c%y(:, c%from), c%x(:, c%to), c%y(:, c%to))
+    c%changes = .false.
+    if (.not. (c%whole .and. stays_above(table, i, c%x, c%y, c%held))) call find_changes(osc, table, i, c)
+    if (any(c%changes)) then
+      if (c%along) call leave_held(i - 1, maps, c%along, c%total)
+      if (.not. allocated(c%crossing)) call make_crossing(osc, n, duration, c%crossing)
+      map = maps%map(:, :, place)
+      call cross(osc, table, i, c%x(:, c%from), c%y(:, c%from), c%changes, peaks, c%crossing, c%touch, c%member, &
+                 c%x(:, c%to), c%y(:, c%to), map, c%peak, out, trace)
+      where (out%failed) c%held = far
+      c%whole = all(c%touch == all_pairs(table, i))
+      call chain(map, c%total)
+    else if (.not. c%along) then
+      call chain(maps%map(:, :, place), c%total)
+    end if
+  end subroutine advance
+
+  !> Do the lanes that are not `held` stay above the highest profile error during step i? A convex curve
+  !> stays above its tangents.
+  pure logical function stays_above(table, i, x, y, held)
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
-    real(dp), intent(in), dimension(lanes) :: x, y
-    real(dp), intent(out), dimension(lanes, table%members) :: gap, slope
-    integer :: j
+    real(dp), intent(in) :: x(lanes, 2), y(lanes, 2), held(lanes)
+    real(dp) :: lowest(lanes)
+    integer :: l
 
-    do j = 1, table%members
-      gap(:, j) = x - table%end_error(0, j, 1, i)
-      slope(:, j) = (y - table%end_error(1, j, 1, i))*table%width(i)
+    do l = 1, lanes
+      lowest(l) = min(x(l, 1), x(l, 2)) - (abs(y(l, 1)) + abs(y(l, 2)))*(table%width(i)/4) + held(l)
     end do
-  end subroutine begin_gaps
+    stays_above = minval(lowest) > table%crest(i)
+  end function stays_above
 
-  !> The same where step i ends, at x, y; and what the overlaps, turned so that they are positive while
-  !> contact stays as it is, stay above on the way. Below 0 contact may change; where it is `held`, it does not.
-  pure subroutine look(osc, table, i, x, y, gap, slope, held, member, gap_next, slope_next, lowest)
+  !> The lanes in which a member may touch or leave during step i.
+  pure subroutine find_changes(osc, table, i, c)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
     integer, intent(in) :: i
-    real(dp), intent(in), dimension(lanes) :: x, y, held
-    real(dp), intent(in), dimension(lanes, osc%members) :: gap, slope
-    type(member_t), intent(in) :: member(osc%members)
-    real(dp), intent(out), dimension(lanes, osc%members) :: gap_next, slope_next
-    real(dp), intent(out) :: lowest(lanes)
+    type(course_t), intent(inout) :: c
+    real(dp) :: lowest(lanes)
     integer :: j
 
     lowest = huge(lowest)
     do j = 1, osc%members
       if (j > table%pairs(i) .and. j <= osc%pairs) cycle
-      call look_at(table%width(i), table%end_error(:1, j, 2, i), x, y, member(j)%sense, gap(:, j), slope(:, j), &
-                   gap_next(:, j), slope_next(:, j), lowest)
+      call lower(table%width(i), table%end_error(:1, j, :, i), c%x(:, c%from), c%y(:, c%from), c%x(:, c%to), c%y(:, c%to), &
+                 c%member(j)%sense, lowest)
     end do
-    where (held > 0) lowest = 0
-  end subroutine look
+    c%changes = lowest < 0 .and. .not. c%held > 0
+  end subroutine find_changes
 
-  !> One member: a convex curve stays above its tangents.
-  pure subroutine look_at(width, error, x, y, sense, gap, slope, gap_next, slope_next, lowest)
-    real(dp), intent(in) :: width, error(0:1)
-    real(dp), intent(in), dimension(lanes) :: x, y, sense, gap, slope
-    real(dp), intent(out), dimension(lanes) :: gap_next, slope_next
+  !> Lowers what overlaps, turned so that they are positive while contact stays as it is, stay above: a convex
+  !> curve stays above its tangents.
+  pure subroutine lower(width, error, x, y, x_next, y_next, sense, lowest)
+    real(dp), intent(in) :: width, error(0:1, 2)
+    real(dp), intent(in), dimension(lanes) :: x, y, x_next, y_next, sense
     real(dp), intent(inout) :: lowest(lanes)
     real(dp) :: before, after, fall, rise
     integer :: l
 
     do l = 1, lanes
-      gap_next(l) = x(l) - error(0)
-      slope_next(l) = (y(l) - error(1))*width
-      before = max(0.0_dp, sense(l)*gap(l))
-      after = sense(l)*gap_next(l)
-      fall = max(0.0_dp, -sense(l)*slope(l))
-      rise = max(0.0_dp, sense(l)*slope_next(l))
+      before = max(0.0_dp, sense(l)*(x(l) - error(0, 1)))
+      after = sense(l)*(x_next(l) - error(0, 2))
+      fall = max(0.0_dp, sense(l)*(error(1, 1) - y(l))*width)
+      rise = max(0.0_dp, sense(l)*(y_next(l) - error(1, 2))*width)
       lowest(l) = min(lowest(l), min(before, after) - min(fall, rise, (fall + rise)/4))
     end do
-  end subroutine look_at
+  end subroutine lower
 
-  !> The loads where the zone of step i begins.
-  pure subroutine begin_loads(table, i, gap, slope, member, peak)
-    type(table_t), intent(in) :: table
-    integer, intent(in) :: i
-    real(dp), intent(in), dimension(lanes, table%members) :: gap, slope
-    type(member_t), intent(inout) :: member(:)
-    real(dp), intent(inout) :: peak(lanes)
-    real(dp) :: bound(lanes)
-    integer :: j
-
-    do j = 1, table%pairs(i)
-      call load_pair(table%width(i), table%end_stiffness(:1, j, 1, i), gap(:, j), slope(:, j), member(j), peak, bound)
-    end do
-  end subroutine begin_loads
-
-  !> The loads over step i from x, y to where the gaps are given: raises `peak`, and notes
-  !> where a load may be larger on the way.
-  pure subroutine watch(osc, table, i, n, duration, x, y, from, to, gap, slope, changes, touch, member, tops, peak)
+  !> The loads over step i: raises the peaks, and notes where a load may be larger on the way.
+  pure subroutine watch(osc, table, i, n, duration, c)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
-    integer, intent(in) :: i, n, from, to, touch(lanes)
-    real(dp), intent(in) :: duration(lanes), x(lanes, 2), y(lanes, 2)
-    real(dp), intent(in), dimension(lanes, osc%members) :: gap, slope
-    logical, intent(in) :: changes(lanes)
-    type(member_t), intent(inout) :: member(osc%members)
-    type(tops_t), intent(inout) :: tops(lanes)
-    real(dp), intent(inout) :: peak(lanes)
+    integer, intent(in) :: i, n
+    real(dp), intent(in) :: duration(lanes)
+    type(course_t), intent(inout) :: c
     real(dp) :: bound(lanes)
-    integer :: j, l
+    integer :: ends(2), j, l
 
+    ends = [c%from, c%to]
     do j = 1, table%pairs(i)
-      call load_pair(table%width(i), table%end_stiffness(:1, j, 2, i), gap(:, j), slope(:, j), member(j), peak, bound)
-      if (.not. any(bound > peak)) cycle
+      call load_pair(table%width(i), table%end_stiffness(:1, j, 2, i), table%end_error(:1, j, 2, i), c%x(:, c%to), &
+                     c%y(:, c%to), c%member(j), c%peak, bound)
+      if (.not. any(bound > c%peak)) cycle
       do l = 1, n
-        if (changes(l) .or. bound(l) <= peak(l)) cycle
-        call note_top(osc, table, duration(l), top_t(bound(l), x(l, [from, to]), y(l, [from, to]), i, j, touch(l)), tops(l), &
-                      peak(l))
+        if (c%changes(l) .or. bound(l) <= c%peak(l)) cycle
+        call note_top(osc, table, duration(l), top_t(bound(l), c%x(l, ends), c%y(l, ends), i, j, c%touch(l)), c%tops(l), &
+                      c%peak(l))
       end do
     end do
   end subroutine watch
 
-  !> Moves the load of a pair to where its stiffness has this value and derivative: raises `peak`, and tells
-  !> what the load stays below on the way: a concave curve stays below its tangents.
-  pure subroutine load_pair(width, stiffness, gap, slope, pair, peak, bound)
-    real(dp), intent(in) :: width, stiffness(0:1)
-    real(dp), intent(in), dimension(lanes) :: gap, slope
+  !> Moves the load of a pair to x, y, where its stiffness and profile error have this value and derivative:
+  !> raises `peak`, and tells what the load stays below on the way: a concave curve stays below its tangents.
+  pure subroutine load_pair(width, stiffness, error, x, y, pair, peak, bound)
+    real(dp), intent(in) :: width, stiffness(0:1), error(0:1)
+    real(dp), intent(in), dimension(lanes) :: x, y
     type(member_t), intent(inout) :: pair
     real(dp), intent(inout) :: peak(lanes)
     real(dp), intent(out) :: bound(lanes)
-    real(dp) :: load, load_slope, rise, fall
+    real(dp) :: gap, load, load_slope, rise, fall
     integer :: l
 
     do l = 1, lanes
-      load = pair%weight(l)*stiffness(0)*gap(l)
-      load_slope = pair%weight(l)*(width*stiffness(1)*gap(l) + stiffness(0)*slope(l))
+      gap = x(l) - error(0)
+      load = pair%weight(l)*stiffness(0)*gap
+      load_slope = pair%weight(l)*width*(stiffness(1)*gap + stiffness(0)*(y(l) - error(1)))
       rise = max(0.0_dp, pair%load_slope(l))
       fall = max(0.0_dp, -load_slope)
       bound(l) = max(pair%load(l), load) + min(rise, fall, (rise + fall)/4)
@@ -285,15 +299,6 @@ contains
       pair%load_slope(l) = load_slope
     end do
   end subroutine load_pair
-
-  pure subroutine forget(total)
-    real(dp), intent(inout) :: total(lanes, 4)
-    integer :: l
-
-    do l = 1, lanes
-      if (all(abs(total(l, :)) < forgotten)) total(l, :) = 0
-    end do
-  end subroutine forget
 
   pure subroutine note(osc, table, i, x, touch, trace)
     type(oscillator_t), intent(in) :: osc

@@ -5,8 +5,8 @@ module gearsweep_steady
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_gauss, only: lanes
   use gearsweep_period, only: period_t, maps_t, begin_maps, run_period, hold_period, run_lanes, hold_lanes
-  use gearsweep_orbit, only: steady_t, near, name_of, has_answer, settled, shoot, is_closed, newton_step, judge, distance, &
-    largest_multiplier, unbounded, point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, &
+  use gearsweep_orbit, only: steady_t, near, name_of, has_answer, settled, shoot, is_closed, closure_of, newton_step, judge, &
+    distance, largest_multiplier, unbounded, point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, &
     point_aperiodic, point_unresolved, point_chatter, point_chaotic
   use gearsweep_march, only: march, steady_options_t, by_shooting, by_marching
   implicit none
@@ -71,7 +71,8 @@ contains
     steady%work = table%steps
     if (.not. solved) return
     call run_period(osc, table, duration, state, maps, run)
-    if (.not. (run%partial .or. run%failed)) call judge(osc, duration, state, run, 1, steady)
+    if (.not. (run%partial .or. run%failed)) &
+      call judge(osc, duration, state, run, closure_of(osc, duration, state, run), 1, steady)
     steady%work = 2*table%steps
   end subroutine solve_in_contact
 
@@ -137,7 +138,7 @@ contains
     type(steady_t), intent(inout) :: steady(lanes)
     integer, parameter :: most_iterations = 8
     type(period_t) :: run(lanes)
-    real(dp) :: state(2, lanes), from(2, lanes), step(2), rest(2)
+    real(dp) :: state(2, lanes), from(2, lanes), step(2), rest(2), closure
     logical :: peaks, last
     integer :: iteration, l
 
@@ -151,11 +152,12 @@ contains
       last = .false.
       do l = 1, lanes
         if (.not. open(l)) cycle
-        if (is_closed(osc, duration(l), tolerance, state(:, l), run(l))) then
+        closure = closure_of(osc, duration(l), state(:, l), run(l))
+        if (is_closed(closure, tolerance)) then
           last = .true.
           open(l) = .not. peaks
           if (peaks .and. distance(osc, duration(l), state(:, l) - from(:, l)) < near) &
-            call judge(osc, duration(l), state(:, l), run(l), 1, steady(l))
+            call judge(osc, duration(l), state(:, l), run(l), closure, 1, steady(l))
         else if (iteration == 1 .and. .not. parts(l) .and. distance(osc, duration(l), state(:, l) - rest) > near) then
           from(:, l) = rest
           state(:, l) = rest

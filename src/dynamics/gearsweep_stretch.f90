@@ -4,7 +4,7 @@ module gearsweep_stretch
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: collocate, lanes, nodes
   use gearsweep_motion, only: oscillator_t, table_t, mobility, acceleration
-  use gearsweep_quintic, only: quintic, value_of, slope_of, bend_of
+  use gearsweep_quintic, only: quintic, bend_of
   use gearsweep_step, only: member_t
   implicit none
   private
@@ -77,6 +77,7 @@ contains
       end associate
     end do
     do j = 1, osc%members
+      if (j > table%pairs(i) .and. j <= osc%pairs) cycle
       c%error(:, j) = quintic(scale*table%end_error(:, j, 1, i), scale*table%end_error(:, j, 2, i))
     end do
     if (osc%damping_ratio > 1) c%longest = longest_stretch(osc, c%duration*table%width(i))
@@ -224,11 +225,18 @@ contains
     real(dp), intent(in) :: q(0:5)
     real(dp) :: f(0:1, 2)
 
-    f(0, 1) = value_of(q, c%left(l))
-    f(1, 1) = slope_of(q, c%left(l))*c%width(l)
-    f(0, 2) = value_of(q, c%left(l) + c%width(l))
-    f(1, 2) = slope_of(q, c%left(l) + c%width(l))*c%width(l)
+    call evaluate(q, c%left(l), f(0, 1), f(1, 1))
+    call evaluate(q, c%left(l) + c%width(l), f(0, 2), f(1, 2))
+    f(1, :) = f(1, :)*c%width(l)
   end function slopes_of
+
+  pure subroutine evaluate(q, t, value, slope)
+    real(dp), intent(in) :: q(0:5), t
+    real(dp), intent(out) :: value, slope
+
+    value = ((((q(5)*t + q(4))*t + q(3))*t + q(2))*t + q(1))*t + q(0)
+    slope = (((5*q(5)*t + 4*q(4))*t + 3*q(3))*t + 2*q(2))*t + q(1)
+  end subroutine evaluate
 
   !> Second derivative.
   pure function bends_of(c, l, q) result(f)

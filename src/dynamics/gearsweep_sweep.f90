@@ -83,7 +83,7 @@ contains
     relief = 0
     !$omp do schedule(dynamic, 1)
     do i = 1, size(blocks)
-      if (blocks(i)%relief /= relief) call clear(tables)
+      if (blocks(i)%relief /= relief) call forget(tables)
       relief = blocks(i)%relief
       call solve_block(osc(relief), rpm, blocks(i), options, tables, points(:, relief), solved(:, relief))
       !$omp atomic capture seq_cst
@@ -109,11 +109,13 @@ contains
     !$omp end parallel
   end subroutine run_sweep
 
-  subroutine clear(tables)
-    type(tables_t), allocatable, intent(out) :: tables
+  !> Tables of another relief keep their room.
+  subroutine forget(tables)
+    type(tables_t), allocatable, intent(inout) :: tables
 
-    allocate (tables)
-  end subroutine clear
+    if (.not. allocated(tables)) allocate (tables)
+    tables%made = .false.
+  end subroutine forget
 
   integer function team(threads, blocks)
     !$ use omp_lib, only: omp_get_max_threads
