@@ -71,6 +71,8 @@ contains
     call numbers%add('motion.mass_kg', study%mass, [2])
     call numbers%add('motion.stiffness_n_um', [study%mesh%mean_stiffness()/1e6_dp], [integer ::])
     call numbers%add('motion.frequency_hz', [study%motion(1)%natural_frequency/(2*pi)], [integer ::])
+    call numbers%add('motion.turn_um', [micro*study%load*study%mesh%disc%turn], [integer ::])
+    call numbers%add('motion.shared_um', [micro*study%load*study%mesh%disc%shared], [integer ::])
   end subroutine list_motion
 
   subroutine list_mesh(study, numbers)
