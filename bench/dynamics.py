@@ -24,6 +24,9 @@ SWEEP = 'case1'
 POINTS = ('smooth', 'point', 'damped', 'slow', 'light', 'rattle')
 SCIPY_SHARE, OCTAVE_SHARE = 41, 82  # of the sweep's speeds they take every so many
 AIMS = (1e-3, 1e-6, 1e-9)
+COUNTS = (20, 82, 327, 1307, 5227)
+RATIOS = (1e-3, 1e-2, 0.05, 0.17, 0.5, 1, 5, 50)
+STARTS = 21
 
 programs = pathlib.Path(sys.argv[1])
 
@@ -247,6 +250,76 @@ def add_points(report, problems):
                          for problem in problems) + '\n')
 
 
+def micro(seconds, points):
+    return f'{1e6 * seconds / points:.3g}' if points else '-'
+
+
+def add_cost(report, problem):
+    """Over the number of speeds and over the damping."""
+    reliefs = len(problem.numbers.relief)
+    speeds = numbers(run(programs / 'dynamics', 'speeds', problem.case, 1e-6, *COUNTS))
+    report.add('**One more speed.** The same sweep with other numbers of speeds over the same range, at a tolerance of 1e-6; us a point.\n'
+               'Eight neighbours share a table and run side by side: where there are few, far apart, the most demanding of the\n'
+               'eight costs all of them more steps, and fewer points pay for the tables.\n')
+    held = int(speeds[0][3])
+    report.table(('speeds', f'{reliefs} reliefs', f'the {held} in full contact', 'ms in all', 'of that tables', 'steps a point'),
+                 [(str(int(n)), micro(every, reliefs * n), micro(full, held * n), f'{1e3 * every:.3g}', f'{100 * tables / every:.0f} %',
+                   f'{steps:.0f}') for n, every, full, _, tables, steps in speeds])
+    damping = numbers(run(programs / 'dynamics', 'damping', problem.case, 1e-6, *RATIOS))
+    report.add(f'**More or less damping.** The same sweep, {len(problem.numbers.rpm)} speeds and {reliefs} reliefs, as it is and then kind by kind, each point by itself; us a\n'
+               'point. A march until periodic, from rest, by the same steps, at every eighth of the points in full contact: the lighter the\n'
+               'damping, the more periods until nothing changes. Shooting needs two periods whatever the damping; what still grows:\n'
+               'steps, as sharper resonances (to the left) or a decay faster than the mesh period (to the right) take more of them for the\n'
+               'same tolerance; and light damping makes more motions change contact, repeat only after several mesh periods or never\n'
+               '(*others*), where Newton\'s method often does not settle and the transient is marched after all.\n')
+    report.table(('damping ratio', 'all', 'in full contact', 'points', 'steps of these', 'contact changes', 'points', 'others', 'points',
+                  'in full contact, marched', 'without an answer'),
+                 [(f'{z:g}', micro(every, sum(count)), micro(full, count[0]), str(int(count[0])), f'{steps:.0f}', micro(changing, count[1]),
+                   str(int(count[1])), micro(other, count[2]), str(int(count[2])), micro(march, marched), f'{lost:.0f} of {marched:.0f}')
+                  for z, *count, steps, every, full, changing, other, marched, lost, march in damping])
+    report.csv('cost_speeds', ('speeds', 'seconds', 'seconds_full_contact', 'reliefs_full_contact', 'seconds_tables', 'mean_steps'), speeds)
+    report.csv('cost_damping', ('damping_ratio', 'points_full', 'points_changing', 'points_other', 'steps_full', 'seconds', 'seconds_full',
+                                'seconds_changing', 'seconds_other', 'points_marched', 'points_lost', 'seconds_marched'), damping)
+    draw_cost(np.array(speeds), np.array(damping), reliefs)
+    return speeds
+
+
+def draw_cost(speeds, damping, reliefs):
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7, 2.8))
+    full, changing, every = (dict(color=COLOURS[name], marker=mark) for name, mark in (('vermilion', 'o'), ('purple', 's'), ('black', '^')))
+    left.loglog(speeds[:, 0], 1e6 * speeds[:, 1] / speeds[:, 0] / reliefs, label='all points', **every)
+    left.loglog(speeds[:, 0], 1e6 * speeds[:, 2] / speeds[:, 0] / speeds[:, 3], label='in full contact', **full)
+    left.set(xlabel='speeds', ylabel='time for a point, us', ylim=(0.5, 100))
+    ratio = damping[:, 0]
+    right.loglog(ratio, 1e6 * damping[:, 5] / damping[:, 1:4].sum(1), label='all points', **every)
+    right.loglog(ratio, 1e6 * damping[:, 7] / damping[:, 2], label='contact changes', **changing)
+    right.loglog(ratio, 1e6 * damping[:, 6] / damping[:, 1], label='in full contact', **full)
+    right.loglog(ratio, 1e6 * damping[:, 11] / damping[:, 9], label='in full contact, marched', color=COLOURS['blue'], marker='v', linestyle='--')
+    right.set(xlabel='damping ratio')
+    for axis in (left, right):
+        axis.legend(frameon=False)
+    save_figure(figure, 'cost')
+
+
+def add_start(report, problem, inside):
+    """The whole program beside the sweep in it."""
+    lone = problem.folder / 'lone.nml'
+    lone.write_text(problem.case.read_text().replace('rpm_last = 20000', 'rpm_last = 400'))
+    program = BENCH.parent / 'build' / 'run' / 'gearsweep'
+    commands = {'`gearsweep --version`': ('--version',),
+                'one speed': (lone, '--quiet', '--out', problem.folder),
+                f'{len(problem.numbers.rpm)} speeds': (problem.case, '--quiet', '--out', problem.folder)}
+    taken = {name: [] for name in commands}
+    for _ in range(STARTS):
+        for name, words in commands.items():
+            start = time.perf_counter()
+            run(program, *words)
+            taken[name].append(time.perf_counter() - start)
+    report.add('**Start-up.** The whole program, from its start to its end, with that case, one thread: reading, mesh, sweep, table of\n'
+               'all points written. The last row is the sweep in it alone.\n')
+    report.table(('', 'ms'), [(name, f'{1e3 * median(each):.3g}') for name, each in taken.items()] + [('the sweep in it', f'{1e3 * inside:.3g}')])
+
+
 def write_csv(report, problems):
     rows = []
     for problem in problems:
@@ -273,12 +346,7 @@ def draw(problems):
     save_figure(figure, 'dynamics')
 
 
-def main():
-    with tempfile.TemporaryDirectory() as name:
-        problems = [Problem(each, pathlib.Path(name)) for each in (SWEEP, *POINTS)]
-        for problem in problems:
-            assert problem.disagreement < 1e-12, f'{problem.name}: the references differ by {problem.disagreement:.1e}'
-        compete(problems)
+def write_report(problems):
     report = Report('dynamics', 'Dynamic factors: error against run time')
     report.add(f'{machine()}, one thread, medians of {ROUNDS} runs.\n{first_line("g++", "--version")} -O3 -march=native, Boost '
                f'{first_line("dpkg-query", "-W", "-f", "${Version}", "libboost-dev")}; SciPy {scipy.__version__}; '
@@ -286,10 +354,21 @@ def main():
     add_references(report, problems)
     add_sweep(report, problems[0])
     add_parts(report, problems[0])
+    speeds = add_cost(report, problems[0])
+    add_start(report, problems[0], next(seconds for n, seconds, *_ in speeds if n == len(problems[0].numbers.rpm)))
     add_points(report, problems[1:])
     write_csv(report, problems)
     draw(problems)
     report.save()
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        problems = [Problem(each, pathlib.Path(name)) for each in (SWEEP, *POINTS)]
+        for problem in problems:
+            assert problem.disagreement < 1e-12, f'{problem.name}: the references differ by {problem.disagreement:.1e}'
+        compete(problems)
+        write_report(problems)
 
 
 main()

@@ -49,7 +49,7 @@ set_up() {
 measure() {
   case $1 in
     dynamics) need g++ g++ && need /usr/include/boost/numeric/odeint.hpp libboost-dev && need octave-cli octave &&
-      program dynamics && program dynamics-native -march=native && peer odeint && peer reference ;;
+      program dynamics && program dynamics-native -march=native && build_program && peer odeint && peer reference ;;
     honesty) need g++ g++ && need /usr/include/boost/numeric/odeint.hpp libboost-dev && program honesty &&
       program honesty_bodies && peer reference ;;
     harmonics) program harmonics ;;

@@ -26,6 +26,7 @@ SCENES = {
     'modes': ('modes only', 'stress, load sharing', ''),
     'mode': ('one frequency', 'nine others', 'rounding; at most 1e-11'),
     'stress': ('stress only', 'modes, mass matrix', ''),
+    'body': ('stress and modes in one case', 'their grids, made and factored again', ''),
 }
 PACKAGES = ('matplotlib', 'pandas', 'xarray', 'scipy')
 ROUNDS = 5
@@ -38,6 +39,29 @@ PYTHON = {
     'sweep.to_pandas()': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_pandas()',
     'sweep.to_xarray()': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_xarray()',
 }
+
+# Everything at once, and task by task; medians of both in turn.
+ONCE = """
+import time, gearsweep
+from statistics import median
+case = gearsweep.Case.read({case!r})
+work = gearsweep.prepare(case)
+study = gearsweep.run(case, work=work)
+plain = [name for name in ('geometry', 'section', 'modal') if getattr(study, name)]
+loaded = [name for name in ('motion', 'mesh', 'harmonics', 'static', 'load', 'sweep', 'optimum') if getattr(study, name)]
+def apart():
+    for name in plain:
+        getattr(gearsweep, name)(case)
+    for name in loaded:
+        getattr(gearsweep, name)(case, work=work)
+taken = []
+for _ in range({rounds}):
+    for way in (lambda: gearsweep.run(case, work=work), apart):
+        start = time.perf_counter()
+        way()
+        taken.append(time.perf_counter() - start)
+print(median(taken[::2]), median(taken[1::2]))
+"""
 
 programs = pathlib.Path(sys.argv[1])
 
@@ -88,6 +112,16 @@ def packages(report):
     report.table(('process', 'not loaded', 'as it is', 'with them', 'modules'), table)
 
 
+def once(report):
+    table = []
+    for case in (PAIR, SECTION):
+        lean, full = map(float, run(sys.executable, '-c', ONCE.format(case=str(case), rounds=ROUNDS)).split())
+        table.append((f'`data/{case.name}`', duration(lean), duration(full), f'{full / lean:.3g}'))
+    report.add('**Python.** All tasks of a case by `gearsweep.run`, of which `python -m gearsweep` also draws its pictures, and each task by\n'
+               'a call of its own; stiffness passed in. The same bits (`python/tests/test_same_bits.py`).\n')
+    report.table(('case', 'in one call', 'task by task', 'ratio'), table)
+
+
 def main():
     report = Report('scenes', 'What is left out')
     report.add(f'{machine()}, one thread, medians. Both ways in turn in one process. The prescribed mesh of\n'
@@ -95,6 +129,7 @@ def main():
                'gears, `data/hassan.nml` for modes and stress. Differences are relative; the run fails where they are larger than said.\n')
     scenes(report)
     packages(report)
+    once(report)
     report.save()
 
 

@@ -23,6 +23,7 @@ module gearsweep
   use gearsweep_disc, only: disc_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_section, only: section_options_t, section_t, make_section
+  use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_stress, only: root_stress_t, root_stress
   use gearsweep_root_rating, only: root_options_t, root_rating_t, rate_root

@@ -10,12 +10,15 @@ module test_elastic_modes
   use gearsweep_modes, only: modes_t, find_modes
   use gearsweep_q8, only: element_mass
   use gearsweep_section, only: section_options_t, section_t, make_section
+  use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_text, only: str
   use random_bodies, only: random_body_t, random_body
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
   public :: run
+
+  type(material_t), parameter :: hassan_steel = material_t(2.15e11_dp, 0.3_dp, 8750.0_dp)
 
   interface
     subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
@@ -39,6 +42,7 @@ contains
     call whole_gear_densely(t)
     call small_bore(t)
     call honest_estimates(t)
+    call own_material(t)
     call refusals(t)
   end subroutine run
 
@@ -156,12 +160,14 @@ contains
     real(dp), parameter :: bore = 0.0004_dp, width = 0.02_dp
     type(material_t), parameter :: steel = material_t()
     type(gear_t) :: gear
+    type(section_body_t) :: grids(2)
     type(modal_t) :: modal
     type(error_t), allocatable :: error
     real(dp) :: outer, spring, inertia
 
     call make_gear(gear_spec_t('pinion', 20, 0.003_dp, face_width=width, bore_radius=bore), gear, error)
-    call section_modes(gear, steel, section_options_t(teeth=0, elements_across=4), 1, modal, error)
+    call make_two_grids(gear, steel, section_options_t(teeth=0, elements_across=4), grids, error)
+    if (.not. allocated(error)) call section_modes(grids, 1, modal, error)
     call check_no_error(t, 'small bore', error)
     associate (area => modal%section%grid%area())
       outer = sqrt(area/pi + bore**2)
@@ -193,6 +199,7 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: bodies = 8, modes = 4, most_across = 3
     type(random_body_t) :: body
+    type(section_body_t) :: grids(2)
     type(modal_t) :: asked, truth
     type(error_t), allocatable :: error
     integer :: i, found, optimistic
@@ -206,10 +213,13 @@ contains
       if (body%bore_share > 0.12_dp .or. body%options%teeth > 2) cycle
       if (body%options%teeth == 0 .and. body%gear%spec%teeth > 12) cycle
       found = found + 1
-      call section_modes(body%gear, material_t(), body%options, modes, asked, error)
+      call make_two_grids(body%gear, material_t(), body%options, grids, error)
+      if (.not. allocated(error)) call section_modes(grids, modes, asked, error)
       call check_no_error(t, 'random body '//str(i), error)
       body%options%elements_across = 3*body%options%elements_across
-      call section_modes(body%gear, material_t(), body%options, modes, truth, error)
+      call make_two_grids(body%gear, material_t(), body%options, grids, error)
+      if (.not. allocated(error)) call section_modes(grids, modes, truth, error)
+      call check_no_error(t, 'finer body '//str(i), error)
       optimistic = optimistic + count(abs(asked%modes%frequency/truth%modes%frequency - 1) > 2*asked%error_estimate)
     end do
     call check_true(t, 'estimates hold twofold in 95 %', 20*optimistic <= bodies*modes, str(optimistic)//' of '//str(bodies*modes))
@@ -221,6 +231,18 @@ contains
     call make_gear(gear_spec_t('pinion', 30, 0.025_dp, face_width=0.125_dp, rack_tip_radius=0.30_dp), gear, error)
   end function hassan_gear
 
+  !> Modes of Hassan's section on two grids.
+  subroutine hassan_modes(material, across, count, modal, error)
+    type(material_t), intent(in) :: material
+    integer, intent(in) :: across, count
+    type(modal_t), intent(out) :: modal
+    type(error_t), allocatable, intent(out) :: error
+    type(section_body_t) :: grids(2)
+
+    call make_two_grids(hassan_gear(), material, hassan_options(across), grids, error)
+    if (.not. allocated(error)) call section_modes(grids, count, modal, error)
+  end subroutine hassan_modes
+
   !> Hassan et al. 2009, Table 1; the rack tip radius is inferred.
   subroutine hassan_section(t)
     type(tally_t), intent(inout) :: t
@@ -229,7 +251,7 @@ contains
     type(error_t), allocatable :: error
     integer :: k
 
-    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(12), 5, fine, error)
+    call hassan_modes(hassan_steel, 12, 5, fine, error)
     call check_no_error(t, 'Hassan', error)
     do k = 1, 5
       call check_close(t, 'Hassan, Table 1, mode '//str(k), fine%modes%frequency(k), table(k), relative=5e-3_dp)
@@ -238,10 +260,10 @@ contains
     call check_true(t, 'residuals', maxval(fine%modes%residual) < 1e-8_dp, str(maxval(fine%modes%residual)))
     call check_true(t, 'error estimates', all(fine%error_estimate < 1.5e-3_dp .and. fine%error_estimate > 0), &
                     str(maxval(fine%error_estimate)))
-    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(24), 5, coarse, error)
+    call hassan_modes(hassan_steel, 24, 5, coarse, error)
     call check_true(t, 'error estimates cover the error', all(abs(fine%modes%frequency/coarse%modes%frequency - 1) &
       < fine%error_estimate))
-    call section_modes(hassan_gear(), material_t(2.15e11_dp, 0.3_dp, 8750.0_dp), hassan_options(5), 5, coarse, error)
+    call hassan_modes(hassan_steel, 5, 5, coarse, error)
     do k = 1, 5
       call check_close(t, 'Hassan, coarse grid, mode '//str(k), coarse%modes%frequency(k), table(k), relative=3e-3_dp)
     end do
@@ -256,14 +278,40 @@ contains
     options%elements_across = across
   end function hassan_options
 
+  !> The factored grids know neither width nor stiffness; the modes are those of a body that has its own.
+  subroutine own_material(t)
+    type(tally_t), intent(inout) :: t
+    type(section_t) :: section
+    type(body_t) :: body
+    type(modes_t) :: own
+    type(modal_t) :: modal
+    type(error_t), allocatable :: error
+    integer :: k
+
+    call hassan_modes(hassan_steel, 6, 5, modal, error)
+    call check_no_error(t, 'modes on two grids', error)
+    call make_section(hassan_gear(), hassan_options(6), section, error)
+    call make_body(section%grid, hassan_steel, .false., section%gear%spec%face_width, spread(section%is_held(), 1, 2), &
+                   1e9_dp, body, error)
+    call find_modes(body, 5, own, error)
+    call check_no_error(t, 'modes of the body itself', error)
+    do k = 1, 5
+      call check_close(t, 'own material: frequency', modal%modes%frequency(k), own%frequency(k), relative=1e-10_dp)
+      call check_close(t, 'own material: shape', maxval(abs(modal%modes%shape(:, :, k))), maxval(abs(own%shape(:, :, k))), &
+                       relative=1e-6_dp)
+    end do
+  end subroutine own_material
+
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t
     type(modal_t) :: modal
     type(error_t), allocatable :: error
 
-    call section_modes(hassan_gear(), material_t(), hassan_options(4), 0, modal, error)
+    call hassan_modes(material_t(), 4, 0, modal, error)
     call check_error(t, 'no modes wanted', error, '&modal modes = 0')
-    call section_modes(hassan_gear(), material_t(density=0.0_dp), hassan_options(4), 1, modal, error)
+    call hassan_modes(material_t(density=0.0_dp), 4, 1, modal, error)
     call check_error(t, 'no mass', error, '&material density_kgm3')
+    call hassan_modes(material_t(young=0.0_dp), 4, 1, modal, error)
+    call check_error(t, 'no stiffness', error, '&material young_gpa')
   end subroutine refusals
 end module test_elastic_modes

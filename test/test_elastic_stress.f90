@@ -10,6 +10,7 @@ module test_elastic_stress
   use gearsweep_material, only: material_t
   use gearsweep_pair, only: pair_t, make_pair
   use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_stress, only: root_stress_t, root_stress
   use gearsweep_text, only: str
   use gearsweep_vtu, only: vtu_field_t, vtu_text
@@ -53,6 +54,19 @@ contains
     options%elements_across = across
   end function hassan_options
 
+  subroutine stress_of(gear, material, options, radius, line_load, stress, error)
+    type(gear_t), intent(in) :: gear
+    type(material_t), intent(in) :: material
+    type(section_options_t), intent(in) :: options
+    real(dp), intent(in) :: radius(:), line_load(:)
+    type(root_stress_t), intent(out) :: stress
+    type(error_t), allocatable, intent(out) :: error
+    type(section_body_t) :: grids(2)
+
+    call make_two_grids(gear, material, options, grids, error)
+    if (.not. allocated(error)) call root_stress(grids, radius, line_load, stress, error)
+  end subroutine stress_of
+
   !> Largest stress converges to 0.1 %, and the estimate covers the error.
   subroutine hassan_root(t)
     type(tally_t), intent(inout) :: t
@@ -67,10 +81,10 @@ contains
     material = material_t(2.15e11_dp, 0.3_dp, 8750.0_dp)
     gear = hassan_gear(30)
     radius = outer_single_contact(hassan_pair(), 1)
-    call root_stress(gear, material, hassan_options(36), [radius], [224e3_dp], fine, error)
+    call stress_of(gear, material, hassan_options(36), [radius], [224e3_dp], fine, error)
     call check_no_error(t, 'root stress', error)
-    call root_stress(gear, material, hassan_options(20), [radius], [224e3_dp], usual, error)
-    call root_stress(gear, material, hassan_options(10), [radius], [224e3_dp], other, error)
+    call stress_of(gear, material, hassan_options(20), [radius], [224e3_dp], usual, error)
+    call stress_of(gear, material, hassan_options(10), [radius], [224e3_dp], other, error)
     call check_close(t, 'largest tension', usual%tension%stress, fine%tension%stress, relative=1e-3_dp)
     call check_close(t, 'largest compression', usual%compression%stress, fine%compression%stress, relative=1e-3_dp)
     call check_true(t, 'the estimate covers the error', abs(other%tension%stress/fine%tension%stress - 1) &
@@ -95,15 +109,15 @@ contains
     type(gear_t) :: gear
 
     gear = hassan_gear(30)
-    call root_stress(gear, material_t(), hassan_options(8), [gear%tip_radius, gear%tip_radius, 0.37_dp], &
+    call stress_of(gear, material_t(), hassan_options(8), [gear%tip_radius, gear%tip_radius, 0.37_dp], &
                      [1e5_dp, 2e5_dp, 2e5_dp], stress, error)
     call check_no_error(t, 'moving load', error)
     call check_true(t, 'the worst load', stress%tension%load == 2)
     call check_close(t, 'proportional', maxval(stress%side(drive)%stress(:, 2)), &
                      2*maxval(stress%side(drive)%stress(:, 1)), relative=1e-10_dp)
-    call root_stress(gear, material_t(), hassan_options(8), [0.3_dp], [1e5_dp], stress, error)
+    call stress_of(gear, material_t(), hassan_options(8), [0.3_dp], [1e5_dp], stress, error)
     call check_error(t, 'load off the path', error, 'off the flank')
-    call root_stress(gear, material_t(), hassan_options(8), [0.37_dp], [real(dp) ::], stress, error)
+    call stress_of(gear, material_t(), hassan_options(8), [0.37_dp], [real(dp) ::], stress, error)
     call check_error(t, 'no load', error, '&load')
   end subroutine load_and_sides
 
@@ -119,9 +133,9 @@ contains
     options%rim = 0.140625_dp
     options%elements_across = 10
     options%others_across = 4
-    call root_stress(gear, material_t(), options, [0.385_dp], [1e5_dp], part, error)
+    call stress_of(gear, material_t(), options, [0.385_dp], [1e5_dp], part, error)
     options%teeth = 30
-    call root_stress(gear, material_t(), options, [0.385_dp], [1e5_dp], whole, error)
+    call stress_of(gear, material_t(), options, [0.385_dp], [1e5_dp], whole, error)
     call check_no_error(t, 'whole gear', error)
     call check_close(t, 'largest tension of whole gear and section', whole%tension%stress, part%tension%stress, &
                      relative=0.06_dp)

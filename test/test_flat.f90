@@ -221,20 +221,31 @@ contains
     type(tally_t), intent(inout) :: t
     character(*), parameter :: out = 'build/run/flat'
     character(3000) :: answer, said
-    character(2000) :: stages, files
-    real(dp) :: none(1)
-    integer :: length, info
+    character(2000) :: stages, files, names
+    real(dp) :: none(1), values(1)
+    real(dp), allocatable :: numbers(:)
+    integer :: length, info, used
     logical :: there
     character(200) :: message
 
     none = 0
-    call gs_write(with_section, '', 0, none, 1, out, 'case', answer, length, stages, files, info, message)
+    call gs_write(with_section, '', 0, none, 1, out, 'case', 0, none, used, names, answer, length, stages, files, info, message)
     call check_true(t, 'write', info == code_ok .and. index(stages, 'sweep') > 0)
     inquire (file=out//'/case.sweep.csv', exist=there)
     call check_true(t, 'the table is there', there .and. index(files, out//'/case.sweep.csv'//new_line('a')) > 0)
     call gs_report(with_section, '', 0, none, 1, said, length, info, message)
     call check_true(t, 'the answer is the report', info == code_ok .and. answer == said)
-    call gs_write(with_section, '', 0, none, 1, 'build/run/no/folder', 'case', answer, length, stages, files, info, message)
+    call gs_write(with_section, '', 0, none, 1, 'build/run/no/folder', 'case', 0, none, used, names, answer, length, stages, &
+                  files, info, message)
     call check_equal(t, 'no folder', info, code_file)
+    values = -1
+    call gs_write(with_section, '', 0, none, 1, ' ', 'case', 1, values, used, names, answer, length, stages, files, info, message)
+    call check_true(t, 'too many numbers: untouched', info == code_ok .and. used > 1 .and. all(values < 0))
+    allocate (numbers(used + 1), source=-1.0_dp)
+    call gs_write(with_section, '', 0, none, 1, ' ', 'case', size(numbers), numbers, used, names, answer, length, stages, files, &
+                info, message)
+    call check_true(t, 'numbers alone: no file', info == code_ok .and. files == '')
+    call check_true(t, 'the numbers that are told', used == size(numbers) - 1 .and. numbers(used + 1) < 0)
+    call check_true(t, 'their names', index(names, 'sweep.dynamic_factor ') > 0 .and. index(names, 'section.x_mm ') > 0)
   end subroutine test_files
 end module test_flat

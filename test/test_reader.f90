@@ -1,7 +1,8 @@
 !> Text helpers, namelist text and the reader: what is accepted, and each error.
 module test_reader
-  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_decimal, only: write_decimal
   use gearsweep_error, only: code_input, error_t
   use gearsweep_kinds, only: dp
   use gearsweep_namelist, only: namelist_t, parse_namelist
@@ -20,6 +21,7 @@ contains
     type(tally_t), intent(inout) :: t
 
     call test_str(t)
+    call test_decimals(t)
     call test_words(t)
     call test_to_number(t)
     call test_layout(t)
@@ -52,6 +54,32 @@ contains
     call check_equal(t, 'an integer', str(-42), '-42')
     call check_equal(t, 'a logical', str(.true.)//str(.false.), 'truefalse')
   end subroutine test_str
+
+  !> Against Fortran's own editing: all sizes, ties, what is about to get another digit, and no numbers.
+  subroutine test_decimals(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: draws = 20000
+    real(dp) :: x(8*draws), u(2)
+    character(24) :: ours, own
+    integer :: i, length, off
+
+    do i = 1, draws
+      call random_number(u)
+      associate (y => (2*u(1) - 1)*10**(600*u(2) - 300), p => 10.0_dp**modulo(i, 30)/1e12_dp)
+        x(8*i - 7:8*i) = [y, u(1)*10**(20*u(2)), u(1)/10**(20*u(2)), anint(1e16_dp*u(1))/8, p, nearest(p, -1.0_dp), &
+                          nearest(p, 1.0_dp), 0.0_dp]
+      end associate
+    end do
+    x(:4) = [-0.0_dp, ieee_value(u(1), ieee_quiet_nan), ieee_value(u(1), ieee_negative_inf), 12345678901234.25_dp]
+    off = 0
+    do i = 1, size(x)
+      call write_decimal(x(i), merge(15, 9, modulo(i, 16) < 8), ours, length)
+      if (modulo(i, 16) < 8) write (own, '(es24.14e3)') x(i)
+      if (modulo(i, 16) >= 8) write (own, '(es24.8e3)') x(i)
+      if (ours(:length) /= adjustl(own)) off = off + 1
+    end do
+    call check_equal(t, 'decimals as Fortran rounds them', off, 0)
+  end subroutine test_decimals
 
   subroutine test_words(t)
     type(tally_t), intent(inout) :: t

@@ -37,6 +37,7 @@ contains
     call read_case(text, case, error)
     call check_no_error(t, 'case', error)
     call single_tasks(t, case)
+    call one_body(t, case)
     call single_reliefs(t, case)
     call one_speed(t, case)
     call no_coast(t, case)
@@ -116,6 +117,35 @@ contains
                       .not. any(task_names(i) == [character(8) :: 'geometry', 'section', 'modal']))
     end do
   end subroutine single_tasks
+
+  !> Stress and modes read the same two factored grids; a grid that is only shown is not factored.
+  subroutine one_body(t, case)
+    type(tally_t), intent(inout) :: t
+    type(case_t), intent(in) :: case
+    character(*), parameter :: twice = 'section: two grids made and factored'
+    type(case_t) :: both
+    type(study_t) :: study, alone
+    character(8), parameter :: tasks(3) = [character(8) :: 'section', 'static', 'modal']
+    integer :: i
+
+    both = case
+    both%wants = [(any(task_names(i) == tasks), i=1, size(task_names))]
+    call study_of(t, both, study)
+    call check_equal(t, 'grids for stress and modes: factored once', occurrences(study%log, twice), 1)
+    do i = 1, size(tasks)
+      call study_of(t, case, alone, tasks(i))
+      call check_true(t, trim(tasks(i))//' with the others: the same bits', &
+                      same_bits(numbers_of(study, tasks(i)), numbers_of(alone, tasks(i))))
+      call check_equal(t, trim(tasks(i))//': factored', occurrences(alone%log, twice), merge(0, 1, tasks(i) == 'section'))
+    end do
+  end subroutine one_body
+
+  pure integer function occurrences(text, words) result(n)
+    character(*), intent(in) :: text, words
+    integer :: i
+
+    n = count([(text(i:i + len(words) - 1) == words, i=1, len(text) - len(words) + 1)])
+  end function occurrences
 
   subroutine single_reliefs(t, case)
     type(tally_t), intent(inout) :: t

@@ -8,6 +8,9 @@
 !>         for all reliefs together and for each alone a line: seconds, points in which contact changes,
 !>         calls of the collocation at least, seconds that the tables take; then seconds of one call,
 !>         operations a second in it, and the most that this build reaches
+!>     dynamics speeds FILE ERROR COUNT [COUNT ...]
+!>     dynamics damping FILE ERROR RATIO [RATIO ...]
+!>         what so many speeds, or such damping, cost: bench_cost tells the numbers
 !>     dynamics threads FILE ERROR
 !>         seconds with one thread and with two, in turn
 !>
@@ -15,13 +18,14 @@
 !> for the ERROR), or of the literature: `rk4`, `rk4_aligned`, `rk4_shooting`,
 !> `constant`, `constant_aligned`.
 program dynamics
+  use bench_cost, only: cost_over_damping, cost_over_speeds, table_time
   use bench_fixed_steps, only: solve_with_steps, runge_kutta, constant, marched => by_marching, shot => by_shooting
   use bench_kernel, only: collocation_rate, best_rate
   use bench_problem, only: problem_t, read_problem, write_problem
   use bench_tools, only: word, number, real_number, seconds, median, check, numbers
   use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
   use gearsweep_gauss, only: lanes
-  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_motion, only: oscillator_t
   use gearsweep_steady, only: by_shooting, by_marching
   use gearsweep_sweep, only: contact_full
   implicit none
@@ -34,6 +38,10 @@ program dynamics
     call write_problem(problem%osc, problem%rpm)
   else if (word(1) == 'parts') then
     call take_apart(real_number(3))
+  else if (word(1) == 'speeds') then
+    call cost_over_speeds(problem, real_number(3), [(number(i), i=4, command_argument_count())])
+  else if (word(1) == 'damping') then
+    call cost_over_damping(problem, real_number(3), [(real_number(i), i=4, command_argument_count())])
   else if (word(1) == 'threads') then
     call compare_threads(real_number(3))
   else
@@ -142,26 +150,6 @@ contains
     print numbers, median(taken), count(sweep%contact /= contact_full), 1.5_dp*sum(sweep%steps)/lanes, &
       table_time(osc, sweep%steps)
   end subroutine time_part
-
-  !> Tables of as many steps as the points have, each made once a relief.
-  real(dp) function table_time(osc, steps) result(total)
-    type(oscillator_t), intent(in) :: osc(:)
-    integer, intent(in) :: steps(:, :)
-    type(table_t) :: table
-    real(dp) :: from
-    integer :: i, k
-
-    total = 0
-    do i = 1, size(osc)
-      do k = minval(steps(:, i)), maxval(steps(:, i))
-        if (.not. any(steps(:, i) == k)) cycle
-        from = seconds()
-        call tabulate(osc(i), resolution_t(real(k, dp), 1), table)
-        call tabulate(osc(i), resolution_t(k/2.0_dp, 1), table)
-        total = total + seconds() - from
-      end do
-    end do
-  end function table_time
 
   !> The library's sweep.
   subroutine solve_ours(method, threads, wanted, steps, dynamic_factor)

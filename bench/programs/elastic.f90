@@ -27,6 +27,7 @@ program elastic
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_q8, only: shape_functions
   use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_stress, only: root_stress_t, find_root_stress
   implicit none
 
@@ -187,6 +188,7 @@ contains
     type(body_t) :: body
     type(modes_t) :: modes
     type(modal_t) :: modal
+    type(section_body_t) :: grids(2)
     real(dp) :: from, alone, estimated
 
     from = seconds()
@@ -196,7 +198,9 @@ contains
     call check(error)
     alone = seconds() - from
     from = seconds()
-    call section_modes(hassan_gear(), hassan_steel, hassan_options(across), 1, modal, error)
+    call make_two_grids(hassan_gear(), hassan_steel, hassan_options(across), grids, error)
+    call check(error)
+    call section_modes(grids, 1, modal, error)
     call check(error)
     estimated = seconds() - from
     write (output_unit, numbers) body%unknowns, modes%frequency(1), modal%error_estimate(1), alone, estimated

@@ -12,6 +12,7 @@ program honesty_bodies
   use gearsweep_kinds, only: dp
   use gearsweep_material, only: material_t
   use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_stress, only: root_stress_t, root_stress
   use random_bodies, only: random_body_t, random_body
   implicit none
@@ -27,6 +28,7 @@ contains
   subroutine one_body(i)
     integer, intent(in) :: i
     type(random_body_t) :: body
+    type(section_body_t) :: grids(2)
     type(error_t), allocatable :: error
     type(modal_t) :: modal
     type(root_stress_t) :: stress
@@ -34,9 +36,11 @@ contains
     call random_body(i, most_section, most_whole, body)
     associate (options => body%options, across => body%options%elements_across)
       if (word(1) == 'true') across = min(4*across, merge(finest_whole, finest_section, options%teeth == 0))
-      call section_modes(body%gear, material_t(), options, modes, modal, error)
+      call make_two_grids(body%gear, material_t(), options, grids, error)
       call check(error)
-      call root_stress(body%gear, material_t(), options, [body%radius], [1e5_dp], stress, error)
+      call section_modes(grids, modes, modal, error)
+      call check(error)
+      call root_stress(grids, [body%radius], [1e5_dp], stress, error)
       call check(error)
       write (output_unit, numbers) i, options%teeth, body%bore_share, across, stress%tension%stress, &
         stress%compression%stress, stress%error_estimate, modal%modes%frequency, modal%error_estimate

@@ -57,6 +57,7 @@ program scenes
   call compare('modes', modes_alone, 5, [1, 1])
   call compare('mode', one_mode, 5, [1, 1])
   call compare('stress', stress_alone, 5, [1, 1])
+  call compare('body', one_body, 5, [1, 1])
 
 contains
 
@@ -328,4 +329,21 @@ contains
                       root%stress%error_estimate])
     end associate
   end subroutine stress_alone
+
+  !> Stress and modes of one case, or each by a case of its own.
+  subroutine one_body(full, answer)
+    logical, intent(in) :: full
+    type(answer_t), intent(out) :: answer
+    type(study_t) :: stress, modes
+
+    if (full) then
+      call run(section, ['static'], stress)
+      call run(section, ['modal'], modes)
+    else
+      call run(section, [character(6) :: 'static', 'modal'], stress)
+      modes = stress
+    end if
+    answer = exact([reshape(stress%root(1)%along, [size(stress%root(1)%along)]), modes%modal%modes%frequency, &
+                    modes%modal%error_estimate])
+  end subroutine one_body
 end program scenes

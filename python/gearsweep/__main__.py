@@ -6,10 +6,11 @@ import os
 import signal
 import sys
 import time
-import warnings
 from dataclasses import dataclass
 
-from . import Case, Code, Error, PartialWarning, UnusedWarning, __version__, _border, run
+from . import Case, Code, Error, __version__, _border
+from .results import Study
+from .tasks import room, study
 
 HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
 
@@ -106,7 +107,9 @@ def answer(wanted: Arguments) -> None:
     case = Case.read(wanted.case)
     folder, file = os.path.split(wanted.case)
     name = file[: file.rindex('.')] if file.rfind('.') > 0 else file
-    text, stages, written, error = _border.write(case.text, folder, _border.NO_WORK, wanted.threads, wanted.out, name)
+    numbers, text, stages, written, error = _border.run(
+        case.text, folder, _border.NO_WORK, wanted.threads, room(case) if wanted.pictures else 0, wanted.out, name
+    )
     if text and not wanted.quiet:
         print(f'gearsweep {__version__}\n{text}Time               {time.perf_counter() - began:.3g} s')
         if wanted.verbose:
@@ -115,12 +118,12 @@ def answer(wanted: Arguments) -> None:
             print(f'Wrote              {path}')
     if error is None or error.code == Code.PARTIAL:
         if wanted.pictures:
-            draw(case, wanted, name)
+            draw(study(case, numbers), wanted, name)
     if error is not None:
         raise error
 
 
-def draw(case: Case, wanted: Arguments, name: str) -> None:
+def draw(results: Study, wanted: Arguments, name: str) -> None:
     """Pictures of all results, where matplotlib is installed."""
     try:
         from .plots import draw_all
@@ -128,11 +131,7 @@ def draw(case: Case, wanted: Arguments, name: str) -> None:
         if not wanted.quiet:
             print(f'gearsweep: no pictures: {error}', file=sys.stderr)
         return
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore', PartialWarning)
-        warnings.simplefilter('ignore', UnusedWarning)
-        study = run(case, threads=wanted.threads)
-    for path in draw_all(study, wanted.out, name):
+    for path in draw_all(results, wanted.out, name):
         if not wanted.quiet:
             print(f'Wrote              {path}')
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import enum
 import os
 import warnings
+from math import prod
 from operator import index
 
 import numpy as np
@@ -168,21 +169,40 @@ def change(text: str, group: str, key: str, value: str) -> str:
     return _text(_flat.gs_change, 4 * (len(text) + len(value)) + 1000, *map(_bytes, (text, group, key, value)))
 
 
-def write(
-    text: str, folder: str, work: np.ndarray, threads: int, out: str, name: str
-) -> tuple[str, str, list[str], Error | None]:
-    """What the program does: answer, stages, files written, and the error that it ended with, if any."""
-    room = 1_000_000
+def run(
+    text: str, folder: str, work: np.ndarray, threads: int, room: int, out: str = '', name: str = ''
+) -> tuple[dict[str, dict], str, str, list[str], Error | None]:
+    """What the program does: numbers, answer, stages, files written, and the error that it ended with, if any.
+
+    The numbers are arrays by task and name; `room` is how many they may be, 0 if they are not wanted. Without
+    `out` there are only they.
+    """
+    answer_room = 1_000_000 if out else 1
     while True:
-        answer = np.array(b' ' * room)
-        length, stages, files, info, message = _flat.gs_write(
-            _bytes(text), _bytes(folder), _work(work), _threads(threads), _bytes(out), _bytes(name), answer
+        answer = np.array(b' ' * answer_room)
+        values, used, names, length, stages, files, info, message = _flat.gs_write(
+            _bytes(text), _bytes(folder), _work(work), _threads(threads), _bytes(out), _bytes(name), room, answer
         )
-        if length <= room:
+        if used <= room and length <= answer_room:
             break
-        room = length
+        room, answer_room = max(room, used), max(answer_room, length)
     error = Error(_str(message), Code(info)) if info else None
-    return _str(answer.item()), _str(stages), _str(files).splitlines(), error
+    return _named(values, _str(names)), _str(answer.item()), _str(stages), _str(files).splitlines(), error
+
+
+def _named(values: np.ndarray, names: str) -> dict[str, dict]:
+    """Arrays, and single numbers, out of the row of all."""
+    found: dict[str, dict] = {}
+    first = 0
+    for line in names.splitlines():
+        name, *sizes = line.split()
+        task, field = name.split('.')
+        shape = tuple(map(int, sizes))
+        last = first + prod(shape)
+        array = values[first:last].reshape(shape, order='F').copy('K')
+        found.setdefault(task, {})[field] = array if shape else float(array)
+        first = last
+    return found
 
 
 def _call(procedure, *arguments) -> list:

@@ -17,13 +17,10 @@ from .case import Case
 #: Of the files; a later one need not be readable by this version.
 _FORMAT = 1
 _KINDS = {
-    kind.__name__: kind
-    for kind in (
-        results.Geometry, results.Motion, results.Mesh, results.Harmonics, results.Static, results.Modal, results.Section,
-        results.Stress, results.Load, results.Sweep, results.Optimum, results.Study,
-        maps.StabilityMap, maps.Hysteresis, maps.Strobe,
-    )
-}  # fmt: skip
+    name: kind
+    for name, kind in (vars(results) | vars(maps)).items()
+    if isinstance(kind, type) and issubclass(kind, results.Result)
+}
 
 
 def save(result: results.Result | results.Study, path: str | os.PathLike) -> None:

@@ -7,13 +7,14 @@ for any number. Any number of threads may call at once; a call does not hold Pyt
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 from typing import Any
 
 import numpy as np
 
 from . import _border, results
-from ._border import Error
+from ._border import Code, Error
 from .case import Case
 
 _VERSION = _border.version()
@@ -52,31 +53,38 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
     >>> study.mesh, study.modal.frequency_hz.shape, study.sweep
     (<gearsweep.Mesh: 328 row>, (10,), None)
     """
-    runs = {
-        'section': lambda: section(case),
-        'modal': lambda: modal(case),
-        'mesh': lambda: mesh(case, work=work),
-        'static': lambda: static(case, work=work),
-        'load': lambda: load(case, work=work),
-        'sweep': lambda: sweep(case, threads=threads, work=work),
-        'optimum': lambda: optimum(case, threads=threads, work=work),
-    }
-    found: dict[str, Any] = {}
     _check(case)
     if case.unused:
         keys = ''.join(f'\n  for {line}' for line in case.unused)
         warnings.warn(f'keys that no task of this case uses:{keys}', _border.UnusedWarning, stacklevel=2)
+    numbers, *_, error = _border.run(case.text, case.folder, _given(work), threads, room(case))
+    if error is not None and error.code != Code.PARTIAL:
+        raise error
+    if error is not None:
+        warnings.warn(str(error), _border.PartialWarning, stacklevel=2)
+    return study(case, numbers)
+
+
+def room(case: Case) -> int:
+    """Enough for all numbers of a case, unless it follows loads over many steps."""
+    n = _sizes(case)
+    per_relief = n['rows'] + n['reliefs'] * (n['harmonics'] + n['positions'] + n['speeds'] + 1)
+    return 100_000 + 20 * (per_relief + n['tried'] + n['elements'] + n['nodes']) + 2 * n['nodes'] * n['modes']
+
+
+def study(case: Case, numbers: dict[str, dict]) -> results.Study:
+    """The results that hold these numbers, and the geometry."""
+    found = {name: _result(getattr(results, name.capitalize()), case, values) for name, values in numbers.items()}
     if case.get('mesh', 'contact_ratio') is None:
         found['geometry'] = geometry(case)
-    if not set(_MESH_TASKS).isdisjoint(case.tasks):
-        work = prepare(case) if work is None else work
-        found['motion'] = motion(case, work=work)
-    for task, result in runs.items():
-        if task in case.tasks:
-            found[task] = result()
-    if 'mesh' in found:
-        found['harmonics'] = harmonics(case, work=work)
     return results.Study(case, _VERSION, **found)
+
+
+def _result(kind: type, case: Case, values: dict) -> Any:
+    if 'element' in values:
+        values['element'] = np.ascontiguousarray(values['element'].T) - 1
+    whole = [field.name for field in dataclasses.fields(kind) if field.type == 'Integers']
+    return kind(case, _VERSION, **values | {name: values[name].astype(np.int32) for name in whole})
 
 
 def report(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> str:

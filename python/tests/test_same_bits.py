@@ -1,6 +1,7 @@
 """As the Fortran program: its answer, its files, its messages and exit codes. That the numbers have the same bits is told by
 test/test_callers.sh."""
 
+import dataclasses
 import subprocess
 import sys
 import warnings
@@ -91,6 +92,46 @@ def test_command_line_refusals(program, tmp_path, words):
         files = sorted(str(path.relative_to(tmp_path / folder)) for path in (tmp_path / folder).rglob('*'))
         results.append((done.returncode, done.stderr, without_time(done.stdout), files))
     assert results[0] == results[1]
+
+
+@pytest.mark.parametrize('text', [GEARED, PRESCRIBED, PARTIAL], ids=['geared', 'prescribed', 'partial'])
+@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
+def test_all_at_once_gives_what_each_task_gives(text):
+    """To the last bit, in arrays of the same type and shape."""
+    case = Case(text)
+    study = gearsweep.run(case)
+    names = [field.name for field in dataclasses.fields(study)][2:]
+    assert {name for name in names if getattr(study, name)} >= set(case.tasks)
+    for name in names:
+        whole = getattr(study, name)
+        alone = getattr(gearsweep, name)(case) if whole else None
+        for field in whole.units if whole else ():
+            one, two = np.array(getattr(whole, field)), np.array(getattr(alone, field))
+            assert (one.dtype, one.shape) == (two.dtype, two.shape), (name, field)
+            assert one.tobytes() == two.tobytes(), (name, field)
+
+
+def test_pictures_compute_nothing_again(tmp_path, monkeypatch):
+    """What the answer, the tables and the pictures show is computed in one call; the stress all over a section, and the
+    stiffness that gives its share of the load, are for a picture only."""
+    from gearsweep import __main__, _border
+
+    called = []
+
+    class Flat:
+        def __getattr__(self, name):
+            called.append(name)
+            return getattr(flat, name)
+
+    flat = _border._flat
+    monkeypatch.setattr(_border, '_flat', Flat())
+    Case(GEARED).write(tmp_path / 'case.nml')
+    assert __main__.main([str(tmp_path / 'case.nml'), '--quiet', '--out', str(tmp_path)]) == 0
+    assert (tmp_path / 'case.sweep.csv').exists() and (tmp_path / 'case.sweep.png').exists()
+    assert called.count('gs_write') == 1
+    assert set(called) <= {'gs_write', 'gs_sizes', 'gs_complete', 'gs_geometry', 'gs_outline', 'gs_section', 'gs_prepare',
+                           'gs_resonances', 'gs_stress'}  # fmt: skip
+    assert called.count('gs_section') == called.count('gs_stress') == called.count('gs_prepare') == 1
 
 
 def test_report_is_the_answer(program, tmp_path):

@@ -96,7 +96,9 @@ contains
     integer(c_int) :: info
     character(:), allocatable :: case, place, target, stem, answer_room, stages_room, files_room
     character(longest_message) :: words
-    integer :: used
+    character :: names
+    real(c_double) :: none(1)
+    integer :: used, listed
 
     call take_text(text, text_length, case, info, words)
     call take_string(folder, place, info, words)
@@ -108,8 +110,8 @@ contains
     call make_room('stages_size', stages_size, stages_room, info, words)
     call make_room('files_size', files_size, files_room, info, words)
     used = -1
-    if (info == code_ok) call gs_write(case, place, nwork, numbers(work, nwork), threads, target, stem, answer_room, &
-                                       used, stages_room, files_room, info, words)
+    if (info == code_ok) call gs_write(case, place, nwork, numbers(work, nwork), threads, target, stem, 0, none, &
+                                       listed, names, answer_room, used, stages_room, files_room, info, words)
     if (used >= 0) then
       length = used
       call give_text(answer_room(:min(used, len(answer_room))), answer, answer_size)

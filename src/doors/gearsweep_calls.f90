@@ -41,12 +41,14 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_report
 
-    subroutine gs_write(text, folder, nwork, work, threads, out, name, answer, length, stages, files, info, message)
+    subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values, used, names, answer, length, stages, &
+                        files, info, message)
       character(*), intent(in) :: text, folder, out, name
-      integer, intent(in) :: nwork, threads
+      integer, intent(in) :: nwork, threads, room
       double precision, intent(in) :: work(*)
-      character(*), intent(inout) :: answer, stages, files
-      integer, intent(inout) :: length
+      double precision, intent(inout) :: values(room)
+      character(*), intent(inout) :: names, answer, stages, files
+      integer, intent(inout) :: used, length
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_write

@@ -138,51 +138,74 @@ subroutine gs_report(text, folder, nwork, work, threads, answer, length, info, m
   call tell(error, info, message, study)
 end subroutine gs_report
 
-!> What the program does with a case: the answer, and its tables and grids as files.
+!> What the program does with a case: the answer, and its tables and grids as files; and all numbers of all
+!> tasks, of which what several need is computed once.
 !>
-!> out              folder of the files, without a slash at its end; it is made if missing
+!> out              folder of the files, without a slash at its end; it is made if missing. Blank: only the
+!>                  numbers are wanted, no files and no answer
 !> name             of the files: name.sweep.csv and so on
+!> values(room)     the numbers, array after array; room = 0: they are not wanted
+!> used             how many there are; also where room is too small for them (then values is as it was)
+!> names            of the arrays, a line each, ended by char(10): as `sweep.dynamic_factor 327 5`, with its
+!>                  shape; task and argument of the call for that task alone
 !> answer, length   as from gs_report
 !> stages           which ran and which were left out, a line each, for a curious reader
 !> files            that were written, a line each, ended by char(10)
 !>
 !> The texts are cut where they are too long; `length` is that of the whole answer. They are filled also
 !> where a file cannot be written.
-subroutine gs_write(text, folder, nwork, work, threads, out, name, answer, length, stages, files, info, message)
+subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values, used, names, answer, length, stages, &
+                    files, info, message)
   use gearsweep_border, only: in_folder, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_files, only: make_folder, remove_folder
+  use gearsweep_numbers, only: list_numbers, numbers_t
   use gearsweep_output, only: write_results
   use gearsweep_report, only: write_report
   use gearsweep_study, only: study_t
   implicit none
   character(*), intent(in) :: text, folder, out, name
-  integer, intent(in) :: nwork, threads
+  integer, intent(in) :: nwork, threads, room
   double precision, intent(in) :: work(*)
-  character(*), intent(inout) :: answer, stages, files
-  integer, intent(inout) :: length
+  double precision, intent(inout) :: values(room)
+  character(*), intent(inout) :: names, answer, stages, files
+  integer, intent(inout) :: used, length
   integer, intent(out) :: info
   character(*), intent(out) :: message
   type(case_t) :: case
   type(study_t) :: study
+  type(numbers_t) :: numbers
   type(error_t), allocatable :: error
   character(:), allocatable :: words, written
   logical :: made
 
   made = .false.
   call open_case(text, 'all', threads, case, error)
-  if (.not. allocated(error)) call make_folder(trim(out), made, error)
+  if (.not. allocated(error)) then
+    ! Only the answer compares.
+    if (out == '' .and. allocated(case%published)) deallocate (case%published)
+    if (out /= '') call make_folder(trim(out), made, error)
+  end if
   call run_case(case, nwork, work, threads, study, error, in_folder(folder))
   if (.not. allocated(error)) then
+    stages = study%log
+    files = ''
+  end if
+  if (.not. allocated(error) .and. room > 0) then
+    call list_numbers(study, numbers)
+    used = numbers%used
+    names = numbers%names%text()
+    if (used <= room) values(:used) = numbers%values(:used)
+  end if
+  if (.not. allocated(error) .and. out /= '') then
     call write_report(study, words)
+    length = len(words)
+    answer = words
     ! Texts of grids have lengths that gfortran keeps in static memory; see gearsweep_text.
     !$omp critical (gearsweep_texts)
     call write_results(study, trim(out)//'/'//trim(name), written, error)
     !$omp end critical (gearsweep_texts)
-    length = len(words)
-    answer = words
-    stages = study%log
     files = written
   end if
   if (allocated(error) .and. made) call remove_folder(trim(out))

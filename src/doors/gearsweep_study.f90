@@ -18,6 +18,7 @@ module gearsweep_study
   use gearsweep_response, only: response_t, find_response
   use gearsweep_root_rating, only: root_rating_t, rate_root
   use gearsweep_section, only: section_t, make_section
+  use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_stages, only: build_mesh, build_pair, deepest_relief, find_load, relieve
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
@@ -95,26 +96,14 @@ contains
       call note(study, 'geometry: pair built')
     end if
     if (allocated(error)) return
-    call look_at_section(study, error)
-    if (allocated(error)) return
-    if (.not. case%needs_load()) then
+    if (case%needs_load()) then
+      call mesh_and_motion(study, folder, error, stiffness, disc)
+    else
       call note(study, 'mesh and motion left out: no task needs them')
-      return
-    end if
-    call find_load(case, study%pair, study%base_pitch, study%load, study%mass)
-    allocate (study%mesh)
-    call build_mesh(case, study%pair, study%load, folder, study%mesh, error, stiffness, disc)
-    if (present(stiffness)) call note(study, 'mesh: pair stiffness as passed in')
-    if (.not. present(stiffness)) call note(study, 'mesh: pair stiffness by model '//case%model)
-    if (allocated(error)) return
-    call build_motion(study, error)
-    if (allocated(error)) return
-    if (case%asks('mesh')) call share_all(study)
-    if (case%asks('static')) then
-      call rate_root(study%pair, study%motion%mesh, study%load, case%material, case%section, case%root, study%root, error)
-      call note(study, 'static: root stress at '//str(case%root%positions)//' positions of the load')
     end if
     if (allocated(error)) return
+    if (case%needs_section()) call look_at_body(study, error)
+    if (allocated(error) .or. .not. case%needs_load()) return
 
     options%accuracy = case%accuracy
     options%direction = case%direction
@@ -157,25 +146,53 @@ contains
     if (.not. allocated(error)) call read_published(path, text, study%published, error)
   end subroutine find_published
 
-  !> Grid and modes of the section of one member.
-  subroutine look_at_section(study, error)
+  !> What all that needs a load starts from.
+  subroutine mesh_and_motion(study, folder, error, stiffness, disc)
+    type(study_t), intent(inout) :: study
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(out) :: error
+    type(piecewise_t), intent(in), optional :: stiffness
+    type(disc_t), intent(in), optional :: disc
+
+    call find_load(study%case, study%pair, study%base_pitch, study%load, study%mass)
+    allocate (study%mesh)
+    call build_mesh(study%case, study%pair, study%load, folder, study%mesh, error, stiffness, disc)
+    if (present(stiffness)) call note(study, 'mesh: pair stiffness as passed in')
+    if (.not. present(stiffness)) call note(study, 'mesh: pair stiffness by model '//study%case%model)
+    if (allocated(error)) return
+    call build_motion(study, error)
+    if (allocated(error)) return
+    if (study%case%asks('mesh')) call share_all(study)
+  end subroutine mesh_and_motion
+
+  !> One member's section: its grid, its modes and its root stress, from the same two factored grids.
+  subroutine look_at_body(study, error)
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(out) :: error
+    type(section_body_t) :: grids(2)
 
-    associate (case => study%case)
-      if (case%asks('section')) then
-        allocate (study%section)
-        call make_section(study%pair%gear(case%root%member), case%section, study%section, error)
+    associate (case => study%case, gear => study%pair%gear(study%case%root%member))
+      if (case%asks_any('static, modal')) then
+        call make_two_grids(gear, case%material, case%section, grids, error)
+        call note(study, 'section: two grids made and factored')
+      else
+        call make_section(gear, case%section, grids(1)%section, error)
         call note(study, 'section: grid made')
       end if
       if (allocated(error)) return
+      if (case%asks('section')) study%section = grids(1)%section
       if (case%asks('modal')) then
         allocate (study%modal)
-        call section_modes(study%pair%gear(case%root%member), case%material, case%section, case%modes, study%modal, error)
-        call note(study, 'modal: '//str(case%modes)//' modes on two grids')
+        call section_modes(grids, case%modes, study%modal, error)
+        call note(study, 'modal: '//str(case%modes)//' modes on the two grids')
+      end if
+      if (allocated(error)) return
+      if (case%asks('static')) then
+        call rate_root(study%pair, study%motion%mesh, study%load, grids, case%root, study%root, error)
+        call note(study, 'static: root stress at '//str(case%root%positions)//' positions of the load')
       end if
     end associate
-  end subroutine look_at_section
+  end subroutine look_at_body
 
   !> One oscillator for each relief.
   subroutine build_motion(study, error)

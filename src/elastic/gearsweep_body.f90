@@ -4,7 +4,7 @@ module gearsweep_body
   use gearsweep_band, only: band_t, make_band
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_grid, only: grid_t
-  use gearsweep_material, only: material_t
+  use gearsweep_material, only: check_material, material_t
   use gearsweep_q8, only: element_stiffness, element_mass, nodes_per_element
   implicit none
   private
@@ -60,9 +60,7 @@ contains
     logical, intent(in) :: held(:, :)
     type(error_t), allocatable, intent(inout) :: error
 
-    if (.not. material%young > 0) call fail(error, code_input, '&material young_gpa: must be above 0')
-    if (.not. (material%poisson > -1 .and. material%poisson < 0.5_dp)) &
-      call fail(error, code_input, '&material poisson: must lie between -1 and 0.5')
+    call check_material(material, error)
     if (.not. thickness > 0) call fail(error, code_input, '&pair face_width_mm: must be above 0')
     if (.not. excludes_rigid_motion(grid%x, held)) call fail(error, code_input, &
       '&section fixed: the section is not held; must have ''sides'' (of a sector) or ''rim'' (or bore)')

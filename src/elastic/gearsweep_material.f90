@@ -1,12 +1,26 @@
 !> Elastic material; steel unless said.
 module gearsweep_material
   use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t, fail, code_input
   implicit none
   private
+  public :: material_t, check_material
 
-  type, public :: material_t
+  type :: material_t
     real(dp) :: young = 206e9_dp       !< E, Pa
     real(dp) :: poisson = 0.3_dp       !< nu
     real(dp) :: density = 7850         !< kg/m^3
   end type material_t
+
+contains
+
+  !> Refuses what no elastic body has.
+  pure subroutine check_material(material, error)
+    type(material_t), intent(in) :: material
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (.not. material%young > 0) call fail(error, code_input, '&material young_gpa: must be above 0')
+    if (.not. (material%poisson > -1 .and. material%poisson < 0.5_dp)) &
+      call fail(error, code_input, '&material poisson: must lie between -1 and 0.5')
+  end subroutine check_material
 end module gearsweep_material

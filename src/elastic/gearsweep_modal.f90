@@ -1,12 +1,10 @@
 !> Natural frequencies of a gear section, with their discretisation error.
 module gearsweep_modal
   use gearsweep_kinds, only: dp
-  use gearsweep_body, only: body_t, make_body
   use gearsweep_error, only: error_t
-  use gearsweep_gear, only: gear_t
-  use gearsweep_material, only: material_t
   use gearsweep_modes, only: modes_t, find_modes
-  use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_section, only: section_t
+  use gearsweep_section_body, only: section_body_t, step_ratio
   implicit none
   private
   public :: section_modes, modal_t
@@ -19,47 +17,34 @@ module gearsweep_modal
 
 contains
 
-  !> The lowest `count` modes of a section of `gear`. The error estimate is what
-  !> a grid of half the fineness differs by, over the ratio of steps squared
-  !> less one: second order, between the fourth of smooth fields and the 1.5 or so
-  !> of the singular held corners.
-  subroutine section_modes(gear, material, options, count, product, error)
-    type(gear_t), intent(in) :: gear
-    type(material_t), intent(in) :: material
-    type(section_options_t), intent(in) :: options
+  !> The lowest `count` modes of a section, from its two grids (make_two_grids). The error estimate is
+  !> their difference over the ratio of steps squared less one: second order, between the fourth of smooth
+  !> fields and the 1.5 or so of the singular held corners.
+  subroutine section_modes(grids, count, product, error)
+    type(section_body_t), intent(in) :: grids(2)
     integer, intent(in) :: count
     type(modal_t), intent(out) :: product
     type(error_t), allocatable, intent(out) :: error
-    type(section_options_t) :: coarser
-    type(section_t) :: section
     type(modes_t) :: coarse
-    real(dp) :: ratio
 
-    call on_one_grid(options, product%section, product%modes)
+    product%section = grids(1)%section
+    call modes_of(grids(1), count, product%modes, error)
     if (allocated(error)) return
-    coarser = options
-    coarser%elements_across = max(3, options%elements_across/2)
-    if (coarser%elements_across == options%elements_across) coarser%elements_across = options%elements_across + 1
-    coarser%others_across = merge(0, max(3, options%others_across/2), options%others_across == 0)
-    call on_one_grid(coarser, section, coarse)
+    call modes_of(grids(2), count, coarse, error)
     if (allocated(error)) return
-    ratio = real(options%elements_across, dp)/coarser%elements_across
-    product%error_estimate = abs((coarse%frequency/product%modes%frequency - 1)/(ratio**2 - 1))
-
-  contains
-
-    subroutine on_one_grid(grid_options, part, modes)
-      type(section_options_t), intent(in) :: grid_options
-      type(section_t), intent(out) :: part
-      type(modes_t), intent(out) :: modes
-      type(body_t) :: body
-
-      call make_section(gear, grid_options, part, error)
-      if (allocated(error)) return
-      call make_body(part%grid, material, options%plane_strain, gear%spec%face_width, &
-                     spread(part%is_held(), 1, 2), options%most_memory, body, error)
-      if (allocated(error)) return
-      call find_modes(body, count, modes, error)
-    end subroutine on_one_grid
+    product%error_estimate = abs((coarse%frequency/product%modes%frequency - 1)/(step_ratio(grids)**2 - 1))
   end subroutine section_modes
+
+  !> Modes for the section's own stiffness and width.
+  subroutine modes_of(grid, count, modes, error)
+    type(section_body_t), intent(in) :: grid
+    integer, intent(in) :: count
+    type(modes_t), intent(out) :: modes
+    type(error_t), allocatable, intent(out) :: error
+
+    call find_modes(grid%body, count, modes, error)
+    if (allocated(error)) return
+    modes%frequency = modes%frequency*sqrt(grid%material%young/grid%body%material%young)
+    modes%shape = modes%shape*sqrt(grid%body%thickness/grid%section%gear%spec%face_width)
+  end subroutine modes_of
 end module gearsweep_modal

@@ -1,13 +1,13 @@
 !> Stress all over a section whose tooth is loaded, for pictures.
 module gearsweep_section_stress
   use gearsweep_kinds, only: dp
-  use gearsweep_body, only: body_t, make_body
   use gearsweep_compliance, only: flank_load
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t
   use gearsweep_material, only: material_t
   use gearsweep_nodal_stress, only: nodal_stress
-  use gearsweep_section, only: section_options_t, section_t, make_section
+  use gearsweep_section, only: section_options_t
+  use gearsweep_section_body, only: section_body_t, make_section_body
   implicit none
   private
   public :: section_stress
@@ -23,21 +23,15 @@ contains
     real(dp), intent(in) :: radius, line_load
     real(dp), allocatable, intent(out) :: stress(:, :)
     type(error_t), allocatable, intent(out) :: error
-    type(section_t) :: section
-    type(body_t) :: body
+    type(section_body_t) :: grid
     real(dp), allocatable :: x(:, :)
 
-    call make_section(gear, options, section, error)
+    call make_section_body(gear, material, options, grid, error)
     if (allocated(error)) return
-    ! Stress does not depend on Young's modulus; so not by rounding either.
-    call make_body(section%grid, material_t(poisson=material%poisson), options%plane_strain, 1.0_dp, &
-                   spread(section%is_held(), 1, 2), &
-                   options%most_memory, body, error)
+    allocate (x(grid%body%unknowns, 1), source=0.0_dp)
+    call flank_load(grid%section, grid%body, radius, x(:, 1), error)
     if (allocated(error)) return
-    allocate (x(body%unknowns, 1), source=0.0_dp)
-    call flank_load(section, body, radius, x(:, 1), error)
-    if (allocated(error)) return
-    call body%stiffness%solve(x)
-    stress = line_load*nodal_stress(body, body%spread_out(x(:, 1)))
+    call grid%body%stiffness%solve(x)
+    stress = line_load*nodal_stress(grid%body, grid%body%spread_out(x(:, 1)))
   end subroutine section_stress
 end module gearsweep_section_stress

@@ -6,15 +6,15 @@
 !> a spline joins them.
 module gearsweep_stress
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_body, only: body_t, make_body, elastic_law
+  use gearsweep_body, only: body_t, elastic_law
   use gearsweep_compliance, only: flank_load
   use gearsweep_error, only: error_t, fail, code_input, code_memory
   use gearsweep_gear, only: gear_t, drive, coast
-  use gearsweep_material, only: material_t
   use gearsweep_outline, only: fillet_point, fillet_parameter
   use gearsweep_piecewise, only: piecewise_t, spline
   use gearsweep_q8, only: edge_functions, edge_slopes
-  use gearsweep_section, only: section_t, section_options_t, make_section
+  use gearsweep_section, only: section_t
+  use gearsweep_section_body, only: section_body_t, step_ratio
   use gearsweep_text, only: str
   implicit none
   private
@@ -52,53 +52,25 @@ module gearsweep_stress
 
 contains
 
-  !> Root stress of the loaded tooth on grids of the wanted and of half the
-  !> fineness; their largest difference around the peaks gives the error estimate,
-  !> for second order.
+  !> Root stress of the loaded tooth, from its section's two grids (make_two_grids); their
+  !> largest difference around the peaks gives the error estimate, for second order.
   !>
   !> `radius(:)` (m) and `line_load(:)` (N/m) are where and how much this tooth
   !> carries at each position, that is with its share of the load.
-  subroutine root_stress(gear, material, options, radius, line_load, product, error)
-    type(gear_t), intent(in) :: gear
-    type(material_t), intent(in) :: material
-    type(section_options_t), intent(in) :: options
+  subroutine root_stress(grids, radius, line_load, product, error)
+    type(section_body_t), intent(in) :: grids(2)
     real(dp), intent(in) :: radius(:), line_load(:)
     type(root_stress_t), intent(out) :: product
     type(error_t), allocatable, intent(out) :: error
-    type(section_options_t) :: coarser
     type(root_stress_t) :: coarse
-    real(dp) :: ratio
 
-    coarser = options
-    coarser%elements_across = max(3, options%elements_across/2)
-    if (coarser%elements_across == options%elements_across) coarser%elements_across = options%elements_across + 1
-    coarser%others_across = merge(0, max(3, options%others_across/2), options%others_across == 0)
-    call on_one_grid(options, product)
+    call find_root_stress(grids(1)%section, grids(1)%body, radius, line_load, product, error)
     if (allocated(error)) return
-    call on_one_grid(coarser, coarse)
+    call find_root_stress(grids(2)%section, grids(2)%body, radius, line_load, coarse, error)
     if (allocated(error)) return
     product%error_estimate = max(difference(product, coarse, product%tension), &
                                  difference(product, coarse, product%compression))
-    ratio = real(options%elements_across, dp)/coarser%elements_across
-    product%error_estimate = product%error_estimate/abs(ratio**2 - 1)
-
-  contains
-
-    subroutine on_one_grid(grid_options, stress)
-      type(section_options_t), intent(in) :: grid_options
-      type(root_stress_t), intent(out) :: stress
-      type(section_t) :: section
-      type(body_t) :: body
-
-      call make_section(gear, grid_options, section, error)
-      if (allocated(error)) return
-      ! Stress does not depend on Young's modulus; so not by rounding either.
-      call make_body(section%grid, material_t(poisson=material%poisson), options%plane_strain, 1.0_dp, &
-                     spread(section%is_held(), 1, 2), &
-                     options%most_memory, body, error)
-      if (allocated(error)) return
-      call find_root_stress(section, body, radius, line_load, stress, error)
-    end subroutine on_one_grid
+    product%error_estimate = product%error_estimate/abs(step_ratio(grids)**2 - 1)
   end subroutine root_stress
 
   !> Largest relative difference of two grids where the stress is within a tenth
@@ -120,7 +92,7 @@ contains
     end associate
   end function difference
 
-  !> Root stress of the loaded tooth on a given grid; arguments as above.
+  !> The same on one grid, without an estimate.
   subroutine find_root_stress(section, body, radius, line_load, product, error)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body

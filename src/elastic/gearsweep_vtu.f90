@@ -1,6 +1,7 @@
 !> Grids and fields for ParaView and its kin (VTK's unstructured XML format), as text.
 module gearsweep_vtu
   use gearsweep_kinds, only: dp
+  use gearsweep_decimal, only: write_decimal
   use gearsweep_grid, only: grid_t
   use gearsweep_lines, only: lines_t
   implicit none
@@ -63,16 +64,15 @@ contains
   pure subroutine add_vectors(lines, values)
     type(lines_t), intent(inout) :: lines
     real(dp), intent(in) :: values(:, :)
-    character(72) :: row
-    integer :: i
+    character(24) :: word
+    integer :: i, k, length
 
     do i = 1, size(values, 2)
-      if (size(values, 1) == 2) then
-        write (row, '(2(es16.8e3, 1x), a)') values(:, i), '0'
-      else
-        write (row, '(3(es16.8e3, 1x))') values(:, i)
-      end if
-      call lines%add(trim(adjustl(row)))
+      do k = 1, size(values, 1)
+        call write_decimal(values(k, i), 9, word, length)
+        call lines%put(word(:length)//' ')
+      end do
+      call lines%add(trim(merge('0', ' ', size(values, 1) == 2)))
     end do
   end subroutine add_vectors
 

@@ -1,6 +1,7 @@
 !> A text that grows in linear time: lines for the screen, rows for tables.
 module gearsweep_lines
   use gearsweep_kinds, only: dp
+  use gearsweep_decimal, only: write_decimal
   use gearsweep_text, only: str
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
@@ -68,9 +69,10 @@ contains
     class(lines_t), intent(inout) :: self
     real(dp), intent(in) :: x
     character(24) :: word
+    integer :: length
 
-    write (word, '(es23.14e3)') x
-    call self%cell_word(trim(adjustl(word)))
+    call write_decimal(x, 15, word, length)
+    call self%cell_word(word(:length))
   end subroutine cell_real
 
   pure subroutine cell_reals(self, x)

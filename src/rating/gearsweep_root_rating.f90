@@ -4,10 +4,9 @@ module gearsweep_root_rating
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive, coast
   use gearsweep_form, only: iso_form_t, iso_form, lewis_factor
-  use gearsweep_material, only: material_t
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: pair_t
-  use gearsweep_section, only: section_options_t
+  use gearsweep_section_body, only: section_body_t
   use gearsweep_sharing, only: load_share
   use gearsweep_stress, only: root_stress_t, root_stress
   implicit none
@@ -45,13 +44,12 @@ contains
 
   !> Rates the root of one member under `load` (N) on the line of action, for
   !> each of the meshes, which differ in their relief: one solution for unit loads
-  !> serves all.
-  subroutine rate_root(pair, mesh, load, material, section, options, rating, error)
+  !> serves all. `grids` are of that member's section (make_two_grids).
+  subroutine rate_root(pair, mesh, load, grids, options, rating, error)
     type(pair_t), intent(in) :: pair
     type(mesh_t), intent(in) :: mesh(:)
     real(dp), intent(in) :: load
-    type(material_t), intent(in) :: material
-    type(section_options_t), intent(in) :: section
+    type(section_body_t), intent(in) :: grids(2)
     type(root_options_t), intent(in) :: options
     type(root_rating_t), allocatable, intent(out) :: rating(:)
     type(error_t), allocatable, intent(out) :: error
@@ -62,7 +60,7 @@ contains
     allocate (rating(size(mesh)))
     s = load_positions(pair, options)
     allocate (radius, source=load_radius(pair, options, s))
-    call root_stress(pair%gear(options%member), material, section, radius, spread(1.0_dp, 1, size(s)), unit, error)
+    call root_stress(grids, radius, spread(1.0_dp, 1, size(s)), unit, error)
     if (allocated(error)) return
     do i = 1, size(mesh)
       rating(i)%s = s

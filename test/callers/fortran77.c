@@ -142,10 +142,12 @@ int gsc_write(text_t text, size_t n, text_t folder, int nwork, work_t work, int 
               SAY)
 {
   NO_WORK
-  int info = -1, used = -1;
-  gs_write_(text, given(folder), &nwork, work, &threads, out, name, answer, &used, stages, files, &info, message, n,
-            length_of(folder), strlen(out), strlen(name), without_nul(size), without_nul(stages_size),
-            without_nul(files_size), without_nul(room));
+  int info = -1, used = -1, room_of_values = 0, values_used;
+  double values[1];
+  char names[1];
+  gs_write_(text, given(folder), &nwork, work, &threads, out, name, &room_of_values, values, &values_used, names, answer,
+            &used, stages, files, &info, message, n, length_of(folder), strlen(out), strlen(name), (size_t)1,
+            without_nul(size), without_nul(stages_size), without_nul(files_size), without_nul(room));
   if (used >= 0) *length = (size_t)used, end(answer, size), end(stages, stages_size), end(files, files_size);
   end(message, room);
   return info;

@@ -1,0 +1,66 @@
+!> A section of a gear, held and factored. Stress and modes read the same two grids, whose
+!> difference tells the error of either.
+module gearsweep_section_body
+  use gearsweep_kinds, only: dp
+  use gearsweep_body, only: body_t, make_body
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: gear_t
+  use gearsweep_material, only: check_material, material_t
+  use gearsweep_section, only: section_t, section_options_t, make_section
+  implicit none
+  private
+  public :: section_body_t, make_section_body, make_two_grids, step_ratio
+
+  !> The body is a metre wide and as stiff as steel, whatever the material: stress depends on neither, and
+  !> frequencies and shapes follow from theirs by a factor.
+  type :: section_body_t
+    type(section_t) :: section
+    type(material_t) :: material
+    type(body_t) :: body
+  end type section_body_t
+
+contains
+
+  !> Makes and factors a section of `gear`.
+  subroutine make_section_body(gear, material, options, product, error)
+    type(gear_t), intent(in) :: gear
+    type(material_t), intent(in) :: material
+    type(section_options_t), intent(in) :: options
+    type(section_body_t), intent(out) :: product
+    type(error_t), allocatable, intent(out) :: error
+
+    call check_material(material, error)
+    if (allocated(error)) return
+    product%material = material
+    call make_section(gear, options, product%section, error)
+    if (allocated(error)) return
+    call make_body(product%section%grid, material_t(poisson=material%poisson, density=material%density), &
+                   options%plane_strain, 1.0_dp, spread(product%section%is_held(), 1, 2), options%most_memory, &
+                   product%body, error)
+  end subroutine make_section_body
+
+  !> The grid that is wanted, then one of half the fineness.
+  subroutine make_two_grids(gear, material, options, grids, error)
+    type(gear_t), intent(in) :: gear
+    type(material_t), intent(in) :: material
+    type(section_options_t), intent(in) :: options
+    type(section_body_t), intent(out) :: grids(2)
+    type(error_t), allocatable, intent(out) :: error
+    type(section_options_t) :: coarser
+
+    coarser = options
+    coarser%elements_across = max(3, options%elements_across/2)
+    if (coarser%elements_across == options%elements_across) coarser%elements_across = options%elements_across + 1
+    coarser%others_across = merge(0, max(3, options%others_across/2), options%others_across == 0)
+    call make_section_body(gear, material, options, grids(1), error)
+    if (allocated(error)) return
+    call make_section_body(gear, material, coarser, grids(2), error)
+  end subroutine make_two_grids
+
+  !> Element size of the second grid over that of the first.
+  pure real(dp) function step_ratio(grids)
+    type(section_body_t), intent(in) :: grids(2)
+
+    step_ratio = real(grids(1)%section%options%elements_across, dp)/grids(2)%section%options%elements_across
+  end function step_ratio
+end module gearsweep_section_body
