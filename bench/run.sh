@@ -1,7 +1,7 @@
 #!/bin/sh
 # Measures against peers: sh bench/run.sh dynamics|harmonics|elastic|honesty|scenes|all|doc
 # Sets up first where needed. Prints Markdown; results/bench/ gets it too, with CSV and pictures.
-# `doc` puts the latest tables into doc/performance.md. `all` takes ten minutes.
+# `doc` puts the latest tables into doc/performance.md. `all` takes a quarter of an hour.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/app/setup.sh"
 programs=$root/bench/build/programs
