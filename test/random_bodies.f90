@@ -6,6 +6,7 @@ module random_bodies
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive
   use gearsweep_kinds, only: dp, pi
   use gearsweep_section, only: section_options_t
+  use random_numbers, only: random_t
   implicit none
   private
   public :: random_body_t, random_body
@@ -27,58 +28,35 @@ contains
     integer, parameter :: least_across = 3
     type(gear_spec_t) :: spec
     type(error_t), allocatable :: error
-    integer(int64) :: seed
+    type(random_t) :: random
     logical :: whole
 
-    seed = 7919_int64*number + 12345
+    random%seed = 7919_int64*number + 12345
     whole = mod(number, 2) == 0
     do
-      spec = gear_spec_t('pinion', nint(power(9.0_dp, merge(24.0_dp, 80.0_dp, whole))), 0.003_dp, face_width=0.02_dp)
-      spec%pressure_angle = [between(17.5_dp, 27.0_dp), between(17.5_dp, 27.0_dp)]*pi/180
-      if (uniform() < 0.7_dp) spec%pressure_angle(2) = spec%pressure_angle(1)
-      spec%profile_shift = between(-0.2_dp, 0.6_dp)
-      spec%rack_tip_radius = between(0.05_dp, 0.3_dp)
+      spec = gear_spec_t('pinion', nint(random%power(9.0_dp, merge(24.0_dp, 80.0_dp, whole))), 0.003_dp, face_width=0.02_dp)
+      spec%pressure_angle = [random%between(17.5_dp, 27.0_dp), random%between(17.5_dp, 27.0_dp)]*pi/180
+      if (random%uniform() < 0.7_dp) spec%pressure_angle(2) = spec%pressure_angle(1)
+      spec%profile_shift = random%between(-0.2_dp, 0.6_dp)
+      spec%rack_tip_radius = random%between(0.05_dp, 0.3_dp)
       call make_gear(spec, body%gear, error)
       if (.not. allocated(error)) exit
     end do
     associate (gear => body%gear, options => body%options)
-      body%bore_share = power(0.03_dp, 1 - 1.2_dp*spec%module/gear%root_radius)
+      body%bore_share = random%power(0.03_dp, 1 - 1.2_dp*spec%module/gear%root_radius)
       spec%bore_radius = body%bore_share*gear%root_radius
       call make_gear(spec, gear, error)
-      options%plane_strain = uniform() < 0.5_dp
+      options%plane_strain = random%uniform() < 0.5_dp
       if (whole) then
         options%teeth = 0
-        options%elements_across = least_across + int(uniform()*(most_whole - least_across + 1))
+        options%elements_across = least_across + int(random%uniform()*(most_whole - least_across + 1))
       else
-        options%teeth = min(spec%teeth - 1, 1 + int(5*uniform()))
-        options%fixed_sides = uniform() < 0.7_dp
-        options%fixed_rim = .not. options%fixed_sides .or. uniform() < 0.7_dp
-        options%elements_across = least_across + int(uniform()*(most_section - least_across + 1))
+        options%teeth = min(spec%teeth - 1, 1 + int(5*random%uniform()))
+        options%fixed_sides = random%uniform() < 0.7_dp
+        options%fixed_rim = .not. options%fixed_sides .or. random%uniform() < 0.7_dp
+        options%elements_across = least_across + int(random%uniform()*(most_section - least_across + 1))
       end if
-      body%radius = between(0.4_dp*gear%form_radius(drive) + 0.6_dp*gear%tip_radius, gear%tip_radius)
+      body%radius = random%between(0.4_dp*gear%form_radius(drive) + 0.6_dp*gear%tip_radius, gear%tip_radius)
     end associate
-
-  contains
-
-    real(dp) function between(low, high)
-      real(dp), intent(in) :: low, high
-
-      between = low + (high - low)*uniform()
-    end function between
-
-    !> Evenly spread logarithm.
-    real(dp) function power(low, high)
-      real(dp), intent(in) :: low, high
-
-      power = low*(high/low)**uniform()
-    end function power
-
-    !> Park and Miller's generator.
-    real(dp) function uniform()
-      integer(int64), parameter :: modulus = 2147483647_int64
-
-      seed = mod(48271_int64*seed, modulus)
-      uniform = real(seed, dp)/modulus
-    end function uniform
   end subroutine random_body
 end module random_bodies

@@ -5,6 +5,7 @@ module random_extremes
   use gearsweep_kinds, only: dp
   use gearsweep_text, only: str
   use extreme_cases, only: row_t
+  use random_numbers, only: random_t
   implicit none
   private
   public :: random_row
@@ -16,38 +17,21 @@ contains
   !> that may touch, a load of 7 kN.
   type(row_t) function random_row(number) result(row)
     integer, intent(in) :: number
-    integer(int64) :: seed
+    type(random_t) :: random
     real(dp) :: softer
 
-    seed = 7919_int64*number + 12345
+    random%seed = 7919_int64*number + 12345
     row%title = 'random '//str(number)
     row%base = 'prescribed'
     row%quantity = 'df'
-    softer = -power(1e-6_dp, 0.999999_dp)
-    row%changes = 'pinion effective_mass_kg = '//text(power(1e-6_dp, 1e6_dp))// &
-      '; mesh coefficients = 400, 0, '//text(400*softer)//'; mesh contact_ratio = '//text(1 + power(1e-6_dp, 2.0_dp))// &
-      '; dynamics damping_ratio = '//text(power(1e-4_dp, 1e3_dp))//'; rpm = '//text(power(10.0_dp, 1e8_dp))// &
+    softer = -random%power(1e-6_dp, 0.999999_dp)
+    row%changes = 'pinion effective_mass_kg = '//text(random%power(1e-6_dp, 1e6_dp))// &
+      '; mesh coefficients = 400, 0, '//text(400*softer)//'; mesh contact_ratio = '//text(1 + random%power(1e-6_dp, 2.0_dp))// &
+      '; dynamics damping_ratio = '//text(random%power(1e-4_dp, 1e3_dp))//'; rpm = '//text(random%power(10.0_dp, 1e8_dp))// &
       '; numerics tolerance = 1e-6'
-    if (uniform() < 0.7_dp) row%changes = row%changes//'; relief amount_um = '//text(power(1e-2_dp, 1e5_dp))// &
-      '; relief pinion_fraction = '//text(uniform())
-    if (uniform() < 0.3_dp) row%changes = row%changes//'; pair backlash_um = '//text(power(1e-2_dp, 1e3_dp))
-
-  contains
-
-    !> Evenly spread logarithm.
-    real(dp) function power(low, high)
-      real(dp), intent(in) :: low, high
-
-      power = low*(high/low)**uniform()
-    end function power
-
-    !> Park and Miller's generator.
-    real(dp) function uniform()
-      integer(int64), parameter :: modulus = 2147483647_int64
-
-      seed = mod(48271_int64*seed, modulus)
-      uniform = real(seed, dp)/modulus
-    end function uniform
+    if (random%uniform() < 0.7_dp) row%changes = row%changes//'; relief amount_um = '//text(random%power(1e-2_dp, 1e5_dp))// &
+      '; relief pinion_fraction = '//text(random%uniform())
+    if (random%uniform() < 0.3_dp) row%changes = row%changes//'; pair backlash_um = '//text(random%power(1e-2_dp, 1e3_dp))
   end function random_row
 
   function text(x)

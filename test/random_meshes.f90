@@ -7,6 +7,7 @@ module random_meshes
   use gearsweep_motion, only: oscillator_t, make_oscillator
   use gearsweep_relief, only: relief_t, profile_error
   use gearsweep_stiffness, only: polynomial_stiffness
+  use random_numbers, only: random_t
   implicit none
   private
   public :: draw_t, random_mesh
@@ -29,51 +30,29 @@ contains
     type(error_t), allocatable :: error
     type(relief_t) :: relief
     real(dp) :: shape(5), deflection, part, main
-    integer(int64) :: seed
+    type(random_t) :: random
     integer :: i
 
-    seed = 7919_int64*number + 12345
+    random%seed = 7919_int64*number + 12345
     associate (osc => draw%osc, mesh => draw%osc%mesh)
-      mesh%contact_ratio = between(1.05_dp, 2.9_dp)
+      mesh%contact_ratio = random%between(1.05_dp, 2.9_dp)
       mesh%teeth = 25
-      shape = [1.0_dp, between(-0.15_dp, 0.15_dp), between(-0.4_dp, 0.0_dp), between(-0.1_dp, 0.1_dp), between(0.0_dp, 0.1_dp)]
+      shape = [1.0_dp, random%between(-0.15_dp, 0.15_dp), random%between(-0.4_dp, 0.0_dp), &
+               random%between(-0.1_dp, 0.1_dp), random%between(0.0_dp, 0.1_dp)]
       call polynomial_stiffness(mesh%contact_ratio, 4e8_dp*shape, mesh%stiffness, error)
-      osc%mass = [power(0.3_dp, 3.0_dp), power(0.3_dp, 3.0_dp)]
-      deflection = power(1e-6_dp, 5e-5_dp)
+      osc%mass = [random%power(0.3_dp, 3.0_dp), random%power(0.3_dp, 3.0_dp)]
+      deflection = random%power(1e-6_dp, 5e-5_dp)
       osc%load = deflection*mesh%mean_stiffness()
-      part = max(0.0_dp, between(-0.5_dp, 1.6_dp))
+      part = max(0.0_dp, random%between(-0.5_dp, 1.6_dp))
       relief%amount = part*deflection
       relief%start = [aint(mesh%contact_ratio), modulo(mesh%contact_ratio, 1.0_dp)]
       call profile_error(relief, mesh%contact_ratio, mesh%profile_error, error)
-      osc%damping_ratio = power(1e-3_dp, 1.0_dp)
+      osc%damping_ratio = random%power(1e-3_dp, 1.0_dp)
       call make_oscillator(osc, error)
       if (allocated(error)) error stop 'random mesh'
-      main = 60*osc%natural_frequency/(2*pi*mesh%teeth(1))*power(0.05_dp, 3.0_dp)
+      main = 60*osc%natural_frequency/(2*pi*mesh%teeth(1))*random%power(0.05_dp, 3.0_dp)
       draw%rpm = [(main*(0.85_dp + 0.3_dp*(i - 0.5_dp)/speeds), i=1, speeds)]
     end associate
-    draw%tolerance = power(1e-8_dp, 1e-3_dp)
-
-  contains
-
-    real(dp) function between(low, high)
-      real(dp), intent(in) :: low, high
-
-      between = low + (high - low)*uniform()
-    end function between
-
-    !> Evenly spread logarithm.
-    real(dp) function power(low, high)
-      real(dp), intent(in) :: low, high
-
-      power = low*(high/low)**uniform()
-    end function power
-
-    !> Park and Miller's generator.
-    real(dp) function uniform()
-      integer(int64), parameter :: modulus = 2147483647_int64
-
-      seed = mod(48271_int64*seed, modulus)
-      uniform = real(seed, dp)/modulus
-    end function uniform
+    draw%tolerance = random%power(1e-8_dp, 1e-3_dp)
   end subroutine random_mesh
 end module random_meshes
