@@ -5,7 +5,7 @@ module gearsweep_contact
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: lanes
   use gearsweep_motion, only: oscillator_t, table_t
-  use gearsweep_quintic, only: first_zero, may_pass, quintic, slope_of, value_of
+  use gearsweep_quintic, only: evaluate, first_zero, may_pass, quintic, slope_of, value_of
   use gearsweep_peaks, only: may_top, raise_to_top
   use gearsweep_step, only: period_t, member_t, touches, set_contact, note_contact
   use gearsweep_stretch, only: crossing_t, search_t, make_crossing, take_step, sum_up, follow, move_end, slopes_of, bends_of, &
@@ -184,12 +184,12 @@ contains
     ! What is closer is gone without a stretch of its own.
     real(dp), parameter :: close = 1e-7_dp
     integer, parameter :: most_trials = 50
-    real(dp) :: place, overlap, slope, miss
+    real(dp) :: error, error_slope, overlap, slope, miss
 
     associate (search => c%search(l), sense => member(c%search(l)%member)%sense(l))
-      place = c%left(l) + c%width(l)
-      overlap = sense*(c%x(l, 2) - value_of(c%error(:, search%member), place))
-      slope = sense*search%room*(table%width(c%i)*c%y(l, 2) - slope_of(c%error(:, search%member), place))
+      call evaluate(c%error(:, search%member), c%left(l) + c%width(l), error, error_slope)
+      overlap = sense*(c%x(l, 2) - error)
+      slope = sense*search%room*(table%width(c%i)*c%y(l, 2) - error_slope)
       miss = huge(miss)
       if (slope < 0) miss = hair - overlap/slope
       if (abs(miss) <= close) then

@@ -8,7 +8,7 @@ module gearsweep_period
   use gearsweep_maps, only: maps_t, begin_maps, need_map, move, chain, forget, hold_lanes, leave_held
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_peaks, only: top_t, tops_t, note_top, settle_tops
-  use gearsweep_step, only: period_t, member_t, touches, all_pairs, note_contact
+  use gearsweep_step, only: period_t, member_t, touches, all_pairs, set_contact, note_contact
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -139,23 +139,20 @@ contains
     integer, intent(in) :: i, n
     type(course_t), intent(inout) :: c
     type(period_t), intent(inout) :: out(lanes)
-    integer :: contact, j, l
+    logical :: contact
+    integer :: j, l
 
     c%touch = 0
     do j = 1, osc%members
       do l = 1, lanes
         if (j > osc%pairs) then
-          contact = merge(1, 0, c%x(l, c%from) + c%held(l) < -osc%backlash)
-        else if (j <= table%pairs(i)) then
-          contact = merge(1, 0, c%x(l, c%from) + c%held(l) > table%end_error(0, j, 1, i))
+          contact = c%x(l, c%from) + c%held(l) < -osc%backlash
         else
-          contact = 0
+          contact = j <= table%pairs(i)
+          if (contact) contact = c%x(l, c%from) + c%held(l) > table%end_error(0, j, 1, i)
         end if
-        c%touch(l) = c%touch(l) + contact*2**(j - 1)
-        c%member(j)%weight(l) = contact
-        c%member(j)%sense(l) = 2*contact - 1
+        call set_contact(osc, l, j, contact, c%touch(l), c%member(j))
       end do
-      if (j > osc%pairs) c%member(j)%sense = -c%member(j)%sense
     end do
     c%whole = all(c%touch == all_pairs(table, i))
     do l = 1, n

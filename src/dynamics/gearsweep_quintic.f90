@@ -4,7 +4,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, slope_of, bend_of, top_of, first_zero, may_pass
+  public :: quintic, value_of, slope_of, bend_of, evaluate, top_of, first_zero, may_pass
 
 contains
 
@@ -34,6 +34,15 @@ contains
 
     slope_of = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
   end function slope_of
+
+  !> Both together.
+  pure subroutine evaluate(c, t, value, slope)
+    real(dp), intent(in) :: c(0:5), t
+    real(dp), intent(out) :: value, slope
+
+    value = value_of(c, t)
+    slope = slope_of(c, t)
+  end subroutine evaluate
 
   !> Second derivative.
   pure real(dp) function bend_of(c, t)

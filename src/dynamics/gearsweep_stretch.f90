@@ -4,7 +4,7 @@ module gearsweep_stretch
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: collocate, lanes, nodes
   use gearsweep_motion, only: oscillator_t, table_t, mobility, acceleration
-  use gearsweep_quintic, only: quintic, bend_of
+  use gearsweep_quintic, only: quintic, evaluate, bend_of
   use gearsweep_step, only: member_t
   implicit none
   private
@@ -229,14 +229,6 @@ contains
     call evaluate(q, c%left(l) + c%width(l), f(0, 2), f(1, 2))
     f(1, :) = f(1, :)*c%width(l)
   end function slopes_of
-
-  pure subroutine evaluate(q, t, value, slope)
-    real(dp), intent(in) :: q(0:5), t
-    real(dp), intent(out) :: value, slope
-
-    value = ((((q(5)*t + q(4))*t + q(3))*t + q(2))*t + q(1))*t + q(0)
-    slope = (((5*q(5)*t + 4*q(4))*t + 3*q(3))*t + 2*q(2))*t + q(1)
-  end subroutine evaluate
 
   !> Second derivative.
   pure function bends_of(c, l, q) result(f)
