@@ -3,12 +3,12 @@ module test_grading
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_accuracy, only: accuracy_t, point_t, solve_point, tables_t, mesh_period
-  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_motion, only: oscillator_t
   use gearsweep_response, only: response_t, find_response
   use gearsweep_steady, only: largest_multiplier, point_ok
   use gearsweep_sweep, only: run_sweep, sweep_t, sweep_options_t
   use gearsweep_text, only: str
-  use reference_rows, only: prescribed
+  use single_points, only: mesh_of, solve
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private
@@ -29,34 +29,6 @@ contains
     call slow_path_of_a_pair(t)
   end subroutine run
 
-  !> N/um and um.
-  type(oscillator_t) function mesh_of(coef, relief, zeta, friction) result(osc)
-    real(dp), intent(in) :: coef(:), relief(2), zeta, friction
-    type(error_t), allocatable :: error
-
-    call prescribed(ratio, coef, relief, 1, osc)
-    osc%mesh%teeth = 25
-    osc%mesh%pitch_point = ratio/2
-    osc%mesh%tan_angle = tan(20*pi/180)
-    osc%mass = 0.8_dp
-    osc%load = 7000
-    osc%damping_ratio = zeta
-    osc%friction = friction
-    call make_oscillator(osc, error)
-    if (allocated(error)) error stop 'test mesh'
-  end function mesh_of
-
-  subroutine solve(osc, rpm, options, point)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm
-    type(accuracy_t), intent(in) :: options
-    type(point_t), intent(out) :: point
-    type(tables_t), allocatable :: tables
-
-    allocate (tables)
-    call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm), options, tables, point)
-  end subroutine solve
-
   !> Constant pair stiffness, where the motion has a closed form: dynamic factor within the tolerance, and the
   !> multiplier; within twice the estimate but for one in twenty, as errors of two tables may be the same by chance.
   subroutine piecewise_constant(t)
@@ -73,7 +45,7 @@ contains
     options%steady%tolerance = 1e-9_dp
     misses = 0
     do i = 1, size(zeta)
-      osc = mesh_of([400.0_dp], none, zeta(i), 0.0_dp)
+      osc = mesh_of(ratio, [400.0_dp], none, zeta(i))
       do k = 1, size(rpm)
         name = 'zeta '//str(zeta(i))//', '//str(rpm(k))//' rpm'
         call closed_form(osc%natural_frequency, zeta(i), mesh_period(25, rpm(k)), dynamic_factor, multiplier)
@@ -173,7 +145,7 @@ contains
     stays = coef(1) + coef(3)*(2*(ratio - 1)/ratio - 1)**2
     leaves = coef(1) + coef(3)
     do i = 1, size(zeta)
-      osc = mesh_of(coef, [2.0_dp, 2.0_dp], zeta(i), 0.0_dp)
+      osc = mesh_of(ratio, coef, [2.0_dp, 2.0_dp], zeta(i))
       deflection = (7000 + leaves*2)/(stays + leaves)
       limit = 1
       if (zeta(i) < 1) limit = 1 + (1 - stays*deflection/7000)*exp(-pi*zeta(i)/sqrt(1 - zeta(i)**2))
@@ -200,7 +172,7 @@ contains
 
     options%steady%tolerance = 1e-9_dp
     do i = 1, size(zeta)
-      osc = mesh_of([400.0_dp, 30.0_dp, -110.0_dp, 20.0_dp], [2.0_dp, 3.0_dp], zeta(i), 0.06_dp)
+      osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp, 20.0_dp], [2.0_dp, 3.0_dp], zeta(i), 0.06_dp)
       call solve(osc, rpm(i), options, one)
       equal%steps = steps(i)
       call solve(osc, rpm(i), equal, other)
@@ -222,7 +194,7 @@ contains
     type(point_t) :: point, slow
     integer :: i
 
-    osc = mesh_of([400.0_dp, 0.0_dp, -110.0_dp], none, 0.17_dp, 0.0_dp)
+    osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], none, 0.17_dp)
     call solve(osc, 10.0_dp, options, slow)
     do i = 1, 5
       call solve(osc, 10.0_dp**(-i), options, point)
@@ -230,7 +202,7 @@ contains
                       str(point%work)//', at 10 rpm '//str(slow%work))
     end do
     do i = 1, 3
-      osc = mesh_of([400.0_dp, 0.0_dp, -110.0_dp], none, 10.0_dp**i, 0.0_dp)
+      osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], none, 10.0_dp**i)
       call solve(osc, 1000.0_dp, options, point)
       call check_true(t, 'steps at zeta 1e'//str(i), point%steps <= 300, str(point%steps))
     end do
@@ -249,7 +221,7 @@ contains
     real(dp) :: rpm(40)
     integer :: i
 
-    osc = mesh_of([400.0_dp, 0.0_dp, -110.0_dp], [2.0_dp, 2.0_dp], 0.17_dp, 0.0_dp)
+    osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], [2.0_dp, 2.0_dp], 0.17_dp)
     rpm = [(0.5_dp*i**2, i=1, size(rpm))]
     options%threads = 1
     call run_sweep([osc], rpm, options, one, error)
@@ -274,7 +246,7 @@ contains
     type(accuracy_t) :: options
     type(response_t) :: response
 
-    osc = mesh_of([400.0_dp, 0.0_dp, -110.0_dp], [2.0_dp, 2.0_dp], 50.0_dp, 0.0_dp)
+    osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], [2.0_dp, 2.0_dp], 50.0_dp)
     call find_response(osc, 1.0_dp, options, response)
     call check_true(t, 'path covered', response%s(1) <= 0 .and. abs(response%s(size(response%s)) - ratio) < 1e-12_dp)
     call check_true(t, 'enough places', size(response%s) >= 400, str(size(response%s)))

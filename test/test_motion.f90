@@ -2,14 +2,15 @@
 module test_motion
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
-  use gearsweep_accuracy, only: accuracy_t, point_t, solve_point, tables_t, mesh_period
+  use gearsweep_accuracy, only: accuracy_t, point_t, mesh_period
   use gearsweep_motion, only: oscillator_t, make_oscillator, resolution_t, table_t, tabulate
   use gearsweep_period, only: period_t, maps_t, begin_maps, hold_period
   use gearsweep_response, only: response_t, find_response
   use gearsweep_steady, only: by_marching, has_answer, largest_multiplier, name_of, point_marginal, point_ok, &
                               point_unresolved
   use gearsweep_text, only: str
-  use reference_rows, only: row_t, read_rows, oscillator_of, prescribed
+  use reference_rows, only: row_t, read_rows, oscillator_of
+  use single_points, only: mesh_of, solve
   use testing, only: tally_t, check_true, check_close, check_equal
   implicit none
   private
@@ -36,34 +37,6 @@ contains
     call refused_steps(t)
     call path_of_a_pair(t)
   end subroutine run
-
-  !> A damped prescribed mesh, ready for use; N/um and um.
-  type(oscillator_t) function mesh_of(contact_ratio, coef, relief, zeta) result(osc)
-    real(dp), intent(in) :: contact_ratio, coef(:), relief(2), zeta
-    type(error_t), allocatable :: error
-
-    call prescribed(contact_ratio, coef, relief, 1, osc)
-    osc%mesh%teeth = 25
-    osc%mesh%pitch_point = contact_ratio/2
-    osc%mesh%tan_angle = tan(20*pi/180)
-    osc%mass = 0.8_dp
-    osc%load = 7000
-    osc%damping_ratio = zeta
-    call make_oscillator(osc, error)
-    if (allocated(error)) error stop 'test mesh'
-  end function mesh_of
-
-  subroutine solve(osc, rpm, options, point, start)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm
-    type(accuracy_t), intent(in) :: options
-    type(point_t), intent(out) :: point
-    real(dp), intent(in), optional :: start(2)
-    type(tables_t), allocatable :: tables
-
-    allocate (tables)
-    call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm), options, tables, point, start)
-  end subroutine solve
 
   !> Every row of a reference table, from its own initial state where motions
   !> coexist: dynamic factor within twice the estimate, which is below the
