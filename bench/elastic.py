@@ -180,7 +180,7 @@ def draw(table, errors):
                         marker=marker, linestyle=line)
         axis.set(title=QUANTITIES[k], xlabel='time, s')
     axes[0].set(ylabel='relative error')
-    axes[0].legend(frameon=False)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4, frameon=False)
     save_figure(figure, 'elastic')
 
 
