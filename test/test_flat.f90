@@ -3,7 +3,7 @@ module test_flat
   use gearsweep_calls
   use gearsweep_error, only: code_file, code_input, code_ok
   use gearsweep_kinds, only: dp
-  use testing, only: check_close, check_equal, check_true, tally_t
+  use testing, only: check_close, check_equal, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
   public :: run
@@ -216,10 +216,10 @@ contains
     call check_true(t, 'all is used', info == code_ok .and. length == 0)
   end subroutine test_texts
 
-  !> The program's files, made in the folder of the tests' build.
+  !> The program's files.
   subroutine test_files(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: out = 'build/run/flat'
+    character(:), allocatable :: out
     character(3000) :: answer, said
     character(2000) :: stages, files, names
     real(dp) :: none(1), values(1)
@@ -229,13 +229,14 @@ contains
     character(200) :: message
 
     none = 0
+    out = new_folder()
     call gs_write(with_section, '', 0, none, 1, out, 'case', 0, none, used, names, answer, length, stages, files, info, message)
     call check_true(t, 'write', info == code_ok .and. index(stages, 'sweep') > 0)
     inquire (file=out//'/case.sweep.csv', exist=there)
     call check_true(t, 'the table is there', there .and. index(files, out//'/case.sweep.csv'//new_line('a')) > 0)
     call gs_report(with_section, '', 0, none, 1, said, length, info, message)
     call check_true(t, 'the answer is the report', info == code_ok .and. answer == said)
-    call gs_write(with_section, '', 0, none, 1, 'build/run/no/folder', 'case', 0, none, used, names, answer, length, stages, &
+    call gs_write(with_section, '', 0, none, 1, out//'/no/folder', 'case', 0, none, used, names, answer, length, stages, &
                   files, info, message)
     call check_equal(t, 'no folder', info, code_file)
     values = -1
@@ -247,5 +248,6 @@ contains
     call check_true(t, 'numbers alone: no file', info == code_ok .and. files == '')
     call check_true(t, 'the numbers that are told', used == size(numbers) - 1 .and. numbers(used + 1) < 0)
     call check_true(t, 'their names', index(names, 'sweep.dynamic_factor ') > 0 .and. index(names, 'section.x_mm ') > 0)
+    call remove_folder(out)
   end subroutine test_files
 end module test_flat

@@ -1,5 +1,6 @@
 !> A tiny test harness: named checks that print only when they fail.
 module testing
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
@@ -8,6 +9,7 @@ module testing
   private
   public :: tally_t, suite_t, suite_i
   public :: check_true, check_close, check_equal, check_error, check_no_error
+  public :: new_folder, remove_folder
 
   !> What the checks of a suite came to.
   type :: tally_t
@@ -26,6 +28,15 @@ module testing
     character(24) :: name
     procedure(suite_i), pointer, nopass :: run
   end type suite_t
+
+  interface
+    !> Of POSIX: makes a folder of a name that nothing has, in place of the X at the end of the template.
+    function mkdtemp(template) bind(c)
+      import :: c_char, c_ptr
+      character(c_char), intent(inout) :: template(*)
+      type(c_ptr) :: mkdtemp
+    end function mkdtemp
+  end interface
 
   !> `actual` and `expected` are the same, exactly.
   interface check_equal
@@ -122,4 +133,21 @@ contains
       call check_true(t, name, .true.)
     end if
   end subroutine check_no_error
+
+  !> A new folder below build/, of this process alone: tests may run at the same time.
+  function new_folder() result(path)
+    character(:), allocatable :: path
+    character(:, c_char), allocatable :: template
+
+    template = 'build/tests.XXXXXX'//c_null_char
+    if (.not. c_associated(mkdtemp(template))) error stop 'no folder for the tests can be made in build/'
+    path = template(:len(template) - 1)
+  end function new_folder
+
+  !> Takes away a folder that new_folder has made, with all that is in it.
+  subroutine remove_folder(path)
+    character(*), intent(in) :: path
+
+    if (index(path, 'build/tests.') == 1) call execute_command_line('rm -rf -- '//path)
+  end subroutine remove_folder
 end module testing
