@@ -5,6 +5,8 @@ program check
   use extreme_table, only: print_limits
   use test_band, only: run_band => run
   use test_branches, only: run_branches => run
+  use test_closed_geometry, only: run_closed_geometry => run
+  use test_closed_relief, only: run_closed_relief => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_disc, only: run_elastic_disc => run
   use test_elastic_modes, only: run_elastic_modes => run
@@ -36,6 +38,8 @@ program check
     & suite_t('reader', run_reader), &
     & suite_t('inputs', run_inputs), &
     & suite_t('geometry', run_geometry), &
+    & suite_t('closed_geometry', run_closed_geometry), &
+    & suite_t('closed_relief', run_closed_relief), &
     & suite_t('mesh', run_mesh), &
     & suite_t('harmonics', run_harmonics), &
     & suite_t('motion', run_motion), &

@@ -1,0 +1,129 @@
+!> Pairs of gears as a designer states them, and the closed forms of ISO 21771 for them, which see nothing of the library.
+module stated_gears
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, base_pitch
+  public :: contact_ratio, half_tooth
+
+  real(dp), parameter, public :: degree = pi/180
+  integer, parameter, public :: drive = 1, coast = 2
+
+  !> A pair as a designer states it: the closed forms below see nothing else. Lengths in mm, angles in degrees.
+  type :: stated_t
+    real(dp) :: module = 3, angle(2) = 20
+    integer :: teeth(2) = 0
+    real(dp) :: shift(2) = 0, addendum(2) = 1, dedendum(2) = 1.25_dp, rounding(2) = 0.25_dp
+    real(dp) :: distance = 0                     !< of the centres
+  end type stated_t
+
+contains
+
+  !> Spur gears: even and shifted, spread apart, equal and unequal flanks, teeth that are not the standard's.
+  function examples() result(list)
+    type(stated_t) :: list(5)
+
+    list(1) = stated_t(teeth=[21, 34], distance=82.5_dp)
+    list(2) = stated_t(teeth=[19, 42], shift=[0.4_dp, 0.15_dp], distance=93.2_dp)
+    list(3) = stated_t(angle=[25, 18], teeth=[24, 31], shift=[0.3_dp, -0.1_dp], rounding=[0.2_dp, 0.15_dp], distance=83.4_dp)
+    list(4) = stated_t(angle=[18, 25], teeth=[31, 24], shift=[0.1_dp, 0.3_dp], rounding=[0.2_dp, 0.15_dp], distance=84.0_dp)
+    list(5) = stated_t(module=2.5_dp, angle=[22, 22], teeth=[17, 60], shift=[0.25_dp, -0.05_dp], addendum=[0.9_dp, 1.05_dp], &
+                       dedendum=[1.2_dp, 1.3_dp], rounding=[0.1_dp, 0.3_dp], distance=97.0_dp)
+  end function examples
+
+  !> The case's groups of gears, with what else each group is given.
+  function text_of(pair, pinion, gear) result(text)
+    type(stated_t), intent(in) :: pair
+    character(*), intent(in), optional :: pinion, gear
+    character(:), allocatable :: text
+
+    text = '&pair module_mm='//str(pair%module, 17)//' face_width_mm=20 pressure_angle_deg='//str(pair%angle(1), 17)// &
+      ' coast_angle_deg='//str(pair%angle(2), 17)//' centre_distance_mm='//str(pair%distance, 17)//' / '
+    text = text//'&pinion '//member(1)
+    if (present(pinion)) text = text//pinion
+    text = text//' / &gear '//member(2)
+    if (present(gear)) text = text//gear
+    text = text//' / '
+
+  contains
+
+    function member(i) result(words)
+      integer, intent(in) :: i
+      character(:), allocatable :: words
+
+      words = 'teeth='//str(pair%teeth(i))//' profile_shift='//str(pair%shift(i), 17)//' addendum='// &
+        str(pair%addendum(i), 17)//' dedendum='//str(pair%dedendum(i), 17)//' rack_tip_radius='//str(pair%rounding(i), 17)//' '
+    end function member
+  end function text_of
+
+  pure real(dp) function involute(angle)
+    real(dp), intent(in) :: angle
+
+    involute = tan(angle) - angle
+  end function involute
+
+  !> ISO 21771:2007: r = m z/2, r_b = r cos(alpha), r_a = r + m (h_aP + x), r_f = r - m (h_fP - x).
+  pure function base_radius(pair, side) result(rb)
+    type(stated_t), intent(in) :: pair
+    integer, intent(in) :: side
+    real(dp) :: rb(2)
+
+    rb = pair%module*pair%teeth/2*cos(pair%angle(side)*degree)
+  end function base_radius
+
+  pure function tip_radius(pair) result(ra)
+    type(stated_t), intent(in) :: pair
+    real(dp) :: ra(2)
+
+    ra = pair%module*(pair%teeth/2.0_dp + pair%addendum + pair%shift)
+  end function tip_radius
+
+  !> alpha_w, rad: the base circles' common tangent, at the distance of the centres.
+  pure real(dp) function working_angle(pair, side)
+    type(stated_t), intent(in) :: pair
+    integer, intent(in) :: side
+
+    working_angle = acos(sum(base_radius(pair, side))/pair%distance)
+  end function working_angle
+
+  !> Radius of curvature of the pinion's flank at A, where the gear's tip circle cuts the line of action.
+  pure real(dp) function first_curvature(pair) result(rho)
+    type(stated_t), intent(in) :: pair
+    real(dp) :: ra(2), rb(2)
+
+    ra = tip_radius(pair)
+    rb = base_radius(pair, drive)
+    rho = pair%distance*sin(working_angle(pair, drive)) - sqrt(ra(2)**2 - rb(2)**2)
+  end function first_curvature
+
+  pure real(dp) function base_pitch(pair)
+    type(stated_t), intent(in) :: pair
+
+    base_pitch = pi*pair%module*cos(pair%angle(1)*degree)
+  end function base_pitch
+
+  pure real(dp) function contact_ratio(pair)
+    type(stated_t), intent(in) :: pair
+    real(dp) :: ra(2), rb(2)
+
+    ra = tip_radius(pair)
+    rb = base_radius(pair, drive)
+    contact_ratio = (sqrt(ra(1)**2 - rb(1)**2) - first_curvature(pair))/base_pitch(pair)
+  end function contact_ratio
+
+  !> Half the angle of the tooth on one side, at `radius`: what its share of the reference thickness,
+  !> m (pi/4 + x tan(alpha)), and the involute leave.
+  pure real(dp) function half_tooth(pair, member, side, radius) result(angle)
+    type(stated_t), intent(in) :: pair
+    integer, intent(in) :: member, side
+    real(dp), intent(in) :: radius
+    real(dp) :: rb(2)
+
+    rb = base_radius(pair, side)
+    associate (alpha => pair%angle(side)*degree)
+      angle = pair%module*(pi/4 + pair%shift(member)*tan(alpha))/(pair%module*pair%teeth(member)/2) &
+              + involute(alpha) - involute(acos(rb(member)/radius))
+    end associate
+  end function half_tooth
+end module stated_gears

@@ -1,0 +1,223 @@
+!> Geometry against closed forms and brute force, for equal and unequal flanks, shifted and spread gears:
+!> radii, the path of contact, backlash, the outline as the rack cuts it.
+module test_closed_geometry
+  use gearsweep_contour, only: tooth_contour
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_text, only: str
+  use quantities, only: ask_geometry
+  use stated_gears
+  use testing, only: tally_t, check_true, check_close, check_no_error
+  implicit none
+  private
+  public :: run
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call radii(t)
+    call backlash_by_turning(t)
+    call outline_as_cut(t)
+  end subroutine run
+
+  !> The geometry call, number by number. Backlash after ISO 21771: pitch less both thicknesses on the working circles,
+  !> times cos(alpha_w).
+  subroutine radii(t)
+    type(tally_t), intent(inout) :: t
+    type(stated_t) :: list(5)
+    real(dp) :: radius(6, 2), point(5), at(5, 2), distance, angle(2), ratio, pitch, backlash, rho
+    real(dp) :: working(2), thick
+    integer :: i, k, n
+
+    list = examples()
+    do n = 1, size(list)
+      associate (pair => list(n), name => 'pair '//str(n)//': ')
+        call ask_geometry(t, '&case tasks=''geometry'' / '//text_of(pair), radius, point, at, distance, angle, ratio, &
+                          pitch, backlash)
+        do i = 1, 2
+          associate (r => pair%module*pair%teeth(i)/2)
+            call check_close(t, name//'tip radius', radius(1, i), r + pair%module*(pair%addendum(i) + pair%shift(i)))
+            call check_close(t, name//'reference radius', radius(2, i), r)
+            call check_close(t, name//'drive base radius', radius(3, i), r*cos(pair%angle(1)*degree))
+            call check_close(t, name//'coast base radius', radius(4, i), r*cos(pair%angle(2)*degree))
+            call check_close(t, name//'root radius', radius(5, i), r - pair%module*(pair%dedendum(i) - pair%shift(i)))
+            call check_close(t, name//'start of the drive involute', radius(6, i), involute_start(pair, i), relative=1e-12_dp)
+          end associate
+        end do
+        call check_close(t, name//'centre distance', distance, pair%distance)
+        call check_close(t, name//'base pitch', pitch, base_pitch(pair))
+        call check_close(t, name//'contact ratio', ratio, contact_ratio(pair))
+        do k = 1, 2
+          call check_close(t, name//'working angle', angle(k), working_angle(pair, k)/degree)
+        end do
+        working = pair%distance*pair%teeth/sum(pair%teeth)
+        thick = 0
+        do i = 1, 2
+          thick = thick + working(i)*(half_tooth(pair, i, drive, working(i)) + half_tooth(pair, i, coast, working(i)))
+        end do
+        call check_close(t, name//'backlash on the line of action', backlash, 1e3_dp*cos(working_angle(pair, drive)) &
+          *(2*pi*working(1)/pair%teeth(1) - thick), absolute=1e-8_dp)
+        ! A, B, pitch point, D, E.
+        call check_close(t, name//'A, B, D, E', maxval(abs(point([1, 2, 4, 5]) - [0.0_dp, ratio - 1, 1.0_dp, ratio])), 0.0_dp, &
+                         absolute=1e-12_dp)
+        do k = 1, 5
+          rho = first_curvature(pair) + point(k)*pitch
+          call check_close(t, name//'pinion radius on the path', at(k, 1), hypot(radius(3, 1), rho))
+          rho = pair%distance*sin(working_angle(pair, drive)) - rho
+          call check_close(t, name//'gear radius on the path', at(k, 2), hypot(radius(3, 2), rho))
+        end do
+        do i = 1, 2
+          call check_close(t, name//'pitch point on the working circle', at(3, i), working(i))
+        end do
+      end associate
+    end do
+  end subroutine radii
+
+  !> The rack's straight flank ends where its rounding begins, h_fP - rho_fP (1 - sin(alpha)) below its reference line;
+  !> the point of the line of action at that depth cuts the start of the involute.
+  pure real(dp) function involute_start(pair, i) result(radius)
+    type(stated_t), intent(in) :: pair
+    integer, intent(in) :: i
+    real(dp) :: depth, beside
+
+    associate (alpha => pair%angle(1)*degree)
+      depth = pair%module*(pair%dedendum(i) - pair%rounding(i)*(1 - sin(alpha)) - pair%shift(i))
+      beside = depth/tan(alpha)
+      radius = hypot(pair%module*pair%teeth(i)/2 - depth, beside)
+    end associate
+  end function involute_start
+
+  !> Backlash by brute force: the gear, a space of it on the line of centres, is turned until its flank meets the
+  !> pinion's, one way and the other; its base circle rolls off the backlash meanwhile.
+  subroutine backlash_by_turning(t)
+    type(tally_t), intent(inout) :: t
+    type(stated_t) :: list(5)
+    real(dp) :: radius(6, 2), point(5), at(5, 2), distance, angle(2), ratio, pitch, backlash, rb(2)
+    integer :: n
+
+    list = examples()
+    do n = 2, size(list)
+      call ask_geometry(t, '&case tasks=''geometry'' / '//text_of(list(n)), radius, point, at, distance, angle, ratio, &
+                        pitch, backlash)
+      rb = base_radius(list(n), drive)
+      call check_close(t, 'pair '//str(n)//': backlash by turning', backlash, &
+                       1e3_dp*rb(2)*(free_turn(list(n), drive) + free_turn(list(n), coast)), absolute=2e-3_dp)
+      call check_true(t, 'pair '//str(n)//' has backlash', backlash > 10)
+    end do
+  end subroutine backlash_by_turning
+
+  !> Angle (rad) by which the gear's space turns until its flank of one side touches the pinion's tooth, both
+  !> sampled: the least distance, as an angle about the gear's centre, of the pinion's points from the gear's flank.
+  !> The pinion's centre is at 0, the gear's on the line of centres; mirrored for the coast side.
+  real(dp) function free_turn(pair, side) result(turn)
+    type(stated_t), intent(in) :: pair
+    integer, intent(in) :: side
+    integer, parameter :: samples = 20000
+    real(dp) :: rb(2), ra(2), r, angle, x, y, from
+    integer :: i
+
+    rb = base_radius(pair, side)
+    ra = tip_radius(pair)
+    from = max(rb(1)*(1 + 1e-9_dp), pair%distance - ra(2))
+    turn = 1
+    do i = 0, samples
+      r = from + (ra(1) - from)*i/samples
+      angle = half_tooth(pair, 1, side, r)
+      x = r*sin(angle)
+      y = pair%distance - r*cos(angle)
+      r = hypot(x, y)
+      if (r <= rb(2) .or. r > ra(2)) cycle
+      turn = min(turn, pi/pair%teeth(2) - half_tooth(pair, 2, side, r) - atan2(x, y))
+    end do
+  end function free_turn
+
+  !> The outline as the rack leaves it: no point of it is ever inside the rack's tooth while that rolls by,
+  !> and each is once on its edge.
+  subroutine outline_as_cut(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: steps = 6
+    type(stated_t) :: list(5)
+    type(gear_t) :: gear
+    type(error_t), allocatable :: error
+    real(dp) :: points(2, 5*steps + 1), least, farthest
+    integer :: n, i, k, side
+
+    list = examples()
+    do n = 1, size(list)
+      associate (pair => list(n))
+        do i = 1, 2
+          call make_gear(gear_spec_t('gear', pair%teeth(i), pair%module, pair%angle*degree, pair%shift(i), pair%addendum(i), &
+            pair%dedendum(i), pair%rounding(i), face_width=1.0_dp), gear, error)
+          call check_no_error(t, 'gear to be cut', error)
+          points = tooth_contour(gear, steps)
+          farthest = 0
+          least = 0
+          do k = 1, 5*steps + 1
+            side = merge(drive, coast, points(1, k) > 0)
+            ! The tip land is the blank's own edge.
+            if (k > 2*steps + 1 .and. k < 3*steps + 1) cycle
+            associate (room => cut(pair, i, side, [abs(points(1, k)), points(2, k)]))
+              least = min(least, room)
+              farthest = max(farthest, room)
+            end associate
+          end do
+          call check_close(t, 'pair '//str(n)//': nothing is cut off', least, 0.0_dp, absolute=1e-8_dp*pair%module)
+          call check_close(t, 'pair '//str(n)//': nothing is left over', farthest, 0.0_dp, absolute=1e-8_dp*pair%module)
+        end do
+      end associate
+    end do
+  end subroutine outline_as_cut
+
+  !> Least distance (mm) of a point of the gear from the rack's tooth that cuts this side, over all positions of
+  !> the rack; negative where the rack reaches beyond. By a scan and golden section.
+  real(dp) function cut(pair, member, side, point) result(room)
+    type(stated_t), intent(in) :: pair
+    integer, intent(in) :: member, side
+    real(dp), intent(in) :: point(2)
+    integer, parameter :: scan = 400
+    real(dp), parameter :: golden = (sqrt(5.0_dp) - 1)/2, reach = 1.2_dp
+    real(dp) :: low, high, middle(2)
+    integer :: i, best
+
+    best = minloc([(beside(-reach + 2*reach*i/scan), i=0, scan)], 1) - 1
+    low = -reach + 2*reach*(best - 1)/scan
+    high = -reach + 2*reach*(best + 1)/scan
+    do i = 1, 60
+      middle = [high - golden*(high - low), low + golden*(high - low)]
+      if (beside(middle(1)) < beside(middle(2))) then
+        high = middle(2)
+      else
+        low = middle(1)
+      end if
+    end do
+    room = beside((low + high)/2)
+
+  contains
+
+    !> Distance from the rack's tooth when the gear has turned by `roll` (rad). The rack's tooth is a disc of the
+    !> rounding's radius that has swept all that lies beyond the lines which its centre follows.
+    pure real(dp) function beside(roll)
+      real(dp), intent(in) :: roll
+      real(dp) :: p(2), centre(2), flank, floor_line
+
+      associate (m => pair%module, alpha => pair%angle(side)*degree, x => pair%shift(member), rho => pair%rounding(member))
+        ! In the rack's frame: across from the middle of its space, and up from its reference line.
+        p = [point(1)*cos(roll) - point(2)*sin(roll) + m*pair%teeth(member)/2*roll, &
+             point(1)*sin(roll) + point(2)*cos(roll) - m*(pair%teeth(member)/2.0_dp + x)]
+        centre = m*[pi/4 + (pair%dedendum(member) - rho)*tan(alpha) + rho/cos(alpha), rho - pair%dedendum(member)]
+        p = p - centre
+        flank = -(p(1)*cos(alpha) + p(2)*sin(alpha))
+        floor_line = -p(2)
+        ! Within the corner between both normals, the disc's own arc.
+        if (p(1) < 0 .and. p(1)*sin(alpha) - p(2)*cos(alpha) > 0) then
+          beside = norm2(p) - rho*m
+        else
+          beside = max(flank, floor_line) - rho*m
+        end if
+      end associate
+    end function beside
+  end function cut
+end module test_closed_geometry
