@@ -103,7 +103,8 @@ int gsc_unused(const char *text, size_t text_length, char *unused, size_t unused
 /* Sets one key of a case, and leaves the rest of the text as it is, with its remarks.
    group, key: without &; a group that is missing is added; value: as it stands in a case, such as
    "0, 5, 10" or "'fe'"; NULL or empty: the key is taken out; length: as for gsc_report.
-   Whether the case allows key and value is told by the call that reads it. */
+   A key that no case has is an error, which names the closest one, unless it is taken out of a text that has
+   it. Whether this case allows key and value is told by the call that reads it. */
 int gsc_change(const char *text, size_t text_length, const char *group, const char *key,
                const char *value, char *changed, size_t changed_size, size_t *length, char *message,
                size_t message_size);

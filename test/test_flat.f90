@@ -202,6 +202,16 @@ contains
     call check_true(t, 'a key that is not there is taken out', info == code_ok .and. changed == text)
     call gs_change(text, 'pair', 'backlash_um', '5 / &x y = 1', changed, length, info, message)
     call check_equal(t, 'one key and no more', info, code_input)
+    call gs_change(text, 'pair', 'modul_mm', '3.5', changed, length, info, message)
+    call check_true(t, 'a misspelt key', info == code_input .and. &
+                    index(message, '&pair modul_mm: unknown key (did you mean module_mm?)') == 1)
+    call gs_change(text, 'pairs', 'module_mm', '3.5', changed, length, info, message)
+    call check_true(t, 'a misspelt group', info == code_input .and. &
+                    index(message, '&pairs: unknown group (did you mean &pair?)') == 1)
+    call gs_change(text, 'pair', 'modul_mm', '', changed, length, info, message)
+    call check_equal(t, 'a misspelt key taken out', info, code_input)
+    call gs_change('&pair modul_mm = 3 /', 'pair', 'modul_mm', '', changed, length, info, message)
+    call check_true(t, 'one that the text has is taken out', info == code_ok .and. index(changed, 'modul') == 0)
     call gs_complete(text, complete(:5), length, info, message)
     call check_true(t, 'the complete case needs room', info == code_input .and. length > len(text))
     call gs_complete(text, complete, length, info, message)

@@ -85,8 +85,8 @@ class Case:
         Raises
         ------
         Error
-            A name or value that no case could have. Whether the key exists and allows the value is told
-            where the case is used.
+            A group, key or value that no case could have; of a misspelt key, the closest one is named. Whether
+            this case allows the value is told where it is used.
         """
         text = self.text
         for group, keys in groups.items():
@@ -102,9 +102,13 @@ class Case:
         Raises
         ------
         Error
-            The case is not usable.
+            The case is not usable, or no case has such a key: the closest one is named.
         """
-        return self.values.get(group, {}).get(key, default)
+        group, key = group.lower(), key.lower()
+        values = self.values.get(group, {})
+        if key not in values:
+            _border.change('', group, key, '')  # fails where there is no such key
+        return values.get(key, default)
 
     @functools.cached_property
     def values(self) -> Mapping[str, Mapping[str, Any]]:

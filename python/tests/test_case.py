@@ -31,7 +31,8 @@ def test_values_given_and_default():
     assert case.get('pinion', 'inertia_kgm2') is None
     assert case.get('mesh', 'contact_ratio') is None
     assert Case(PRESCRIBED).get('section', 'teeth') is None
-    assert case.get('no', 'key', 7) == 7
+    assert Case(PRESCRIBED).get('section', 'teeth', 7) == 7
+    assert case.get('Pair', 'MODULE_MM') == 3
 
 
 @pytest.mark.parametrize('case', CASES, ids=range(len(CASES)))
@@ -91,21 +92,21 @@ def test_a_case_never_changes():
 @pytest.mark.parametrize(
     'text, group, key, value, expected',
     [
-        ('&a b = 1 /', 'a', 'b', 2, '&a b = 2 /'),
-        ('&A B=1/', 'a', 'b', 2, '&A B=2/'),
-        ('&a b = 1, 2, ! two\n 3 c = 4 /', 'a', 'b', [5, 6], '&a b = 5, 6 c = 4 /'),
-        ("&a b = 'x/y&z', c = 1 /", 'a', 'b', "it's", "&a b = 'it''s', c = 1 /"),
-        ('&a b = 3*1.5 c = 4 &end', 'a', 'b', 0.1, '&a b = 0.1 c = 4 &end'),
-        ('&a b = 1 /', 'a', 'c', True, '&a b = 1 c = .true. /'),
-        ('&a b = 1/', 'a', 'c', True, '&a b = 1 c = .true. /'),
-        ('&a\n  b = 1 ! one\n/\n', 'a', 'c', 2, '&a\n  b = 1 ! one\n  c = 2\n/\n'),
-        ('&a\n  b = \n/\n', 'a', 'b', 2, '&a\n  b = \n  b = 2\n/\n'),
-        ('&a b = 1 /', 'c', 'd', 2, '&a b = 1 /\n&c d = 2 /\n'),
-        ('', 'c', 'd', 2, '&c d = 2 /\n'),
-        ('&a b = 1, c = 2 /', 'a', 'b', None, '&a  c = 2 /'),
-        ('&a b = 1\n c = 2 /', 'a', 'c', None, '&a b = 1\n  /'),
-        ('&a b = 1 /', 'a', 'c', None, '&a b = 1 /'),
-        ('&a b = 1 / ! &a b = 2', 'a', 'b', 3, '&a b = 3 / ! &a b = 2'),
+        ('&gear teeth = 1 /', 'gear', 'teeth', 2, '&gear teeth = 2 /'),
+        ('&GEAR TEETH=1/', 'gear', 'teeth', 2, '&GEAR TEETH=2/'),
+        ('&gear teeth = 1, 2, ! two\n 3 bore_mm = 4 /', 'gear', 'teeth', [5, 6], '&gear teeth = 5, 6 bore_mm = 4 /'),
+        ("&gear teeth = 'x/y&z', bore_mm = 1 /", 'gear', 'teeth', "it's", "&gear teeth = 'it''s', bore_mm = 1 /"),
+        ('&gear teeth = 3*1.5 bore_mm = 4 &end', 'gear', 'teeth', 0.1, '&gear teeth = 0.1 bore_mm = 4 &end'),
+        ('&gear teeth = 1 /', 'gear', 'bore_mm', True, '&gear teeth = 1 bore_mm = .true. /'),
+        ('&gear teeth = 1/', 'gear', 'bore_mm', True, '&gear teeth = 1 bore_mm = .true. /'),
+        ('&gear\n  teeth = 1 ! one\n/\n', 'gear', 'bore_mm', 2, '&gear\n  teeth = 1 ! one\n  bore_mm = 2\n/\n'),
+        ('&gear\n  teeth = \n/\n', 'gear', 'teeth', 2, '&gear\n  teeth = \n  teeth = 2\n/\n'),
+        ('&gear teeth = 1 /', 'load', 'torque_nm', 2, '&gear teeth = 1 /\n&load torque_nm = 2 /\n'),
+        ('', 'load', 'torque_nm', 2, '&load torque_nm = 2 /\n'),
+        ('&gear teeth = 1, bore_mm = 2 /', 'gear', 'teeth', None, '&gear  bore_mm = 2 /'),
+        ('&gear teeth = 1\n bore_mm = 2 /', 'gear', 'bore_mm', None, '&gear teeth = 1\n  /'),
+        ('&gear teeth = 1 /', 'gear', 'bore_mm', None, '&gear teeth = 1 /'),
+        ('&gear teeth = 1 / ! &gear teeth = 2', 'gear', 'teeth', 3, '&gear teeth = 3 / ! &gear teeth = 2'),
     ],
 )
 def test_changed(text, group, key, value, expected):
@@ -123,6 +124,44 @@ def test_one_key_and_no_more(group, key, text):
     with pytest.raises(Error) as caught:
         _border.change('&a b = 1 /', group, key, text)
     assert caught.value.code == Code.INPUT
+
+
+def test_a_misspelt_key_is_an_error_at_once():
+    case = Case(GEARED)
+    uses = [
+        lambda group, key: case.get(group, key),
+        lambda group, key: case.get(group, key, 7),
+        lambda group, key: case.changed(**{group: {key: 1}}),
+        lambda group, key: case.changed(**{group: {key: None}}),
+        lambda group, key: Case.build(**{group: {key: 1}}),
+    ]
+    for use in uses:
+        with pytest.raises(Error, match=r'^&pair modul_mm: unknown key \(did you mean module_mm\?\)') as caught:
+            use('pair', 'modul_mm')
+        assert caught.value.code == Code.INPUT
+        with pytest.raises(Error, match=r'^&relef: unknown group \(did you mean &relief\?\)'):
+            use('relef', 'amount_um')
+        with pytest.raises(Error, match='^&gear module_mm: unknown key; it belongs to &pair'):
+            use('gear', 'module_mm')
+    # A text that has one is mended by taking it out.
+    assert Case('&pair modul_mm = 3 /').changed(pair={'modul_mm': None}).text == '&pair  /'
+
+
+def test_every_key_of_the_reference_is_known():
+    keys = (ROOT / 'doc/case.md').read_text().split('## Keys')[1].split('## Finite elements')[0]
+    found = 0
+    for part in keys.split('\n### ')[1:]:
+        heading, *lines = part.splitlines()
+        groups = heading.split(' and ')
+        table = next(number for number, line in enumerate(lines) if line.startswith('| key'))
+        for line in lines[table + 2 :]:
+            if not line.startswith('| `'):
+                break
+            for key in re.findall('`([a-z0-9_]+)`', line.split('|')[1]):
+                for group in groups:
+                    assert Case('').changed(**{group: {key: 1}}).text == f'&{group} {key} = 1 /\n'
+                    found += 1
+    assert found > 60
 
 
 def test_build():

@@ -413,4 +413,4 @@ print(gearsweep.plot_sweep(study.sweep).get_ylabel())
 def test_without_matplotlib_the_message_says_what_to_install(tmp_path):
     program = "import sys; sys.modules['matplotlib'] = None\nimport gearsweep\ngearsweep.plot_sweep"
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
-    assert "ImportError: gearsweep's pictures need matplotlib: pip install 'gearsweep[plots]'" in done.stderr
+    assert "ImportError: gearsweep's pictures need matplotlib, which is not installed: pip install matplotlib" in done.stderr

@@ -11,7 +11,7 @@ module gearsweep_case_reader
   use gearsweep_reader, only: open_reader, reader_t
   implicit none
   private
-  public :: read_case, complete_case
+  public :: read_case, complete_case, check_key
 
   character(*), parameter :: groups(*) = [character(8) :: 'case', 'pair', 'pinion', 'gear', 'material', 'load', 'relief', &
                                           'mesh', 'section', 'static', 'modal', 'dynamics', 'sweep', 'numerics']
@@ -42,6 +42,20 @@ contains
     call read_all(text, reader, case, error)
     if (.not. allocated(error)) call reader%write_complete(complete)
   end subroutine complete_case
+
+  !> Fails where no case has such a key; the error names the closest one.
+  subroutine check_key(group, key, error)
+    character(*), intent(in) :: group, key
+    type(error_t), allocatable, intent(inout) :: error
+    type(case_t) :: case
+    type(reader_t) :: reader
+    type(error_t), allocatable :: missing
+
+    ! Reading asks for every key; that this case lacks some does not matter here.
+    call open_reader('&case tasks = ''geometry'' /', groups, reader, error)
+    call read_all('', reader, case, missing)
+    call reader%check_key(group, key, error)
+  end subroutine check_key
 
   !> What a key is good for depends on others, which are read before it.
   subroutine read_all(text, reader, case, error)

@@ -263,9 +263,11 @@ end subroutine gs_unused
 !> value       as it stands in a case, such as 0, 5, 10 or 'fe'; blank: the key is taken out
 !> length      of `changed`; also where that is too short for it (then info is 1 and `changed` as it was)
 !>
-!> Whether the case allows the key and the value is told by the call that reads it.
+!> A key that no case has is an error (info 1, with the closest key), unless it is taken out of a text that has it.
+!> Whether this case allows the key and the value is told by the call that reads it.
 subroutine gs_change(text, group, key, value, changed, length, info, message)
   use gearsweep_border, only: give_text, tell
+  use gearsweep_case_reader, only: check_key
   use gearsweep_edit, only: change_key
   use gearsweep_error, only: error_t
   implicit none
@@ -278,6 +280,9 @@ subroutine gs_change(text, group, key, value, changed, length, info, message)
   character(:), allocatable :: words
 
   call change_key(text, trim(group), trim(key), trim(value), words, error)
+  if (.not. allocated(error)) then
+    if (len_trim(value) > 0 .or. words == text) call check_key(trim(group), trim(key), error)
+  end if
   if (.not. allocated(error)) call give_text('changed', words, changed, length, error)
   call tell(error, info, message)
 end subroutine gs_change

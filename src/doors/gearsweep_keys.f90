@@ -22,7 +22,7 @@ module gearsweep_keys
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add, settle, why_unknown, list_waiting, write_case
+    procedure :: add, settle, has, why_unknown, list_waiting, write_case
   end type keys_t
 
 contains
@@ -67,6 +67,16 @@ contains
 
     if (self%last > 0) self%key(self%last)%default = default
   end subroutine settle
+
+  !> Has this key been asked for? Names in lower case.
+  pure logical function has(self, group, name)
+    class(keys_t), intent(in) :: self
+    character(*), intent(in) :: group, name
+
+    associate (key => self%key(:self%known))
+      has = any(key%group == group .and. key%name == name)
+    end associate
+  end function has
 
   !> Why there is no such key, and which would be right.
   pure subroutine why_unknown(self, group, name, why)

@@ -27,8 +27,8 @@ module gearsweep_reader
     !> `call reader%get(group, key, value, error, [given], [required], [waits], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure :: has, has_group, finish, list_waiting, write_complete
-    procedure, private :: find, miss, miss_number, miss_text, settle, check_names
+    procedure :: has, has_group, finish, check_key, list_waiting, write_complete
+    procedure, private :: find, miss, miss_number, miss_text, settle, check_names, check_group
   end type reader_t
 
 contains
@@ -218,16 +218,11 @@ contains
   pure subroutine check_names(self, error)
     class(reader_t), intent(in) :: self
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: group, why
-    integer :: i, closest
+    character(:), allocatable :: why
+    integer :: i
 
     do i = 1, size(self%list%groups)
-      group = trim(self%list%groups(i))
-      if (any(self%keys%groups == group)) cycle
-      closest = closest_word(group, self%keys%groups)
-      why = ''
-      if (closest > 0) why = ' (did you mean &'//trim(self%keys%groups(closest))//'?)'
-      call fail(error, code_input, '&'//group//': unknown group'//why//'; the groups are '//join(self%keys%groups, ', '))
+      call self%check_group(trim(self%list%groups(i)), error)
     end do
     do i = 1, size(self%list%entries)
       associate (entry => self%list%entries(i))
@@ -237,6 +232,34 @@ contains
       end associate
     end do
   end subroutine check_names
+
+  !> Fails unless the format has this group.
+  pure subroutine check_group(self, group, error)
+    class(reader_t), intent(in) :: self
+    character(*), intent(in) :: group
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: why
+    integer :: closest
+
+    if (any(self%keys%groups == group)) return
+    closest = closest_word(group, self%keys%groups)
+    why = ''
+    if (closest > 0) why = ' (did you mean &'//trim(self%keys%groups(closest))//'?)'
+    call fail(error, code_input, '&'//group//': unknown group'//why//'; the groups are '//join(self%keys%groups, ', '))
+  end subroutine check_group
+
+  !> Fails unless the format has this key: one that has been asked for, whether it is given or not.
+  pure subroutine check_key(self, group, key, error)
+    class(reader_t), intent(in) :: self
+    character(*), intent(in) :: group, key
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: why
+
+    call self%check_group(lower(group), error)
+    if (allocated(error) .or. self%keys%has(lower(group), lower(key))) return
+    call self%keys%why_unknown(lower(group), lower(key), why)
+    call fail(error, code_input, '&'//lower(group)//' '//lower(key)//': '//why)
+  end subroutine check_key
 
   !> The keys that wait: for each set of tasks a line `tasks: &group key, key; &group key`.
   pure subroutine list_waiting(self, text)

@@ -174,11 +174,13 @@ static void refusals(void)
   refused("nor in another folder", gsc_prepare(lost, strlen(lost), "elsewhere", MOST, x[0], M), GSC_FILE,
           "elsewhere/nowhere.csv");
   char changed[400];
-  check("a key is changed", gsc_change("&a b = 1 / ! c", 14, "a", "b", "2, 3", changed, sizeof changed, &length, M) == 0 &&
-        !strcmp(changed, "&a b = 2, 3 / ! c") && length == strlen(changed));
-  refused("no room for the change", gsc_change("&a b = 1 /", 10, "a", "b", "2", changed, 5, &length, M), GSC_INPUT,
-          "must be at least 11");
-  refused("no key", gsc_change("&a b = 1 /", 10, "a", NULL, "2", changed, 5, &length, M), GSC_INPUT, "null pointer");
+  check("a key is changed", gsc_change("&gear teeth = 1 / ! c", 21, "gear", "teeth", "2, 3", changed, sizeof changed, &length, M) == 0 &&
+        !strcmp(changed, "&gear teeth = 2, 3 / ! c") && length == strlen(changed));
+  refused("no room for the change", gsc_change("&gear teeth = 1 /", 17, "gear", "teeth", "2", changed, 5, &length, M),
+          GSC_INPUT, "must be at least 18");
+  refused("no key", gsc_change("&gear teeth = 1 /", 17, "gear", NULL, "2", changed, 5, &length, M), GSC_INPUT, "null pointer");
+  refused("a misspelt key", gsc_change("&gear teeth = 1 /", 17, "gear", "teth", "2", changed, sizeof changed, &length, M),
+          GSC_INPUT, "did you mean teeth?");
   static char complete[20000];
   check("the complete case", gsc_complete(geared, n, complete, sizeof complete, &length, M) == 0 &&
         length == strlen(complete) && strstr(complete, "damping_ratio = 0.17"));

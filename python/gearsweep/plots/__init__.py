@@ -17,7 +17,7 @@ while they draw: nothing global is changed.
 try:
     import matplotlib as _matplotlib  # noqa: F401
 except ImportError as error:
-    raise ImportError("gearsweep's pictures need matplotlib: pip install 'gearsweep[plots]'") from error
+    raise ImportError("gearsweep's pictures need matplotlib, which is not installed: pip install matplotlib") from error
 
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
