@@ -1,8 +1,11 @@
 !> The flat layer under run-time checks: sizes, what is refused, what is left alone, messages.
 module test_flat
+  use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_calls
   use gearsweep_error, only: code_file, code_input, code_ok
   use gearsweep_kinds, only: dp
+  use gearsweep_text, only: str
+  use random_numbers, only: random_t
   use testing, only: check_close, check_equal, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
@@ -29,6 +32,7 @@ contains
     call test_static_results(t)
     call test_shapes(t)
     call test_texts(t)
+    call test_complete_texts(t)
     call test_files(t)
   end subroutine run
 
@@ -225,6 +229,85 @@ contains
     call gs_unused(text, again, length, info, message)
     call check_true(t, 'all is used', info == code_ok .and. length == 0)
   end subroutine test_texts
+
+  !> Random texts, with values of 1 to 17 digits and keys left out at random: where a text is accepted, so is the
+  !> complete one; that completes to itself, and has the same answer bit by bit.
+  subroutine test_complete_texts(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: draws = 400
+    type(random_t) :: random
+    character(:), allocatable :: case
+    character(9000) :: complete, again
+    character(200) :: message
+    real(dp) :: ours(20000), other(20000)
+    integer :: i, length, info, used, accepted, unlike
+
+    accepted = 0
+    unlike = 0
+    do i = 1, draws
+      call draw_case(random, case)
+      call find_numbers(case, ours, used, info)
+      if (info /= code_ok) cycle
+      accepted = accepted + 1
+      call gs_complete(case, complete, length, info, message)
+      if (info == code_ok) call gs_complete(complete(:length), again, length, info, message)
+      if (info == code_ok) info = merge(0, 1, again == complete)
+      if (info == code_ok) call find_numbers(complete(:length), other, used, info)
+      if (info == code_ok .and. used <= size(ours)) then
+        if (all(transfer(ours(:used), [0_int64]) == transfer(other(:used), [0_int64]))) cycle
+      end if
+      if (unlike == 0) print '(a)', case, trim(message)
+      unlike = unlike + 1
+    end do
+    call check_true(t, 'most random texts are accepted', 2*accepted > draws, str(accepted)//' of '//str(draws))
+    call check_equal(t, 'complete texts with another answer', unlike, 0)
+  end subroutine test_complete_texts
+
+  subroutine draw_case(random, case)
+    type(random_t), intent(inout) :: random
+    character(:), allocatable, intent(out) :: case
+
+    case = '&case tasks = ''geometry'', ''mesh'' / &pair'
+    case = case//key('module_mm', 1.0_dp, 5.0_dp, .false.)//key('face_width_mm', 10.0_dp, 30.0_dp, .false.)
+    case = case//key('pressure_angle_deg', 17.0_dp, 24.0_dp, .true.)//key('backlash_um', 0.0_dp, 50.0_dp, .true.)
+    case = case//' / &pinion teeth = 25'//key('profile_shift', 0.0_dp, 0.2_dp, .true.)//key('addendum', 0.9_dp, 1.0_dp, .true.)
+    case = case//key('bore_mm', 0.0_dp, 5.0_dp, .true.)
+    case = case//' / &gear teeth = 31'//key('dedendum', 1.2_dp, 1.3_dp, .true.)//key('rack_tip_radius', 0.2_dp, 0.3_dp, .true.)
+    case = case//' / &material'//key('young_gpa', 190.0_dp, 215.0_dp, .true.)//key('poisson', 0.2_dp, 0.4_dp, .true.)
+    case = case//' / &load'//key('line_load_n_mm', 50.0_dp, 500.0_dp, .false.)//' / &relief'
+    case = case//key('amount_um', 0.0_dp, 30.0_dp, .false.)//key('gear_fraction', 0.0_dp, 1.0_dp, .true.)//' /'
+
+  contains
+
+    !> ` name = value`; where it may be left out, each second time.
+    function key(name, low, high, may_lack) result(words)
+      character(*), intent(in) :: name
+      real(dp), intent(in) :: low, high
+      logical, intent(in) :: may_lack
+      character(:), allocatable :: words
+      integer :: digits
+
+      words = ''
+      if (may_lack .and. random%uniform() < 0.5_dp) return
+      digits = 1 + int(17*random%uniform())
+      words = ' '//name//' = '//str(random%between(low, high), digits)
+    end function key
+  end subroutine draw_case
+
+  !> All numbers of all tasks.
+  subroutine find_numbers(case, values, used, info)
+    character(*), intent(in) :: case
+    real(dp), intent(out) :: values(:)
+    integer, intent(out) :: used, info
+    character :: names, answer, stages, files
+    character(200) :: message
+    real(dp) :: none(1)
+    integer :: length
+
+    none = 0
+    used = 0
+    call gs_write(case, '', 0, none, 1, '', '', size(values), values, used, names, answer, length, stages, files, info, message)
+  end subroutine find_numbers
 
   !> The program's files.
   subroutine test_files(t)

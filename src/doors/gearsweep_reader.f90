@@ -10,8 +10,9 @@ module gearsweep_reader
   use gearsweep_kinds, only: dp
   use gearsweep_keys, only: keys_t
   use gearsweep_namelist, only: name_length, namelist_t, parse_namelist
-  use gearsweep_text, only: closest_word, join, lower, str
-  use gearsweep_values, only: check_size, check_sizes, describe_texts, fail_entry, read_logical, read_numbers, read_texts
+  use gearsweep_text, only: closest_word, join, lower
+  use gearsweep_values, only: check_size, check_sizes, describe_texts, fail_entry, read_logical, read_numbers, read_texts, &
+                             tell_number
   implicit none
   private
   public :: reader_t, open_reader
@@ -277,23 +278,24 @@ contains
     call self%keys%write_case(self%list, text)
   end subroutine write_complete
 
-  !> Default numbers of the key asked for last, to be told in its unit. One that is not allowed stands
-  !> for none.
+  !> Default numbers of the key asked for last, to be told in its unit, so that they read back to the same
+  !> bits. One that is not allowed stands for none.
   pure subroutine settle(self, values, bounds, scale)
     class(reader_t), intent(inout) :: self
     real(dp), intent(in) :: values(:)
     type(bounds_t), intent(in) :: bounds
     real(dp), intent(in), optional :: scale
     character(30) :: words(size(values))
-    real(dp) :: number
+    real(dp) :: number, unit
+    logical :: found
     integer :: i
 
     if (.not. self%completes) return
+    unit = 1
+    if (present(scale)) unit = scale
     do i = 1, size(values)
-      number = values(i)
-      if (present(scale)) number = number/scale
-      if (.not. bounds%allow(number)) return
-      words(i) = str(number)
+      call tell_number(values(i), unit, words(i), number, found)
+      if (.not. found .or. .not. bounds%allow(number)) return
     end do
     call self%keys%settle(join(words, ', '))
   end subroutine settle

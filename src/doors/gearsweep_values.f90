@@ -7,7 +7,7 @@ module gearsweep_values
   use gearsweep_text, only: join, lower, shown, str, to_number
   implicit none
   private
-  public :: read_numbers, read_logical, read_texts, check_size, check_sizes, describe_texts, fail_entry
+  public :: read_numbers, tell_number, read_logical, read_texts, check_size, check_sizes, describe_texts, fail_entry
 
 contains
 
@@ -57,6 +57,49 @@ contains
       call fail_entry(entry, 'must be '//rule, error)
     end if
   end subroutine read_number
+
+  !> What `read_numbers` with this `scale` reads as `value`, bit for bit, in as few digits as do; `number` is
+  !> that in the key's unit. `found` is false where no number in this unit gives the value.
+  pure subroutine tell_number(value, scale, words, number, found)
+    real(dp), intent(in) :: value, scale
+    character(30), intent(out) :: words
+    real(dp), intent(out) :: number
+    logical, intent(out) :: found
+    ! The quotient is rounded, and what is sought was, too: it lies at most two numbers away.
+    integer, parameter :: away = 2, fewest = 6, most = 17
+    real(dp) :: near(-away:away)
+    integer :: digits, i
+
+    near(0) = value/scale
+    do i = 1, away
+      near(i) = nearest(near(i - 1), 1.0_dp)
+      near(-i) = nearest(near(1 - i), -1.0_dp)
+    end do
+    do digits = fewest, most
+      do i = 0, merge(away, 0, digits == most)
+        call try_digits(near(i), digits, value, scale, words, number, found)
+        if (.not. found) call try_digits(near(-i), digits, value, scale, words, number, found)
+        if (found) return
+      end do
+    end do
+  end subroutine tell_number
+
+  !> Does `x` in so many digits read as `value`?
+  pure subroutine try_digits(x, digits, value, scale, words, number, found)
+    real(dp), intent(in) :: x, value, scale
+    integer, intent(in) :: digits
+    character(30), intent(out) :: words
+    real(dp), intent(out) :: number
+    logical, intent(out) :: found
+    real(dp) :: back
+
+    words = str(x, digits)
+    call to_number(trim(words), number, found)
+    if (.not. found) return
+    ! No difference, which could be of an unrounded product.
+    back = number*scale
+    found = .not. (back < value .or. back > value)
+  end subroutine try_digits
 
   !> `.true.`, `true`, `T` and the same for false.
   pure subroutine read_logical(entry, value, error)
