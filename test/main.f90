@@ -23,6 +23,7 @@ program check
   use test_motion, only: run_motion => run
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
+  use test_resonances, only: run_resonances => run
   use test_scenes, only: run_scenes => run
   use test_stability, only: run_stability => run
   use test_sweep, only: run_sweep => run
@@ -45,6 +46,7 @@ program check
     & suite_t('motion', run_motion), &
     & suite_t('grading', run_grading), &
     & suite_t('sweep', run_sweep), &
+    & suite_t('resonances', run_resonances), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
     & suite_t('extremes', run_extremes), &

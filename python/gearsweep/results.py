@@ -345,7 +345,10 @@ class Sweep(Result):
         return _words(Contact)[self.contact]
 
     def resonances(self, relief: int = 0) -> tuple[Reals, Reals]:
-        """Speeds and dynamic factors of the peaks that stand out for one relief, by its index; at most five."""
+        """Speeds (1/min) and dynamic factors of the maxima for one relief, by its index, ascending in speed.
+
+        Maxima that stand out by 0.01 on both sides; of more than five, the five highest.
+        """
         return _border.resonances(self.rpm, self.dynamic_factor[:, relief])
 
 

@@ -51,13 +51,18 @@ contains
     type(peak_t), allocatable :: peaks(:)
     real(dp), parameter :: prominence = 0.01_dp
     integer, parameter :: most = 5
+    real(dp) :: left, right
     integer :: i, lowest
 
     allocate (peaks(0))
     do i = 2, size(rpm) - 1
       if (any(ieee_is_nan(dynamic_factor(i - 1:i + 1)))) cycle
       if (.not. (dynamic_factor(i) > dynamic_factor(i - 1) .and. dynamic_factor(i) >= dynamic_factor(i + 1))) cycle
-      if (min(rise(dynamic_factor(i:1:-1)), rise(dynamic_factor(i:))) < prominence) cycle
+      ! In two statements: in one, gfortran with -O1 or more makes one call of both (-ffrontend-optimize), as
+      ! it takes sections for equal that have an end in common and run in opposite directions.
+      left = fall(dynamic_factor(i:1:-1))
+      right = fall(dynamic_factor(i:))
+      if (min(left, right) < prominence) cycle
       peaks = [peaks, vertex(rpm(i - 1:i + 1), dynamic_factor(i - 1:i + 1))]
     end do
     do while (size(peaks) > most)
@@ -67,28 +72,31 @@ contains
   end function find_resonances
 
   !> How far the curve falls from its first value before it exceeds it or ends.
-  pure real(dp) function rise(curve)
+  pure real(dp) function fall(curve)
     real(dp), intent(in) :: curve(:)
     integer :: i
 
-    rise = 0
+    fall = 0
     do i = 2, size(curve)
       if (ieee_is_nan(curve(i))) cycle
       if (curve(i) > curve(1)) exit
-      rise = max(rise, curve(1) - curve(i))
+      fall = max(fall, curve(1) - curve(i))
     end do
-  end function rise
+  end function fall
 
+  !> Of the parabola through three points at any distances, by Newton's divided differences: it has `slope` at
+  !> the middle one.
   pure type(peak_t) function vertex(x, y)
     real(dp), intent(in) :: x(3), y(3)
-    real(dp) :: left, right, shift
+    real(dp) :: left, right, slope, shift
 
     left = (y(2) - y(1))/(x(2) - x(1))
     right = (y(3) - y(2))/(x(3) - x(2))
+    slope = (left*(x(3) - x(2)) + right*(x(2) - x(1)))/(x(3) - x(1))
     shift = 0
-    if (right < left) shift = (left + right)/2*(x(3) - x(1))/2/(left - right)
+    if (right < left) shift = slope*(x(3) - x(1))/2/(left - right)
     vertex%rpm = x(2) + shift
-    vertex%dynamic_factor = y(2) + (left + right)/4*shift
+    vertex%dynamic_factor = y(2) + slope*shift/2
   end function vertex
 
   !> Largest dynamic factor of a curve and its speed; NaN is passed over, and
