@@ -7,6 +7,7 @@ program check
   use test_branches, only: run_branches => run
   use test_closed_geometry, only: run_closed_geometry => run
   use test_closed_relief, only: run_closed_relief => run
+  use test_closed_stiffness, only: run_closed_stiffness => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_disc, only: run_elastic_disc => run
   use test_elastic_modes, only: run_elastic_modes => run
@@ -42,6 +43,7 @@ program check
     & suite_t('closed_geometry', run_closed_geometry), &
     & suite_t('closed_relief', run_closed_relief), &
     & suite_t('mesh', run_mesh), &
+    & suite_t('closed_stiffness', run_closed_stiffness), &
     & suite_t('harmonics', run_harmonics), &
     & suite_t('motion', run_motion), &
     & suite_t('grading', run_grading), &
