@@ -142,12 +142,15 @@ int gsc_harmonics(const char *text, size_t text_length, int nwork, const double 
                   double *peak_to_peak_um, double *amplitude_um, double *phase_deg,
                   double *estimate_um, char *message, size_t message_size);
 
-/* Task load: dynamic load of one pair along its path at the speeds load_rpm; arrays of room.
+/* Task load: dynamic load of one pair along its path at the speeds load_rpm; arrays of room. Where the case
+   names the task sweep too, the motions are those of its sweep, which is run for them.
    rows: that there are; also where room is too small (then GSC_INPUT).
-   s: base pitches from A; dte_um: dynamic transmission error */
+   s: base pitches from A; dte_um: dynamic transmission error
+   status: of the operating point, as from gsc_sweep; one without an answer has a single row of NaN
+   periods: mesh periods until the motion repeats, so many pairs differ; pair: which, from 1 (0: no answer) */
 int gsc_load(const char *text, size_t text_length, int nwork, const double *work, int room, int *rows,
-             double *relief_um, double *rpm, double *s, double *pair_load_n, double *dte_um,
-             char *message, size_t message_size);
+             double *relief_um, double *rpm, double *s, double *pair_load_n, double *dte_um, int *status,
+             int *periods, int *pair, char *message, size_t message_size);
 
 /* Task sweep. rpm[speeds]: of the pinion, ascending; relief_um[reliefs];
    the others: [speeds*reliefs], speed first

@@ -22,6 +22,7 @@ program check
   use test_inputs, only: run_inputs => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
+  use test_points, only: run_points => run
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
   use test_resonances, only: run_resonances => run
@@ -49,6 +50,7 @@ program check
     & suite_t('grading', run_grading), &
     & suite_t('sweep', run_sweep), &
     & suite_t('resonances', run_resonances), &
+    & suite_t('points', run_points), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
     & suite_t('extremes', run_extremes), &

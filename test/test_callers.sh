@@ -187,6 +187,8 @@ load.rpm load { print $2 }
 load.s load { print $3 }
 load.pair_load_n load { print $4 }
 load.dte_um load { print $6 }
+load.periods load { print $8 }
+load.pair load { print $9 }
 sweep.relief_um sweep && !seen[$1]++ { print $1 }
 sweep.rpm sweep && !seen[$2]++ { print $2 }
 sweep.dynamic_factor sweep { print $3 }

@@ -82,6 +82,7 @@ contains
     real(dp) :: curve(room, 3), best(4), peak(5, 2), rows(3000, 5), ste(2, 4), amplitude(8, 2), phase(8, 2)
     real(dp), allocatable :: work(:)
     integer :: n(10), status(most, 3), contact(most, 3), steps(most, 3), periods(most, 3), failed(room), tried, found, info
+    integer :: whole(3000, 3)
     character(200) :: message
 
     none = 0
@@ -117,10 +118,13 @@ contains
     call gs_harmonics(text, n(10), work, n(9) - 1, 2, relief, ste(:, 1), ste(:, 2), ste(:, 3), amplitude, phase, ste(:, 4), &
                       info, message)
     call check_true(t, 'too few harmonics', info == code_input .and. index(message, 'at least 8') > 0)
-    call gs_load(text, n(10), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_load(text, n(10), work, 10, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), &
+                 whole(:, 1), whole(:, 2), whole(:, 3), info, message)
     call check_true(t, 'load: too little room', info == code_input .and. found > 10)
-    call gs_load(text, n(10), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), info, message)
+    call gs_load(text, n(10), work, 3000, found, rows(:, 1), rows(:, 2), rows(:, 3), rows(:, 4), rows(:, 5), &
+                 whole(:, 1), whole(:, 2), whole(:, 3), info, message)
     call check_true(t, 'load', info == code_ok .and. maxval(rows(:found, 4)) > 4000*0.9_dp)
+    call check_true(t, 'load: steady, one pair like the next', all(whole(:found, 1) == 0) .and. all(whole(:found, 2:) == 1))
     call gs_prepare('&case tasks = ''modal'' / '//pair, '', n(10), work, info, message)
     call check_equal(t, 'no mesh to prepare', info, code_input)
   end subroutine test_results

@@ -177,7 +177,7 @@ columns_of() {
     sweep) echo relief_um,rpm,dynamic_factor,error_estimate,status,contact,floquet_modulus,residual,steps,mesh_periods ;;
     harmonics) echo relief_um,harmonic,amplitude_um,phase_deg,error_estimate_um ;;
     mesh) echo relief_um,s,pair_stiffness_n_um,mesh_stiffness_n_um,profile_error_um,load_share,ste_um ;;
-    load) echo relief_um,rpm,s,pair_load_n,load_ratio,dte_um ;;
+    load) echo relief_um,rpm,s,pair_load_n,load_ratio,dte_um,status,mesh_periods,pair ;;
     vcurve) echo relief_um,worst_dynamic_factor,rpm,points_without_answer ;;
   esac
 }

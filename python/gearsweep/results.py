@@ -255,7 +255,7 @@ class Harmonics(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Load(Result):
-    """Dynamic load of one pair along its path, at the speeds `load_rpm`; points without an answer have no rows.
+    """Dynamic load of one pair along its path, at the speeds `load_rpm`.
 
     Attributes
     ----------
@@ -267,6 +267,10 @@ class Load(Result):
         Elastic load on the pair.
     dte_um : array (row)
         Dynamic transmission error.
+    status : array (row)
+        Of the operating point, see `Status`. One without an answer has a single row, in which the other numbers are NaN.
+    periods, pair : array (row)
+        Mesh periods until the motion repeats, and so many pairs differ; which of them this is, from 1 (0 without an answer).
     """
 
     relief_um: Reals = _field('um', 'row')
@@ -274,8 +278,16 @@ class Load(Result):
     s: Reals = _field('base pitch', 'row')
     pair_load_n: Reals = _field('N', 'row')
     dte_um: Reals = _field('um', 'row')
+    status: Integers = _field('', 'row')
+    periods: Integers = _field('', 'row')
+    pair: Integers = _field('', 'row')
 
     rows = ('row',)
+
+    @property
+    def status_name(self) -> NDArray[np.str_]:
+        """`status` in words, as in the tables."""
+        return _words(Status)[self.status]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

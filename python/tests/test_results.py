@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import GEARED, PRESCRIBED
+from conftest import GEARED, PARTIAL, PRESCRIBED
 
 import gearsweep
 from gearsweep import Case
@@ -128,6 +128,40 @@ def test_sweep_and_load_agree(study):
             largest = load.pair_load_n[(load.rpm == rpm) & (load.relief_um == relief)].max() / study.motion.load_n
             factor = sweep.dynamic_factor[sweep.rpm == rpm, i]
             assert factor == pytest.approx(largest, rel=1e-3)
+
+
+@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
+def test_one_point_one_answer():
+    """Several motions exist here: load and sweep follow the same, whichever function is asked."""
+    for direction in ('each', 'up', 'down'):
+        case = Case(PRESCRIBED).changed(
+            case={'tasks': ['load', 'sweep']},
+            dynamics={'damping_ratio': 0.01},
+            relief={'amount_um': [2, 15]},
+            sweep={'rpm_step': 100, 'load_rpm': [5900, 6800, 11000], 'direction': direction},
+        )
+        study = gearsweep.run(case)
+        load, sweep = study.load, study.sweep
+        assert (gearsweep.load(case).dte_um == load.dte_um).all()
+        for rpm in (5900, 6800, 11000):
+            for i, relief in enumerate(sweep.relief_um):
+                here = (load.rpm == rpm) & (load.relief_um == relief)
+                at = np.flatnonzero(sweep.rpm == rpm)[0]
+                assert set(load.status[here]) == {sweep.status[at, i]}
+                assert set(load.periods[here]) == {sweep.periods[at, i]}
+                assert set(load.pair[here]) == set(range(1, sweep.periods[at, i] + 1))
+                largest = load.pair_load_n[here].max() / study.motion.load_n
+                assert sweep.dynamic_factor[at, i] == pytest.approx(largest, rel=1e-3)
+
+
+def test_load_without_an_answer():
+    """One row, which says why, as the sweep does."""
+    case = Case(PARTIAL).changed(case={'tasks': ['load', 'sweep']}, sweep={'load_rpm': [1, 6001]})
+    with pytest.warns(gearsweep.PartialWarning, match='^1 operating points'):
+        load = gearsweep.load(case)
+    assert load.status_name[0] == 'unresolved' and np.isnan(load.pair_load_n[0]) and load.pair[0] == 0
+    assert set(load.status_name[1:]) == {'inexact'} and not np.isnan(load.pair_load_n[1:]).any()
+    assert list(load.to_pandas().status[:2]) == ['unresolved', 'inexact']
 
 
 def test_optimum(study):

@@ -129,7 +129,7 @@ def test_pictures_compute_nothing_again(tmp_path, monkeypatch):
     assert __main__.main([str(tmp_path / 'case.nml'), '--quiet', '--out', str(tmp_path)]) == 0
     assert (tmp_path / 'case.sweep.csv').exists() and (tmp_path / 'case.sweep.png').exists()
     assert called.count('gs_write') == 1
-    assert set(called) <= {'gs_write', 'gs_sizes', 'gs_complete', 'gs_geometry', 'gs_outline', 'gs_section', 'gs_prepare',
+    assert set(called) <= {'gs_write', 'gs_sizes', 'gs_complete', 'gs_change', 'gs_geometry', 'gs_outline', 'gs_section', 'gs_prepare',
                            'gs_resonances', 'gs_stress'}  # fmt: skip
     assert called.count('gs_section') == called.count('gs_stress') == called.count('gs_prepare') == 1
 

@@ -130,7 +130,8 @@ contains
     case default
       if (.not. case%asks(task)) call fail(error, code_input, '&case tasks: this call needs '//task//' among them')
     end select
-    case%wants = task_names == task
+    ! The motions of load are those of the case's sweep, where it names one.
+    case%wants = task_names == task .or. (task == 'load' .and. case%wants .and. task_names == 'sweep')
     if (task == 'motion') case%wants = task_names == 'mesh'
   end subroutine choose
 

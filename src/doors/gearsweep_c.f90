@@ -269,22 +269,24 @@ contains
   end function gsc_harmonics
 
   function gsc_load(text, text_length, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, &
-                    message, message_size) result(info) bind(c)
+                    status, periods, pair, message, message_size) result(info) bind(c)
     type(c_ptr), value :: text, work, message
     integer(c_size_t), value :: text_length, message_size
     integer(c_int), value :: nwork, room
     integer(c_int), intent(inout), optional :: rows
     real(c_double), intent(inout), optional :: relief_um(room), rpm(room), s(room), pair_load_n(room)
     real(c_double), intent(inout), optional :: dte_um(room)
+    integer(c_int), intent(inout), optional :: status(room), periods(room), pair(room)
     integer(c_int) :: info
     character(:), allocatable :: case
     character(longest_message) :: words
 
     call take_text(text, text_length, case, info, words)
     call need_all([nwork == 0 .or. c_associated(work), present(rows), present(relief_um), present(rpm), &
-                   present(s), present(pair_load_n), present(dte_um)], info, words)
+                   present(s), present(pair_load_n), present(dte_um), present(status), present(periods), &
+                   present(pair)], info, words)
     if (info == code_ok) call gs_load(case, nwork, numbers(work, nwork), room, rows, relief_um, rpm, s, &
-                                      pair_load_n, dte_um, info, words)
+                                      pair_load_n, dte_um, status, periods, pair, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_load
 

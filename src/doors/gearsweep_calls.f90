@@ -116,12 +116,14 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_harmonics
 
-    subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, info, message)
+    subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, status, periods, pair, &
+                       info, message)
       character(*), intent(in) :: text
       integer, intent(in) :: nwork, room
       double precision, intent(in) :: work(*)
       integer, intent(inout) :: rows
       double precision, intent(inout), dimension(room) :: relief_um, rpm, s, pair_load_n, dte_um
+      integer, intent(inout), dimension(room) :: status, periods, pair
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_load

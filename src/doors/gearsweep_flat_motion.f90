@@ -189,12 +189,17 @@ subroutine gs_harmonics(text, nwork, work, harmonics, reliefs, relief_um, mean_u
   call tell(error, info, message)
 end subroutine gs_harmonics
 
-!> Dynamic load of one pair along its path at the speeds load_rpm: task load. Rows as in the table.
+!> Dynamic load of one pair along its path at the speeds load_rpm: task load. Rows as in the table. Where the case
+!> names the task sweep too, the motions are those of its sweep, which is run for them.
 !>
 !> rows  that there are; also where room is too small (given: room)
 !> relief_um(room)  rpm(room)  s(room) base pitches from A  pair_load_n(room)  dte_um(room) dynamic
 !> transmission error
-subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, info, message)
+!> status(room)  of the operating point, as from gs_sweep; one without an answer has a single row of NaN
+!> periods(room) mesh periods until the motion repeats: so many pairs differ
+!> pair(room)    which of them, from 1; 0 without an answer
+subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, status, periods, pair, &
+                   info, message)
   use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
@@ -205,6 +210,7 @@ subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n
   double precision, intent(in) :: work(*)
   integer, intent(inout) :: rows
   double precision, intent(inout), dimension(room) :: relief_um, rpm, s, pair_load_n, dte_um
+  integer, intent(inout), dimension(room) :: status, periods, pair
   integer, intent(out) :: info
   character(*), intent(out) :: message
   type(case_t) :: case
@@ -230,10 +236,15 @@ subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n
           s(from:until) = response%s
           pair_load_n(from:until) = response%load
           dte_um(from:until) = 1d6*response%error
+          status(from:until) = response%point%steady%status
+          periods(from:until) = response%point%steady%periods
+          pair(from:until) = response%pair
         end associate
       end do
     end do
   end if
+  ! Of the sweep nothing is told here.
+  if (allocated(study%sweep)) deallocate (study%sweep)
   call tell(error, info, message, study)
 end subroutine gs_load
 

@@ -177,10 +177,13 @@ contains
   subroutine list_load(study, numbers)
     type(study_t), intent(in) :: study
     type(numbers_t), intent(inout) :: numbers
-    real(dp), allocatable :: relief(:), rpm(:), s(:), load(:), error(:)
+    real(dp), allocatable :: relief(:), rpm(:), s(:), load(:), error(:), status(:), periods(:), pair(:)
     integer :: i, k
 
     relief = [real(dp) ::]
+    status = relief
+    periods = relief
+    pair = relief
     rpm = relief
     s = relief
     load = relief
@@ -193,6 +196,9 @@ contains
           s = [s, one%s]
           load = [load, one%load]
           error = [error, micro*one%error]
+          status = [status, spread(real(one%point%steady%status, dp), 1, size(one%s))]
+          periods = [periods, spread(real(one%point%steady%periods, dp), 1, size(one%s))]
+          pair = [pair, real(one%pair, dp)]
         end associate
       end do
     end do
@@ -201,6 +207,9 @@ contains
     call numbers%add('load.s', s, shape(s))
     call numbers%add('load.pair_load_n', load, shape(load))
     call numbers%add('load.dte_um', error, shape(error))
+    call numbers%add('load.status', status, shape(status))
+    call numbers%add('load.periods', periods, shape(periods))
+    call numbers%add('load.pair', pair, shape(pair))
   end subroutine list_load
 
   subroutine list_sweep(study, numbers)

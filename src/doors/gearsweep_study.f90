@@ -108,8 +108,8 @@ contains
     options%accuracy = case%accuracy
     options%direction = case%direction
     options%threads = threads
-    if (case%asks('load')) call respond(study)
     if (case%asks('sweep')) call sweep_all(study, options, error, progress)
+    if (case%asks('load') .and. .not. allocated(error)) call respond(study)
     if (case%asks('optimum') .and. .not. allocated(error)) call optimise(study, options, error, progress)
     call note_left_out(study)
   end subroutine run_stages
@@ -239,16 +239,23 @@ contains
     call note(study, 'mesh: static load sharing and transmission error')
   end subroutine share_all
 
+  !> One operating point has one answer: what a sweep of this run found, or follows from there, is taken over.
   subroutine respond(study)
     type(study_t), intent(inout) :: study
     integer :: i, k
 
     allocate (study%response(size(study%motion), size(study%case%load_rpm)))
-    do k = 1, size(study%case%load_rpm)
-      do i = 1, size(study%motion)
-        call find_response(study%motion(i), study%case%load_rpm(k), study%case%accuracy, study%response(i, k))
+    associate (rpm => study%case%load_rpm, accuracy => study%case%accuracy)
+      do k = 1, size(rpm)
+        do i = 1, size(study%motion)
+          if (allocated(study%sweep)) then
+            call find_response(study%motion(i), rpm(k), accuracy, study%response(i, k), study%sweep%kept(k, i))
+          else
+            call find_response(study%motion(i), rpm(k), accuracy, study%response(i, k))
+          end if
+        end do
       end do
-    end do
+    end associate
     call note(study, 'load: '//str(size(study%response))//' motions followed over the path')
   end subroutine respond
 
@@ -257,9 +264,12 @@ contains
     type(sweep_options_t), intent(in) :: options
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    type(sweep_options_t) :: keeping
 
+    keeping = options
+    if (study%case%asks('load')) keeping%keep = study%case%load_rpm
     allocate (study%sweep)
-    call run_sweep(study%motion, speeds(study%case), options, study%sweep, error, progress)
+    call run_sweep(study%motion, speeds(study%case), keeping, study%sweep, error, progress)
     if (allocated(error)) return
     study%resonance = find_resonances(study%sweep%rpm, study%sweep%dynamic_factor(:, minloc(study%case%amount, 1)))
     call note(study, 'sweep: '//str(size(study%sweep%status))//' operating points')

@@ -171,13 +171,16 @@ contains
 
     call open_table(study, 'dynamic load of one pair along the path of contact; units: s in base pitches from A, '// &
                     'speed of the pinion in 1/min, load in N, dte: dynamic transmission error in um', &
-                    'relief_um,rpm,s,pair_load_n,load_ratio,dte_um', lines)
+                    'relief_um,rpm,s,pair_load_n,load_ratio,dte_um,status,mesh_periods,pair', lines)
     do k = 1, size(study%response, 2)
       do i = 1, size(study%response, 1)
-        associate (response => study%response(i, k))
+        associate (response => study%response(i, k), steady => study%response(i, k)%point%steady)
           do row = 1, size(response%s)
             call lines%cell([micro*study%case%amount(i), response%rpm, response%s(row), response%load(row), &
                              response%load(row)/study%load, micro*response%error(row)])
+            call lines%cell(name_of(steady%status))
+            call lines%cell(steady%periods)
+            call lines%cell(response%pair(row))
             call lines%end_row()
           end do
         end associate

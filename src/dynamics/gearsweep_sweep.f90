@@ -21,6 +21,7 @@ module gearsweep_sweep
     type(accuracy_t) :: accuracy
     integer :: direction = up
     integer :: threads = 0                       !< 0: as many as the machine has
+    real(dp), allocatable :: keep(:)             !< speeds (1/min) whose points are wanted whole
   end type sweep_options_t
 
   !> Answers; first index speed, second relief. NaN where there is none.
@@ -34,6 +35,7 @@ module gearsweep_sweep
     integer, allocatable :: contact(:, :)        !< contact_full ... below
     integer, allocatable :: steps(:, :)          !< a period
     integer, allocatable :: periods(:, :)        !< mesh periods until the motion repeats
+    type(point_t), allocatable :: kept(:, :)     !< at the speeds to keep
   end type sweep_t
 
   integer, parameter, public :: contact_full = 0, contact_partial = 1, contact_lost = 2, contact_coast = 3
@@ -73,6 +75,9 @@ contains
 
     call allocate_sweep(rpm, size(osc), sweep, error)
     if (allocated(error)) return
+    i = 0
+    if (allocated(options%keep)) i = size(options%keep)
+    allocate (sweep%kept(i, size(osc)))
     allocate (points(size(rpm), size(osc)))
     allocate (solved(size(rpm), size(osc)), source=.false.)
     blocks = make_blocks(size(rpm), size(osc))
@@ -94,6 +99,7 @@ contains
       if (left == 0) then
         if (options%direction /= each) call follow_branch(osc(relief), rpm, options, tables, points(:, relief), solved(:, relief))
         call store(points(:, relief), relief, sweep)
+        call keep_points(osc(relief), rpm, options, tables, points(:, relief), sweep%kept(:, relief))
       end if
       !$omp atomic capture
       done = done + blocks(i)%last - blocks(i)%first + 1
@@ -269,6 +275,36 @@ contains
       sweep%contact(:, relief) = contact_of(steady)
     end associate
   end subroutine store
+
+  !> The points at the speeds to keep. One that is no speed of the sweep is solved from the speed before, as if it
+  !> were, or by itself where the sweep follows no branch.
+  subroutine keep_points(osc, rpm, options, tables, points, kept)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm(:)
+    type(sweep_options_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
+    type(point_t), intent(in) :: points(:)
+    type(point_t), intent(out) :: kept(:)
+    real(dp), parameter :: same = 1e-12_dp
+    integer :: i, k, before
+
+    do i = 1, size(kept)
+      k = minloc(abs(rpm - options%keep(i)), 1)
+      if (abs(rpm(k) - options%keep(i)) <= same*rpm(k)) then
+        kept(i) = points(k)
+        cycle
+      end if
+      before = 0
+      if (options%direction == up) before = count(rpm < options%keep(i))
+      if (options%direction == down) before = modulo(count(rpm < options%keep(i)) + 1, size(rpm) + 1)
+      tables%steps_per_second = 0
+      if (before > 0) then
+        call go_on(osc, options%keep(i), options%accuracy, tables, points(before), rpm(before), kept(i))
+      else
+        call solve_point(osc, mesh_period(osc%mesh%teeth(1), options%keep(i)), options%accuracy, tables, kept(i))
+      end if
+    end do
+  end subroutine keep_points
 
   elemental integer function contact_of(steady) result(contact)
     type(steady_t), intent(in) :: steady

@@ -3,7 +3,7 @@ module gearsweep_trace
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: trace_t, record, pair_path
+  public :: trace_t, record, pair_paths
 
   !> Rows come in pairs, the two ends of a step; only the first `rows` count.
   type :: trace_t
@@ -54,24 +54,30 @@ contains
     trace = larger
   end subroutine resize
 
-  !> The load of one pair over its whole path: `s` in base pitches, `load` in N,
-  !> `x` in m.
-  pure subroutine pair_path(trace, s, load, x)
-    type(trace_t), intent(in) :: trace
+  !> The loads of the pairs over their whole paths; `trace` has the mesh periods after which the motion
+  !> repeats, and a pair enters with each: `pair` says with which, `s` is in base pitches, `load` in N, `x` in m.
+  pure subroutine pair_paths(trace, pair, s, load, x)
+    type(trace_t), intent(in) :: trace(:)
+    integer, allocatable, intent(out) :: pair(:)
     real(dp), allocatable, intent(out) :: s(:), load(:), x(:)
-    integer :: j, k, n
+    integer :: i, j, k, n
 
-    n = sum(trace%pairs(:trace%rows))
-    allocate (s(n), load(n), x(n))
+    n = sum([(sum(trace(i)%pairs(:trace(i)%rows)), i=1, size(trace))])
+    allocate (pair(n), s(n), load(n), x(n))
     n = 0
-    do j = 1, maxval(trace%pairs(:trace%rows))
-      do k = 1, trace%rows
-        if (trace%pairs(k) < j) cycle
-        n = n + 1
-        s(n) = trace%phase(k) + j - 1
-        load(n) = trace%load(j, k)
-        x(n) = trace%x(k)
+    do i = 1, size(trace)
+      do j = 1, maxval(trace(1)%pairs(:trace(1)%rows))
+        associate (now => trace(1 + modulo(i + j - 2, size(trace))))
+          do k = 1, now%rows
+            if (now%pairs(k) < j) cycle
+            n = n + 1
+            pair(n) = i
+            s(n) = now%phase(k) + j - 1
+            load(n) = now%load(j, k)
+            x(n) = now%x(k)
+          end do
+        end associate
       end do
     end do
-  end subroutine pair_path
+  end subroutine pair_paths
 end module gearsweep_trace

@@ -153,8 +153,8 @@ static void refusals(void)
   refused("no geometry", gsc_geometry(prescribed, strlen(prescribed), x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], M),
           GSC_INPUT, "no geometry");
   int load_rows = 0;
-  refused("too few load rows", gsc_load(geared, n, 0, NULL, 3, &load_rows, x[1], x[2], x[3], x[4], x[5], M), GSC_INPUT,
-          "too small");
+  refused("too few load rows", gsc_load(geared, n, 0, NULL, 3, &load_rows, x[1], x[2], x[3], x[4], x[5], k[0], k[1], k[2], M),
+          GSC_INPUT, "too small");
   check("the rows that are needed", load_rows > 3);
   size_t length = 0;
   char answer[10] = "#########";

@@ -49,8 +49,8 @@ int gsc_harmonics(text_t text, size_t n, int nwork, work_t work, int harmonics, 
 { NO_WORK CALL(gs_harmonics_, text, &nwork, work, &harmonics, &reliefs, a, b, c, d, e, f, g) }
 
 int gsc_load(text_t text, size_t n, int nwork, work_t work, int most, int *rows, double *a, double *b, double *c,
-             double *d, double *e, SAY)
-{ NO_WORK CALL(gs_load_, text, &nwork, work, &most, rows, a, b, c, d, e) }
+             double *d, double *e, int *f, int *g, int *h, SAY)
+{ NO_WORK CALL(gs_load_, text, &nwork, work, &most, rows, a, b, c, d, e, f, g, h) }
 
 int gsc_sweep(text_t text, size_t n, int nwork, work_t work, int threads, int speeds, int reliefs, double *a, double *b,
               double *c, double *d, int *e, int *f, double *g, double *h, int *i, int *j, SAY)

@@ -226,7 +226,7 @@ static void spoilt_size(void)
       break;
     case 13:
       a = last_size(700), x = held(a, 10000);
-      info = gsc_load(t, length, n, w, a, &found, D(x), D(x), D(x), D(x), D(x), message, words_room());
+      info = gsc_load(t, length, n, w, a, &found, D(x), D(x), D(x), D(x), D(x), I(x), I(x), I(x), message, words_room());
       break;
     case 14:
       a = some_size(speeds), b = last_size(reliefs), y = held(b, reliefs), z = most(a) * y;

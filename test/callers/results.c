@@ -104,12 +104,15 @@ int main(void)
   }
 
   if (asks("load")) {
-    check(gsc_load(text, n, nwork, work, MOST, &m, x[0], x[1], x[2], x[3], x[4], M));
+    check(gsc_load(text, n, nwork, work, MOST, &m, x[0], x[1], x[2], x[3], x[4], k[0], k[1], k[2], M));
     show("load.relief_um", x[0], m);
     show("load.rpm", x[1], m);
     show("load.s", x[2], m);
     show("load.pair_load_n", x[3], m);
     show("load.dte_um", x[4], m);
+    count("load.status", k[0], m);
+    count("load.periods", k[1], m);
+    count("load.pair", k[2], m);
   }
 
   if (asks("sweep")) {

@@ -88,13 +88,16 @@ C
 C
       IF (ASKS(CASE, 'load')) THEN
         CALL GS_LOAD(CASE, NWORK, WORK, MAXX, N, X, X(1, 2), X(1, 3),
-     1    X(1, 4), X(1, 5), INFO, MESSAG)
+     1    X(1, 4), X(1, 5), K, K(1, 2), K(1, 3), INFO, MESSAG)
         CALL CHECK(INFO, MESSAG)
         CALL SHOW('load.relief_um', X, N)
         CALL SHOW('load.rpm', X(1, 2), N)
         CALL SHOW('load.s', X(1, 3), N)
         CALL SHOW('load.pair_load_n', X(1, 4), N)
         CALL SHOW('load.dte_um', X(1, 5), N)
+        CALL COUNT('load.status', K, N)
+        CALL COUNT('load.periods', K(1, 2), N)
+        CALL COUNT('load.pair', K(1, 3), N)
       END IF
 C
       IF (ASKS(CASE, 'sweep')) THEN

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from ..case import Case
-from ..results import Harmonics, Integers, Load, Mesh, Reals, Static
+from ..results import Harmonics, Integers, Load, Mesh, Reals, Static, Status
 from ..tasks import geometry
 from .look import ASIDE, CROSS, FAINT, GREY, HALO, INK, VISIBLE, canvas
 from .reliefs import Reliefs, paths
@@ -96,7 +96,7 @@ def plot_load(load: Load, ax: Axes | None = None, *, rpm: float | None = None, s
     rpm = speeds[0] if rpm is None else rpm
     if not np.isclose(speeds, rpm).any():
         raise ValueError(f'rpm = {rpm:g}: must be one of {", ".join(f"{speed:g}" for speed in speeds)}')
-    here = np.isclose(load.rpm, rpm)
+    here = np.isclose(load.rpm, rpm) & (load.status < Status.UNSTABLE)
     with canvas(ax) as ax:
         found = _curves(ax, load.case, paths(load.s[here], load.pair_load_n[here], load.relief_um[here]))
         missing = [f'{amount:g}' for i, amount in enumerate(Reliefs(load.case).amounts) if i not in found]

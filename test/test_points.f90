@@ -1,0 +1,158 @@
+!> One operating point has one answer in one run: what the tasks load and sweep say of it is the same.
+module test_points
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_response, only: response_t
+  use gearsweep_steady, only: has_answer
+  use gearsweep_study, only: run_study, study_t
+  use gearsweep_text, only: str
+  use random_numbers, only: random_t
+  use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  character(4), parameter :: directions(3) = ['each', 'up  ', 'down']
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call the_point_that_differed(t)
+    call random_points(t)
+    call between_the_speeds(t)
+    call alone(t)
+  end subroutine run
+
+  !> A prescribed mesh over a resonance, where motions with and without loss of contact exist side by side.
+  subroutine study_of(t, damping, relief, direction, sweep, load, tasks, study)
+    type(tally_t), intent(inout) :: t
+    real(dp), intent(in) :: damping, relief
+    character(*), intent(in) :: direction, sweep, load, tasks
+    type(study_t), intent(out) :: study
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+
+    call read_case('&case tasks = '//tasks//' / &pinion teeth = 25 effective_mass_kg = 0.8 /'// &
+                   '&gear effective_mass_kg = 0.9 / &load normal_force_n = 6858 / &relief amount_um = '//str(relief)// &
+                   ' / &mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400, 0, -120 /'// &
+                   '&dynamics damping_ratio = '//str(damping)//' / &sweep '//sweep//' load_rpm = '//load// &
+                   ' direction = '''//trim(direction)//''' /', case, error)
+    call check_no_error(t, 'the case', error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+    call check_no_error(t, 'the study', error)
+  end subroutine study_of
+
+  !> 2.112 by load and 1.790 by sweep, before load took over what the sweep found.
+  subroutine the_point_that_differed(t)
+    type(tally_t), intent(inout) :: t
+    type(study_t) :: study
+
+    call study_of(t, 0.01_dp, 2.0_dp, 'each', 'rpm_first = 2000 rpm_last = 16000 rpm_step = 100', '6800', &
+                  '''load'', ''sweep''', study)
+    call same_answer(t, study, 1, 49)
+  end subroutine the_point_that_differed
+
+  !> Damping, relief, speeds and direction at random, at speeds of the sweep.
+  subroutine random_points(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: cases = 30
+    type(random_t) :: random
+    type(study_t) :: study
+    real(dp) :: first, step
+    integer :: i, k(3), several, j
+
+    random%seed = 6800
+    several = 0
+    do i = 1, cases
+      first = anint(random%between(4000.0_dp, 8000.0_dp))
+      step = anint(random%between(40.0_dp, 200.0_dp))
+      k = 1 + [(int(40*random%uniform()), j=1, 3)]
+      call study_of(t, random%power(0.003_dp, 0.03_dp), random%between(0.0_dp, 8.0_dp), directions(1 + modulo(i, 3)), &
+                    'rpm_first = '//str(first)//' rpm_step = '//str(step)//' rpm_last = '//str(first + 40*step), &
+                    str(first + (k(1) - 1)*step)//', '//str(first + (k(2) - 1)*step)//', '//str(first + (k(3) - 1)*step), &
+                    '''load'', ''sweep''', study)
+      do j = 1, 3
+        call same_answer(t, study, j, k(j))
+        if (study%response(1, j)%point%steady%periods > 1) several = several + 1
+      end do
+    end do
+    call check_true(t, 'some repeat only after several periods', several > 0, str(several))
+  end subroutine random_points
+
+  !> Response j is speed k of the sweep, to the last bit; and the largest load on the pairs' paths is that dynamic
+  !> factor, up to what the peak between two rows adds.
+  subroutine same_answer(t, study, j, k)
+    type(tally_t), intent(inout) :: t
+    type(study_t), intent(in) :: study
+    integer, intent(in) :: j, k
+    character(:), allocatable :: what
+
+    associate (response => study%response(1, j), sweep => study%sweep)
+      what = str(response%rpm)//' rpm'
+      call check_close(t, what//': the speed', response%rpm, sweep%rpm(k))
+      call check_equal(t, what//': status', response%point%steady%status, sweep%status(k, 1))
+      call check_equal(t, what//': periods', response%point%steady%periods, sweep%periods(k, 1))
+      if (has_answer(sweep%status(k, 1))) then
+        call check_true(t, what//': the same bits', transfer(response%point%dynamic_factor, 0_8) == &
+                        transfer(sweep%dynamic_factor(k, 1), 0_8))
+        call rows_fit(t, what, study, response)
+      else
+        call check_true(t, what//': one row without numbers', size(response%s) == 1 .and. all(ieee_is_nan(response%load)))
+      end if
+    end associate
+  end subroutine same_answer
+
+  subroutine rows_fit(t, what, study, response)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: what
+    type(study_t), intent(in) :: study
+    type(response_t), intent(in) :: response
+    integer :: i
+
+    call check_close(t, what//': largest load', maxval(response%load)/study%load, response%point%dynamic_factor, 2e-3_dp)
+    call check_equal(t, what//': as many pairs as periods', maxval(response%pair), response%point%steady%periods)
+    do i = 1, maxval(response%pair)
+      associate (s => pack(response%s, response%pair == i))
+        call check_true(t, what//': each over its whole path', abs(s(1)) < 1e-12_dp .and. abs(s(size(s)) - 1.6_dp) < 1e-12_dp &
+                        .and. all(s(2:) > s(:size(s) - 1) - 1e-12_dp))
+      end associate
+      ! The flanks of a pair that leaves one period and enters the next are the same flanks.
+      associate (x => pack(response%error, response%pair == i .and. abs(response%s - 1) < 1e-9_dp))
+        call check_true(t, what//': without a jump', maxval(x) - minval(x) < 1e-6_dp*maxval(abs(response%error)))
+      end associate
+    end do
+  end subroutine rows_fit
+
+  !> A speed that the sweep does not have is as in a sweep that has it.
+  subroutine between_the_speeds(t)
+    type(tally_t), intent(inout) :: t
+    type(study_t) :: between, among
+    integer :: i
+
+    do i = 1, size(directions)
+      call study_of(t, 0.02_dp, 5.0_dp, directions(i), 'rpm_first = 11000 rpm_last = 15000 rpm_step = 100', '13050, 10000, 16000', &
+                    '''load'', ''sweep''', between)
+      call study_of(t, 0.02_dp, 5.0_dp, directions(i), 'rpm_first = 11000 rpm_last = 15000 rpm_step = 50', '13050', &
+                    '''load'', ''sweep''', among)
+      call check_close(t, 'between, '//directions(i), between%response(1, 1)%point%dynamic_factor, &
+                       among%response(1, 1)%point%dynamic_factor, absolute=2e-6_dp)
+      call check_true(t, 'beyond, '//directions(i), all(has_answer(between%response(1, 2:)%point%steady%status)))
+    end do
+  end subroutine between_the_speeds
+
+  !> Without a sweep, each speed by itself: as a sweep of this speed alone.
+  subroutine alone(t)
+    type(tally_t), intent(inout) :: t
+    type(study_t) :: load, sweep
+
+    call study_of(t, 0.01_dp, 2.0_dp, 'up', 'rpm_first = 6800 rpm_last = 6800 rpm_step = 1', '6800', '''load''', load)
+    call study_of(t, 0.01_dp, 2.0_dp, 'up', 'rpm_first = 6800 rpm_last = 6800 rpm_step = 1', '6800', '''sweep''', sweep)
+    call check_true(t, 'one speed', transfer(load%response(1, 1)%point%dynamic_factor, 0_8) == &
+                    transfer(sweep%sweep%dynamic_factor(1, 1), 0_8))
+  end subroutine alone
+end module test_points
