@@ -87,7 +87,7 @@ contains
     integer :: closest, i
 
     associate (key => self%key(:self%known))
-      names = pack(key%name, key%group == group)
+      names = pack([(key(i)%name, i=1, size(key))], key%group == group)
       homes = pack(self%groups, [(any(key%group == self%groups(i) .and. key%name == name), i=1, size(self%groups))])
     end associate
     closest = closest_word(name, names)

@@ -140,7 +140,7 @@ contains
       call numbers%add('static.tension_deg', root%stress%tension%tangent/degree, [m])
       call numbers%add('static.compression_mpa', mega*root%stress%compression%stress, [m])
       call numbers%add('static.compression_deg', root%stress%compression%tangent/degree, [m])
-      call numbers%add('static.estimate', root%stress%error_estimate, [m])
+      call numbers%add('static.estimate', [root%stress%error_estimate], [m])
       call numbers%add('static.iso_mpa', [one%iso_stress/1e6_dp], [integer ::])
       call numbers%add('static.lewis_mpa', [one%lewis_stress/1e6_dp], [integer ::])
     end associate

@@ -170,6 +170,7 @@ contains
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(out) :: error
     type(section_body_t) :: grids(2)
+    type(mesh_t), allocatable :: meshes(:)
 
     associate (case => study%case, gear => study%pair%gear(study%case%root%member))
       if (case%asks_any('static, modal')) then
@@ -188,7 +189,8 @@ contains
       end if
       if (allocated(error)) return
       if (case%asks('static')) then
-        call rate_root(study%pair, study%motion%mesh, study%load, grids, case%root, study%root, error)
+        meshes = study%motion%mesh
+        call rate_root(study%pair, meshes, study%load, grids, case%root, study%root, error)
         call note(study, 'static: root stress at '//str(case%root%positions)//' positions of the load')
       end if
     end associate

@@ -1,5 +1,4 @@
-!> One operating point to a tolerance: the number of steps follows from an
-!> error estimate by step doubling.
+!> One operating point to a tolerance: the number of steps follows from an error estimate by step doubling.
 module gearsweep_accuracy
   use gearsweep_kinds, only: dp, pi
   use gearsweep_gauss, only: order, lanes
@@ -147,7 +146,7 @@ contains
     logical, intent(out) :: solved(lanes)
     ! For the half's Newton iterations: of its solution, a twentieth counts.
     real(dp), parameter :: most_lane_steps = 4096, loose = 1000
-    type(steady_t) :: half(lanes)
+    type(steady_t) :: half(lanes), full(lanes)
     type(resolution_t) :: graded
     real(dp) :: least, longest
     integer :: rung, trial
@@ -168,8 +167,9 @@ contains
       call need_rungs(osc, rung, tables)
       call find_in_lanes(osc, tables%rung(rung - octave)%table, duration, loose*options%steady%tolerance, tables%maps, half)
       if (.not. any(settled(half))) return
-      call find_in_lanes(osc, tables%rung(rung)%table, duration, options%steady%tolerance, tables%maps, points%steady, half)
-      solved = settled(half) .and. settled(points%steady)
+      call find_in_lanes(osc, tables%rung(rung)%table, duration, options%steady%tolerance, tables%maps, full, half)
+      points%steady = full
+      solved = settled(half) .and. settled(full)
       if (.not. any(solved)) return
       call compare(osc, duration, half, points)
       points%steps = tables%rung(rung)%table%steps
@@ -209,7 +209,7 @@ contains
     type(tables_t), intent(inout) :: tables
     type(point_t), intent(inout) :: points(:)
     logical, intent(out) :: solved(:)
-    type(steady_t) :: half(size(duration))
+    type(steady_t) :: half(size(duration)), full(size(duration))
     type(table_t) :: fine, coarse
     type(resolution_t) :: resolution
     real(dp) :: excess
@@ -218,8 +218,9 @@ contains
     resolution = first
     do trial = 1, most_trials
       call tabulate(osc, resolution, fine)
-      call hold(osc, fine, duration, options, tables, points%steady)
-      solved = in_contact(points%steady)
+      call hold(osc, fine, duration, options, tables, full)
+      points%steady = full
+      solved = in_contact(full)
       if (.not. any(solved)) return
       call tabulate(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
       call hold(osc, coarse, duration, options, tables, half)
@@ -331,8 +332,7 @@ contains
     type(accuracy_t), intent(in) :: options
     type(point_t), intent(inout) :: point
 
-    if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &
-      point%steady%status = point_inexact
+    if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) point%steady%status = point_inexact
   end subroutine note_inexact
 
   !> Solves on a table and on its half, and compares.

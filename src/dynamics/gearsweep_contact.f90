@@ -274,7 +274,7 @@ contains
       load(0, :) = stiffness(0, :)*gap(0, :)
       load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
       peak = max(peak, load(0, 1), load(0, 2))
-      if (.not. may_top(load(:1, :), peak)) cycle
+      if (.not. may_top(load, peak)) cycle
       load(2, :) = bends_of(c, l, c%stiffness(:, j))*gap(0, :) + 2*stiffness(1, :)*gap(1, :) &
                    + stiffness(0, :)*(motion_bends(osc, table, l, c) - bends_of(c, l, c%error(:, j)))
       call raise_to_top(load, peak)
@@ -283,7 +283,7 @@ contains
 
   !> The map of a stretch after that of what was before; columns one after the other.
   pure function chained(map, before) result(c)
-    real(dp), intent(in) :: map(4), before(4)
+    real(dp), intent(in) :: map(:), before(4)
     real(dp) :: c(4)
 
     c(1) = map(1)*before(1) + map(3)*before(2)

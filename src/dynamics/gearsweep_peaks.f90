@@ -81,7 +81,7 @@ contains
         gap(1, :) = top%y - table%end_error(1, j, :, i)
         load(0, :) = stiffness(1, :)*gap(0, :)
         load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
-        if (.not. may_top(load(:1, :), peak)) return
+        if (.not. may_top(load, peak)) return
         if (duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most) then
           do k = 1, 2
             gap(2, k) = end_acceleration(osc, table, i, k, top%touch, duration, top%x(k), top%y(k)) &
@@ -96,10 +96,10 @@ contains
     call raise_to_top(load, peak)
   end subroutine track
 
-  !> May a load be larger than `peak` between two ends? Given there with its slopes: a concave one stays
-  !> below its tangents.
+  !> May a load be larger than `peak` between two ends? Given there with its slopes (the curvatures are not
+  !> asked for): a concave one stays below its tangents.
   pure logical function may_top(load, peak)
-    real(dp), intent(in) :: load(0:1, 2), peak
+    real(dp), intent(in) :: load(0:2, 2), peak
 
     may_top = load(1, 1) > 0 .and. load(1, 2) < 0
     if (may_top) may_top = max(load(0, 1), load(0, 2)) + (load(1, 1) - load(1, 2))/4 > peak
@@ -117,7 +117,7 @@ contains
 
   !> Second derivatives at both ends of the cubic with these values and slopes there, over 0 ... 1.
   pure function cubic_curvature(value, slope) result(curvature)
-    real(dp), intent(in) :: value(2), slope(2)
+    real(dp), intent(in) :: value(:), slope(2)
     real(dp) :: curvature(2)
 
     associate (rise => value(2) - value(1))

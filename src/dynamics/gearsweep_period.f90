@@ -245,7 +245,7 @@ contains
   !> Lowers what overlaps, turned so that they are positive while contact stays as it is, stay above: a convex
   !> curve stays above its tangents.
   pure subroutine lower(width, error, x, y, x_next, y_next, sense, lowest)
-    real(dp), intent(in) :: width, error(0:1, 2)
+    real(dp), intent(in) :: width, error(0:, :)
     real(dp), intent(in), dimension(lanes) :: x, y, x_next, y_next, sense
     real(dp), intent(inout) :: lowest(lanes)
     real(dp) :: before, after, fall, rise

@@ -51,7 +51,7 @@ contains
   end subroutine collocate_stiffly
 
   pure function cross_product(u, v) result(w)
-    real(dp), intent(in) :: u(3), v(3)
+    real(dp), intent(in) :: u(:), v(:)
     real(dp) :: w(3)
 
     w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]

@@ -20,7 +20,7 @@ contains
   pure subroutine record(trace, pairs, phase, x, stiffness, error, contact)
     type(trace_t), intent(inout) :: trace
     integer, intent(in) :: pairs
-    real(dp), intent(in) :: phase(2), x(2), stiffness(:, :), error(:, :)
+    real(dp), intent(in) :: phase(2), x(:), stiffness(:, :), error(:, :)
     logical, intent(in) :: contact(:)
     integer :: k
 
