@@ -90,9 +90,37 @@ __all__ = [
 ]
 
 
+for _one in (Code, Error, PartialWarning, UnusedWarning):
+    _one.__module__ = __name__  # a traceback names them as people do
+
+#: In `gearsweep.plots`, which is loaded with the first of them.
+_PLOTS = (
+    'plot_geometry',
+    'plot_harmonics',
+    'plot_hysteresis',
+    'plot_load',
+    'plot_modal',
+    'plot_optimum',
+    'plot_section',
+    'plot_sharing',
+    'plot_stability',
+    'plot_static',
+    'plot_ste',
+    'plot_stiffness',
+    'plot_stress',
+    'plot_strobe',
+    'plot_sweep',
+    'plots',
+)
+
+
+def __dir__() -> list[str]:
+    return sorted((*__all__, *_PLOTS, '__version__'))
+
+
 def __getattr__(name: str):
     """Pictures, which load matplotlib: `gearsweep.plots`, and from there `gearsweep.plot_sweep` and its like."""
-    if name == 'plots' or name.startswith('plot_'):
+    if name in _PLOTS:
         plots = importlib.import_module('.plots', __name__)
         return plots if name == 'plots' else getattr(plots, name)
     raise AttributeError(f'module {__name__!r} has no attribute {name!r}')

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _border
+from . import _answers, _border
 from .case import Case
 
 if TYPE_CHECKING:
@@ -92,8 +92,10 @@ class Result:
         return {f.name: f.metadata['dims'] for f in dataclasses.fields(self) if 'dims' in f.metadata}
 
     def __repr__(self) -> str:
-        sizes = {d: n for name, dims in self.dims.items() for d, n in zip(dims, np.shape(getattr(self, name)))}
-        return f'<gearsweep.{type(self).__name__}: {", ".join(f"{n} {d}" for d, n in sizes.items())}>'
+        return f'<gearsweep.{type(self).__name__}: {_answers.text(self)}>'
+
+    def _repr_html_(self) -> str:
+        return _answers.table(self)
 
     def save(self, path: str | os.PathLike) -> None:
         """Writes the result to a file that `gearsweep.read` reads: NumPy's npz format, bit by bit, no pickle."""
@@ -320,7 +322,7 @@ class Sweep(Result):
     ...     &sweep rpm_first = 8000 rpm_last = 16000 rpm_step = 100 /''')
     >>> sweep = gearsweep.sweep(case)
     >>> sweep
-    <gearsweep.Sweep: 81 rpm, 1 relief_um>
+    <gearsweep.Sweep: relief 0 um: worst DF 1.5... at 13700 rpm; resonances 13655 rpm: DF 1.5... at 0 um | 81 rpm, 1 relief_um>
     >>> rpm, factor = sweep.resonances()
     >>> print(rpm.round(-2))
     [13700.]
@@ -507,7 +509,7 @@ class Static(Result):
     rows = ('relief_um', 'position', 'side')
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Study:
     """All that a case asks for; None for what it does not.
 
@@ -539,6 +541,18 @@ class Study:
     load: Load | None = None
     sweep: Sweep | None = None
     optimum: Optimum | None = None
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """The names of the results that there are."""
+        parts = (field.name for field in dataclasses.fields(self))
+        return tuple(name for name in parts if isinstance(getattr(self, name), Result))
+
+    def __repr__(self) -> str:
+        return f'<{_answers.study_text(self)}>'
+
+    def _repr_html_(self) -> str:
+        return _answers.study_table(self)
 
     def save(self, path: str | os.PathLike) -> None:
         """As `Result.save`, all results in one file."""
