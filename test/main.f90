@@ -13,6 +13,7 @@ program check
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
+  use test_estimates, only: run_estimates => run
   use test_extremes, only: run_extremes => run
   use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
@@ -53,6 +54,7 @@ program check
     & suite_t('points', run_points), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
+    & suite_t('estimates', run_estimates), &
     & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &

@@ -12,7 +12,7 @@ module test_grading
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private
-  public :: run
+  public :: run, closed_form
 
   real(dp), parameter :: none(2) = 0, ratio = 1.6_dp
 

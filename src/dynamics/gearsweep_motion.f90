@@ -64,7 +64,7 @@ module gearsweep_motion
     real(dp), allocatable :: left(:), width(:)      !< phases
     real(dp), allocatable :: rate(:, :, :)          !< (member, node, step)
     real(dp), allocatable :: error(:, :, :)         !< (member, node, step)
-    real(dp), allocatable :: end_rate(:, :, :)      !< (member, end, step)
+    real(dp), allocatable :: end_rate(:, :, :)      !< (pair, end, step)
     !> Value, first and second derivative over the phase, (0:2, pair or member, end, step).
     real(dp), allocatable :: end_stiffness(:, :, :, :), end_error(:, :, :, :)
     real(dp), allocatable :: crest(:)               !< a motion whose tangents stay above keeps all pairs in contact
@@ -200,7 +200,8 @@ contains
                    - 2*osc%damping_ratio*duration*sqrt(square)*y
   end function acceleration
 
-  !> The same at an end of step i, where the members touch that the bits of `touch` tell.
+  !> The same at an end of step i, where the pairs touch that the bits of `touch` tell; the coast sides do not, as
+  !> what is asked for is the load of a pair.
   pure real(dp) function end_acceleration(osc, table, i, end, touch, duration, x, y)
     type(oscillator_t), intent(in) :: osc
     type(table_t), intent(in) :: table
@@ -211,7 +212,7 @@ contains
 
     square = 0
     push = 0
-    do j = 1, osc%members
+    do j = 1, osc%pairs
       if (.not. btest(touch, j - 1)) cycle
       square = square + table%end_rate(j, end, i)
       push = push + table%end_rate(j, end, i)*table%end_error(0, j, end, i)
@@ -322,7 +323,7 @@ contains
     associate (m => table%members, p => osc%pairs)
       allocate (table%zone(steps), table%pairs(steps), table%left(steps), table%width(steps), table%crest(steps))
       allocate (table%kind(steps))
-      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(m, 2, steps))
+      allocate (table%rate(m, 3, steps), table%error(m, 3, steps), table%end_rate(p, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_error(0:2, m, 2, steps))
       allocate (table%square(3, steps), table%push(3, steps), table%omega(3, steps))
     end associate
@@ -403,7 +404,6 @@ contains
 
     associate (coast => osc%members)
       table%rate(coast, :, :) = 0
-      table%end_rate(coast, :, :) = 0
       table%error(coast, :, :) = -osc%backlash
       table%end_error(:, coast, :, :) = 0
       table%end_error(0, coast, :, :) = -osc%backlash
@@ -415,7 +415,6 @@ contains
               table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
                 /mobility(osc, s(k) + j - 1, zone%recess(j))
             end do
-            table%end_rate(coast, :, i) = table%end_rate(coast, :, i) + table%end_stiffness(0, j, :, i)*sum(1/osc%mass)
           end do
         end associate
       end do

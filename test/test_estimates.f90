@@ -1,0 +1,272 @@
+!> Error estimates from both sides: neither too small nor too large against errors that closed forms tell; how
+!> exact the optimum is; what a point says of itself where its motion repeats after several periods; the
+!> largest load of every pair while contact changes.
+module test_estimates
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t
+  use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t
+  use gearsweep_maps, only: begin_maps, maps_t
+  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_optimum, only: find_optimum, optimum_t
+  use gearsweep_orbit, only: shoot, steady_t
+  use gearsweep_period, only: period_t, run_period
+  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_text, only: str
+  use random_numbers, only: random_t
+  use single_points, only: mesh_of, solve
+  use test_grading, only: closed_form
+  use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run, median
+
+  real(dp), parameter :: none(2) = 0, ratio = 1.6_dp
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call against_closed_form(t)
+    call optimum_lies_within(t)
+    call optimum_without_answers(t)
+    call two_periods_of_one(t)
+    call loads_while_contact_changes(t)
+  end subroutine run
+
+  !> Piecewise constant stiffness. A result of sixth order errs by 1/63 of its difference to half the steps; the
+  !> estimate says 1/20 of it, so that the error is 20/63 = 0.32 of it. In graded steps it is raised three times
+  !> more, to 0.11, as the order may sink to the third: 20/(3*7) = 0.95.
+  subroutine against_closed_form(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: dampings = 12, speeds = 20
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    real(dp) :: dynamic_factor, multiplier, zeta, rpm, error, found(dampings*speeds, 2)
+    integer :: i, k, kind, n(2)
+
+    options%steady%tolerance = 1e-5_dp
+    n = 0
+    do i = 1, dampings
+      zeta = 0.03_dp*1.7_dp**(i - 1)
+      osc = mesh_of(ratio, [400.0_dp], none, zeta)
+      do k = 1, speeds
+        rpm = 0.01_dp*2.1_dp**(k - 1)
+        call solve(osc, rpm, options, point)
+        ! The closed form is that of pairs in contact; what is near rounding has no ratio.
+        if (point%steady%partial) cycle
+        call closed_form(osc%natural_frequency, zeta, mesh_period(25, rpm), dynamic_factor, multiplier)
+        error = abs(point%dynamic_factor - dynamic_factor)
+        if (error < 2e-12_dp) cycle
+        kind = merge(2, 1, point%resolution%graded_for > 0)
+        n(kind) = n(kind) + 1
+        found(n(kind), kind) = error/point%estimate
+      end do
+    end do
+    call check_true(t, 'points with equal and with graded steps', all(n >= 20), str(n(1))//' and '//str(n(2)))
+    call check_close(t, 'equal steps: error over estimate, median', median(found(:n(1), 1)), 20/63.0_dp, 0.5_dp)
+    call check_close(t, 'graded steps: error over estimate, median', median(found(:n(2), 2)), 20/189.0_dp, 0.5_dp)
+    call check_close(t, 'graded steps: error over estimate, largest', maxval(found(:n(2), 2)), 20/21.0_dp, 0.2_dp)
+  end subroutine against_closed_form
+
+  !> Half of the values lie below.
+  pure real(dp) function median(values)
+    real(dp), intent(in) :: values(:)
+    integer :: i
+
+    median = 0
+    do i = 1, size(values)
+      if (count(values < values(i)) <= size(values)/2 .and. count(values <= values(i)) > size(values)/2) median = values(i)
+    end do
+  end function median
+
+  subroutine build(context, amount, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    select type (context)
+    type is (real(dp))
+      motion = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], amount*[1e6_dp, 1e6_dp], context)
+    end select
+  end subroutine build
+
+  !> A curve with one valley has its least between the neighbours of the lowest point: so exact is the optimum,
+  !> and no more. A fine scan finds nothing lower elsewhere.
+  subroutine optimum_lies_within(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: scan = 60
+    real(dp), parameter :: rpm(5) = [6000, 7000, 8000, 13000, 15000], largest = 30e-6_dp
+    type(optimum_t) :: optimum
+    type(oscillator_t) :: osc(0:scan)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+    integer :: i, best
+
+    call find_optimum(build, 0.17_dp, largest, rpm, options, optimum, error)
+    call check_no_error(t, 'optimum', error)
+    best = optimum%best
+    associate (amount => optimum%amount)
+      call check_true(t, 'ascending', all(amount(2:) > amount(:size(amount) - 1)))
+      call check_true(t, 'from none to the largest', abs(amount(1)) < 1e-15_dp .and. abs(amount(size(amount)) - largest) < 1e-15_dp)
+      call check_true(t, 'the best lies inside', best > 1 .and. best < size(amount))
+      call check_close(t, 'as exact as its neighbours are near', optimum%resolution, &
+                       max(amount(best + 1) - amount(best), amount(best) - amount(best - 1)), 1e-6_dp)
+      do i = 0, scan
+        call build(0.17_dp, largest*i/scan, osc(i), error)
+      end do
+      options%direction = each
+      call run_sweep(osc, rpm, options, sweep, error)
+      call check_no_error(t, 'scan', error)
+      call check_true(t, 'nothing is lower', optimum%dynamic_factor(best) <= minval(maxval(sweep%dynamic_factor, 1)) + 1e-5_dp)
+      i = minloc(maxval(sweep%dynamic_factor, 1), 1) - 1
+      call check_close(t, 'the scan finds it, too', amount(best), largest*i/scan, absolute=largest/scan)
+    end associate
+  end subroutine optimum_lies_within
+
+  !> Speeds too slow for the steps given have no answer: all are counted, and there is no best.
+  subroutine optimum_without_answers(t)
+    type(tally_t), intent(inout) :: t
+    type(optimum_t) :: optimum
+    type(sweep_options_t) :: options
+    type(error_t), allocatable :: error
+
+    options%accuracy%steps = 12
+    call find_optimum(build, 0.17_dp, 30e-6_dp, [1.0_dp, 2.0_dp, 3.0_dp], options, optimum, error)
+    call check_no_error(t, 'no answers', error)
+    call check_equal(t, 'no best', optimum%best, 0)
+    call check_true(t, 'all failed', all(optimum%failed == 3))
+    call find_optimum(build, 0.17_dp, 30e-6_dp, [1.0_dp, 9000.0_dp], options, optimum, error)
+    call check_true(t, 'one failed', optimum%best > 0 .and. all(optimum%failed == 1))
+    call check_true(t, 'the other counts', all(abs(optimum%rpm - 9000) < 1e-9_dp))
+  end subroutine optimum_without_answers
+
+  !> A motion that repeats every period repeats after two and three, too: the same state, peak and mark, which
+  !> is a mean over the periods; multipliers multiply.
+  subroutine two_periods_of_one(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: rpm(3) = [3000, 7000, 12000]
+    type(oscillator_t) :: osc
+    type(table_t) :: table
+    type(maps_t) :: maps
+    type(steady_t) :: one, more
+    real(dp) :: duration
+    integer :: i, periods
+
+    osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [2.0_dp, 3.0_dp], 0.17_dp)
+    call tabulate(osc, resolution_t(40.0_dp, 2), table)
+    do i = 1, size(rpm)
+      duration = mesh_period(25, rpm(i))
+      call begin_maps(table, maps)
+      call shoot(osc, table, duration, 1e-8_dp, 1, [osc%rest, 0.0_dp], maps, one)
+      do periods = 2, 3
+        call begin_maps(table, maps)
+        call shoot(osc, table, duration, 1e-8_dp, periods, one%state, maps, more)
+        call check_equal(t, 'periods', more%periods, periods)
+        call check_close(t, 'mark', more%mark, one%mark, 1e-9_dp)
+        call check_close(t, 'peak', more%peak, one%peak, 1e-9_dp)
+        call check_close(t, 'multiplier', more%multiplier, one%multiplier**periods, 1e-7_dp)
+      end do
+      call check_true(t, 'the mark is a sum of deflections', one%mark > osc%static_scale .and. one%mark < 10*osc%static_scale)
+    end do
+  end subroutine two_periods_of_one
+
+  !> From random states, many without full contact, over a period in few steps: end and largest load of a pair
+  !> as tiny steps of the classical Runge-Kutta method find them.
+  subroutine loads_while_contact_changes(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: starts = 1000
+    type(oscillator_t) :: osc
+    type(table_t) :: table
+    type(maps_t) :: maps
+    type(period_t) :: run
+    type(random_t) :: random
+    real(dp) :: duration, start(2), state(2), peak(2), worst(2)
+    integer :: i, changed, second
+
+    osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [14.0_dp, 14.0_dp], 0.08_dp)
+    worst = 0
+    changed = 0
+    second = 0
+    do i = 1, starts
+      duration = mesh_period(25, random%between(4000.0_dp, 15000.0_dp))
+      start = osc%static_scale*[random%between(-1.0_dp, 2.0_dp), random%between(-6.0_dp, 6.0_dp)]
+      ! So few that a pair may touch and have its largest load within one step: two radians of the natural motion.
+      call tabulate(osc, resolution_t(osc%natural_frequency*duration/2, 1), table)
+      call begin_maps(table, maps)
+      call run_period(osc, table, duration, start, maps, run)
+      if (run%failed) cycle
+      call small_steps(osc, duration, start, state, peak)
+      if (run%events > 0) changed = changed + 1
+      if (run%events > 0 .and. peak(2) > peak(1)) second = second + 1
+      worst(1) = max(worst(1), abs(run%peak - maxval(peak))/osc%load)
+      worst(2) = max(worst(2), abs(run%state(1) - state(1))/osc%static_scale)
+    end do
+    call check_close(t, 'largest loads', worst(1), 0.0_dp, absolute=3e-3_dp)
+    call check_close(t, 'ends', worst(2), 0.0_dp, absolute=1e-2_dp)
+    call check_true(t, 'contact changes in most', changed >= starts/2, str(changed))
+    call check_true(t, 'the second pair has the largest load in some', second >= 3, str(second))
+  end subroutine loads_while_contact_changes
+
+  !> x'' = w^2 (F/m - sum k gap/m) - 2 zeta w x', the sums over the pairs that touch, whose stiffness over the
+  !> mass is the square of w as well; time in periods. Peaks of the pair that goes and of the one that comes.
+  subroutine small_steps(osc, duration, start, state, peak)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, start(2)
+    real(dp), intent(out) :: state(2), peak(2)
+    integer, parameter :: steps = 2000
+    real(dp) :: h, time, k(2, 4), load(2)
+    integer :: i
+
+    h = 1.0_dp/steps
+    state = start
+    call loads(osc, 0.0_dp, state(1), load)
+    peak = max(0.0_dp, load)
+    do i = 1, steps
+      time = (i - 1)*h
+      k(:, 1) = slope(osc, duration, time, state)
+      k(:, 2) = slope(osc, duration, time + h/2, state + h/2*k(:, 1))
+      k(:, 3) = slope(osc, duration, time + h/2, state + h/2*k(:, 2))
+      k(:, 4) = slope(osc, duration, time + h*(1 - 1e-12_dp), state + h*k(:, 3))
+      state = state + h*(k(:, 1) + 2*k(:, 2) + 2*k(:, 3) + k(:, 4))/6
+      call loads(osc, time + h*(1 - 1e-12_dp), state(1), load)
+      peak = max(peak, load)
+    end do
+  end subroutine small_steps
+
+  !> Of the pair that came at phase 0, and of the one before; stiffness and relief of `mesh_of`, as stated there.
+  subroutine loads(osc, phase, x, load, stiffness)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: phase, x
+    real(dp), intent(out) :: load(2)
+    real(dp), intent(out), optional :: stiffness(2)
+    real(dp) :: s(2), k(2)
+    integer :: j
+
+    s = phase + [0, 1]
+    load = 0
+    k = 0
+    do j = 1, 2
+      if (s(j) > ratio) cycle
+      k(j) = osc%mesh%stiffness%value(s(j))
+      load(j) = max(0.0_dp, k(j)*(x - osc%mesh%profile_error%value(s(j))))
+      if (.not. load(j) > 0) k(j) = 0
+    end do
+    if (present(stiffness)) stiffness = k
+  end subroutine loads
+
+  function slope(osc, duration, phase, state)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration, phase, state(2)
+    real(dp) :: slope(2), load(2), stiffness(2), inverse_mass
+
+    inverse_mass = sum(1/osc%mass)
+    call loads(osc, phase, state(1), load, stiffness)
+    slope(1) = state(2)
+    slope(2) = duration**2*inverse_mass*(osc%load - sum(load)) &
+               - 2*osc%damping_ratio*duration*sqrt(inverse_mass*sum(stiffness))*state(2)
+  end function slope
+end module test_estimates
