@@ -1,0 +1,298 @@
+"""What the program's screen says, against values worked out here from its tables or from closed forms."""
+
+import csv
+import math
+import re
+
+import pytest
+
+# A geometry, whose lines have closed forms; a prescribed mesh whose pairs part, with too few steps for its
+# slow speeds; and one of which the best relief lies at the end of the range searched.
+CASES = {
+    'geared': """&case tasks = 'geometry', 'mesh', 'load', 'sweep', 'optimum' /
+&pair module_mm = 3 face_width_mm = 20 centre_distance_mm = 84.2 /
+&pinion teeth = 21 profile_shift = 0.2 effective_mass_kg = 0.5 /
+&gear teeth = 34 profile_shift = 0.1 effective_mass_kg = 0.9 /
+&load normal_force_n = 4000 / &relief amount_um = 4, 0, 10 / &mesh model = 'weber' /
+&sweep rpm_first = 3000 rpm_last = 26000 rpm_step = 200 load_rpm = 4000, 6000 /
+""",
+    'parted': """&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 / &relief amount_um = 0, 15, 25 /
+&mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+&dynamics damping_ratio = 0.02 / &numerics steps_per_period = 30 /
+&sweep rpm_first = 500 rpm_last = 16000 rpm_step = 100 load_rpm = 600, 3000 /
+""",
+    'narrow': """&case tasks = 'sweep', 'optimum' /
+&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 / &relief amount_um = 0, 2 /
+&mesh model = 'polynomial' contact_ratio = 1.1 coefficients = 400, 0, 120 /
+&sweep rpm_first = 12000 rpm_last = 16000 rpm_step = 500 /
+""",
+}
+ANSWERED = {'ok', 'marginal', 'subharmonic', 'inexact'}
+
+
+class Run:
+    """The screen of a case as lines, its exit code, and its tables as lists of rows."""
+
+    def __init__(self, program, name, folder):
+        (folder / f'{name}.nml').write_text(CASES[name])
+        done = program(f'{name}.nml', '--out', 'out', cwd=folder)
+        self.code, self.lines = done.returncode, done.stdout.splitlines()
+        self.tables = {}
+        for path in (folder / 'out').glob('*.csv'):
+            with open(path) as file:
+                self.tables[path.suffixes[0][1:]] = list(csv.DictReader(line for line in file if not line.startswith('#')))
+
+    def line(self, begin, part=''):
+        """What stands right of this beginning, in the one line that has it."""
+        found = [line for line in self.lines if line.lstrip().startswith(begin) and part in line]
+        assert len(found) == 1, f'{begin}: {found}'
+        return found[0].lstrip()[len(begin) :].strip()
+
+    def below(self, title, rows):
+        """Words of the lines that follow a heading of columns."""
+        at = next(i for i, line in enumerate(self.lines) if line.startswith(title))
+        return [line.split() for line in self.lines[at + 1 : at + 1 + rows]]
+
+    def numbers(self, table, *columns):
+        return [tuple(float(row[column]) for column in columns) for row in self.tables[table]]
+
+
+@pytest.fixture(scope='module')
+def runs(program, tmp_path_factory):
+    return {name: Run(program, name, tmp_path_factory.mktemp(name)) for name in CASES}
+
+
+def curves(run):
+    """Dynamic factor over speed of each relief, in the order of the case: {relief: {rpm: factor}}."""
+    found = {}
+    for row in run.tables['sweep']:
+        found.setdefault(float(row['relief_um']), {})[float(row['rpm'])] = float(row['dynamic_factor'])
+    return found
+
+
+def largest(curve):
+    """(factor, rpm) of the largest; nothing where no speed has an answer."""
+    return max(((factor, -rpm) for rpm, factor in curve.items() if not math.isnan(factor)), default=(math.nan, 0))
+
+
+def standing_out(curve):
+    """Peaks that fall by 0.01 to both sides before the curve is higher or ends, at most five of the largest:
+    the speed where a parabola through the three points has its top."""
+    rpm, factor = list(curve), list(curve.values())
+
+    def falls(values):
+        fall = 0
+        for value in values:
+            if value > values[0]:
+                break
+            if not math.isnan(value):
+                fall = max(fall, values[0] - value)
+        return fall >= 0.01
+
+    found = []
+    for i in range(1, len(rpm) - 1):
+        a, b, c = factor[i - 1 : i + 2]
+        if not (a < b >= c and falls(factor[i:]) and falls(factor[i::-1])):
+            continue
+        x = [speed - rpm[i] for speed in rpm[i - 1 : i + 2]]
+        # y = b + p x + q x^2.
+        q = ((c - b) / x[2] - (a - b) / x[0]) / (x[2] - x[0])
+        p = (c - b) / x[2] - q * x[2]
+        found.append((b - p**2 / (4 * q), rpm[i] - p / (2 * q)))
+    return sorted(speed for _, speed in sorted(found)[-5:])
+
+
+@pytest.mark.parametrize('name', CASES)
+def test_worst_and_resonances(runs, name):
+    run = runs[name]
+    factor = curves(run)
+    speeds = list(next(iter(factor.values())))
+    assert run.line('Dynamic factor over ') == f'{len(speeds)} speeds, {speeds[0]:.0f} to {speeds[-1]:.0f} rpm'
+    resonances = standing_out(factor[min(factor)])
+    heading = next(line for line in run.lines if line.lstrip().startswith('relief um     worst'))
+    assert ('in resonance' in heading) == bool(resonances)
+    rows = run.below('   relief um     worst', len(factor) + bool(resonances))
+    if resonances:
+        said = [float(word) for word in rows.pop(0)]
+        assert said == pytest.approx(resonances, abs=0.51)
+    for words, (relief, curve) in zip(rows, factor.items(), strict=True):
+        worst, rpm = largest(curve)
+        near = [largest({speed: df for speed, df in curve.items() if abs(speed / peak - 1) <= 0.15})[0] for peak in resonances]
+        assert [float(word) for word in words] == pytest.approx([relief, worst, -rpm, *near], abs=0.51e-4)
+
+
+@pytest.mark.parametrize('name', CASES)
+def test_best_of_the_list(runs, name):
+    worst, relief = min((largest(curve)[0], relief) for relief, curve in curves(runs[name]).items())
+    assert runs[name].line('Best of the list') == f'{relief:g} um: worst DF {worst:.4f}'
+
+
+@pytest.mark.parametrize('name', CASES)
+def test_counts_and_errors(runs, name):
+    run, rows = runs[name], runs[name].tables['sweep']
+    states = [row['status'] for row in rows]
+    said = re.fullmatch(r'(\d+), without an answer (\d+); estimated error of DF at most (\S+) \(asked for (\S+)\)', run.line('Points '))
+    assert (int(said[1]), int(said[2])) == (len(rows), sum(state not in ANSWERED for state in states))
+    estimates = [float(row['error_estimate']) for row in rows if row['status'] in ANSWERED]
+    assert float(said[3]) == pytest.approx(max(estimates), rel=0.051)
+    assert float(said[4]) == 1e-6
+    at = next(i for i, line in enumerate(run.lines) if line.startswith('Points '))
+    counts = {}
+    for line in run.lines[at + 1 :]:
+        if not line.startswith(' ' * 19):
+            break
+        number, word = line.split()[:2]
+        counts[word.rstrip(':')] = int(number)
+    expected = {state: states.count(state) for state in states if state != 'ok'}
+    lost = sum(row['contact'] in ('lost', 'coast') for row in rows)
+    assert counts == expected | ({'with': lost} if lost else {})
+
+
+def test_parted_has_what_is_counted(runs):
+    states = {row['status'] for row in runs['parted'].tables['sweep']}
+    assert {'ok', 'inexact', 'unresolved'} <= states
+    assert {'full', 'lost'} <= {row['contact'] for row in runs['parted'].tables['sweep']}
+
+
+@pytest.mark.parametrize('name', CASES)
+def test_chosen_speeds(runs, name):
+    run = runs[name]
+    if 'load' not in run.tables:
+        return
+    loads = {}
+    for row in run.tables['load']:
+        key = (float(row['relief_um']), float(row['rpm']))
+        loads[key] = max(loads.get(key, 0), float(row['load_ratio']))
+    rows = run.below('   relief um         rpm        DF', 6)
+    asked = {'geared': [4000, 6000], 'parted': [600, 3000]}[name]
+    assert sorted((float(a), float(b)) for a, b, *_ in rows) == sorted((relief, rpm) for relief in curves(run) for rpm in asked)
+    for relief, rpm, factor, estimate, status in rows:
+        if status in ANSWERED:
+            # Between the rows of the table the load may be larger by what a step bends: little in 200, more in 30 a period.
+            assert float(factor) == pytest.approx(loads[float(relief), float(rpm)], abs=2e-3 if name == 'geared' else 5e-3)
+            assert float(estimate) > 0
+        else:
+            assert (factor, estimate) == ('none', '-')
+
+
+@pytest.mark.parametrize('name', CASES)
+def test_optimum(runs, name):
+    """The best is the least of the curve; the true one lies between its neighbours, which is how exact it is."""
+    run = runs[name]
+    curve = run.numbers('vcurve', 'relief_um', 'worst_dynamic_factor', 'rpm', 'points_without_answer')
+    best = min(range(len(curve)), key=lambda i: (curve[i][1], i))
+    relief, factor, rpm, failed = curve[best]
+    said = re.fullmatch(r'(\S+) um \(within (\S+)\): worst DF (\S+) at (\S+) rpm', run.line('Optimum relief'))
+    assert float(said[1]) == pytest.approx(relief, rel=0.51e-3)
+    assert float(said[3]) == pytest.approx(factor, abs=0.51e-4)
+    assert float(said[4]) == pytest.approx(rpm, rel=1e-5)
+    beside = [abs(curve[i][0] - relief) for i in (best - 1, best + 1) if 0 <= i < len(curve)]
+    # One digit is said.
+    assert float(said[2]) == pytest.approx(max(beside), rel=0.51)
+    assert float(said[2]) < 0.02
+    text = '\n'.join(run.lines)
+    assert ('at the end of the range searched' in text) == (best == len(curve) - 1)
+    assert (f'{failed:.0f} speeds have no answer there' in text) == (failed > 0)
+    assert ('speeds have no answer' in text) == (failed > 0)
+
+
+def test_what_each_optimum_shows(runs):
+    assert 'at the end of the range searched' in '\n'.join(runs['narrow'].lines)
+    assert 'speeds have no answer there' in '\n'.join(runs['parted'].lines)
+
+
+def test_failed_speeds_of_the_optimum_alone_change_the_exit_code(program, tmp_path):
+    text = CASES['parted'].replace("tasks = 'mesh', 'load', 'sweep', 'optimum'", "tasks = 'optimum'")
+    (tmp_path / 'alone.nml').write_text(text)
+    done = program('alone.nml', '--out', 'out', cwd=tmp_path)
+    assert 'speeds have no answer there' in done.stdout
+    assert done.returncode == 4
+
+
+def test_exit_codes(runs):
+    assert (runs['geared'].code, runs['parted'].code, runs['narrow'].code) == (0, 4, 0)
+
+
+# --- geometry and mesh: closed forms -----------------------------------------
+
+
+def involute(angle):
+    return math.tan(angle) - angle
+
+
+def test_geometry_lines(runs):
+    """Radii of the pair of 21 and 34 teeth, module 3, profile C of ISO 53, at a stated centre distance."""
+    alpha, teeth, shift, module, centre = math.radians(20), (21, 34), (0.2, 0.1), 3.0, 84.2
+    reference = [module * z for z in teeth]
+    base = [d * math.cos(alpha) for d in reference]
+    tip = [d + 2 * module * (1 + x) for d, x in zip(reference, shift)]
+    root = [d - 2 * module * (1.25 - x) for d, x in zip(reference, shift)]
+    working = math.acos(sum(base) / 2 / centre)
+    # Play on the line of action: base pitches less the base tooth thicknesses of both, at the working angle.
+    play = 2 * centre * math.cos(working) * (involute(working) - involute(alpha)) - 2 * sum(shift) * module * math.sin(alpha)
+    run = runs['geared']
+    text = '\n'.join(run.lines)
+    said = re.search(r'centre distance (\S+) mm, working angle (\S+) deg, backlash (\S+) um', text)
+    assert [float(word) for word in said.groups()] == pytest.approx([centre, math.degrees(working), 1000 * play], rel=2e-4)
+    said = re.search(r'tip (\S+)/(\S+), reference (\S+)/(\S+), base (\S+)/(\S+), root (\S+)/(\S+) mm', text)
+    assert [float(word) for word in said.groups()] == pytest.approx([*tip, *reference, *base, *root], rel=1e-6)
+    # Path of contact: from the gear's tip (A) to the pinion's (E); from the pinion's base point.
+    long = centre * math.sin(working)
+    reach = [math.sqrt(t**2 - b**2) / 2 for t, b in zip(tip, base)]
+    pitch = math.pi * module * math.cos(alpha)
+    a, e = long - reach[1], reach[0]
+    along = [a, e - pitch, base[0] / 2 * math.tan(working), a + pitch, e]
+    said = re.search(r'contact ratio (\S+); pinion radius at A (\S+), B (\S+), P (\S+), D (\S+), E (\S+) mm', text)
+    radii = [math.hypot(base[0] / 2, place) for place in along]
+    assert [float(word) for word in said.groups()] == pytest.approx([(e - a) / pitch, *radii], rel=1e-6)
+    # The same along the path: distance from A, radius and curvatures.
+    for s, path, radius, own, other in run.numbers('mesh', 's', 'path_mm', 'pinion_radius_mm', 'pinion_curvature_mm', 'gear_curvature_mm'):
+        assert path == pytest.approx(s * pitch, rel=1e-12, abs=1e-12)
+        assert radius == pytest.approx(math.hypot(base[0] / 2, a + path), rel=1e-12)
+        assert (own, other) == pytest.approx((a + path, long - a - path), rel=1e-11)
+
+
+def mean_and_range(run):
+    """Mesh stiffness over a mesh period by the trapezoidal rule, and the range of one pair's."""
+    rows = [row for row in run.numbers('mesh', 'relief_um', 's', 'pair_stiffness_n_um') if row[0] == run.numbers('mesh', 'relief_um')[0][0]]
+    area = sum((b[1] - a[1]) * (a[2] + b[2]) / 2 for a, b in zip(rows, rows[1:]))
+    return area, min(row[2] for row in rows), max(row[2] for row in rows)
+
+
+@pytest.mark.parametrize(('name', 'force', 'mass', 'teeth'), [('geared', 4000, (0.5, 0.9), 21), ('parted', 6858, (0.8, 0.9), 25)])
+def test_mesh_lines(runs, name, force, mass, teeth):
+    run = runs[name]
+    mean, least, most = mean_and_range(run)
+    text = '\n'.join(run.lines)
+    said = re.search(r'pair (\S+) to (\S+), mesh mean (\S+) N/um(?: \((\S+) N/um per mm of width\))?', text)
+    assert [float(word) for word in said.groups()[:3]] == pytest.approx([least, most, mean], rel=1e-3)
+    if name == 'geared':
+        assert float(said[4]) == pytest.approx(mean / 20, rel=1e-3)
+    hertz = math.sqrt(mean * 1e6 * (1 / mass[0] + 1 / mass[1])) / (2 * math.pi)
+    said = re.search(r'Natural frequency\s+(\S+) Hz: the mesh excites it at (\S+) rpm', text)
+    assert [float(word) for word in said.groups()] == pytest.approx([hertz, 60 * hertz / teeth], rel=1e-3)
+    said = re.search(r'Load\s+(\S+) N on the line of action, effective masses (\S+) and (\S+) kg', text)
+    assert [float(word) for word in said.groups()] == pytest.approx([force, *mass], rel=1e-4)
+
+
+@pytest.mark.parametrize(('name', 'force'), [('geared', 4000), ('parted', 6858)])
+def test_static_error_lines(runs, name, force):
+    run = runs[name]
+    reliefs = list(curves(run))
+    for words, relief in zip(run.below('   relief um   peak-to-peak um', len(reliefs)), reliefs, strict=True):
+        ste = [row[1] for row in run.numbers('mesh', 'relief_um', 'ste_um') if row[0] == relief]
+        share = [row[1] for row in run.numbers('mesh', 'relief_um', 'load_share') if row[0] == relief]
+        order = {row[1]: row[2] for row in run.numbers('harmonics', 'relief_um', 'harmonic', 'amplitude_um') if row[0] == relief}
+        expected = [relief, max(ste) - min(ste), order[0], order[1], order[2], order[3], max(share)]
+        # Extremes lie between the rows of the table, too.
+        assert [float(word) for word in words] == pytest.approx(expected, rel=6e-3)
+    assert 'peak-to-peak' in '\n'.join(run.lines)
+
+
+def test_load_table(runs):
+    """Loads over the static one, and shares of all pairs that make up the load where nothing moves."""
+    for row in runs['geared'].tables['load']:
+        assert float(row['load_ratio']) == pytest.approx(float(row['pair_load_n']) / 4000, rel=1e-12, abs=1e-15)
