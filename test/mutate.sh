@@ -1,0 +1,10 @@
+#!/bin/sh
+# Puts small bugs into the sources, one at a time, and runs the tests that could see each:
+#   sh test/mutate.sh [--rest] [--count N] [--workers N] [room ...]
+# Rooms are the folders of src, and app and python; without one, all. doc/tests.md tells more.
+root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
+. "$root/app/setup.sh"
+cd "$root" || exit
+# Of the package only what its tests load is needed; mutants are linked from objects of their own.
+"$venv/bin/python" -c 'import numpy, matplotlib, pytest' 2>/dev/null || build_package || exit
+exec "$venv/bin/python" "$root/test/mutation/mutate.py" "$@"

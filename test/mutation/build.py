@@ -1,0 +1,180 @@
+"""Objects, programs and the Python extension for mutants: everything is compiled once, with the flags of
+the released build, and of a mutant only what its change touches."""
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+# Those of fpm's release profile, with which people build; long lines, as a change may lengthen one.
+RELEASE = '-O3 -funroll-loops -fPIC -fmax-errors=1 -fcoarray=single -fopenmp -fimplicit-none -ffree-form -ffree-line-length-none'
+COVERAGE = '-O1 --coverage -fPIC -fopenmp -fimplicit-none -ffree-form'
+PROGRAM = 'app/gearsweep.f90'
+TESTS = 'test/main.f90'
+
+
+class CompileError(Exception):
+    pass
+
+
+def command(words, **options):
+    done = subprocess.run(words, capture_output=True, text=True, errors='replace', **options)
+    if done.returncode:
+        raise CompileError(done.stderr[-2000:])
+    return done.stdout
+
+
+class Sources:
+    """The Fortran sources below a root, in the order in which they can be compiled."""
+
+    def __init__(self, root):
+        self.root = root
+        paths = sorted((root / 'src').glob('**/*.f90')) + sorted((root / 'test').glob('*.f90')) + [root / PROGRAM]
+        self.files = [str(path.relative_to(root)) for path in paths]
+        texts = {file: (root / file).read_text().lower() for file in self.files}
+        self.modules = {}
+        for file, text in texts.items():
+            for name in re.findall(r'^\s*module\s+(?!procedure)(\w+)\s*$', text, re.MULTILINE):
+                self.modules[name] = file
+        self.uses = {
+            file: {self.modules[name] for name in re.findall(r'^\s*use\s+(\w+)', text, re.MULTILINE) if name in self.modules} - {file}
+            for file, text in texts.items()
+        }
+        self.order = []
+        for file in self.files:
+            self._add(file)
+
+    def _add(self, file):
+        if file not in self.order:
+            for used in sorted(self.uses[file]):
+                self._add(used)
+            self.order.append(file)
+
+    def modules_of(self, file):
+        return [name for name, where in self.modules.items() if where == file]
+
+    def users_of(self, file):
+        """Those whose code may change with the modules of this file, in order."""
+        found = {file}
+        for other in self.order:
+            if self.uses[other] & found:
+                found.add(other)
+        return [other for other in self.order if other in found and other != file]
+
+    def reach_of(self, file):
+        """What a file uses, and what that uses."""
+        found, new = set(), set(self.uses[file])
+        while new:
+            found |= new
+            new = set().union(*(self.uses[other] for other in new)) - found
+        return found
+
+    def reach(self, main):
+        """What a program is made of."""
+        found = self.reach_of(main) | {main}
+        library = {file for file in self.files if file.startswith('src/')}
+        return [file for file in self.order if file in found | library]
+
+
+def object_of(folder, file):
+    return folder / (file.replace('/', '_') + '.o')
+
+
+def compile_file(root, file, flags, folder, module_folders):
+    """Compiles root/file into folder, with its modules; returns the object."""
+    target = object_of(folder, file)
+    places = [word for place in module_folders for word in ('-I', str(place))]
+    # Objects hold the path as it is given: the same from every copy of the sources.
+    command(['gfortran', *flags.split(), '-J', str(folder), *places, '-c', file, '-o', str(target)], cwd=root)
+    return target
+
+
+def compile_all(root, sources, flags, folder, workers):
+    """All objects into folder, and those in C; only what changed since the last time."""
+    folder.mkdir(parents=True, exist_ok=True)
+    c_flags = [flag for flag in flags.split() if flag in ('-O3', '-O1', '-fPIC', '--coverage')]
+    for path in sorted((root / 'src').glob('**/*.c')):
+        command(['gcc', *c_flags, '-c', str(path), '-o', str(folder / (path.name + '.o'))])
+    known_file = folder / 'known.json'
+    known = json.loads(known_file.read_text()) if known_file.exists() else {}
+    left, done = list(sources.order), set()
+    with ThreadPoolExecutor(workers) as pool:
+        while left:
+            ready = [file for file in left if sources.uses[file] <= done]
+            list(pool.map(lambda file: compile_changed(root, sources, file, flags, folder, known), ready))
+            done |= set(ready)
+            left = [file for file in left if file not in done]
+            known_file.write_text(json.dumps(known))
+
+
+def compile_changed(root, sources, file, flags, folder, known):
+    """Compiles unless the source, what it uses and the flags are as they were."""
+    now = hashlib.sha256((root / file).read_bytes() + flags.encode())
+    # A module file carries on what the modules it uses tell of themselves.
+    for used in sorted(sources.reach_of(file)):
+        for name in sources.modules_of(used):
+            now.update((folder / f'{name}.mod').read_bytes())
+    if known.get(file) != now.hexdigest() or not object_of(folder, file).exists():
+        known.pop(file, None)
+        compile_file(root, file, flags, folder, [])
+        known[file] = now.hexdigest()
+
+
+def link(main, sources, flags, base, target, changed=None):
+    """The program of `main`, with changed objects ({file: object}) in place of those of base."""
+    objects = [str((changed or {}).get(file, object_of(base, file))) for file in sources.reach(main)]
+    others = [str(path) for path in sorted(base.glob('*.c.o'))]
+    more = ['--coverage'] if '--coverage' in flags else []
+    command(['gfortran', '-fopenmp', *more, *objects, *others, '-lopenblas', '-o', str(target)])
+
+
+class Extension:
+    """The Python package's compiled part, from the same objects."""
+
+    def __init__(self, root, folder, python):
+        self.folder = folder
+        folder.mkdir(parents=True, exist_ok=True)
+        pyf = root / 'python/gearsweep/flat.pyf'
+        command([python, '-m', 'numpy.f2py', str(pyf), '--lower', '--quiet', '--build-dir', str(folder)], cwd=folder)
+        ask = 'import numpy, numpy.f2py, sysconfig; print(numpy.get_include()); print(numpy.f2py.get_include()); ' \
+              'print(sysconfig.get_path("include")); print(sysconfig.get_config_var("EXT_SUFFIX"))'
+        *includes, self.suffix = command([python, '-c', ask]).split()
+        self.objects = []
+        for source in (folder / '_flatmodule.c', root / 'python/gearsweep/f2py_support.c'):
+            target = folder / (source.stem + '.o')
+            command(['gcc', '-O2', '-fPIC', *(f'-I{place}' for place in includes), '-c', str(source), '-o', str(target)])
+            self.objects.append(str(target))
+
+    def link(self, sources, base, target_folder, changed=None):
+        files = [file for file in sources.order if file.startswith('src/')]
+        objects = [str((changed or {}).get(file, object_of(base, file))) for file in files]
+        others = [str(path) for path in sorted(base.glob('*.c.o'))]
+        target = target_folder / ('_flat' + self.suffix)
+        command(['gfortran', '-shared', '-fopenmp', *self.objects, *objects, *others, '-lopenblas', '-o', str(target)])
+
+
+class Mutated:
+    """The objects that one mutant changes."""
+
+    def __init__(self, tree, file, sources, base, folder):
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        self.changed = {file: compile_file(tree, file, RELEASE, folder, [base])}
+        self.same = self.changed[file].read_bytes() == object_of(base, file).read_bytes()
+        # Constants and defaults stand in the module file: whoever uses it is compiled anew.
+        stale = {file} if any(self._differs(folder, base, name) for name in sources.modules_of(file)) else set()
+        for user in sources.users_of(file) if stale else ():
+            if sources.uses[user] & stale:
+                made = compile_file(tree, user, RELEASE, folder, [folder, base])
+                if made.read_bytes() != object_of(base, user).read_bytes():
+                    self.same = False
+                self.changed[user] = made
+                # Modules that name what they use carry it on.
+                stale.add(user)
+
+    @staticmethod
+    def _differs(folder, base, name):
+        return (folder / f'{name}.mod').read_bytes() != (base / f'{name}.mod').read_bytes()
