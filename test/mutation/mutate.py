@@ -61,8 +61,9 @@ def explanations():
 class Worker:
     """One copy of the checkout, with the programs made from it."""
 
-    def __init__(self, number, base, extension):
+    def __init__(self, number, base, extension, known=None):
         self.tree = trials.Tree(ROOT, SCRATCH / f'tree{number}', ROOT / '.venv')
+        self.known = known
         self.sources = build.Sources(self.tree.root)
         self.base, self.extension = base, extension
         self.changed = None
@@ -99,10 +100,11 @@ class Worker:
         """{'verdict', 'by', 'why'}, or why it is no mutant."""
         path = self.tree.root / mutant.file
         text = path.read_text()
+        lines = text.split('\n')[mutant.first_line - 1 : mutant.last_line]
         path.write_text(text[: mutant.start] + mutant.replacement + text[mutant.end :])
         try:
             if mutant.file.endswith('.py'):
-                return self._judge_python(mutant, path, tests)
+                return self._judge_python(mutant, path, text, tests)
             try:
                 made = build.Mutated(self.tree.root, mutant.file, self.sources, self.base, self.tree.root / 'build/mutated')
             except build.CompileError:
@@ -114,11 +116,11 @@ class Worker:
                 self._link()
             except build.CompileError:
                 return {'verdict': 'does not compile'}
-            return self._try(mutant, tests)
+            return self._try(mutant, tests, lines)
         finally:
             path.write_text(text)
 
-    def _judge_python(self, mutant, path, tests):
+    def _judge_python(self, mutant, path, text, tests):
         try:
             compile(path.read_text(), mutant.file, 'exec')
         except SyntaxError:
@@ -127,15 +129,17 @@ class Worker:
         self.restore()
         try:
             shutil.copy2(path, copy)
-            return self._try(mutant, tests)
+            return self._try(mutant, tests, [])
         finally:
-            shutil.copy2(ROOT / mutant.file, copy)
+            copy.write_text(text)
 
-    def _try(self, mutant, tests):
+    def _try(self, mutant, tests, lines):
         for test in sorted(tests, key=lambda test: test.seconds):
-            if test.reaches(mutant):
+            if test.reaches(mutant, lines):
                 self._link_rest(test.kind)
                 why = trials.catches(test, self.tree)
+                if why and not self.known.is_sure(test):
+                    why = trials.catches(test, self.tree)
                 if why:
                     return {'verdict': 'killed', 'by': test.name, 'why': why}
         return {'verdict': 'survived'}
@@ -242,10 +246,12 @@ def main():
     sources = build.Sources(first.root)
     build.compile_all(first.root, sources, build.RELEASE, base, options.workers)
     extension = build.Extension(ROOT, SCRATCH / 'extension', str(ROOT / '.venv/bin/python'))
-    workers = [Worker(number, base, extension) for number in range(options.workers)]
+    whole = Worker(0, base, extension)
+    known = trials.Known(SCRATCH, whole.tree, whole.sources, say, options.workers)
+    workers = [Worker(number, base, extension, known) for number in range(1, options.workers + 1)]
     wanted = options.rooms or list(rooms)
     tests = [test for test in trials.all_tests(ROOT) if any(test.fits(room) for room in wanted)]
-    trials.measure(tests, workers[0].tree, workers[0].sources, SCRATCH, say, options.workers)
+    known.prepare(tests)
     count = shares(rooms, options.count)
     results = {}
     for room in wanted:

@@ -31,16 +31,17 @@ class Test:
     fails: list = field(default_factory=list)
     reached: dict = field(default_factory=dict)
 
-    def reaches(self, mutant):
-        """Does it run the changed lines? Lines without code, as constants have, count as reached where
-        their file is, or where nothing of it is run at all."""
+    def reaches(self, mutant, lines):
+        """Does it run one of these changed lines? Lines are known by their text, so that what was measured
+        once holds while others move. Those without code, as constants have, and new ones count as reached
+        where anything of their file is."""
         if self.kind != 'suite':
             return True
-        lines = self.reached.get(mutant.file)
-        if lines is None:
+        known = self.reached.get(mutant.file)
+        if known is None:
             return False
-        own = [line for line in range(mutant.first_line, mutant.last_line + 1) if str(line) in lines['all']]
-        return not own or any(str(line) in lines['run'] for line in own)
+        own = [line for line in map(short, lines) if line in known]
+        return not own or any(known[line] for line in own)
 
     def fits(self, room):
         """Could it see a change in this room?"""
@@ -123,7 +124,6 @@ def environment(tree):
     found |= {
         'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'GFORTRAN_UNBUFFERED_ALL': '1', 'PYTHONDONTWRITEBYTECODE': '1',
         'GEARSWEEP_PROGRAM': str(tree.program), 'PYTHONPATH': f'{tree.package}:{tree.root}', 'MPLCONFIGDIR': str(tree.root / 'build'),
-        'PYTHONPATH_PACKAGE': str(tree.package),
     }
     return found
 
@@ -189,6 +189,11 @@ def catches(test, tree):
 # --- what is known of the tests without a mutant ------------------------------
 
 
+def short(line):
+    """A line of a source as it is kept."""
+    return hashlib.sha256(' '.join(line.split()).encode()).hexdigest()[:10]
+
+
 def fingerprint(root, folders):
     found = hashlib.sha256()
     for folder in folders:
@@ -198,68 +203,77 @@ def fingerprint(root, folders):
     return found.hexdigest()
 
 
-def needs(test):
-    if test.kind == 'suite':
-        return ['src', 'test']
-    if test.kind == 'script':
-        return ['src', 'app', 'data', f'test/{test.name}.sh']
-    if test.kind == 'callers':
-        return ['src', 'app', 'include', 'python/gearsweep', 'test/callers', 'test/test_callers.sh', 'doc/linking.md']
-    return ['src', 'app/gearsweep.f90', 'python', 'validation', 'doc', 'data']
+class Known:
+    """What each test does without a mutant, kept below build/ from run to run: which lines of src it runs,
+    measured again where its own source changes, and how it ends, which is asked again where anything
+    changes, and only of tests that say they caught something."""
 
+    def __init__(self, scratch, tree, sources, say, workers):
+        self.scratch, self.tree, self.sources, self.say, self.workers = scratch, tree, sources, say, workers
+        self.file = scratch / 'tests.json'
+        self.entries = json.loads(self.file.read_text()) if self.file.exists() else {}
+        self.now = fingerprint(tree.root, ['src', 'app', 'data', 'doc', 'include', 'python', 'test', 'validation'])
+        self.lock = threading.Lock()
 
-def measure(tests, tree, sources, scratch, say, workers):
-    """Times, failures without a mutant, and for suites the lines they run; kept until a file changes."""
-    known_file = scratch / 'tests.json'
-    known = json.loads(known_file.read_text()) if known_file.exists() else {}
-    for test in tests:
-        now = fingerprint(tree.root, needs(test))
-        was = known.get(test.name)
-        if not was or was['now'] != now:
-            say(f'runs {test.name} without a mutant')
-            code, fails, seconds = run(test, tree, stop_early=False)
-            if code:
-                say(f'{test.name} fails without a mutant: {fails[:1] or code}')
-            was = known[test.name] = {'now': now, 'code': code, 'fails': fails, 'seconds': seconds, 'reached': {}}
+    def prepare(self, tests):
+        for test in tests:
+            entry = self.entries.setdefault(test.name, {})
             if test.kind == 'suite':
-                was['reached'] = lines_run(test, tree, sources, scratch, say, workers)
-            known_file.write_text(json.dumps(known))
-        test.code, test.fails, test.seconds, test.reached = was['code'], was['fails'], was['seconds'], was['reached']
+                own = fingerprint(self.tree.root, [f'test/test_{test.name}.f90'])
+                if entry.get('own') != own:
+                    entry |= {'own': own, 'reached': self._lines_run(test)}
+                test.reached = entry['reached']
+            if 'seconds' not in entry:
+                self._ask(test)
+            test.code, test.fails, test.seconds = entry['code'], entry['fails'], entry['seconds']
+            self.file.write_text(json.dumps(self.entries))
 
+    def is_sure(self, test):
+        """Was the test asked as things are? If not, it is now, and what it caught must be looked at again."""
+        with self.lock:
+            entry = self.entries[test.name]
+            if entry['now'] == self.now:
+                return True
+            self._ask(test)
+            test.code, test.fails, test.seconds = entry['code'], entry['fails'], entry['seconds']
+            self.file.write_text(json.dumps(self.entries))
+            return False
 
-def lines_run(test, tree, sources, scratch, say, workers):
-    """The lines of src that a suite runs: {file: {'run': lines, 'all': lines with code}}."""
-    base = scratch / 'coverage'
-    check = base / 'check'
-    stamp = base / 'stamp'
-    now = fingerprint(tree.root, ['src', 'test'])
-    if not stamp.exists() or stamp.read_text() != now:
-        say('builds for line coverage')
-        build.compile_all(tree.root, sources, build.COVERAGE, base, workers)
-        build.link(build.TESTS, sources, build.COVERAGE, base, check)
-        stamp.write_text(now)
-    data = scratch / 'counts'
-    shutil.rmtree(data, ignore_errors=True)
-    data.mkdir()
-    subprocess.run([check, test.name], cwd=tree.root, env=environment(tree) | {'GCOV_PREFIX': str(data)},
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    counts = sorted(data.glob('**/src_*.gcda'))
-    for path in counts:
-        shutil.copy2(base / (path.stem + '.gcno'), path.with_suffix('.gcno'))
-    out = scratch / 'gcov'
-    shutil.rmtree(out, ignore_errors=True)
-    out.mkdir()
-    subprocess.run(['gcov', '--json-format', *map(str, counts)], cwd=out, stdout=subprocess.DEVNULL, check=True)
-    found = {}
-    for path in out.glob('*.gcov.json.gz'):
-        for file in json.loads(gzip.decompress(path.read_bytes()))['files']:
-            name = file['file']
-            lines = {'run': {}, 'all': {}}
-            for line in file['lines']:
-                lines['all'][str(line['line_number'])] = 1
-                if line['count']:
-                    lines['run'][str(line['line_number'])] = 1
-            if lines['run']:
-                found[name] = lines
-    shutil.rmtree(data)
-    return found
+    def _ask(self, test):
+        code, fails, seconds = run(test, self.tree, stop_early=False)
+        if code:
+            self.say(f'{test.name} fails without a mutant: {fails[:1] or code}')
+        self.entries[test.name] |= {'now': self.now, 'code': code, 'fails': fails, 'seconds': seconds}
+
+    def _lines_run(self, test):
+        """The lines of src with code and whether the suite runs them: {file: {line: bool}}."""
+        base = self.scratch / 'coverage'
+        check, stamp = base / 'check', base / 'stamp'
+        if not stamp.exists() or stamp.read_text() != self.now:
+            self.say('builds for line coverage')
+            build.compile_all(self.tree.root, self.sources, build.COVERAGE, base, self.workers)
+            build.link(build.TESTS, self.sources, build.COVERAGE, base, check)
+            stamp.write_text(self.now)
+        self.say(f'asks which lines {test.name} runs')
+        data, out = self.scratch / 'counts', self.scratch / 'gcov'
+        for folder in (data, out):
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+        subprocess.run([check, test.name], cwd=self.tree.root, env=environment(self.tree) | {'GCOV_PREFIX': str(data)},
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        counts = sorted(data.glob('**/src_*.gcda'))
+        for path in counts:
+            shutil.copy2(base / (path.stem + '.gcno'), path.with_suffix('.gcno'))
+        subprocess.run(['gcov', '--json-format', *map(str, counts)], cwd=out, stdout=subprocess.DEVNULL, check=True)
+        found = {}
+        for path in out.glob('*.gcov.json.gz'):
+            for file in json.loads(gzip.decompress(path.read_bytes()))['files']:
+                text = (self.tree.root / file['file']).read_text().split('\n')
+                lines = {}
+                for line in file['lines']:
+                    key = short(text[line['line_number'] - 1])
+                    lines[key] = lines.get(key, False) or line['count'] > 0
+                if any(lines.values()):
+                    found[file['file']] = lines
+        shutil.rmtree(data)
+        return found
