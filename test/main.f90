@@ -8,6 +8,7 @@ program check
   use test_closed_geometry, only: run_closed_geometry => run
   use test_closed_relief, only: run_closed_relief => run
   use test_closed_stiffness, only: run_closed_stiffness => run
+  use test_closed_stress, only: run_closed_stress => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_disc, only: run_elastic_disc => run
   use test_elastic_modes, only: run_elastic_modes => run
@@ -58,6 +59,7 @@ program check
     & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
+    & suite_t('closed_stress', run_closed_stress), &
     & suite_t('band', run_band), &
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &
