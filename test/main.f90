@@ -5,6 +5,7 @@ program check
   use extreme_table, only: print_limits
   use test_band, only: run_band => run
   use test_branches, only: run_branches => run
+  use test_closed_estimates, only: run_closed_estimates => run
   use test_closed_geometry, only: run_closed_geometry => run
   use test_closed_relief, only: run_closed_relief => run
   use test_closed_stiffness, only: run_closed_stiffness => run
@@ -60,6 +61,7 @@ program check
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
     & suite_t('closed_stress', run_closed_stress), &
+    & suite_t('closed_estimates', run_closed_estimates), &
     & suite_t('band', run_band), &
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &
