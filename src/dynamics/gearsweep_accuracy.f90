@@ -157,7 +157,7 @@ contains
     if (graded%graded_for > 0) then
       call solve_graded(osc, duration, options, graded, tables, points, solved)
       if (any(solved)) return
-      points = point_t()
+      points = point_t(steady_t(), resolution=resolution_t())
     end if
     least = 2*resolving_steps(osc, longest)
     rung = rung_for(max(least, first_guess(osc, longest, options, tables)))

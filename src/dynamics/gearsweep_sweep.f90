@@ -102,7 +102,7 @@ contains
         call keep_points(osc(relief), rpm, options, tables, points(:, relief), sweep%kept(:, relief))
       end if
       !$omp atomic capture
-      done = done + blocks(i)%last - blocks(i)%first + 1
+      done = done + (blocks(i)%last - blocks(i)%first + 1)
       now = done
       !$omp end atomic
       if (present(progress)) then
