@@ -1,11 +1,13 @@
 !> gearsweep CASE.nml: reads a case, computes, prints the answer, leaves tables.
 !> The only place that prints or stops.
 program gearsweep_program
-  use, intrinsic :: iso_c_binding, only: c_int
-  use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
+  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
+  use, intrinsic :: iso_fortran_env, only: error_unit, int64
   use gearsweep
-  use gearsweep_files, only: folder_of, make_folder, read_text, remove_folder
+  use gearsweep_characters, only: printable
+  use gearsweep_files, only: check_folder, check_name, fail_system, folder_of, make_folder, read_text, remove_folder
   use gearsweep_output, only: write_results
+  use gearsweep_system, only: print_text
   use gearsweep_text, only: str, to_number
   implicit none
 
@@ -31,13 +33,17 @@ program gearsweep_program
   type(case_t) :: case
   type(study_t) :: study
   type(error_t), allocatable :: error
-  character(:), allocatable :: text
+  character(:), allocatable :: text, written
   logical :: made = .false.
+  character, parameter :: lf = new_line('a')
   integer(int64) :: began, ended, rate
 
   call system_clock(began, rate)
   call read_arguments(arguments)
-  call read_text(arguments%case, text, error)
+  call read_text(arguments%case, text, error, stream=.true.)
+  call check(error)
+  call check_folder(arguments%out, error)
+  call check_name(stem(arguments%case), error)
   call check(error)
   call read_case(text, case, error)
   call check(error)
@@ -51,33 +57,45 @@ program gearsweep_program
   end if
   call check(error)
   call system_clock(ended)
+  ! Before anything is printed: whoever reads may leave, and the process with him.
+  call write_results(study, arguments%out, stem(arguments%case), written, error)
   if (.not. arguments%quiet) call show_answer()
-  call write_tables()
+  call check(error)
   if (failed_points(study) > 0) call finish(code_partial)
 
 contains
 
   subroutine show_answer()
-    write (output_unit, '(a)') 'gearsweep '//version
-    write (output_unit, '(a)', advance='no') report(study)
-    write (output_unit, '(a)') 'Time               '//str(real(ended - began, dp)/rate, 3)//' s'
-    if (arguments%verbose) write (output_unit, '(/a)', advance='no') study%log
-  end subroutine show_answer
-
-  !> Says what was written, and ends if a file cannot be.
-  subroutine write_tables()
-    character(:), allocatable :: written
     integer :: from, until
 
-    call write_results(study, arguments%out//'/'//stem(arguments%case), written, error)
+    call print_line('gearsweep '//version)
+    call print_out(report(study))
+    call print_line('Time               '//str(real(ended - began, dp)/rate, 3)//' s')
+    if (arguments%verbose) call print_out(lf//study%log)
     from = 1
-    do while (from <= len(written) .and. .not. arguments%quiet)
-      until = from + index(written(from:), new_line('a')) - 1
-      write (output_unit, '(a)') 'Wrote              '//written(from:until - 1)
+    do while (from <= len(written))
+      until = from + index(written(from:), lf) - 1
+      call print_line('Wrote              '//written(from:until - 1))
       from = until + 1
     end do
+  end subroutine show_answer
+
+  subroutine print_line(line)
+    character(*), intent(in) :: line
+
+    call print_out(line//lf)
+  end subroutine print_line
+
+  !> Prints to the standard output, and ends where that takes no more; that tables are missing weighs more.
+  subroutine print_out(words)
+    character(*), intent(in) :: words
+    integer(c_int) :: code
+
+    code = print_text(words, len(words, c_int64_t))
+    if (code == 0) return
+    call fail_system('cannot write to the standard output', code, error)
     call check(error)
-  end subroutine write_tables
+  end subroutine print_out
 
   !> File name without folder and ending.
   pure function stem(path) result(name)
@@ -115,7 +133,7 @@ contains
         call show_help()
         call finish(code_ok)
       case ('--version')
-        write (output_unit, '(a)') 'gearsweep '//version
+        call print_line('gearsweep '//version)
         call finish(code_ok)
       case ('--verbose')
         arguments%verbose = .true.
@@ -160,27 +178,27 @@ contains
   end function argument
 
   subroutine show_help()
-    write (output_unit, '(a)') &
-      'gearsweep '//version//': dynamic factor of a spur-gear pair over speed and tip relief', &
-      '', &
-      'usage: gearsweep CASE.nml [options]', &
-      '', &
-      '  --out FOLDER    where the tables go (results); it is made if missing', &
-      '  --threads N     threads of the sweep (all); the answer is the same for any number', &
-      '  --verbose       also say which stages ran and what was left out', &
-      '  --quiet         print errors only', &
-      '  --version       print the version', &
-      '  --help          print this', &
-      '', &
-      'exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,', &
-      '           4 some operating points have no answer, 5 a method failed, 6 memory', &
-      'The keys of a case are described in doc/case.md.'
+    call print_line( &
+      'gearsweep '//version//': dynamic factor of a spur-gear pair over speed and tip relief'//lf// &
+      lf// &
+      'usage: gearsweep CASE.nml [options]'//lf// &
+      lf// &
+      '  --out FOLDER    where the tables go (results); it is made if missing'//lf// &
+      '  --threads N     threads of the sweep (all); the answer is the same for any number'//lf// &
+      '  --verbose       also say which stages ran and what was left out'//lf// &
+      '  --quiet         print errors only'//lf// &
+      '  --version       print the version'//lf// &
+      '  --help          print this'//lf// &
+      lf// &
+      'exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,'//lf// &
+      '           4 some operating points have no answer, 5 a method failed, 6 memory'//lf// &
+      'The keys of a case are described in doc/case.md.')
   end subroutine show_help
 
   subroutine usage(message)
     character(*), intent(in) :: message
 
-    write (error_unit, '(a)') 'gearsweep: '//message//'; gearsweep --help tells more'
+    call complain(message//'; gearsweep --help tells more')
     call finish(code_usage)
   end subroutine usage
 
@@ -190,15 +208,23 @@ contains
 
     if (.not. allocated(error)) return
     if (made) call remove_folder(arguments%out)
-    write (error_unit, '(a)') 'gearsweep: '//error%message
+    call complain(error%message)
     call finish(error%code)
   end subroutine check
 
+  !> Says what is wrong; where not even that can be said, the exit code does.
+  subroutine complain(message)
+    character(*), intent(in) :: message
+    integer :: ignored
+
+    write (error_unit, '(a)', iostat=ignored) 'gearsweep: '//printable(message)
+  end subroutine complain
+
   subroutine finish(code)
     integer, intent(in) :: code
+    integer :: ignored
 
-    flush (output_unit)
-    flush (error_unit)
+    flush (error_unit, iostat=ignored)
     call c_exit(int(code, c_int))
   end subroutine finish
 end program gearsweep_program

@@ -79,10 +79,11 @@ int gsc_report(const char *text, size_t text_length, const char *folder, int nwo
                size_t message_size);
 
 /* What the program does with a case: the answer, and its tables and grids as files name.sweep.csv and
-   so on in the folder out, which is made if missing (empty: no files, no answer). stages: which ran and
-   which were left out; files: that were written; a line each. The texts may be NULL with size 0 and are
-   cut where they are too long; length is that of the whole answer. They are filled also where a file
-   cannot be written. */
+   so on in the folder out, which is made if missing (empty: no files, no answer). name: without a folder
+   and control characters, or GSC_INPUT. stages: which ran and which were left out; files: that were
+   written, all or, where one cannot be (GSC_FILE), none, and those of before stay; a line each. The texts
+   may be NULL with size 0 and are cut where they are too long; length is that of the whole answer. They
+   are filled also where a file cannot be written. */
 int gsc_write(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
               int threads, const char *out, const char *name, char *answer, size_t answer_size,
               size_t *length, char *stages, size_t stages_size, char *files, size_t files_size,

@@ -321,7 +321,8 @@ contains
     character(2000) :: stages, files, names
     real(dp) :: none(1), values(1)
     real(dp), allocatable :: numbers(:)
-    integer :: length, info, used
+    character(*), parameter :: bad(*) = [character(4) :: '', '.', '..', '../x', 'a/b', '/x', 'a'//achar(10)//'b', achar(27)]
+    integer :: length, info, used, i
     logical :: there
     character(200) :: message
 
@@ -336,6 +337,10 @@ contains
     call gs_write(with_section, '', 0, none, 1, out//'/no/folder', 'case', 0, none, used, names, answer, length, stages, &
                   files, info, message)
     call check_equal(t, 'no folder', info, code_file)
+    do i = 1, size(bad)
+      call gs_write(with_section, '', 0, none, 1, out, bad(i), 0, none, used, names, answer, length, stages, files, info, message)
+      call check_true(t, 'no name: '//bad(i), info == code_input .and. index(message, 'name') == 1)
+    end do
     values = -1
     call gs_write(with_section, '', 0, none, 1, ' ', 'case', 1, values, used, names, answer, length, stages, files, info, message)
     call check_true(t, 'too many numbers: untouched', info == code_ok .and. used > 1 .and. all(values < 0))

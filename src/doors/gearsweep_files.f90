@@ -1,130 +1,139 @@
-!> Text files: read whole, written under a temporary name and renamed, so that
-!> no reader meets a half-written one.
+!> Files and folders by name: reading with a bound, and what a name may be.
 module gearsweep_files
-  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
-  use gearsweep_kinds, only: dp
-  use gearsweep_error, only: error_t, fail, code_file, code_input
-  use gearsweep_text, only: str
+  use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+  use gearsweep_characters, only: first_control
+  use gearsweep_error, only: error_t, fail, code_file, code_input, code_memory
+  use gearsweep_system, only: begin_files, close_file, end_files, make_folder_at, open_file, read_file, reason_of, &
+                              remove_folder_at
+  use gearsweep_text, only: shown
   implicit none
   private
-  public :: read_text, write_text, make_folder, remove_folder, read_table, beside, folder_of
+  public :: read_text, make_folder, remove_folder, check_name, check_folder, beside, folder_of, fail_system
 
-  interface
-    integer(c_int) function c_rename(from, to) bind(c, name='rename')
-      import :: c_char, c_int
-      character(kind=c_char), intent(in) :: from(*), to(*)
-    end function c_rename
-
-    integer(c_int) function c_rmdir(path) bind(c, name='rmdir')
-      import :: c_char, c_int
-      character(kind=c_char), intent(in) :: path(*)
-    end function c_rmdir
-
-    integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
-      import :: c_char, c_int
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int), value :: mode
-    end function c_mkdir
-  end interface
+  !> Beyond this no file is a case, a table of stiffness or a list of printed values.
+  integer, parameter, public :: longest_file = 10*1000*1000
+  character(*), parameter, public :: too_long = 'longer than 10 MB'
 
 contains
 
-  !> The whole file as one text.
-  subroutine read_text(path, text, error)
+  !> The whole file as one text. With `stream` it may also be a pipe or a device, which is read to its end;
+  !> otherwise only a regular file.
+  subroutine read_text(path, text, error, stream)
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: text
     type(error_t), allocatable, intent(out) :: error
-    character(256) :: reason
-    integer :: unit, length, stat
+    logical, intent(in), optional :: stream
+    integer(c_int) :: file, any_kind
 
-    open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', &
-          iostat=stat, iomsg=reason)
-    if (stat == 0) then
-      inquire (unit=unit, size=length)
-      if (length > 0) then
-        allocate (character(length) :: text)
-        read (unit, iostat=stat, iomsg=reason) text
-      else
-        call read_stream(unit, text, stat, reason)
-      end if
-      close (unit)
+    any_kind = 0
+    if (present(stream)) any_kind = merge(1_c_int, 0_c_int, stream)
+    file = open_file(path//c_null_char, any_kind)
+    if (file < 0) then
+      call fail_system('cannot read '//path, file, error)
+    else
+      call read_all(path, file, text, error)
+      call close_file(file)
     end if
-    if (stat /= 0) call fail(error, code_file, 'cannot read '//path//': '//trim(reason))
   end subroutine read_text
 
-  !> A pipe has no size: byte by byte.
-  subroutine read_stream(unit, text, stat, reason)
-    integer, intent(in) :: unit
+  !> Reads an open file to its end, in linear time.
+  subroutine read_all(path, file, text, error)
+    character(*), intent(in) :: path
+    integer(c_int), intent(in) :: file
     character(:), allocatable, intent(out) :: text
-    integer, intent(out) :: stat
-    character(*), intent(inout) :: reason
-    character(1) :: byte
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: larger
+    integer :: used, room, stat
+    integer(c_int) :: n
 
-    text = ''
-    do
-      read (unit, iostat=stat, iomsg=reason) byte
+    used = 0
+    room = 2**16
+    allocate (character(room) :: text, stat=stat)
+    do while (stat == 0)
+      n = read_file(file, text(used + 1:), int(room - used, c_int))
+      if (n <= 0) exit
+      used = used + n
+      if (used > longest_file) exit
+      if (used < room) cycle
+      room = 2*room
+      allocate (character(room) :: larger, stat=stat)
       if (stat /= 0) exit
-      text = text//byte
+      larger(:used) = text
+      call move_alloc(larger, text)
     end do
-    if (is_iostat_end(stat)) stat = 0
-  end subroutine read_stream
-
-  !> Writes `text` to `path`, all or nothing.
-  subroutine write_text(path, text, error)
-    character(*), intent(in) :: path, text
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: temporary
-    character(256) :: reason
-    integer :: unit, stat, ignored
-
-    temporary = path//'.part'
-    open (newunit=unit, file=temporary, status='replace', action='write', access='stream', form='unformatted', &
-          iostat=stat, iomsg=reason)
-    if (stat == 0) then
-      write (unit, iostat=stat, iomsg=reason) text
-      if (stat == 0) then
-        close (unit, iostat=stat, iomsg=reason)
-      else
-        close (unit, status='delete', iostat=ignored)
-      end if
+    if (stat /= 0) then
+      call fail(error, code_memory, path//': does not fit into memory')
+    else if (n < 0) then
+      call fail_system('cannot read '//path, n, error)
+    else if (used > longest_file) then
+      call fail(error, code_input, path//': is '//too_long)
+    else
+      text = text(:used)
     end if
-    if (stat == 0) then
-      stat = c_rename(temporary//c_null_char, path//c_null_char)
-      reason = 'something else of that name is in the way'
-      if (stat /= 0) call remove(temporary)
-    end if
-    if (stat /= 0) call fail(error, code_file, 'cannot write '//path//': '//trim(reason))
-  end subroutine write_text
+  end subroutine read_all
 
-  subroutine remove(path)
-    character(*), intent(in) :: path
-    integer :: unit, stat
+  !> Fails with the system's own words.
+  subroutine fail_system(what, code, error)
+    character(*), intent(in) :: what
+    integer(c_int), intent(in) :: code
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: reason
 
-    open (newunit=unit, file=path, status='old', iostat=stat)
-    if (stat == 0) close (unit, status='delete', iostat=stat)
-  end subroutine remove
-
-  !> Removes a folder that `make_folder` made, if nothing is in it.
-  subroutine remove_folder(path)
-    character(*), intent(in) :: path
-    integer(c_int) :: ignored
-
-    ignored = c_rmdir(path//c_null_char)
-  end subroutine remove_folder
+    call reason_of(code, reason)
+    call fail(error, code_file, what//': '//reason)
+  end subroutine fail_system
 
   !> Makes the last folder of `path` if it is missing, and tries whether it takes files.
   subroutine make_folder(path, made, error)
     character(*), intent(in) :: path
     logical, intent(out) :: made                 !< it was missing
     type(error_t), allocatable, intent(out) :: error
-    character(256) :: reason
-    integer :: unit, stat
+    integer(c_int) :: code, where(3)
 
-    made = c_mkdir(path//c_null_char, int(o'777', c_int)) == 0
-    open (newunit=unit, file=path//'/.gearsweep.part', status='replace', action='write', iostat=stat, iomsg=reason)
-    if (stat == 0) close (unit, status='delete', iostat=stat, iomsg=reason)
-    if (stat /= 0) call fail(error, code_file, 'cannot write to the folder '//path//': '//trim(reason))
+    code = make_folder_at(path//c_null_char)
+    made = code == 1
+    if (code >= 0) then
+      code = begin_files(path//c_null_char, where)
+      if (code == 0) call end_files(where)
+    end if
+    if (code < 0) call fail_system('cannot write to the folder '//path, code, error)
   end subroutine make_folder
+
+  !> Removes a folder that `make_folder` made, if nothing is in it.
+  subroutine remove_folder(path)
+    character(*), intent(in) :: path
+
+    call remove_folder_at(path//c_null_char)
+  end subroutine remove_folder
+
+  !> Refuses what cannot be the beginning of a file's name in a folder.
+  pure subroutine check_name(name, error)
+    character(*), intent(in) :: name
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (len_trim(name) == 0) then
+      call fail(error, code_input, 'name: is empty; the tables are called NAME.sweep.csv and so on')
+    else if (index(name, '/') > 0 .or. name == '.' .or. name == '..') then
+      call fail(error, code_input, 'name = '//shown(name)//': must be a name without a folder')
+    else if (has_controls(name)) then
+      call fail(error, code_input, 'name = '//shown(name)//': must not have control characters')
+    end if
+  end subroutine check_name
+
+  !> Refuses folders whose name would spoil the list of the files written.
+  pure subroutine check_folder(folder, error)
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (has_controls(folder)) call fail(error, code_input, 'folder '//shown(folder)//': must not have control characters')
+  end subroutine check_folder
+
+  !> Names have no use for tabs and line ends either.
+  pure logical function has_controls(name)
+    character(*), intent(in) :: name
+
+    has_controls = first_control(name) > 0 .or. scan(name, achar(9)//achar(10)//achar(13)) > 0
+  end function has_controls
 
   !> Folder of a path, with its slash; empty for none.
   pure function folder_of(path) result(folder)
@@ -142,74 +151,4 @@ contains
     path = folder//file
     if (index(file, '/') == 1) path = file
   end function beside
-
-  !> Two columns of numbers, separated by blanks, tabs, commas or semicolons;
-  !> lines that begin with `#` or `!` are comments.
-  subroutine read_table(path, first, second, error)
-    character(*), intent(in) :: path
-    real(dp), allocatable, intent(out) :: first(:), second(:)
-    type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: text
-    integer :: from, until, line, rows
-
-    call read_text(path, text, error)
-    if (allocated(error)) return
-    allocate (first(count_lines(text)), second(count_lines(text)))
-    rows = 0
-    line = 0
-    from = 1
-    do while (from <= len(text))
-      until = index(text(from:), new_line('a')) + from - 1
-      if (until < from) until = len(text) + 1
-      line = line + 1
-      call read_row(text(from:until - 1))
-      if (allocated(error)) return
-      from = until + 1
-    end do
-    first = first(:rows)
-    second = second(:rows)
-
-  contains
-
-    subroutine read_row(raw)
-      character(*), intent(in) :: raw
-      character(:), allocatable :: row
-      character(40) :: words(2)
-      character(1) :: surplus
-      real(dp) :: numbers(2)
-      integer :: k, stat
-
-      row = raw
-      do k = 1, len(row)
-        if (index(achar(9)//achar(13)//',;', row(k:k)) > 0) row(k:k) = ' '
-      end do
-      row = adjustl(row)
-      if (len_trim(row) == 0) return
-      if (index('#!', row(1:1)) > 0) return
-      read (row, *, iostat=stat) numbers
-      if (stat == 0 .and. verify(trim(row), '0123456789+-.eEdD ') > 0) stat = 1
-      if (stat == 0) then
-        if (.not. all(abs(numbers) < huge(numbers))) stat = 1
-        read (row, *, iostat=k) words, surplus
-        if (k == 0) stat = 1
-      end if
-      if (stat /= 0) then
-        call fail(error, code_input, path//' line '//str(line)//': must be two numbers, s and stiffness')
-        return
-      end if
-      rows = rows + 1
-      first(rows) = numbers(1)
-      second(rows) = numbers(2)
-    end subroutine read_row
-  end subroutine read_table
-
-  pure integer function count_lines(text) result(n)
-    character(*), intent(in) :: text
-    integer :: i
-
-    n = 1
-    do i = 1, len(text)
-      if (text(i:i) == new_line('a')) n = n + 1
-    end do
-  end function count_lines
 end module gearsweep_files

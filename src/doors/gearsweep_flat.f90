@@ -143,14 +143,16 @@ end subroutine gs_report
 !>
 !> out              folder of the files, without a slash at its end; it is made if missing. Blank: only the
 !>                  numbers are wanted, no files and no answer
-!> name             of the files: name.sweep.csv and so on
+!> name             of the files: name.sweep.csv and so on; without a folder and control characters
 !> values(room)     the numbers, array after array; room = 0: they are not wanted
 !> used             how many there are; also where room is too small for them (then values is as it was)
 !> names            of the arrays, a line each, ended by char(10): as `sweep.dynamic_factor 327 5`, with its
 !>                  shape; task and argument of the call for that task alone
 !> answer, length   as from gs_report
 !> stages           which ran and which were left out, a line each, for a curious reader
-!> files            that were written, a line each, ended by char(10)
+!> files            that were written, a line each, ended by char(10): all, or none where one cannot be written,
+!>                  and then what was there before stays. Calls at once into one folder are served one after the
+!>                  other. Tables of an earlier call with this name that this one has not get the ending `.old`
 !>
 !> The texts are cut where they are too long; `length` is that of the whole answer. They are filled also
 !> where a file cannot be written.
@@ -159,7 +161,7 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values,
   use gearsweep_border, only: in_folder, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
-  use gearsweep_files, only: make_folder, remove_folder
+  use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
   use gearsweep_numbers, only: list_numbers, numbers_t
   use gearsweep_output, only: write_results
   use gearsweep_report, only: write_report
@@ -185,7 +187,11 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values,
   if (.not. allocated(error)) then
     ! Only the answer compares.
     if (out == '' .and. allocated(case%published)) deallocate (case%published)
-    if (out /= '') call make_folder(trim(out), made, error)
+    if (out /= '') then
+      call check_folder(trim(out), error)
+      call check_name(trim(name), error)
+      if (.not. allocated(error)) call make_folder(trim(out), made, error)
+    end if
   end if
   call run_case(case, nwork, work, threads, study, error, in_folder(folder))
   if (.not. allocated(error)) then
@@ -202,10 +208,7 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values,
     call write_report(study, words)
     length = len(words)
     answer = words
-    ! Texts of grids have lengths that gfortran keeps in static memory; see gearsweep_text.
-    !$omp critical (gearsweep_texts)
-    call write_results(study, trim(out)//'/'//trim(name), written, error)
-    !$omp end critical (gearsweep_texts)
+    call write_results(study, trim(out), trim(name), written, error)
     files = written
   end if
   if (allocated(error) .and. made) call remove_folder(trim(out))

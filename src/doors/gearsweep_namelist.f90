@@ -3,6 +3,7 @@
 !> Own code, as Fortran's namelist input cannot say what is unknown, missing or wrong.
 !> A key with nothing behind its `=` counts as not given. Strings end on their line.
 module gearsweep_namelist
+  use gearsweep_characters, only: find_control
   use gearsweep_entries, only: builder_t, entry_t, fail_at, longest_text, name_length, namelist_t, value_t
   use gearsweep_error, only: error_t
   use gearsweep_text, only: lower, shown, str, to_number
@@ -210,19 +211,15 @@ contains
   pure subroutine check_characters(text, error)
     character(*), intent(in) :: text
     type(error_t), allocatable, intent(inout) :: error
-    integer :: i, line
+    character(:), allocatable :: control
+    integer :: line
 
-    line = 1
-    if (len(text) > longest_text) call fail_at(line, 'the text is longer than 10 MB', error)
-    if (allocated(error)) return
-    do i = 1, len(text)
-      if (text(i:i) == lf) line = line + 1
-      if (text(i:i) >= ' ' .and. text(i:i) /= achar(127)) cycle
-      if (text(i:i) == lf .or. text(i:i) == tab) cycle
-      if (text(i:i) == cr .and. (i == len(text) .or. next_is(text, i + 1, lf))) cycle
-      call fail_at(line, 'a control character (code '//str(iachar(text(i:i)))//')', error)
+    if (len(text) > longest_text) then
+      call fail_at(1, 'the text is longer than 10 MB', error)
       return
-    end do
+    end if
+    call find_control(text, line, control)
+    if (line > 0) call fail_at(line, control, error)
   end subroutine check_characters
 
   pure logical function next_is(text, at, characters)

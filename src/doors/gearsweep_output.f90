@@ -1,44 +1,62 @@
 !> The results as files, for every door that writes them.
 module gearsweep_output
   use gearsweep_error, only: error_t
-  use gearsweep_files, only: write_text
+  use gearsweep_file_set, only: file_set_t
   use gearsweep_study, only: study_t
-  use gearsweep_tables, only: has_table, table_names, write_table
+  use gearsweep_tables, only: has_table, table_names, table_start, write_table
   use gearsweep_text, only: str
-  use gearsweep_vtu, only: vtu_field_t, vtu_text
+  use gearsweep_vtu, only: vtu_field_t, vtu_start, write_vtu
   implicit none
   private
   public :: write_results
 
 contains
 
-  !> Writes every table and grid that the study has as `path`.sweep.csv and so
-  !> on; `written` names the files, a line each, up to the first that fails.
-  subroutine write_results(study, path, written, error)
+  !> Writes every table and grid that the study has as `name`.sweep.csv and so on into a folder that is there. They
+  !> appear all at once or, after an error, not at all, and what was there before stays. Tables and grids of that name
+  !> that this study lacks are of an earlier one and get the ending `.old`. `written` names the files, a line each;
+  !> empty after an error.
+  subroutine write_results(study, folder, name, written, error)
     type(study_t), intent(in) :: study
-    character(*), intent(in) :: path
+    character(*), intent(in) :: folder, name
     character(:), allocatable, intent(out) :: written
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: table
+    type(file_set_t) :: files
+    character(:), allocatable :: text
     integer :: i
 
     written = ''
+    call files%begin(folder, error)
     do i = 1, size(table_names)
-      if (.not. has_table(study, table_names(i))) cycle
-      call write_table(study, table_names(i), table)
-      call put(trim(table_names(i))//'.csv', table)
+      if (has_table(study, table_names(i))) then
+        call write_table(study, table_names(i), text)
+        call put(trim(table_names(i))//'.csv')
+      else
+        call files%lacks(name//'.'//trim(table_names(i))//'.csv', table_start)
+      end if
     end do
-    if (allocated(study%section)) call put('section.vtu', vtu_text(study%section%grid, [vtu_field_t ::]))
-    if (allocated(study%modal)) call put('modes.vtu', vtu_text(study%modal%section%grid, shapes(study)))
+    if (allocated(study%section)) then
+      call write_vtu(study%section%grid, [vtu_field_t ::], text)
+      call put('section.vtu')
+    else
+      call files%lacks(name//'.section.vtu', vtu_start)
+    end if
+    if (allocated(study%modal)) then
+      call write_vtu(study%modal%section%grid, shapes(study), text)
+      call put('modes.vtu')
+    else
+      call files%lacks(name//'.modes.vtu', vtu_start)
+    end if
+    call files%finish(error)
+    if (allocated(error)) written = ''
 
   contains
 
-    subroutine put(ending, text)
-      character(*), intent(in) :: ending, text
+    subroutine put(ending)
+      character(*), intent(in) :: ending
 
-      if (allocated(error)) return
-      call write_text(path//'.'//ending, text, error)
-      if (.not. allocated(error)) written = written//path//'.'//ending//new_line('a')
+      call files%add(name//'.'//ending, text, error)
+      written = written//folder//'/'//name//'.'//ending//new_line('a')
     end subroutine put
   end subroutine write_results
 

@@ -2,8 +2,9 @@
 !> printed, how much, and whether they follow from the stated inputs.
 module gearsweep_published
   use gearsweep_kinds, only: dp
+  use gearsweep_characters, only: find_control
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_lines, only: bare
+  use gearsweep_lines, only: bare, count_lines
   use gearsweep_text, only: join, str, to_number
   implicit none
   private
@@ -28,10 +29,18 @@ contains
     character(*), intent(in) :: path, text
     type(published_t), allocatable, intent(out) :: rows(:)
     type(error_t), allocatable, intent(out) :: error
-    integer :: from, until, line
+    type(published_t), allocatable :: found(:)
+    character(:), allocatable :: control
+    integer :: from, until, line, used
     logical :: begun
 
-    allocate (rows(0))
+    call find_control(text, line, control)
+    if (line > 0) then
+      call fail(error, code_input, path//' line '//str(line)//': '//control)
+      return
+    end if
+    allocate (found(count_lines(text)))
+    used = 0
     begun = .false.
     from = 1
     line = 0
@@ -44,12 +53,12 @@ contains
       from = until + 1
     end do
     if (.not. begun) call fail(error, code_input, path//': lacks the line '//header)
+    rows = found(:used)
 
   contains
 
     subroutine take(row)
       character(*), intent(in) :: row
-      type(published_t) :: entry
 
       if (len(row) == 0) return
       if (row(1:1) == '#') return
@@ -57,9 +66,8 @@ contains
         begun = row == header
         if (.not. begun) call fail(error, code_input, path//' line '//str(line)//': must be '//header)
       else
-        ! A variable: gfortran never frees a function's result in an array constructor (seen with GCC 12).
-        call read_row(row, entry)
-        rows = [rows, entry]
+        used = used + 1
+        call read_row(row, found(used))
       end if
     end subroutine take
 

@@ -5,7 +5,7 @@ module gearsweep_stages
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_files, only: beside, read_table
+  use gearsweep_files, only: beside
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
@@ -13,6 +13,7 @@ module gearsweep_stages
   use gearsweep_relief, only: profile_error, relief_t
   use gearsweep_section, only: section_options_t
   use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
+  use gearsweep_table_file, only: read_table
   use gearsweep_text, only: str
   use gearsweep_weber, only: weber_stiffness
   implicit none

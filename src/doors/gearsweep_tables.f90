@@ -15,6 +15,8 @@ module gearsweep_tables
 
   character(*), parameter, public :: table_names(9) = [character(9) :: 'mesh', 'harmonics', 'load', 'sweep', 'vcurve', &
                                                        'outline', 'root', 'modes', 'published']
+  !> How every table begins.
+  character(*), parameter, public :: table_start = '# gearsweep '
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, mega = 1e-6_dp
   character(7), parameter :: contact_names(0:3) = [character(7) :: 'full', 'partial', 'lost', 'coast']
 
@@ -85,7 +87,7 @@ contains
     type(lines_t), intent(inout) :: lines
     integer :: from, length
 
-    call lines%add('# gearsweep '//version//': '//what)
+    call lines%add(table_start//version//': '//what)
     call lines%add('# case:')
     associate (text => study%case%text)
       from = 1
@@ -303,29 +305,15 @@ contains
       associate (row => study%published(i))
         call our_value(study, row%quantity, value, known)
         call lines%cell(row%quantity)
-        call lines%cell(row%place)
+        call lines%text_cell(row%place)
         call lines%cell(row%printed)
         if (known) call lines%cell([value, value/row%printed - 1])
         if (.not. known) call lines%cell('NaN,NaN')
-        call lines%cell(row%unit)
+        call lines%text_cell(row%unit)
         call lines%cell(row%status)
-        call put_quoted(lines, row%reason)
-        call lines%add('')
+        call lines%text_cell(row%reason)
+        call lines%end_row()
       end associate
     end do
   end subroutine published_table
-
-  !> Text in quotation marks, which are doubled inside, as CSV wants them.
-  pure subroutine put_quoted(lines, words)
-    type(lines_t), intent(inout) :: lines
-    character(*), intent(in) :: words
-    integer :: i
-
-    call lines%put('"')
-    do i = 1, len(words)
-      call lines%put(words(i:i))
-      if (words(i:i) == '"') call lines%put('"')
-    end do
-    call lines%put('"')
-  end subroutine put_quoted
 end module gearsweep_tables

@@ -4,9 +4,10 @@ module gearsweep_vtu
   use gearsweep_decimal, only: write_decimal
   use gearsweep_grid, only: grid_t
   use gearsweep_lines, only: lines_t
+  use gearsweep_text, only: str
   implicit none
   private
-  public :: vtu_field_t, vtu_text
+  public :: vtu_field_t, vtu_text, write_vtu
 
   !> Values at the nodes: one component, or two for vectors (components, nodes).
   type :: vtu_field_t
@@ -14,6 +15,8 @@ module gearsweep_vtu
     real(dp), allocatable :: values(:, :)
   end type vtu_field_t
 
+  !> How every such file begins.
+  character(*), parameter, public :: vtu_start = '<VTKFile type="UnstructuredGrid"'
   character(*), parameter :: quadratic_quadrilateral = '23'
 
 contains
@@ -23,22 +26,31 @@ contains
     type(grid_t), intent(in) :: grid
     type(vtu_field_t), intent(in) :: fields(:)
     character(:), allocatable :: text
+
+    call write_vtu(grid, fields, text)
+  end function vtu_text
+
+  !> The same for several callers at once.
+  pure subroutine write_vtu(grid, fields, text)
+    type(grid_t), intent(in) :: grid
+    type(vtu_field_t), intent(in) :: fields(:)
+    character(:), allocatable, intent(out) :: text
     type(lines_t) :: lines
     integer :: i
 
-    call lines%add('<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>')
-    call lines%add('<Piece NumberOfPoints="'//whole([size(grid%x, 2)])//'" NumberOfCells="'// &
-                   whole([size(grid%element, 2)])//'">')
+    call lines%add(vtu_start//' version="0.1" byte_order="LittleEndian"><UnstructuredGrid>')
+    call lines%add('<Piece NumberOfPoints="'//str(size(grid%x, 2))//'" NumberOfCells="'// &
+                   str(size(grid%element, 2))//'">')
     call lines%add('<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">')
     call add_vectors(lines, grid%x)
     call lines%add('</DataArray></Points>')
     call lines%add('<Cells><DataArray type="Int32" Name="connectivity" format="ascii">')
     do i = 1, size(grid%element, 2)
-      call lines%add(whole(grid%element(:, i) - 1))
+      call add_row(lines, grid%element(:, i) - 1)
     end do
     call lines%add('</DataArray><DataArray type="Int32" Name="offsets" format="ascii">')
     do i = 1, size(grid%element, 2)
-      call lines%add(whole([8*i]))
+      call lines%add(str(8*i))
     end do
     call lines%add('</DataArray><DataArray type="UInt8" Name="types" format="ascii">')
     do i = 1, size(grid%element, 2)
@@ -47,7 +59,7 @@ contains
     call lines%add('</DataArray></Cells>')
     call lines%add('<CellData><DataArray type="Int32" Name="tooth" format="ascii">')
     do i = 1, size(grid%part)
-      call lines%add(whole([grid%part(i)]))
+      call lines%add(str(grid%part(i)))
     end do
     call lines%add('</DataArray></CellData><PointData>')
     do i = 1, size(fields)
@@ -58,7 +70,7 @@ contains
     end do
     call lines%add('</PointData></Piece></UnstructuredGrid></VTKFile>')
     text = lines%text()
-  end function vtu_text
+  end subroutine write_vtu
 
   !> A row a node; vectors get the third component that the format's readers expect.
   pure subroutine add_vectors(lines, values)
@@ -76,12 +88,12 @@ contains
     end do
   end subroutine add_vectors
 
-  pure function whole(numbers) result(words)
+  pure subroutine add_row(lines, numbers)
+    type(lines_t), intent(inout) :: lines
     integer, intent(in) :: numbers(:)
-    character(:), allocatable :: words
     character(12*size(numbers)) :: row
 
     write (row, '(*(i0, 1x))') numbers
-    words = trim(row)
-  end function whole
+    call lines%add(trim(row))
+  end subroutine add_row
 end module gearsweep_vtu

@@ -6,7 +6,7 @@ module gearsweep_lines
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: lines_t, bare, left, right
+  public :: lines_t, bare, count_lines, left, right
 
   type :: lines_t
     private
@@ -16,9 +16,10 @@ module gearsweep_lines
     procedure :: put, add, text
     !> `call lines%cell(x)` for each field of a table's row, then `call lines%end_row()`. Numbers have
     !> 15 significant digits.
+    !> `call lines%text_cell(words)` is for words that others wrote.
     generic :: cell => cell_word, cell_integer, cell_real, cell_reals
     procedure, private :: cell_word, cell_integer, cell_real, cell_reals
-    procedure :: end_row
+    procedure :: text_cell, end_row
   end type lines_t
 
 contains
@@ -85,6 +86,33 @@ contains
     end do
   end subroutine cell_reals
 
+  !> Any text as CSV wants it (RFC 4180): in quotation marks, doubled inside, where it has a comma, a mark or a line
+  !> end. What a spreadsheet would take for a formula gets an apostrophe in front, which makes it a text.
+  pure subroutine text_cell(self, words)
+    class(lines_t), intent(inout) :: self
+    character(*), intent(in) :: words
+    logical :: quoted, formula
+    integer :: i
+
+    formula = is_formula(words)
+    quoted = formula .or. scan(words, ',"'//achar(13)//new_line('a')) > 0
+    if (quoted) call self%put('"')
+    if (formula) call self%put('''')
+    do i = 1, len(words)
+      call self%put(words(i:i))
+      if (words(i:i) == '"') call self%put('"')
+    end do
+    call self%put(trim(merge('",', ', ', quoted)))
+  end subroutine text_cell
+
+  !> A lone sign, as for no unit, computes nothing.
+  pure logical function is_formula(words)
+    character(*), intent(in) :: words
+
+    is_formula = len_trim(words) > 1
+    if (is_formula) is_formula = scan(words(max(1, verify(words, ' '//achar(9))):), '=+-@') == 1
+  end function is_formula
+
   !> Ends a row of at least one cell.
   pure subroutine end_row(self)
     class(lines_t), intent(inout) :: self
@@ -98,6 +126,17 @@ contains
 
     if (self%used > 0) text = self%buffer(:self%used)
   end function text
+
+  !> How many lines a text has; one more than it has line ends.
+  pure integer function count_lines(text) result(n)
+    character(*), intent(in) :: text
+    integer :: i
+
+    n = 1
+    do i = 1, len(text)
+      if (text(i:i) == new_line('a')) n = n + 1
+    end do
+  end function count_lines
 
   !> Without the carriage return that some editors leave.
   pure function bare(line)

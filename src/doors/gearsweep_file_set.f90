@@ -1,0 +1,86 @@
+!> Files that belong together: they appear in their folder all at once when all are written, or not at all.
+module gearsweep_file_set
+  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_null_char
+  use gearsweep_error, only: error_t
+  use gearsweep_files, only: fail_system
+  use gearsweep_system, only: add_file, begin_files, end_files, show_files
+  implicit none
+  private
+  public :: file_set_t
+
+  !> `call files%begin(folder, error)`; for each file `call files%add(name, text, error)`; for each file that the set
+  !> could have but has not, `call files%lacks(name, start)`; then `call files%finish(error)`, whether a call failed or
+  !> not: each does nothing once one has. Of each set, one caller; any number of sets at once, also in one folder.
+  type :: file_set_t
+    private
+    integer(c_int) :: where(3) = -1
+    logical :: begun = .false.
+    character(:), allocatable :: folder
+    integer :: files = 0, lacking = 0
+    character(:), allocatable :: names, lacked     !< each with its NUL; the lacked with how they would begin
+    integer, allocatable :: ends(:)                !< of the names, without the NUL
+  contains
+    procedure :: begin, add, lacks, finish
+  end type file_set_t
+
+contains
+
+  !> The folder is there already.
+  subroutine begin(self, folder, error)
+    class(file_set_t), intent(inout) :: self
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(inout) :: error
+    integer(c_int) :: code
+
+    if (allocated(error)) return
+    self%folder = folder
+    self%names = ''
+    self%lacked = ''
+    self%ends = [-1]
+    code = begin_files(folder//c_null_char, self%where)
+    self%begun = code == 0
+    if (code < 0) call fail_system('cannot write to the folder '//folder, code, error)
+  end subroutine begin
+
+  !> Writes a file, not yet under its name.
+  subroutine add(self, name, text, error)
+    class(file_set_t), intent(inout) :: self
+    character(*), intent(in) :: name, text
+    type(error_t), allocatable, intent(inout) :: error
+    integer(c_int) :: code
+
+    if (allocated(error)) return
+    self%files = self%files + 1
+    self%names = self%names//name//c_null_char
+    self%ends = [self%ends, len(self%names) - 1]
+    code = add_file(self%where, int(self%files, c_int), text, len(text, c_int64_t))
+    if (code < 0) call fail_system('cannot write '//self%folder//'/'//name, code, error)
+  end subroutine add
+
+  !> A file of this name is of an earlier set, if it begins with `start`: then its name gets the ending `.old`.
+  subroutine lacks(self, name, start)
+    class(file_set_t), intent(inout) :: self
+    character(*), intent(in) :: name, start
+
+    if (.not. self%begun) return
+    self%lacking = self%lacking + 1
+    self%lacked = self%lacked//name//c_null_char//start//c_null_char
+  end subroutine lacks
+
+  !> Shows the files under their names, unless a call failed.
+  subroutine finish(self, error)
+    class(file_set_t), intent(inout) :: self
+    type(error_t), allocatable, intent(inout) :: error
+    integer(c_int) :: code, failed
+
+    if (.not. self%begun) return
+    if (.not. allocated(error)) then
+      code = show_files(self%where, int(self%files, c_int), int(self%lacking, c_int), self%names//self%lacked//c_null_char, &
+                        failed)
+      if (code < 0) call fail_system('cannot write '//self%folder//'/'// &
+                                     self%names(self%ends(failed) + 2:self%ends(failed + 1)), code, error)
+    end if
+    call end_files(self%where)
+    self%begun = .false.
+  end subroutine finish
+end module gearsweep_file_set
