@@ -112,7 +112,7 @@ for kept in 0 16 40 64 88 112 140 180 220; do
   if [ $code = 0 ]; then
     diff -r disk/out one.kept && echo whole
   else
-    grep -q 'gearsweep: cannot write disk/out.*: No space left on device' stderr && [ $code = 3 ] &&
+    grep -q 'gearsweep: cannot write .*disk/out.*: No space left on device' stderr && [ $code = 3 ] &&
       diff -r disk/out other.kept && echo kept
   fi || echo "broken with $kept kB less: code $code, $(cat stderr)"
   [ -z "$(find disk/out -name '.*')" ] || echo left

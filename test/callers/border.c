@@ -1,10 +1,14 @@
 /* The border of the C functions: what they refuse, what they leave alone, and that any number of
    threads may call at once. Prints what fails, then `N passed, N failed`. */
+#define _XOPEN_SOURCE 700
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <gearsweep.h>
 
 static int passed, failed;
@@ -235,9 +239,80 @@ static void crowd(void)
   }
 }
 
+/* --- files ----------------------------------------------------------------- */
+
+/* Writes the tables of `prescribed`; the names of the files, a line each, are in `files`. */
+static char files[2000];
+static int write_tables(const char *folder, const char *name)
+{
+  static char answer[4000];
+  size_t length;
+  return gsc_write(prescribed, sizeof prescribed - 1, NULL, 0, NULL, 1, folder, name, answer, sizeof answer, &length, NULL,
+                   0, files, sizeof files, M);
+}
+
+/* The size of a file, -1 if there is none. */
+static long size_of(const char *path)
+{
+  struct stat about;
+  return lstat(path, &about) == 0 ? (long)about.st_size : -1;
+}
+
+/* Names that leave the folder, and a disk that is full: as if so, files may have 100 bytes. The signal of that limit must
+   not end this process either. */
+static void files_and_folders(void)
+{
+  const char *bad[] = {"", " ", ".", "..", "../x", "a/b", "/x", "a\nb", "a\033b", "a\302\233b"};
+  const struct rlimit little = {100, RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
+  for (int i = 0; i < 10; i++) {
+    refused("a name that is none", write_tables("written", bad[i]), GSC_INPUT, "name");
+    check("no folder for a name that is none", size_of("written") == -1);
+  }
+  refused("a folder with control characters", write_tables("a\033b", "x"), GSC_INPUT, "control characters");
+  check("tables", write_tables("written", "x") == GSC_PARTIAL && strstr(files, "written/x.sweep.csv\n"));
+  long before = size_of("written/x.sweep.csv");
+  check("a table", before > 1000);
+  setrlimit(RLIMIT_FSIZE, &little);
+  refused("a full disk", write_tables("written", "x"), GSC_FILE, "cannot write written/x.sweep.csv: File too large");
+  setrlimit(RLIMIT_FSIZE, &all);
+  check("a full disk: no file is told", files[0] == 0);
+  check("a full disk: the old table stays", size_of("written/x.sweep.csv") == before);
+  check("a full disk: nothing else is left", unlink("written/x.sweep.csv") == 0 && rmdir("written") == 0);
+}
+
+/* Callers at once under one name: each says that its tables are there, and they are whole. */
+static void *writer(void *what)
+{
+  size_t length;
+  (void)what;
+  return gsc_write(prescribed, sizeof prescribed - 1, NULL, 0, NULL, 1, "crowded", "x", NULL, 0, &length, NULL, 0, NULL, 0,
+                   NULL, 0) == GSC_PARTIAL ? "" : NULL;
+}
+
+static void crowded_folder(void)
+{
+  pthread_t thread[CALLERS];
+  void *done;
+  int good = 0;
+  write_tables("crowded", "x");
+  long alone = size_of("crowded/x.sweep.csv");
+  for (int round = 0; round < 5; round++) {
+    for (int i = 0; i < CALLERS; i++) pthread_create(&thread[i], NULL, writer, NULL);
+    for (int i = 0; i < CALLERS; i++) {
+      pthread_join(thread[i], &done);
+      good += done != NULL;
+    }
+  }
+  check("callers at once into one folder succeed", good == 5 * CALLERS);
+  check("callers at once into one folder: the table is whole", size_of("crowded/x.sweep.csv") == alone);
+  check("callers at once into one folder: nothing else is left", unlink("crowded/x.sweep.csv") == 0 && rmdir("crowded") == 0);
+}
+
 int main(void)
 {
   refusals();
+  files_and_folders();
+  crowded_folder();
   partial();
   crowd();
   printf("%d passed, %d failed\n", passed, failed);
