@@ -183,7 +183,8 @@ int gsc_outline(const char *text, size_t text_length, int member, int room, int 
                 double *y_mm, char *message, size_t message_size);
 
 /* Task section: grid of the section; the same as that of gsc_modes.
-   x_mm, y_mm: [nodes] the loaded tooth's axis along y, the gear's centre at 0
+   x_mm, y_mm: [nodes] the loaded tooth's axis along y, the gear's centre at 0; of an even number of teeth,
+   the middle of the space between the loaded tooth and the next one along y
    element[8*elements]: its nodes, counted from 1: corners, then the middles of the sides, anticlockwise
    tooth[elements]: 0 for the body, 1 for the first tooth from the left */
 int gsc_section(const char *text, size_t text_length, int nodes, int elements, double *x_mm,

@@ -10,7 +10,7 @@ module quantities
   use testing, only: tally_t, check_true, check_no_error
   implicit none
   private
-  public :: answer_t, ask, ask_geometry
+  public :: answer_t, ask, ask_geometry, refusal, number_behind
 
   !> Every number of a study: those of `mesh`, `motion`, `static` and so on under the names of the tables.
   type :: answer_t
@@ -97,4 +97,31 @@ contains
                      base_pitch_mm, backlash_um, info, message)
     call check_true(t, text, info == 0, trim(message))
   end subroutine ask_geometry
+
+  !> What is said of a case that is refused; nothing where it is not.
+  function refusal(text) result(message)
+    character(*), intent(in) :: text
+    character(:), allocatable :: message
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+
+    message = ''
+    call read_case(text, case, error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+    if (allocated(error)) message = error%message
+  end function refusal
+
+  !> The number that follows some words in a message; a value far off where the words are not there.
+  real(dp) function number_behind(message, words) result(number)
+    character(*), intent(in) :: message, words
+    integer :: first, last
+
+    number = -huge(number)
+    first = index(message, words)
+    if (first == 0) return
+    first = first + len(words)
+    last = first + verify(message(first:)//';', ' +-.0123456789Ee') - 2
+    read (message(first:last), *) number
+  end function number_behind
 end module quantities

@@ -127,6 +127,8 @@ contains
         call ask(t, task//text_of(pair, ' bore_mm='//str(bore(1)), ' bore_mm='//str(bore(2)))//by_standard// &
                  '&load line_load_n_mm=210 / &material density_kgm3='//str(density)//' /', answer)
         call check_masses('solid discs', pi/2*density*width*(r**4 - (bore/2000)**4)/rb**2)
+        call ask(t, task//text_of(pair)//by_standard//'&load line_load_n_mm=210 /', answer)
+        call check_masses('solid discs of steel, 7850 kg/m3', pi/2*7850*width*r**4/rb**2)
         call check_close(t, 'line load times width', answer%one('motion.load_n'), 4200.0_dp)
         call ask(t, task//text_of(pair, ' effective_mass_kg=0.7', ' inertia_kgm2='//str(inertia(2), 17))//by_standard// &
                  '&load normal_force_n=3100 /', answer)

@@ -319,6 +319,14 @@ contains
         end do
         call check_close(t, 'from the tip', radius(1), member_tip(member), 1e-12_dp)
         call static('positions=9 sharing=''equal''')
+        ! Nine even steps, and where a pair comes or goes both sides of it.
+        call check_equal(t, 'positions on the path', size(s), 13)
+        call check_true(t, 'in order', all(s(2:) > s(:size(s) - 1)))
+        call check_close(t, 'even steps', minval(abs(s - contact_ratio(pair)*3/8)), 0.0_dp, absolute=1e-12_dp)
+        do i = -1, 1, 2
+          call check_close(t, 'beside D', minval(abs(s - 1 - i*1e-9_dp)), 0.0_dp, absolute=1e-12_dp)
+          call check_close(t, 'beside B', minval(abs(s - contact_ratio(pair) + 1 - i*1e-9_dp)), 0.0_dp, absolute=1e-12_dp)
+        end do
         do i = 1, size(s)
           call check_close(t, 'equal shares', share(i), merge(1.0_dp, 0.5_dp, s(i) > contact_ratio(pair) - 1 .and. s(i) < 1))
         end do

@@ -403,7 +403,8 @@ class Section(Result):
     Attributes
     ----------
     x_mm, y_mm : array (node)
-        The loaded tooth's axis lies along y, the gear's centre at 0.
+        The loaded tooth's axis lies along y, the gear's centre at 0; of an even number of teeth, the
+        middle of the space between the loaded tooth and the next one lies along y.
     element : array (element, corner)
         Nodes of each eight-node quadrilateral, counted from 0: corners, then the middles of the sides,
         anticlockwise.

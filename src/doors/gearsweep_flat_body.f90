@@ -43,7 +43,8 @@ end subroutine gs_outline
 
 !> Grid of the section: task section; the same as that of gs_modes.
 !>
-!> x_mm(nodes), y_mm(nodes)  the loaded tooth's axis along y, the gear's centre at 0
+!> x_mm(nodes), y_mm(nodes)  the loaded tooth's axis along y, the gear's centre at 0; of an even number of teeth, the middle
+!>                           of the space between the loaded tooth and the next one along y
 !> element(8, elements)      its nodes, counted from 1: corners, then the middles of the sides, anticlockwise
 !> tooth(elements)           0 for the body, 1 for the first tooth from the left
 subroutine gs_section(text, nodes, elements, x_mm, y_mm, element, tooth, info, message)

@@ -3,7 +3,8 @@
 !> Each tooth is a block that begins between its fillets, where their tangents
 !> make 60 degrees with the tooth axis; below lies the rim, whose column lines
 !> are radial. The tooth's own axis is y, angles grow towards x, and the drive
-!> flank is on the side of x. The loaded tooth is the middle one.
+!> flank is on the side of x. The loaded tooth is the middle one; of an even number,
+!> the one left of the y axis, which then halves the middle space.
 module gearsweep_section
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input, code_memory

@@ -1,0 +1,134 @@
+!> The limits that refusals tell are the true ones: each against its closed form or the geometry that it stands for.
+module test_closed_limits
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_text, only: str
+  use quantities, only: ask, answer_t, number_behind, refusal
+  use stated_gears
+  use testing, only: tally_t, check_true, check_close, check_equal
+  implicit none
+  private
+  public :: run
+
+  character(*), parameter :: task = '&case tasks=''geometry'' / '
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call generation(t)
+    call meshing(t)
+    call bodies_and_loads(t)
+  end subroutine run
+
+  !> The number behind `words` in what is said of a case.
+  subroutine check_limit(t, text, words, expected, relative)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: text, words
+    real(dp), intent(in) :: expected, relative
+    character(:), allocatable :: message
+
+    message = refusal(text)
+    call check_true(t, words, index(message, words) > 0, message)
+    call check_close(t, words, number_behind(message, words), expected, relative=relative)
+  end subroutine check_limit
+
+  !> Undercut: the rack's straight flank must not reach below the point where its normal meets the base circle, depth
+  !> z sin**2(alpha)/2 in modules. The rack's roundings share its tip land. Flanks meet where both half angles add up to 0.
+  subroutine generation(t)
+    type(tally_t), intent(inout) :: t
+    type(stated_t) :: pair
+    real(dp) :: low, high, alpha(2)
+    integer :: i
+
+    pair = stated_t(teeth=[11, 40], distance=76.5_dp)
+    call check_limit(t, task//text_of(pair), 'undercut with 11 teeth; must be at least ', &
+                     1.25_dp - 0.25_dp*(1 - sin(20*degree)) - 11*sin(20*degree)**2/2, 1e-5_dp)
+    pair = stated_t(angle=[24, 17], teeth=[30, 40], rounding=[0.6_dp, 0.2_dp], distance=105.0_dp)
+    alpha = [24, 17]*degree
+    call check_limit(t, task//text_of(pair), 'does not fit the rack; at most ', &
+                     sum(pi/4 - 1.25_dp*tan(alpha))/sum((1 - sin(alpha))/cos(alpha)), 1e-5_dp)
+    pair%dedendum(1) = 2.4_dp
+    call check_limit(t, task//text_of(pair), 'the rack tooth is pointed above ', pi/2/sum(tan(alpha)), 1e-5_dp)
+    pair = stated_t(teeth=[14, 40], shift=[0.9_dp, 0.0_dp], addendum=[1.3_dp, 1.0_dp], distance=84.0_dp)
+    low = 21
+    high = 30
+    do i = 1, 60
+      if (half_tooth(pair, 1, drive, (low + high)/2) + half_tooth(pair, 1, coast, (low + high)/2) > 0) then
+        low = (low + high)/2
+      else
+        high = (low + high)/2
+      end if
+    end do
+    call check_limit(t, task//text_of(pair), 'pointed teeth; the tip diameter must stay below ', 2*low, 1e-5_dp)
+  end subroutine generation
+
+  !> Jamming: the distance without backlash has inv(alpha_w) = inv(alpha) + 2 (x1 + x2) tan(alpha)/(z1 + z2), for unlike flanks
+  !> that of both together. Interference: the path begins where the other's involute does, or the tip meets the root.
+  subroutine meshing(t)
+    type(tally_t), intent(inout) :: t
+    type(stated_t) :: pair
+    real(dp) :: low, high, rho, rb(2), excess
+    integer :: i, k, side
+
+    do k = 1, 2
+      pair = stated_t(teeth=[20, 30], shift=[0.3_dp, 0.2_dp], rounding=[0.2_dp, 0.2_dp], distance=75.5_dp)
+      if (k == 2) pair%angle = [25, 18]
+      low = 75
+      high = 78
+      do i = 1, 60
+        associate (a => pair%distance)
+          a = (low + high)/2
+          excess = sum([(involute(working_angle(pair, side)) - involute(pair%angle(side)*degree) &
+                         - 2*sum(pair%shift)*tan(pair%angle(side)*degree)/sum(pair%teeth), side=1, 2)])
+          if (excess < 0) then
+            low = a
+          else
+            high = a
+          end if
+        end associate
+      end do
+      pair%distance = 75.5_dp
+      call check_limit(t, task//text_of(pair), 'the teeth jam; must be at least ', low, 1e-7_dp)
+    end do
+    pair = stated_t(teeth=[24, 90], addendum=[1.0_dp, 1.4_dp], dedendum=[1.4_dp, 1.25_dp], rounding=[0.3_dp, 0.1_dp], &
+                    shift=[0.15_dp, 0.0_dp], distance=171.6_dp)
+    rb = base_radius(pair, drive)
+    associate (alpha => 20*degree)
+      rho = pair%module*24/2*sin(alpha) - pair%module*(1.4_dp - 0.3_dp*(1 - sin(alpha)) - 0.15_dp)/sin(alpha)
+    end associate
+    call check_limit(t, task//text_of(pair), ' mm reaches below the involute of the pinion; at most ', &
+                     2*hypot(rb(2), pair%distance*sin(working_angle(pair, drive)) - rho), 1e-5_dp)
+    pair = stated_t(teeth=[40, 40], addendum=[1.3_dp, 1.0_dp], distance=120.0_dp)
+    call check_limit(t, task//text_of(pair), 'interference; its tip cuts ', 1.3_dp*3 - 1.25_dp*3, 1e-4_dp)
+  end subroutine meshing
+
+  !> Bore below the root, rim above the bore, relief within half the tip's thickness, Hertz's contact within one module.
+  subroutine bodies_and_loads(t)
+    type(tally_t), intent(inout) :: t
+    type(stated_t) :: list(5), pair
+    real(dp) :: ra(2), thick(2), rho(2), largest
+    integer :: i
+
+    list = examples()
+    pair = list(2)
+    call check_limit(t, task//text_of(pair, pinion=' bore_mm=60'), 'below the root diameter ', &
+                     3*(19 - 2*(1.25_dp - 0.4_dp)), 1e-5_dp)
+    call check_limit(t, '&case tasks=''section'' / '//text_of(pair, pinion=' bore_mm=30')//'&section rim_mm=12 /', &
+                     'reaches into the bore; at most ', 1.5_dp*(19 - 2*(1.25_dp - 0.4_dp)) - 15, 1e-5_dp)
+    ra = tip_radius(pair)
+    thick = [(ra(i)*(half_tooth(pair, i, drive, ra(i)) + half_tooth(pair, i, coast, ra(i))), i=1, 2)]
+    call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=100 / &mesh model=''iso6336'' / '// &
+                     '&relief amount_um=2000 gear_fraction=1.5 /', 'with these fractions at most ', &
+                     500*min(thick(1), thick(2)/1.5_dp), 1e-5_dp)
+    ! a = sqrt(8 w R (1 - nu**2)/(pi E)) is half a module at most, where 1/R = 1/rho1 + 1/rho2 is least.
+    largest = 0
+    do i = 0, 2000
+      rho(1) = first_curvature(pair) + contact_ratio(pair)*base_pitch(pair)*i/2000
+      rho(2) = pair%distance*sin(working_angle(pair, drive)) - rho(1)
+      largest = max(largest, rho(1)*rho(2)/sum(rho))
+    end do
+    call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=5e5 / &mesh model=''weber'' /', &
+                     'Hertz''s contact does not hold; must be at most ', 1.5_dp**2*pi*206e3_dp/(8*0.91_dp*largest), 1e-2_dp)
+  end subroutine bodies_and_loads
+end module test_closed_limits
