@@ -912,7 +912,7 @@ refuses_published 'line 1: must be quantity,place,printed,unit,status,reason' 1 
 refuses_published 'line 2: printed = one: must be a number' 1 "${head_line}mode_1_hz,Table 1,one,Hz,stated,x\n"
 refuses_published 'line 2: printed = NaN: must be a number' 1 "${head_line}mode_1_hz,Table 1,NaN,Hz,stated,x\n"
 refuses_published 'line 2: printed = 1e999: must be a number' 1 "${head_line}mode_1_hz,Table 1,1e999,Hz,stated,x\n"
-refuses_published 'line 3: status = sure: must be stated, inferred or not reproducible' 1 "${head_line}\nmode_1_hz,Table 1,7342,Hz,sure,x\n"
+refuses_published 'line 3: status = sure: must be stated, inferred, fitted or not reproducible' 1 "${head_line}\nmode_1_hz,Table 1,7342,Hz,sure,x\n"
 refuses_published 'line 2: status = : must be stated' 1 "${head_line}mode_1_hz,Table 1,7342\n"
 rm -f hassan2009.csv
 cp base.nml case.nml

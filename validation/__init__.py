@@ -1,1 +1,1 @@
-"""Every number printed in four papers beside ours: `python -m validation`, doc/validation.md."""
+"""The numbers that four papers print beside ours: `python -m validation`, doc/validation.md."""

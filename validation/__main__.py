@@ -1,4 +1,4 @@
-"""Sets every printed number beside ours and writes the report: `python -m validation --help`."""
+"""Sets printed numbers beside ours and writes the report: `python -m validation --help`."""
 
 import argparse
 import pathlib
@@ -15,6 +15,7 @@ def main(arguments=None):
         return 0
     outcomes = check.run(options.papers)
     checks = check.run(ledger.CHECKS)
+    print(f'{report.made()}\n')
     print(report.summary_text(outcomes))
     print(f'\nOther checks: {_count(checks)}')
     for outcome in outcomes + checks:
@@ -35,7 +36,7 @@ def main(arguments=None):
 def _options(arguments):
     parser = argparse.ArgumentParser(
         prog='python -m validation',
-        description='Sets every number printed in four papers beside ours and writes a report.',
+        description='Sets the numbers that four papers print beside ours and writes a report.',
         epilog='Exit codes: 0 every row is within its tolerance, 1 one is not or its function failed, 2 wrong usage.')
     parser.add_argument('papers', nargs='*', metavar='PAPER', help=f'of {", ".join(ledger.PAPERS)}; all unless given')
     parser.add_argument('--out', type=pathlib.Path, default=pathlib.Path('results/validation'), metavar='FOLDER',

@@ -7,7 +7,7 @@ import gearsweep
 
 DATA = pathlib.Path(__file__).parent.parent / 'data'
 
-OF_THE_MESH = ('motion', 'mesh', 'static', 'load', 'sweep', 'optimum')
+OF_THE_MESH = ('motion', 'mesh', 'harmonics', 'static', 'load', 'sweep', 'optimum')
 
 _NO_SECTION = {'teeth': None, 'fixed': None, 'plane': None}
 
@@ -19,8 +19,16 @@ VARIANTS = {
     'one-tooth': {'section': {'teeth': 1}},
     'plane-stress': {'section': {'plane': 'stress'}},
     'friction-0.05': {'dynamics': {'friction': 0.05}},
-    'whole': {'section': {'teeth': 60, 'rim_mm': None, 'fixed': 'rim', 'plane': 'stress', 'elements_across': 16}},
+    'whole': {'section': {'teeth': 60, 'rim_mm': None, 'fixed': 'rim', 'plane': 'stress', 'elements_across': 16},
+              'modal': {'modes': 1}},
     'gear': {'section': {'member': 'gear'}},
+    # FZG C14: 14 mm wide, tips shortened by what the profile shifts exceed the widened centre distance.
+    'c14': {'pair': {'face_width_mm': 14}, 'pinion': {'addendum': 0.980133}, 'gear': {'addendum': 0.980133},
+            'load': {'torque_nm': 200}},
+    'six-um': {'relief': {'amount_um': (0, 6), 'start': 'hpstc'}},
+    'no-edge-break': {'gear': {'addendum': 0.9993}},
+    'pinion-only': {'relief': {'gear_fraction': 0}},
+    'less-on-the-gear': {'relief': {'gear_fraction': 0.6}},
     'rack-tip-0.25': {'pinion': {'rack_tip_radius': 0.25}, 'gear': {'rack_tip_radius': 0.25}},
     'rack-tip-0.38': {'pinion': {'rack_tip_radius': 0.38}, 'gear': {'rack_tip_radius': 0.38}},
     'coarse': {'section': {'elements_across': 6}},

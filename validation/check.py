@@ -5,17 +5,17 @@ from dataclasses import dataclass
 
 from . import dogan2021, hassan2009, karpat2012, ledger, quantities, thamba2020
 
-# Where the functions of a file's rows are, besides those in quantities.
+# Where the functions of a file's rows are, in this order.
 FUNCTIONS = {
-    'dogan2021': dogan2021,
-    'karpat2012': karpat2012,
-    'hassan2009': hassan2009,
-    'thamba2020': thamba2020,
-    'independent': quantities,
-    'golden': dogan2021,
+    'dogan2021': (dogan2021, quantities),
+    'karpat2012': (karpat2012, quantities),
+    'hassan2009': (hassan2009, quantities),
+    'thamba2020': (thamba2020, quantities),
+    'independent': (quantities, thamba2020),
+    'golden': (dogan2021, quantities),
 }
 
-VERDICTS = ('within', 'deviates', 'failed', 'not reproducible', 'open', 'input', 'repeat')
+VERDICTS = ('within', 'deviates', 'failed', 'fitted', 'not reproducible', 'open', 'input', 'repeat')
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,16 @@ class Outcome:
 
 def compute(row):
     """Our value of a row, by the function that `ours` names with its arguments."""
-    name, *words = row.ours.split()
-    function = getattr(FUNCTIONS[row.paper], name, None) or getattr(quantities, name)
-    return function(*map(_argument, words))
+    return value(row.ours, *FUNCTIONS[row.paper])
+
+
+def value(call, *modules):
+    """What a function of the first module that has it gives, with its arguments behind blanks."""
+    name, *words = call.split()
+    for module in modules:
+        if hasattr(module, name):
+            return getattr(module, name)(*map(_argument, words))
+    raise AttributeError(f'no function {name}')
 
 
 def _argument(word):

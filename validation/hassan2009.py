@@ -65,9 +65,10 @@ def radial_force():
 
 # The tooth as a beam, as thick as on the reference circle
 
-def beam_frequency(length, modulus, mass_density):
-    """Eqs. 1 to 4: a spring 3 E I / l^3 and the whole mass, rad/s."""
-    return _thickness() / (2 * length**2) * math.sqrt(modulus / mass_density)
+def beam_frequency(length=None, modulus=None, mass_density=None):
+    """Eqs. 1 to 4: a spring 3 E I / l^3 and the whole mass, rad/s; by the stated inputs unless others are given."""
+    length = length or _height()
+    return _thickness() / (2 * length**2) * math.sqrt((modulus or young()) / (mass_density or density()))
 
 
 def rayleigh_frequency():
@@ -78,11 +79,16 @@ def rayleigh_frequency():
 
 
 def rayleigh_above():
-    return rayleigh_frequency() > beam_frequency(_height(), young(), density())
+    return rayleigh_frequency() > beam_frequency()
 
 
-def beam_sigma(direction, width, length=None):
-    """Eqs. 7 and 8; the length is that from the root to the reference circle unless given."""
+def rayleigh_over_beam():
+    return rayleigh_frequency() / beam_frequency()
+
+
+def beam_sigma(direction, width=None, length=None):
+    """Eqs. 7 and 8; face width of section II and length from the root to the reference circle unless given."""
+    width = width or given(CASE, 'pair', 'face_width_mm')
     length = length or radius(CASE, 1, 'reference') - radius(CASE, 1, 'root')
     if direction == 'x':
         return radial_force() / (width * _thickness())
@@ -107,6 +113,23 @@ def worst_step(k):
     return k == 1 + np.argmax([step(CASE, other, 'y') for other in range(1, 10)])
 
 
+def tangent_of(k):
+    """Angle of a free surface to the y axis, deg, by the two printed stresses of a load step: sigma_x/sigma_y = tan^2."""
+    return math.degrees(math.atan(math.sqrt(stress_ratio(k))))
+
+
+def stress_ratio(k):
+    """Sigma_x over sigma_y of a load step, as printed."""
+    return printed(f'step_{k}_sigma_x_mpa') / printed(f'step_{k}_sigma_y_mpa')
+
+
+def above_the_line(k):
+    """Sigma_y of a full-load step by the line through the printed half-load steps, twice, over the printed one."""
+    half = (1, 2, 3, 7, 8, 9)
+    line = np.polyfit(half, [printed(f'step_{step}_sigma_y_mpa') for step in half], 1)
+    return 2 * np.polyval(line, k) / printed(f'step_{k}_sigma_y_mpa')
+
+
 # Damping, time and stress from printed numbers
 
 def rayleigh_beta():
@@ -116,6 +139,15 @@ def rayleigh_beta():
 
 def rayleigh_alpha():
     return abs(2 * printed('xi_1') - rayleigh_beta() * printed('mode_1_hz')**2)
+
+
+def angular_alpha():
+    """Eq. 17 with its sign and frequencies in rad/s, as is right; likewise the next."""
+    return 2 * printed('xi_1') - angular_beta() * printed('mode_1_rad_s')**2
+
+
+def angular_beta():
+    return 2 * (printed('xi_3') - printed('xi_1')) / (printed('mode_3_rad_s')**2 - printed('mode_1_rad_s')**2)
 
 
 def tooth_period():

@@ -24,7 +24,7 @@ CHECKS = {
     'golden': 'Pins of our own earlier output',
 }
 KINDS = ('input', 'result', 'claim')
-INPUTS = ('stated', 'inferred', 'not reproducible', 'open')
+INPUTS = ('stated', 'inferred', 'fitted', 'not reproducible', 'open')
 BY = ('gearsweep', 'closed form', 'printed', 'case')
 
 
@@ -64,23 +64,27 @@ class Row:
     @property
     def allowed(self):
         """The tolerance in the row's unit; None where the row has none."""
-        if not self.tolerance:
-            return None
-        return sum(self._part(part.strip()) for part in self.tolerance.split('+'))
-
-    def _part(self, part):
-        if part == 'exact':
-            return 0.0
-        if part in ('digit', 'digit/2'):
-            return last_digit(self.printed) / (2 if part == 'digit/2' else 1)
-        if part.endswith('%'):
-            return abs(self.value) * float(part[:-1]) / 100
-        return float(part)
+        return tolerance_of(self.tolerance, self.printed) if self.tolerance else None
 
 
 def value_of(text):
     """A printed number, or true or false."""
     return text == 'true' if text in ('true', 'false') else float(text)
+
+
+def tolerance_of(text, printed):
+    """A sum of `exact`, `digit`, `digit/2`, `1 %` and numbers, in the unit of what is printed."""
+    return sum(_part(part.strip(), printed) for part in text.split('+'))
+
+
+def _part(part, printed):
+    if part == 'exact':
+        return 0.0
+    if part in ('digit', 'digit/2'):
+        return last_digit(printed) / (2 if part == 'digit/2' else 1)
+    if part.endswith('%'):
+        return abs(value_of(printed)) * float(part[:-1]) / 100
+    return float(part)
 
 
 def last_digit(text):

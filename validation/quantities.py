@@ -1,10 +1,12 @@
 """What several papers print: geometry, load and contact of a case by its name; mm, N, MPa."""
 
 import math
+import re
 
+import gearsweep
 import numpy as np
 
-from .cases import given, result
+from .cases import case, given, result
 
 
 def radius(name, member, which):
@@ -22,6 +24,33 @@ def pitch_radius(name, member):
 def working_angle(name):
     """Of the drive flanks, rad."""
     return math.radians(result('geometry', name).working_angle_deg[0])
+
+
+def diameter(name, member, which):
+    """Of the circles of `radius`, and of `form`, where the involute begins; on `working` both gears roll."""
+    return 2 * (pitch_radius(name, member) if which == 'working' else radius(name, member, which))
+
+
+def working_angle_deg(name):
+    return math.degrees(working_angle(name))
+
+
+def tip_thickness(name, member):
+    """Of a tooth without backlash, on its tip circle."""
+    angle = math.acos(radius(name, member, 'base') / radius(name, member, 'tip'))
+    half = _half_tooth_angle(name, member, given(name, _MEMBERS[member], 'profile_shift'))
+    return 2 * radius(name, member, 'tip') * (half - math.tan(angle) + angle)
+
+
+def span(name, member, teeth, shift):
+    """Base tangent length over some teeth of a gear with this profile shift."""
+    pitches = (teeth - 1) * base_pitch(name)
+    return pitches + 2 * radius(name, member, 'base') * _half_tooth_angle(name, member, shift)
+
+
+def contact_length(name):
+    """Of the path of contact."""
+    return contact_ratio(name) * base_pitch(name)
 
 
 def contact_ratio(name):
@@ -59,23 +88,53 @@ def pair_stiffness(name, letter):
     return np.interp(_at(name, letter), mesh.s, mesh.pair_n_um)
 
 
-def static_error(name, letter):
-    """Static transmission error while a pair touches at a point of the path of contact, um."""
+def static_error(name, letter, shift=0):
+    """Static transmission error while a pair touches at a point of the path of contact, or base pitches behind it, um."""
     mesh = result('mesh', name)
-    return np.interp(_at(name, letter), mesh.s, mesh.ste_um)
+    return np.interp(_at(name, letter) + shift, mesh.s, mesh.ste_um)
 
 
-def hertz(name):
-    """Largest contact pressure at the pitch point, where one pair carries the whole load."""
-    curvature = [radius(name, member, 'base') * math.tan(working_angle(name)) for member in (1, 2)]
-    reduced = curvature[0] * curvature[1] / sum(curvature)
+def tangential_load(name):
+    """At the working pitch circle, N: torque over its radius."""
+    return load(name) * math.cos(working_angle(name))
+
+
+def radial_load(name):
+    return load(name) * math.sin(working_angle(name))
+
+
+def hertz(name, letter='P', share=1):
+    """Largest contact pressure at a point of the path of contact, where one pair carries this share of the load."""
+    first = math.sqrt(point_radius(name, letter)**2 - radius(name, 1, 'base')**2)
+    reduced = first * (line_of_action(name) - first) / line_of_action(name)
     modulus = 1e3 * given(name, 'material', 'young_gpa') / (2 * (1 - given(name, 'material', 'poisson')**2))
-    return math.sqrt(load(name) / given(name, 'pair', 'face_width_mm') * modulus / (math.pi * reduced))
+    return math.sqrt(share * load(name) / given(name, 'pair', 'face_width_mm') * modulus / (math.pi * reduced))
+
+
+def hertz_mean(name):
+    return math.pi / 4 * hertz(name)
+
+
+def hertz_half_width(name):
+    """Half the width of the contact at the pitch point."""
+    return 2 * load(name) / given(name, 'pair', 'face_width_mm') / (math.pi * hertz(name))
 
 
 def iso_root_stress(name):
     """sigma_F0 by ISO 6336-3."""
     return result('static', name).iso_mpa
+
+
+def iso_root_stress_working(name):
+    """The same with the tangential force of the working pitch circle, where ISO 6336-3 takes that of the reference circle."""
+    member = 2 if given(name, 'section', 'member') == 'gear' else 1
+    return iso_root_stress(name) * radius(name, member, 'reference') / pitch_radius(name, member)
+
+
+def form_factor(name, which):
+    """Y_F, Y_S by ISO 6336-3, to the four digits of the report."""
+    alone = case(name).changed(case={'tasks': 'static'})
+    return float(re.search(rf'{which} ([\d.]+)', gearsweep.report(alone))[1])
 
 
 def root_tension(name):
@@ -86,6 +145,16 @@ def root_tension(name):
 def mode(name, k):
     """Natural frequency of the section, Hz."""
     return result('modal', name).frequency_hz[k - 1]
+
+
+_MEMBERS = {1: 'pinion', 2: 'gear'}
+
+
+def _half_tooth_angle(name, member, shift):
+    """Half the angle that a tooth takes on the base circle."""
+    alpha = math.radians(given(name, 'pair', 'pressure_angle_deg'))
+    teeth = given(name, _MEMBERS[member], 'teeth')
+    return (math.pi / 2 + 2 * shift * math.tan(alpha)) / teeth + math.tan(alpha) - alpha
 
 
 def _at(name, letter):

@@ -3,10 +3,12 @@
 import pathlib
 import re
 
-from . import report
+from . import ledger, report
 
 PATH = pathlib.Path(__file__).parent.parent / 'README.md'
 BEGIN, END = '<!-- validation: begin, by python -m validation --readme -->', '<!-- validation: end -->'
+
+NUMBER = re.compile(r'(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?')
 
 # The rows that the README shows, in its order.
 SHOWN = {
@@ -28,6 +30,14 @@ def block(outcomes):
 def current():
     """The block as README.md holds it."""
     return _parts()[1].strip()
+
+
+def same(text, other):
+    """Alike but for one unit of the last digit of any number, which may round otherwise on another processor."""
+    if NUMBER.sub('#', text) != NUMBER.sub('#', other):
+        return False
+    pairs = zip(NUMBER.findall(text), NUMBER.findall(other))
+    return all(abs(float(a) - float(b)) <= 1.001 * min(map(ledger.last_digit, (a, b))) for a, b in pairs)
 
 
 def update(outcomes):

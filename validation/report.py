@@ -2,10 +2,15 @@
 
 import base64
 import csv
+import datetime
 import html
 import pathlib
+import platform
+import re
 import string
 import struct
+
+import gearsweep
 
 from . import check, ledger
 
@@ -37,7 +42,7 @@ def deviation(outcome):
 def summary(outcomes):
     """Header and rows of the counts by paper, with a line for all."""
     header = ('paper', 'rows', 'within tolerance, from stated inputs', 'with an inferred input', 'from its own numbers',
-              'deviating', 'not reproducible', 'open', 'inputs', 'repeats')
+              'deviating', 'fitted', 'not reproducible', 'open', 'inputs', 'repeats')
     parts = [(title, [o for o in outcomes if o.row.paper == paper]) for paper, title in ledger.PAPERS.items()]
     parts = [(title, part) for title, part in parts if part]
     parts.append(('all', [o for _, part in parts for o in part]))
@@ -49,13 +54,13 @@ def _counts(outcomes):
     within = [o.row for o in outcomes if o.verdict == 'within']
     own = sum(row.by == 'printed' for row in within)
     stated = sum(row.by != 'printed' and row.inputs == 'stated' for row in within)
-    return (stated, len(within) - own - stated, own, n['deviates'] + n['failed'], n['not reproducible'], n['open'],
-            n['input'], n['repeat'])
+    return (stated, len(within) - own - stated, own, n['deviates'] + n['failed'], n['fitted'], n['not reproducible'],
+            n['open'], n['input'], n['repeat'])
 
 
 def summary_text(outcomes):
     """The counts as an aligned table for the screen."""
-    words = ('', 'rows', 'stated', 'inferred', 'own numbers', 'deviating', 'not repr.', 'open', 'inputs', 'repeats')
+    words = ('', 'rows', 'stated', 'inferred', 'own numbers', 'deviating', 'fitted', 'not repr.', 'open', 'inputs', 'repeats')
     table = [words] + [tuple(map(str, row)) for row in summary(outcomes)[1]]
     width = [max(map(len, column)) for column in zip(*table)]
     return '\n'.join(row[0].ljust(width[0]) + ''.join(cell.rjust(w + 2) for cell, w in zip(row[1:], width[1:]))
@@ -80,16 +85,25 @@ def write_csv(path, outcomes):
 def write_page(path, outcomes, pictures):
     """The report as one page. `pictures`: (title, caption, PNG bytes), in their order."""
     text = string.Template(TEMPLATE.read_text(encoding='utf-8')).substitute(
-        version=html.escape(_version()),
+        made=html.escape(made()),
         summary=_table(*summary(outcomes), 'summary'),
         pictures='\n'.join(map(_figure, pictures)) or '<p>None: matplotlib is not installed.</p>',
         papers='\n'.join(_paper(paper, outcomes) for paper in TITLES if any(o.row.paper == paper for o in outcomes)))
     pathlib.Path(path).write_text(text, encoding='utf-8')
 
 
-def _version():
-    import gearsweep
-    return getattr(gearsweep, '__version__', '')
+def made():
+    """What the report was made with, and when: version, date, machine, Python."""
+    return (f'gearsweep {gearsweep.__version__}, {datetime.date.today()}, {_processor()}, {platform.system()} '
+            f'{platform.machine()}, Python {platform.python_version()}')
+
+
+def _processor():
+    try:
+        found = re.search(r'model name\s*: (.*)', pathlib.Path('/proc/cpuinfo').read_text(encoding='utf-8'))
+    except OSError:
+        found = None
+    return found[1] if found else platform.processor() or 'unknown processor'
 
 
 def _table(header, rows, kind):

@@ -4,7 +4,7 @@ import math
 
 from . import ledger, quantities
 from .cases import given
-from .quantities import load, pair_stiffness, radius, static_error
+from .quantities import hertz_half_width, load, pair_stiffness, point, radius, static_error
 
 CASE, WHOLE = 'thamba', 'thamba+whole'
 
@@ -59,6 +59,42 @@ def relief(k):
     return printed('r_10') * (printed(f'd_{k}') - diameter('reference')) / (diameter('tip') - diameter('reference'))
 
 
+def corrected_relief(share=0.5):
+    """Eqs. 2 to 16 as corrected (doc/validation.md), mm: half the flattening and the bending of a tooth loaded at its tip."""
+    z, m, b = (given(CASE, *key) for key in (('pinion', 'teeth'), ('pair', 'module_mm'), ('pair', 'face_width_mm')))
+    base, root, r_p = (radius(CASE, 1, which) for which in ('base', 'root', 'tip'))
+    yielding = load(CASE) * (1 - given(CASE, 'material', 'poisson')**2) / (b * 1e-6 * young())
+    flattening = 2 / math.pi * yielding * (1.27 + 0.781 * math.log(m / hertz_half_width(CASE)))
+    alpha_b = math.acos(base / r_p)                                              # Eq. 10
+    phi = math.pi / (2 * z) + _involute(math.radians(given(CASE, 'pair', 'pressure_angle_deg')))   # Eq. 13
+    y_p = r_p * math.cos(alpha_b - (math.tan(alpha_b) - phi)) - root             # Eqs. 8, 12
+    a = -1.05 + 153 * z**-1.75
+    b, c, d = 0.63 + 7.35 / z, 1.28 - 2.88 / z, -1.06 + 0.638 * math.log(m * z)
+    return yielding * (a + b * math.exp(c * y_p / m) + d) + share * flattening   # Eqs. 3, 16
+
+
+def times_corrected():
+    """The printed relief over that."""
+    return printed('r_10') / corrected_relief()
+
+
+def literal_error():
+    """Range of the static transmission error with the printed relief on both gears, linear in the diameter from the
+    pitch circle on, um: half a base pitch from P two pairs carry, each with the relief of that diameter; at P one, without."""
+    middle = math.hypot(radius(CASE, 1, 'base'), _tangent() + quantities.base_pitch(CASE) / 2)
+    cut = printed('r_10') * (2 * middle - diameter('reference')) / (diameter('tip') - diameter('reference'))
+    two, one = (static_error(CASE, 'P', shift) for shift in (0.5, 0))
+    return 1000 * cut + two - one
+
+
+def relief_shift(amount_mm):
+    """By how much relief raises the frequency of a disc that twists, per cent: half of what the moment of inertia loses.
+    A wedge on each flank, from the pitch circle to the tip, off a disc as large as the reference circle."""
+    tip, reference, teeth = (*(radius(CASE, 1, which) for which in ('tip', 'reference')), given(CASE, 'pinion', 'teeth'))
+    wedges = 2 * teeth * amount_mm * (tip - reference) / 2 * ((2 * tip + reference) / 3)**2
+    return 50 * wedges / (math.pi / 2 * reference**4)
+
+
 def relief_for_load():
     """Deflection of one pair at D under the whole load, mm."""
     return 1e-3 * load(CASE) / pair_stiffness(CASE, 'D')
@@ -79,6 +115,13 @@ def root_tension():
 def hertz():
     """Contact pressure at the pitch point, Pa."""
     return 1e6 * quantities.hertz(CASE)
+
+
+def alternating(cycles):
+    """Stress, MPa, on the usual S-N curve of structural steel (ASME BPV VIII-2, 5-110.1), by logarithms between points."""
+    curve = ((1e4, 262), (2e4, 214), (1e5, 138))
+    (n1, s1), (n2, s2) = next(ends for ends in zip(curve, curve[1:]) if ends[0][0] <= cycles <= ends[1][0])
+    return s1 * (s2 / s1)**(math.log(cycles / n1) / math.log(n2 / n1))
 
 
 # What the printed numbers say of each other
@@ -139,6 +182,21 @@ def life_gain():
 
 def change(frequency):
     return 100 * (printed(f'{frequency}_modified') / printed(f'{frequency}_involute') - 1)
+
+
+def angles(which):
+    """Least and largest Delta / r, rad, of the radii and differences that the paper prints."""
+    found = [delta / (printed(d) / 2) for delta in (difference(), printed('difference')) for d in ('root', 'pitch', 'tip')]
+    return {'least': min, 'largest': max}[which](found)
+
+
+def _tangent():
+    """From the base circle to the pitch point along the line of action, mm."""
+    return radius(CASE, 1, 'base') * math.tan(quantities.working_angle(CASE))
+
+
+def _involute(angle):
+    return math.tan(angle) - angle
 
 
 def _roll(diameter_mm):

@@ -93,9 +93,9 @@ contains
       call split_quantity(entry%quantity, name, n)
       if (all(quantities /= name)) call fail(error, code_input, path//' line '//str(line)//': quantity = '// &
         entry%quantity//': must be one of '//join(quantities, ', '))
-      if (all(entry%status /= [character(16) :: 'stated', 'inferred', 'not reproducible'])) &
+      if (all(entry%status /= [character(16) :: 'stated', 'inferred', 'fitted', 'not reproducible'])) &
         call fail(error, code_input, path//' line '//str(line)//': status = '//entry%status// &
-        ': must be stated, inferred or not reproducible')
+        ': must be stated, inferred, fitted or not reproducible')
     end subroutine read_row
   end subroutine read_published
 

@@ -3,11 +3,13 @@
 import csv
 import dataclasses
 import math
+import re
 
+import gearsweep
 import pytest
 
 from validation import __main__ as runner
-from validation import check, ledger, published, readme, report, spread
+from validation import cases, check, ledger, pictures, published, readme, report, spread
 
 
 @pytest.fixture
@@ -31,6 +33,7 @@ def test_files_are_sound(name):
     ({'reason': ''}, 'needs a reason'),
     ({'tolerance': '', 'origin': ''}, 'only what is compared'),
     ({'inputs': 'not reproducible'}, 'only what is compared'),
+    ({'inputs': 'fitted'}, 'only what is compared'),
     ({'inputs': 'open', 'tolerance': '', 'origin': ''}, 'no value of ours'),
     ({'kind': 'input'}, 'an input has no status'),
     ({'ours': 'same nothing'}, 'does not stand before it'),
@@ -65,6 +68,7 @@ def test_verdicts(row):
     assert check.check(dataclasses.replace(row, ours='hertz_width 2')).verdict == 'failed'
     assert check.check(dataclasses.replace(row, ours='no_such_function')).verdict == 'failed'
     assert check.check(dataclasses.replace(row, inputs='not reproducible', tolerance='')).verdict == 'not reproducible'
+    assert check.check(dataclasses.replace(row, inputs='fitted', tolerance='')).verdict == 'fitted'
     assert check.check(dataclasses.replace(row, inputs='open', by='', ours='')).verdict == 'open'
 
 
@@ -74,11 +78,32 @@ def test_tolerance_is_not_wider_than_unstated_inputs_bear(row):
 
 
 def test_nothing_in_the_readme_is_old():
-    assert readme.current() == readme.block(check.run(ledger.PAPERS)), 'run python -m validation --readme'
+    assert readme.same(readme.current(), readme.block(check.run(ledger.PAPERS))), 'run python -m validation --readme'
+
+
+@pytest.mark.parametrize(('text', 'other', 'alike'), [
+    ('DF 1.2410 at 7 um', 'DF 1.2409 at 7 um', True), ('DF 1.2410', 'DF 1.2408', False), ('DF 1.2', 'F 1.2', False),
+    ('6.6e-5', '6.7e-5', True), ('12 rows', '14 rows', False), ('a 1', 'a 1 2', False),
+])
+def test_the_last_digit_may_round_otherwise(text, other, alike):
+    assert readme.same(text, other) == alike
 
 
 def test_the_programs_file_is_the_ledgers():
     assert published.PATH.read_text(encoding='utf-8') == published.text(), 'run python -m validation --readme'
+
+
+def test_program_and_ledger_say_the_same():
+    """Of each printed number that the program sets beside ours: printed, our value, status."""
+    said = gearsweep.report(cases.case('hassan')).partition('Printed values and ours')[2].splitlines()[2:]
+    said = [re.split(r' {2,}', line.strip(), maxsplit=1) for line in said if line.strip()]
+    said = {name: rest for name, rest in said}
+    rows = [row for row in ledger.read('hassan2009') if re.fullmatch(published.KNOWN, row.id)]
+    assert list(said) == [row.id for row in rows] and rows
+    for row in rows:
+        printed, ours, status = re.fullmatch(r'.*? +(\S+) +(\S+) +\S+ %   (.*)', said[row.id]).groups()
+        assert (float(printed), status) == (row.value, row.inputs), row.id
+        assert math.isclose(float(ours), check.compute(row), rel_tol=2e-5), row.id
 
 
 def test_runner(tmp_path, capsys):
@@ -90,6 +115,11 @@ def test_runner(tmp_path, capsys):
     page = (tmp_path / 'report.html').read_text(encoding='utf-8')
     assert all(row.quantity.replace("'", '&#x27;') in page for row in ledger.read('karpat2012'))
     assert 'src="http' not in page and 'href="http' not in page
+    assert report.made() in page and re.match(r'gearsweep \d+\.\d+\.\d+, 20\d\d-\d\d-\d\d, \w', report.made())
+
+
+def test_every_paper_has_its_picture():
+    assert {picture.paper for picture in pictures.PICTURES} == set(ledger.PAPERS)
 
 
 def test_a_row_out_of_its_tolerance_fails_the_run(row, tmp_path, capsys, monkeypatch):
