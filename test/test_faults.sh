@@ -164,7 +164,26 @@ rm out/q.mesh.csv
 ln -s "$PWD/victim" out/q.mesh.csv
 run one/q.nml --out out
 check 'links of tables: the target' test "$(cat victim)" = mine
+check 'links of tables: they are kept' test "$(cat out/q.mesh.csv.old out/q.sweep.csv.old | tr -d '\n')" = minemine
+rm -f out/*.old
 check 'links of tables: the tables' alike out one.kept
+# A file of a table's name that is none is kept; where it cannot be, all stays as it was.
+old_tables
+cp victim out/q.sweep.csv
+run one/q.nml --out out
+check 'a file of the name of a table: done' exits 0
+check 'a file of the name of a table: kept' test "$(cat out/q.sweep.csv.old)" = mine
+rm -f out/*.old
+check 'a file of the name of a table: the tables' alike out one.kept
+old_tables
+cp victim out/q.sweep.csv
+mkdir out/q.sweep.csv.old
+run one/q.nml --out out
+check 'a file of the name of a table that cannot be kept' is_one_error 'cannot write out/q.sweep.csv: ' 3
+check 'a file of the name of a table that cannot be kept: it stays' test "$(cat out/q.sweep.csv)" = mine
+cp other.kept/q.sweep.csv out
+rmdir out/q.sweep.csv.old
+check 'a file of the name of a table that cannot be kept: the others stay' alike out other.kept
 
 # What a killed run left goes with the next one; what a running one has stays.
 old_tables

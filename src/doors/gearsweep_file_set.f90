@@ -8,8 +8,8 @@ module gearsweep_file_set
   private
   public :: file_set_t
 
-  !> `call files%begin(folder, error)`; for each file `call files%add(name, text, error)`; for each file that the set
-  !> could have but has not, `call files%lacks(name, start)`; then `call files%finish(error)`, whether a call failed or
+  !> `call files%begin(folder, error)`; for each file `call files%add(name, start, text, error)`, where `start` is how such
+  !> files begin; for each file that the set could have but has not, `call files%lacks(name, start)`; then `call files%finish(error)`, whether a call failed or
   !> not: each does nothing once one has. Of each set, one caller; any number of sets at once, also in one folder.
   type :: file_set_t
     private
@@ -17,8 +17,8 @@ module gearsweep_file_set
     logical :: begun = .false.
     character(:), allocatable :: folder
     integer :: files = 0, lacking = 0
-    character(:), allocatable :: names, lacked     !< each with its NUL; the lacked with how they would begin
-    integer, allocatable :: ends(:)                !< of the names, without the NUL
+    character(:), allocatable :: names, lacked     !< each with its NUL, and how it begins with a NUL
+    integer, allocatable :: first(:), last(:)      !< of each file's name in `names`
   contains
     procedure :: begin, add, lacks, finish
   end type file_set_t
@@ -36,23 +36,25 @@ contains
     self%folder = folder
     self%names = ''
     self%lacked = ''
-    self%ends = [-1]
+    allocate (self%first(0), self%last(0))
     code = begin_files(folder//c_null_char, self%where)
     self%begun = code == 0
     if (code < 0) call fail_system('cannot write to the folder '//folder, code, error)
   end subroutine begin
 
-  !> Writes a file, not yet under its name.
-  subroutine add(self, name, text, error)
+  !> Writes a file, not yet under its name. A file of this name that is there and does not begin with `start` is
+  !> somebody's: its name gets the ending `.old`.
+  subroutine add(self, name, start, text, error)
     class(file_set_t), intent(inout) :: self
-    character(*), intent(in) :: name, text
+    character(*), intent(in) :: name, start, text
     type(error_t), allocatable, intent(inout) :: error
     integer(c_int) :: code
 
     if (allocated(error)) return
     self%files = self%files + 1
-    self%names = self%names//name//c_null_char
-    self%ends = [self%ends, len(self%names) - 1]
+    self%first = [self%first, len(self%names) + 1]
+    self%last = [self%last, len(self%names) + len(name)]
+    self%names = self%names//name//c_null_char//start//c_null_char
     code = add_file(self%where, int(self%files, c_int), text, len(text, c_int64_t))
     if (code < 0) call fail_system('cannot write '//self%folder//'/'//name, code, error)
   end subroutine add
@@ -78,7 +80,7 @@ contains
       code = show_files(self%where, int(self%files, c_int), int(self%lacking, c_int), self%names//self%lacked//c_null_char, &
                         failed)
       if (code < 0) call fail_system('cannot write '//self%folder//'/'// &
-                                     self%names(self%ends(failed) + 2:self%ends(failed + 1)), code, error)
+                                     self%names(self%first(failed):self%last(failed)), code, error)
     end if
     call end_files(self%where)
     self%begun = .false.

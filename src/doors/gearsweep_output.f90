@@ -14,7 +14,7 @@ contains
 
   !> Writes every table and grid that the study has as `name`.sweep.csv and so on into a folder that is there. They
   !> appear all at once or, after an error, not at all, and what was there before stays. Tables and grids of that name
-  !> that this study lacks are of an earlier one and get the ending `.old`. `written` names the files, a line each;
+  !> that this study lacks are of an earlier one and get the ending `.old`, as does what is no table of ours. `written` names the files, a line each;
   !> empty after an error.
   subroutine write_results(study, folder, name, written, error)
     type(study_t), intent(in) :: study
@@ -30,20 +30,20 @@ contains
     do i = 1, size(table_names)
       if (has_table(study, table_names(i))) then
         call write_table(study, table_names(i), text)
-        call put(trim(table_names(i))//'.csv')
+        call put(trim(table_names(i))//'.csv', table_start)
       else
         call files%lacks(name//'.'//trim(table_names(i))//'.csv', table_start)
       end if
     end do
     if (allocated(study%section)) then
       call write_vtu(study%section%grid, [vtu_field_t ::], text)
-      call put('section.vtu')
+      call put('section.vtu', vtu_start)
     else
       call files%lacks(name//'.section.vtu', vtu_start)
     end if
     if (allocated(study%modal)) then
       call write_vtu(study%modal%section%grid, shapes(study), text)
-      call put('modes.vtu')
+      call put('modes.vtu', vtu_start)
     else
       call files%lacks(name//'.modes.vtu', vtu_start)
     end if
@@ -52,10 +52,10 @@ contains
 
   contains
 
-    subroutine put(ending)
-      character(*), intent(in) :: ending
+    subroutine put(ending, start)
+      character(*), intent(in) :: ending, start
 
-      call files%add(name//'.'//ending, text, error)
+      call files%add(name//'.'//ending, start, text, error)
       written = written//folder//'/'//name//'.'//ending//new_line('a')
     end subroutine put
   end subroutine write_results

@@ -256,29 +256,55 @@ static int begins_with(int folder, const char *name, const char *words)
   return n == (ssize_t)length && memcmp(start, words, length) == 0;
 }
 
-/* Shows the n files of a set under their names, which follow each other, each with its NUL: all, or none and the
-   folder is as it was. Then come m pairs of a name and how its file begins: such files, of a set before, would not
-   belong to this one and get the ending .old. `failed` is the number of the file that could not be shown. */
+/* Gives a file the name `name`.old in the folder of the set. */
+static int set_aside(const int where[3], int folder, const char *file, const char *name)
+{
+  char old[300];
+  if (snprintf(old, sizeof old, "%s.old", name) >= (int)sizeof old) return -ENAMETOOLONG;
+  return renameat(folder, file, where[0], old) == 0 ? 0 : -errno;
+}
+
+/* What had the name of file number `i` before, unless it is of our kind: it is somebody's, and not lost. */
+static int spare(const int where[3], const char *name, const char *words, int i)
+{
+  char old[32];
+  struct stat about;
+  snprintf(old, sizeof old, "old-%d", i);
+  if (fstatat(where[1], old, &about, AT_SYMLINK_NOFOLLOW) != 0 || begins_with(where[1], old, words)) return 0;
+  return set_aside(where, where[1], old, name);
+}
+
+/* The name behind this one and its words. */
+static const char *next(const char *name)
+{
+  name += strlen(name) + 1;
+  return name + strlen(name) + 1;
+}
+
+/* Shows the n files of a set under their names: all, or none and the folder is as it was. `names` has these names, and m
+   that this set lacks; each with its NUL, and behind it the words, with theirs, that such a file begins with. A file of a
+   name that the set lacks, if it does begin so, is of a set before and gets the ending .old; so does a file of a name
+   that it has, if it does not. `failed` is the number of the file that could not be shown. */
 int gearsweep_show_set(const int where[3], int n, int m, const char *names, int *failed)
 {
   const char *name = names;
-  int code = lock(where[0]), i = 0;
+  int shown = 0, i, code = lock(where[0]);
   *failed = 1;
   if (code != 0) return code;
-  for (; i < n && code == 0; i++, name += strlen(name) + 1) code = show(where, name, i + 1);
-  if (code != 0) {
+  for (i = 1; i <= n && code == 0; i++, name = next(name)) {
     *failed = i;
-    name = names;
-    for (int j = 1; j < i; j++, name += strlen(name) + 1) restore(where, name, j);
-    m = 0;
+    code = show(where, name, i);
+    if (code == 0) shown = i;
   }
-  for (; m > 0; m--) {
-    const char *words = name + strlen(name) + 1;
-    char old[300];
-    if (begins_with(where[0], name, words) && snprintf(old, sizeof old, "%s.old", name) < (int)sizeof old)
-      renameat(where[0], name, where[0], old);
-    name = words + strlen(words) + 1;
+  name = names;
+  for (i = 1; i <= n && code == 0; i++, name = next(name)) {
+    *failed = i;
+    code = spare(where, name, name + strlen(name) + 1, i);
   }
+  for (; m > 0 && code == 0; m--, name = next(name))
+    if (begins_with(where[0], name, name + strlen(name) + 1)) set_aside(where, where[0], name, name);
+  name = names;
+  for (i = 1; i <= shown && code != 0; i++, name = next(name)) restore(where, name, i);
   flock(where[0], LOCK_UN);
   return code;
 }

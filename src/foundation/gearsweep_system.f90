@@ -63,8 +63,8 @@ module gearsweep_system
       integer(c_int64_t), value :: length
     end function add_file
 
-    !> Shows `n` files under their names, all or none; `failed` tells which could not be. Then names that this set does
-    !> not have, `m` pairs with how such a file begins: those of an earlier set get the ending .old.
+    !> Shows `n` files under their names, all or none; `failed` tells which could not be. `names` has them, each with how
+    !> such a file begins, and `m` more that this set lacks. Files of an earlier set and of others get the ending .old.
     integer(c_int) function show_files(where, n, m, names, failed) bind(c, name='gearsweep_show_set')
       import :: c_char, c_int
       integer(c_int), intent(in) :: where(3)
