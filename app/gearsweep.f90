@@ -107,7 +107,8 @@ contains
   end function stem
 
   logical function progress_wanted()
-    progress_wanted = .not. arguments%quiet .and. c_isatty(2_c_int) == 1
+    progress_wanted = .false.
+    if (.not. arguments%quiet) progress_wanted = c_isatty(2_c_int) == 1
   end function progress_wanted
 
   subroutine show_progress(done, total)

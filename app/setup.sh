@@ -50,6 +50,11 @@ install_packages() {
   links -lopenblas || missing="$missing libopenblas-dev"
   command -v pkg-config >/dev/null || missing="$missing pkg-config"
   find_python || missing="$missing python3 python3-venv python3-dev"
+  install_missing
+}
+
+# Installs the Debian packages $missing.
+install_missing() {
   [ -n "$missing" ] || return 0
   as_root=
   [ "$(id -u)" = 0 ] || as_root=sudo
@@ -60,6 +65,16 @@ install_packages() {
   quietly "looking for packages" $as_root apt-get update -q || say "going on with the old package lists"
   quietly "installing $missing" $as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get install -q -y --no-install-recommends $missing
+}
+
+# For test/matrix.sh only: flang, with OpenMP.
+flang=flang-new-19
+install_flang() {
+  mkdir -p "$run_dir" || return
+  missing=
+  printf '!$ use omp_lib\n!$ print *, omp_get_max_threads()\nend\n' >"$run_dir/probe.f90"
+  "$flang" -fopenmp "$run_dir/probe.f90" -o "$run_dir/probe" 2>/dev/null || missing='flang-19 libomp-19-dev'
+  install_missing
 }
 
 # A .venv that does not work is made anew.

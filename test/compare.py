@@ -1,0 +1,195 @@
+"""Do two builds answer the same? All tables and the screen of one case: python3 test/compare.py ONE OTHER CASE
+
+ONE and OTHER are folders with what each build wrote for the case: its tables CASE.*.csv, its screen CASE.txt and
+its exit code CASE.code. Words, counts and the inputs must be the same; numbers as the rules below allow. Prints one
+row, `case, values compared, numbers that differ, largest deviation over allowed, where`, and below it each rule broken
+with an example. The exit code is 0 where nothing is broken.
+"""
+
+import csv
+import re
+import sys
+from pathlib import Path
+
+# Rounding, 2.2e-16, times the condition of what is solved, some 1e6 for the finite-element grids of data/; of the
+# largest number in the column.
+ROUNDING = 2e-10
+# What the sweep is asked for (&numerics tolerance, which no case of data/ states), in static loads.
+TOLERANCE = 1e-6
+# A bound of an error that lies below this, in units of what it bounds, is rounding and nothing else.
+NOTHING = 1e-9
+
+# The rule of a number's column: its largest deviation, where it is not ROUNDING of the column's largest number.
+#   text       equal as text: words, whole numbers and what the case gives
+#   estimated  the sum of both error estimates, which stand in the column named, and ROUNDING
+#   bound      an error estimate or a residual: no number but a bound, alike to a factor of 2, or next to nothing
+#   asked      a number along the motion, without an estimate of its own: TOLERANCE of the column's largest
+#   relative   the same, with the estimate relative to the number
+#   angle      ROUNDING of a turn, over amplitude: a harmonic next to nothing has no phase
+RULES = {
+    'sweep': {
+        'relief_um': 'text', 'rpm': 'text', 'steps': 'text', 'mesh_periods': 'text', 'dynamic_factor': 'estimated error_estimate',
+        'error_estimate': 'bound', 'residual': 'bound', 'floquet_modulus': 'asked',
+    },
+    'load': {
+        'relief_um': 'text', 'rpm': 'text', 'mesh_periods': 'text', 'pair': 'text', 'pair_load_n': 'asked', 'load_ratio': 'asked', 'dte_um': 'asked',
+    },
+    'mesh': {'relief_um': 'text'},
+    'harmonics': {
+        'relief_um': 'text', 'harmonic': 'text', 'amplitude_um': 'estimated error_estimate_um', 'error_estimate_um': 'bound',
+        'phase_deg': 'angle amplitude_um',
+    },
+    # Reliefs that the search tries follow from the load and the stiffness.
+    'vcurve': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text'},
+    'modes': {'mode': 'text', 'frequency_hz': 'relative error_estimate', 'error_estimate': 'bound', 'residual': 'bound', 'rim_share': ''},
+    'published': {'printed': 'text'},
+}  # fmt: skip
+
+NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w])')
+
+
+class Comparison:
+    """What was compared, and what came out."""
+
+    def __init__(self):
+        self.values = self.differ = 0
+        self.worst, self.place = 0.0, '-'
+        self.broken = {}
+
+    def number(self, place, one, other, allowed):
+        self.values += 1
+        if one == other or (one != one and other != other):
+            return
+        self.differ += 1
+        deviation = abs(one - other)
+        over = deviation / allowed if allowed > 0 else float('inf')
+        if not over <= self.worst:
+            self.worst, self.place = over, place
+        if not over <= 1:
+            self.breaks(place, f'{one!r} and {other!r}, allowed {allowed:.1e}')
+
+    def same(self, place, one, other):
+        self.values += 1
+        if one != other:
+            self.breaks(place, f'{one!r} and {other!r}')
+
+    def breaks(self, place, example):
+        self.broken.setdefault(place, []).append(example)
+
+
+def table(path):
+    """The columns of a table as texts; the case that stands before it is left out."""
+    with open(path, newline='') as file:
+        rows = list(csv.reader(line for line in file if not line.startswith('#')))
+    return dict(zip(rows[0], zip(*rows[1:]))) if len(rows) > 1 else {name: () for name in rows[0]}
+
+
+def is_number(text):
+    try:
+        return float(text) == float(text)
+    except ValueError:
+        return False
+
+
+def is_bound_alike(one, other):
+    return max(one, other) <= NOTHING or max(one, other) <= 2 * min(one, other)
+
+
+def compare_column(result, place, rule, one, other, ones, others):
+    """One column of two tables of as many rows; `ones` and `others` are the tables."""
+    if rule == 'text' or not any(map(is_number, one)):
+        for a, b in zip(one, other):
+            result.same(place, a, b)
+        return
+    a, b = [float(v) for v in one], [float(v) for v in other]
+    largest = max((abs(v) for v in a if v == v), default=0)
+    kind, _, name = rule.partition(' ')
+    for i in range(len(a)):
+        if kind == 'bound':
+            result.values += 1
+            if not is_bound_alike(a[i], b[i]):
+                result.breaks(place, f'{a[i]!r} and {b[i]!r}')
+            continue
+        allowed = (TOLERANCE if kind == 'asked' else ROUNDING) * largest
+        if kind in ('estimated', 'relative'):
+            estimates = float(ones[name][i]) + float(others[name][i])
+            allowed += estimates * (abs(a[i]) if kind == 'relative' else 1)
+        if kind == 'angle':
+            amplitude = [float(v) for v in ones[name]]
+            allowed = min(360, ROUNDING * 360 * max(amplitude) / max(amplitude[i], 1e-300))
+        result.number(place, a[i], b[i], allowed)
+
+
+def compare_tables(result, one, other, case):
+    names = sorted(path.name for path in one.glob(f'{case}.*.csv'))
+    result.same('tables', names, sorted(path.name for path in other.glob(f'{case}.*.csv')))
+    for name in names:
+        kind = name.split('.')[-2]
+        if not (other / name).exists():
+            continue
+        ones, others = table(one / name), table(other / name)
+        result.same(f'{kind}: columns', list(ones), list(others))
+        result.same(f'{kind}: rows', [len(v) for v in ones.values()], [len(v) for v in others.values()])
+        if list(ones) != list(others) or [len(v) for v in ones.values()] != [len(v) for v in others.values()]:
+            continue
+        for column in ones:
+            rule = RULES.get(kind, {}).get(column, '')
+            compare_column(result, f'{kind}: {column}', rule, ones[column], others[column], ones, others)
+
+
+def screen(path):
+    """Lines of an answer without what tells of time and place."""
+    lines = path.read_text().splitlines()
+    return [line for line in lines if not line.startswith(('Time', 'Wrote'))]
+
+
+def compare_screens(result, one, other):
+    """The same words; whole numbers the same but for resonances, others but for one unit of the last digit shown.
+
+    With a negative exponent stand error estimates, residuals and what is zero but for rounding: as bounds.
+    """
+    result.same('screen: lines', len(one), len(other))
+    for a, b in zip(one, other):
+        words = [' '.join(NUMBER.sub('#', line).split()) for line in (a, b)]
+        result.same('screen: words', *words)
+        if words[0] != words[1]:
+            continue
+        for x, y in zip(NUMBER.findall(a), NUMBER.findall(b)):
+            if 'e-' in x.lower() or 'e-' in y.lower():
+                result.values += 1
+                if not is_bound_alike(abs(float(x)), abs(float(y))):
+                    result.breaks('screen: bounds', f'{x} and {y} in {a!r}')
+            elif '.' in x or '.' in y or not a.strip(' 0123456789'):
+                # Rounded to so many digits, two numbers next to each other may lie on both sides of a half.
+                digits = min(len(t.partition('.')[2].partition('e')[0]) for t in (x, y))
+                result.number('screen: numbers', float(x), float(y), 1.001 * 10.0**-digits)
+            else:
+                result.same('screen: whole numbers', x, y)
+
+
+def undecided(one, case):
+    """How many points have no steady motion that repeats, and so no number to compare: their word is compared."""
+    path = one / f'{case}.sweep.csv'
+    status = table(path)['status'] if path.exists() else ()
+    return sum(word in ('aperiodic', 'chaotic') for word in status)
+
+
+def main():
+    one, other, case = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
+    result = Comparison()
+    compare_tables(result, one, other, case)
+    compare_screens(result, screen(one / f'{case}.txt'), screen(other / f'{case}.txt'))
+    result.same('exit code', (one / f'{case}.code').read_text(), (other / f'{case}.code').read_text())
+    print(f'{case:<10}{result.values:>9}{result.differ:>9}{result.worst:>12.1e}   {result.place}')
+    if count := undecided(one, case):
+        print(f'  {count} points are chaotic or aperiodic: rounding decides where they are, so only the word is compared')
+    for place, examples in result.broken.items():
+        print(f'  FAILED {place}: {len(examples)} differ, as {examples[0]}')
+    if result.values < 100:
+        print('  FAILED there is hardly anything to compare')
+        return 1
+    return 1 if result.broken else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
