@@ -1,0 +1,233 @@
+"""What doc/ says in numbers, computed anew for claims.csv."""
+
+import functools
+import re
+import warnings
+
+import gearsweep
+import numpy as np
+
+from . import dogan2021, hassan2009, ledger, quantities, thamba2020
+from .cases import case, given, result
+
+ACROSS = 32  # the finest grid of doc/elastic.md
+REFERENCE = ledger.FOLDER.parent / 'test' / 'reference'
+
+
+# Finite elements
+
+def stiffness_on(across):
+    """Pair stiffness of case 1 at A, s = 0.29 and 0.81, N/um, with so many elements across a tooth."""
+    s, stiffness = _stiffness(across)
+    return list(np.interp((0, 0.29, 0.81), s, stiffness))
+
+
+def stiffest():
+    """Path coordinate where a pair of case 1 is stiffest, base pitches."""
+    s, stiffness = _stiffness(ACROSS)
+    return s[np.argmax(stiffness)]
+
+
+def stiffness_change(across):
+    """Largest difference along the path from the finest grid, per cent."""
+    s, stiffness = _stiffness(across)
+    fine = np.interp(s, *_stiffness(ACROSS))
+    return 100 * np.abs(stiffness / fine - 1).max()
+
+
+def hassan_on(across):
+    """Hassan's section: elements, first frequency and its estimate in per cent, tension, compression, their estimate."""
+    study = _hassan(across)
+    modal, static = study.modal, study.static
+    return [len(modal.element), modal.frequency_hz[0], 100 * modal.estimate[0], static.tension_mpa[0],
+            static.compression_mpa[0], 100 * static.estimate[0]]
+
+
+def hassan_row(across):
+    """The same with the true error of the frequency behind its estimate."""
+    row = hassan_on(across)
+    return [*row[:3], hassan_error(across), *row[3:]]
+
+
+def hassan_error(across):
+    """True error of its first frequency against the finest grid, per cent."""
+    return 100 * abs(_hassan(across).modal.frequency_hz[0] / _hassan(ACROSS).modal.frequency_hz[0] - 1)
+
+
+def stress_moves(across):
+    """How far its largest tension or compression lies from the finest grid's at most, from this grid on, per cent."""
+    grids = [n for n in (4, 6, 8, 12, 16, 24) if n >= across]
+    fine = _hassan(ACROSS).static
+    return max(100 * abs(getattr(_hassan(n).static, side)[0] / getattr(fine, side)[0] - 1)
+               for n in grids for side in ('tension_mpa', 'compression_mpa'))
+
+
+def support(teeth, fixed='sides+rim', plane='strain'):
+    """Mean stiffness of the case 1 pair by its width, N/(um mm), and peak-to-peak static transmission error, um."""
+    section = {'teeth': teeth, 'plane': plane, 'fixed': tuple(fixed.split('+'))}
+    return _motion_and_error(case('case1').changed(section=section, relief={'amount_um': 0}))[:2]
+
+
+def root_stress(teeth):
+    """Largest root tension of case 1 with so many teeth on the body, MPa."""
+    section = {'teeth': teeth, 'elements_across': 16}
+    return gearsweep.static(case('case1').changed(section=section, relief={'amount_um': 0})).tension_mpa[0]
+
+
+def iso_stress():
+    return result('static', 'case1').iso_mpa
+
+
+def disc(bore):
+    """Case 1 with whole gears on this bore: turning, shared, um; stiffness in the motion and static mean, N/(um mm);
+    peak-to-peak transmission error, static and as the motion has it at creeping speed, um."""
+    whole = case('case1').changed(section={'teeth': 25, 'fixed': 'rim'}, pinion={'bore_mm': bore}, gear={'bore_mm': bore},
+                                  relief={'amount_um': 0})
+    stiffness, error, motion, mesh = _motion_and_error(whole)
+    s, pair = mesh.s, mesh.pair_n_um
+    period = np.linspace(0, 1, 4001)[:-1]
+    together = np.interp(period, s, pair) + np.where(period < s[-1] - 1, np.interp(period + 1, s, pair), 0)
+    static = np.interp(period, s, mesh.mesh_n_um)
+    width = given('case1', 'pair', 'face_width_mm')
+    return [motion.turn_um, motion.shared_um, stiffness, static.mean() / width, error, np.ptp(motion.load_n / together)]
+
+
+def _motion_and_error(of_case):
+    work = gearsweep.prepare(of_case)
+    motion, mesh = gearsweep.motion(of_case, work=work), gearsweep.mesh(of_case, work=work)
+    return motion.stiffness_n_um / of_case.get('pair', 'face_width_mm'), np.ptp(mesh.ste_um), motion, mesh
+
+
+@functools.cache
+def _stiffness(across):
+    mesh = gearsweep.mesh(case('case1').changed(section={'elements_across': across}, relief={'amount_um': 0}))
+    return mesh.s, mesh.pair_n_um
+
+
+@functools.cache
+def _hassan(across):
+    return gearsweep.run(case('hassan').changed(case={'tasks': ('static', 'modal'), 'published': None},
+                                                section={'elements_across': across}))
+
+
+# What README.md takes from the tables of doc/performance.md
+
+def sweep_ms():
+    """Points of the sweep of case 1, and its time within the error, in ms: as released, built for the processor."""
+    released, native = _row(r'gearsweep \| 1'), _row('gearsweep, native build')
+    rpm, relief = (case('case1').get(*key) for key in (('sweep', 'rpm_step'), ('relief', 'amount_um')))
+    speeds = (given('case1', 'sweep', 'rpm_last') - given('case1', 'sweep', 'rpm_first')) // rpm + 1
+    return [speeds * len(relief), 1000 * released[4], 1000 * native[4]]
+
+
+def ten_modes():
+    """Unknowns and seconds of the last grid, and how many times as long the peers take."""
+    text = _performance().partition('**Ten modes on the same grid.**')[2].partition('\n**')[0]
+    last = re.findall(r'^\| (\d+) \| \d+ \| gearsweep \|.*?\| ([\d.]+) \|  \|  \|\n((?:\|  \|.*\n){3})', text, flags=re.M)[-1]
+    peers = [float(line.split('|')[-3]) for line in last[2].splitlines()]
+    return [float(last[0]), float(last[1]), *peers]
+
+
+def _performance():
+    return (REFERENCE.parents[1] / 'doc' / 'performance.md').read_text(encoding='utf-8')
+
+
+def _row(begin):
+    """The first row of a table that begins so, as numbers where it has them."""
+    cells = re.search(rf'^\| {begin}.*$', _performance(), flags=re.M)[0].strip('|').split('|')
+    return [float(cell) if re.fullmatch(r'[\d.e+-]+', cell.strip()) else cell for cell in map(str.strip, cells)]
+
+
+# Tests and their references
+
+def motions():
+    """Reference motions of test/reference: all, those with all pairs in contact, the others."""
+    loss = []
+    for name in ('constant_stiffness', 'constant_stiffness_contact_loss', 'smooth_stiffness'):
+        lines = (REFERENCE / f'{name}.dat').read_text(encoding='utf-8').splitlines()
+        header = next(line for line in lines if line.startswith('# id z1')).lstrip('# ').split()
+        loss += [int(line.split()[header.index('loss')]) for line in lines if line.strip() and line[0] != '#']
+    return [len(loss), loss.count(0), len(loss) - loss.count(0)]
+
+
+def extreme_cases():
+    """Of test/extreme/cases.txt: all, and those that only another of them checks."""
+    text = (REFERENCE.parent / 'extreme' / 'cases.txt').read_text(encoding='utf-8')
+    rows = [line.split('|') for line in text.splitlines() if line.count('|') == 7 and line[0] != '#']
+    return [len(rows), sum(row[5].strip().startswith('=') for row in rows)]
+
+
+def prescribed():
+    """The prescribed mesh of doc/limits.md: mean stiffness, N/um, natural frequency, Hz, and its speed, 1/min."""
+    motion = gearsweep.motion(gearsweep.Case(_prescribed()))
+    return [motion.stiffness_n_um, motion.frequency_hz, 60 * motion.frequency_hz / 25]
+
+
+# Printed numbers, and what the reasons in the ledger say of them
+
+def printed_of(paper, id):
+    """The printed number of a row."""
+    return ledger.find(paper, id).value
+
+
+def corrected_um():
+    """Thamba's relief by the formulas as corrected, and, next, what one pair yields at D, um."""
+    return 1e3 * thamba2020.corrected_relief()
+
+
+def relief_um():
+    return 1e3 * thamba2020.relief_for_load()
+
+
+def disc_over_printed():
+    """Our deflection of Thamba's disc over the printed one, per cent more."""
+    return 100 * (thamba2020.disc_deflection() / printed_of('thamba2020', 'deformation_involute_pitch') - 1)
+
+
+def tip_over_base():
+    """Of Hassan's pinion, mm."""
+    return quantities.radius('hassan', 1, 'tip') - quantities.radius('hassan', 1, 'base')
+
+
+def signed_alpha():
+    """Hassan's alpha with its sign, by frequencies in Hz."""
+    return -hassan2009.rayleigh_alpha()
+
+
+def printed_falls():
+    """Least and largest fall of a dynamic factor that Dogan et al. print with and without relief, per cent."""
+    pairs = (('df_1', 'df_15'), ('df1_1', 'df1_15'), ('df2_1', 'df2_15'), ('df1_2', 'df1_28'))
+    falls = [100 * (1 - printed_of('dogan2021', with_relief) / printed_of('dogan2021', without)) for without, with_relief in pairs]
+    return [min(falls), max(falls)]
+
+
+def least_difference():
+    """Of DF at 15 and at 18 um and 1600 rpm, case 1."""
+    return abs(dogan2021.factor('case1', 1600, 15) - dogan2021.factor('case1', 1600, 18))
+
+
+def one_range(of, first, last):
+    """Least and largest of a function of Hassan's load steps."""
+    values = [getattr(hassan2009, of)(k) for k in range(first, last + 1)]
+    return [min(values), max(values)]
+
+
+# Dynamics
+
+def resolved_and_not():
+    """Speeds, 1/min, at which the prescribed mesh of doc/limits.md with 40 um of relief is resolved, and is not."""
+    mesh = gearsweep.Case(_prescribed()).changed(relief={'amount_um': 40})
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', gearsweep.PartialWarning)
+        status = [gearsweep.sweep(mesh.changed(sweep={'rpm_first': rpm, 'rpm_last': rpm})).status_name[0, 0] for rpm in (1, 0.1)]
+    return [1 if status[0] == 'ok' else float('nan'), 0.1 if status[1] == 'unresolved' else float('nan')]
+
+
+def poisson_high():
+    """By how much the first mode of the row "Poisson 0.4999, plane strain" of doc/limits.md lies off, per cent."""
+    text = (REFERENCE.parents[1] / 'doc' / 'limits.md').read_text(encoding='utf-8')
+    return 100 * float(re.search(r'\| Poisson 0\.4999, plane strain \|.*\| (\S+) \| elements \|', text)[1])
+
+
+def _prescribed():
+    return (REFERENCE.parent / 'extreme' / 'prescribed.nml').read_text(encoding='utf-8')
