@@ -9,6 +9,7 @@ program check
   use test_closed_geometry, only: run_closed_geometry => run
   use test_closed_limits, only: run_closed_limits => run
   use test_closed_modes, only: run_closed_modes => run
+  use test_closed_piecewise, only: run_closed_piecewise => run
   use test_closed_relief, only: run_closed_relief => run
   use test_closed_stiffness, only: run_closed_stiffness => run
   use test_closed_stress, only: run_closed_stress => run
@@ -66,6 +67,7 @@ program check
     & suite_t('closed_estimates', run_closed_estimates), &
     & suite_t('closed_limits', run_closed_limits), &
     & suite_t('closed_modes', run_closed_modes), &
+    & suite_t('closed_piecewise', run_closed_piecewise), &
     & suite_t('band', run_band), &
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &

@@ -1,6 +1,7 @@
 !> Geometry against closed forms and brute force, for equal and unequal flanks, shifted and spread gears:
 !> radii, the path of contact, backlash, the outline as the rack cuts it.
 module test_closed_geometry
+  use gearsweep_calls, only: gs_outline
   use gearsweep_contour, only: tooth_contour
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
@@ -8,7 +9,7 @@ module test_closed_geometry
   use gearsweep_text, only: str
   use quantities, only: ask_geometry
   use stated_gears
-  use testing, only: tally_t, check_true, check_close, check_no_error
+  use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private
   public :: run
@@ -21,6 +22,7 @@ contains
     call radii(t)
     call backlash_by_turning(t)
     call outline_as_cut(t)
+    call tips_and_outlines(t)
   end subroutine run
 
   !> The geometry call, number by number. Backlash after ISO 21771: pitch less both thicknesses on the working circles,
@@ -220,4 +222,51 @@ contains
       end associate
     end function beside
   end function cut
+
+  !> Tip alteration k = y - (x1 + x2), where y is the centre distance beyond the standard one in modules, and never above 0.
+  !> The outline closes; of more than 500 teeth there is one tooth.
+  subroutine tips_and_outlines(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: distances(2) = [93.1_dp, 93.2_dp]
+    type(stated_t) :: list(5)
+    real(dp) :: radius(6, 2), point(5), at(5, 2), distance, angle(2), ratio, pitch, backlash, x(40000), y(40000)
+    character(200) :: message
+    integer :: i, k, info, points
+
+    list = examples()
+    associate (pair => list(2))
+      do k = 1, 2
+        pair%distance = distances(k)
+        call ask_geometry(t, '&case tasks=''geometry'' / '//'&pair tip_alteration=.true. '//text_without_pair(), radius, &
+                          point, at, distance, angle, ratio, pitch, backlash)
+        do i = 1, 2
+          call check_close(t, 'altered tips', radius(1, i), 3*(pair%teeth(i)/2.0_dp + 1 + pair%shift(i) &
+                           + min(0.0_dp, (pair%distance - 91.5_dp)/3 - sum(pair%shift))))
+        end do
+      end do
+    end associate
+    do k = 500, 501
+      call gs_outline('&case tasks=''geometry'' / &pair module_mm=1 face_width_mm=9 / &pinion teeth=40 / &gear teeth='//str(k)// &
+                      ' /', 2, size(x), points, x, y, info, message)
+      call check_equal(t, 'outline of '//str(k)//' teeth', info, 0)
+      if (k == 500) call check_equal(t, 'all teeth', points, 500*72)
+      if (k == 501) call check_equal(t, 'one tooth', points, 61)
+    end do
+    call gs_outline('&case tasks=''geometry'' / '//text_of(list(3)), 1, size(x), points, x, y, info, message)
+    ! Clockwise, so that the enclosed area counts negative; every chord is short, the closing one too.
+    call check_true(t, 'clockwise', sum(x(:points)*cshift(y(:points), 1) - y(:points)*cshift(x(:points), 1)) < 0)
+    associate (dx => x(:points) - cshift(x(:points), 1), dy => y(:points) - cshift(y(:points), 1))
+      call check_true(t, 'closed, without gaps', maxval(hypot(dx, dy)) < 1)
+    end associate
+
+  contains
+
+    !> The case's groups, going on in &pair.
+    function text_without_pair() result(text)
+      character(:), allocatable :: text
+
+      text = text_of(list(2))
+      text = text(len('&pair ') + 1:)
+    end function text_without_pair
+  end subroutine tips_and_outlines
 end module test_closed_geometry

@@ -1,15 +1,21 @@
 !> The limits that refusals tell are the true ones: each against its closed form or the geometry that it stands for.
 module test_closed_limits
+  use gearsweep_contour, only: tooth_contour
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
   use gearsweep_text, only: str
-  use quantities, only: ask, answer_t, number_behind, refusal
+  use quantities, only: number_behind, refusal
   use stated_gears
-  use testing, only: tally_t, check_true, check_close, check_equal
+  use testing, only: tally_t, check_true, check_close, check_error
   implicit none
   private
   public :: run
 
   character(*), parameter :: task = '&case tasks=''geometry'' / '
+  character(*), parameter :: impossible(12) = [character(50) :: 'teeth = 4: must be at least 5', 'module = 0', 'face width = 0', &
+    'pressure angle', 'pressure angle = 0.81', 'addendum = 0', 'dedendum = 0', 'rack_tip_radius = -1e-9', 'profile_shift = 5', &
+    'profile_shift = -5', 'bore_mm = ', 'must not exceed the dedendum']
 
 contains
 
@@ -19,6 +25,7 @@ contains
     call generation(t)
     call meshing(t)
     call bodies_and_loads(t)
+    call impossible_gears(t)
   end subroutine run
 
   !> The number behind `words` in what is said of a case.
@@ -131,4 +138,57 @@ contains
     call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=5e5 / &mesh model=''weber'' /', &
                      'Hertz''s contact does not hold; must be at most ', 1.5_dp**2*pi*206e3_dp/(8*0.91_dp*largest), 1e-2_dp)
   end subroutine bodies_and_loads
+
+  !> Where the section would overlap the next tooth's fillet; and every number of a gear that cannot be, each by its name
+  !> and beside the last that can.
+  subroutine impossible_gears(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: steps = 40
+    type(stated_t) :: list(5)
+    type(gear_spec_t) :: good, spec
+    type(gear_t) :: gear
+    type(error_t), allocatable :: error
+    real(dp) :: points(2, 5*steps + 1), root(2), middle
+    integer :: i
+
+    list = examples()
+    associate (pair => list(3))
+      call make_gear(gear_spec_t('gear', pair%teeth(1), pair%module, pair%angle*degree, pair%shift(1), pair%addendum(1), &
+        pair%dedendum(1), pair%rounding(1), face_width=1.0_dp), gear, error)
+      points = tooth_contour(gear, steps)
+      ! The outline begins and ends where the fillets meet the root circle; the cut is in the middle of the root's land.
+      root = abs([atan2(points(1, 5*steps + 1), points(2, 5*steps + 1)), atan2(points(1, 1), points(2, 1))])
+      middle = (root(drive) - root(coast))/2
+      call check_limit(t, '&case tasks=''section'' / '//text_of(pair)//'&section teeth=3 half_angle_deg=24 /', &
+        ' (teeth cut) and ', (2*2*pi/pair%teeth(1) - max(root(drive) - middle, root(coast) + middle))/degree, 1e-5_dp)
+    end associate
+    good = gear_spec_t('gear', 25, 0.003_dp, face_width=0.02_dp)
+    call make_gear(good, gear, error)
+    call check_true(t, 'a gear that can be', .not. allocated(error))
+    do i = 1, 12
+      spec = good
+      select case (i)
+      case (1); spec%teeth = 4
+      case (2); spec%module = 0
+      case (3); spec%face_width = 0
+      case (4); spec%pressure_angle(2) = 0.049_dp
+      case (5); spec%pressure_angle(1) = 0.81_dp
+      case (6); spec%addendum = 0
+      case (7); spec%dedendum = 0
+      case (8); spec%rack_tip_radius = -1e-9_dp
+      case (9); spec%profile_shift = 5
+      case (10); spec%profile_shift = -5
+      case (11); spec%bore_radius = -1e-9_dp
+      case (12)
+        spec%dedendum = 0.2_dp
+        spec%rack_tip_radius = 0.21_dp
+      end select
+      call make_gear(spec, gear, error)
+      call check_error(t, 'impossible gear '//str(i), error, trim(impossible(i)))
+    end do
+    spec = good
+    spec%teeth = 5
+    call make_gear(spec, gear, error)
+    call check_error(t, 'five teeth are many enough, but undercut', error, 'undercut with 5 teeth')
+  end subroutine impossible_gears
 end module test_closed_limits

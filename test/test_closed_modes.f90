@@ -151,7 +151,11 @@ contains
         end do
         inner = minval(hypot(x, y))
         turn = merge(0.0_dp, pi/pair%teeth(1), n == 1)
+        ! 2.5 tooth heights below the root, or the rim's thickness; cut in the middle of the spaces, or as asked.
+        call check_close(t, 'inner radius, '//trim(options(n)), inner, gear%root_radius - merge(8.0_dp, &
+          2.5_dp*pair%module*(pair%addendum(1) + pair%dedendum(1)), n == 3))
         cuts = [minval(atan2(x, y)), maxval(atan2(x, y))]
+        if (n < 3) call check_close(t, 'angle of the section', cuts(2) - cuts(1), merge(3*2*pi/pair%teeth(1), 30*degree, n == 1))
         on = 0
         farthest = 0
         do i = 1, size(x)

@@ -370,6 +370,21 @@ contains
     call check_close(t, 'overlap', e%value(0.8_dp), 10e-6_dp*(0.3_dp/1.1_dp)**2 + 4e-6_dp*(0.3_dp/1.1_dp)**2)
     relief%start = [1.7_dp, 0.6_dp]
     call profile_error(relief, 1.6_dp, e, error)
-    call check_error(t, 'relief off the path', error, 'off the path')
+    call check_error(t, 'relief off the path', error, 'the pinion''s relief begins at 1.7 base pitches, off the path')
+    relief%start = [1.6_dp, 0.6_dp]
+    call profile_error(relief, 1.6_dp, e, error)
+    call check_error(t, 'no room at E', error, 'the pinion''s relief begins at 1.6')
+    relief%start = [0.0_dp, 1.6_dp]
+    call profile_error(relief, 1.6_dp, e, error)
+    call check_no_error(t, 'from end to end', error)
+    relief%start = [1.0_dp, 0.0_dp]
+    call profile_error(relief, 1.6_dp, e, error)
+    call check_error(t, 'no room at A', error, 'the gear''s relief begins at 0')
+    relief%start = [1.0_dp, 1.61_dp]
+    call profile_error(relief, 1.6_dp, e, error)
+    call check_error(t, 'the gear''s off the path', error, 'the gear''s relief begins at 1.61')
+    relief%amount(2) = -1e-9_dp
+    call profile_error(relief, 1.6_dp, e, error)
+    call check_error(t, 'negative relief', error, '&relief amount_um: must be at least 0')
   end subroutine relief_shapes
 end module test_geometry
