@@ -30,15 +30,26 @@ CASES = {
 &sweep rpm_first = 12000 rpm_last = 16000 rpm_step = 500 /
 """,
 }
+# Finite elements on coarse grids, with what --verbose tells.
+CASES_VERBOSE = {
+    'elements': """&case tasks = 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum' /
+&pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 profile_shift = 0.2 effective_mass_kg = 0.5 / &gear teeth = 34 effective_mass_kg = 0.9 /
+&load normal_force_n = 4000 / &relief amount_um = 0, 10 / &mesh model = 'fe' /
+&section elements_across = 4 / &static positions = 5 / &modal modes = 3 /
+&sweep rpm_first = 3000 rpm_last = 30000 rpm_step = 4000 load_rpm = 4000, 6000 /
+"""
+}
 ANSWERED = {'ok', 'marginal', 'subharmonic', 'inexact'}
 
 
 class Run:
     """The screen of a case as lines, its exit code, and its tables as lists of rows."""
 
-    def __init__(self, program, name, folder):
-        (folder / f'{name}.nml').write_text(CASES[name])
-        done = program(f'{name}.nml', '--out', 'out', cwd=folder)
+    def __init__(self, program, name, folder, *options):
+        (folder / f'{name}.nml').write_text((CASES | CASES_VERBOSE)[name])
+        done = program(f'{name}.nml', '--out', 'out', *options, cwd=folder)
+        self.out = folder / 'out'
         self.code, self.lines = done.returncode, done.stdout.splitlines()
         self.tables = {}
         for path in (folder / 'out').glob('*.csv'):
@@ -63,6 +74,11 @@ class Run:
 @pytest.fixture(scope='module')
 def runs(program, tmp_path_factory):
     return {name: Run(program, name, tmp_path_factory.mktemp(name)) for name in CASES}
+
+
+@pytest.fixture(scope='module')
+def elements(program, tmp_path_factory):
+    return Run(program, 'elements', tmp_path_factory.mktemp('elements'), '--verbose')
 
 
 def curves(run):
@@ -140,15 +156,20 @@ def test_counts_and_errors(runs, name):
     assert float(said[3]) == pytest.approx(max(estimates), rel=0.051)
     assert float(said[4]) == 1e-6
     at = next(i for i, line in enumerate(run.lines) if line.startswith('Points '))
-    counts = {}
+    counts, words = {}, {}
     for line in run.lines[at + 1 :]:
         if not line.startswith(' ' * 19):
             break
         number, word = line.split()[:2]
         counts[word.rstrip(':')] = int(number)
+        words[word.rstrip(':')] = line.split(': ', 1)[-1].strip()
     expected = {state: states.count(state) for state in states if state != 'ok'}
     lost = sum(row['contact'] in ('lost', 'coast') for row in rows)
     assert counts == expected | ({'with': lost} if lost else {})
+    # Each says what it means.
+    for state, part in {'inexact': 'error exceeds the tolerance', 'unresolved': 'too low', 'subharmonic': 'several mesh periods',
+                        'aperiodic': 'no periodic motion', 'chaotic': 'disturbances keep growing'}.items():
+        assert part in words.get(state, part)
 
 
 def test_parted_has_what_is_counted(runs):
@@ -296,3 +317,55 @@ def test_load_table(runs):
     """Loads over the static one, and shares of all pairs that make up the load where nothing moves."""
     for row in runs['geared'].tables['load']:
         assert float(row['load_ratio']) == pytest.approx(float(row['pair_load_n']) / 4000, rel=1e-12, abs=1e-15)
+
+
+# --- finite elements, and what --verbose tells -------------------------------
+
+
+def test_notes_count_what_the_tables_have(elements):
+    tables = elements.tables
+    rpm = {(row['relief_um'], row['rpm']) for row in tables['load']}
+    sections = re.search(r'grid (\d+) elements, (\d+) nodes', '\n'.join(elements.lines))
+    assert {
+        'mesh: pair stiffness by model fe',
+        f'modal: {len(tables["modes"])} modes on the two grids',
+        'static: root stress at 5 positions of the load',
+        f'sweep: {len(tables["sweep"])} operating points',
+        f'load: {len(rpm)} motions followed over the path',
+        f'optimum: {len(tables["vcurve"])} reliefs swept',
+    } <= set(elements.lines)
+    assert len({row['s'] for row in tables['root']}) >= 5
+    grid = (elements.out / 'elements.section.vtu').read_text()
+    assert f'NumberOfPoints="{sections[2]}" NumberOfCells="{sections[1]}"' in grid
+
+
+def test_modes_lines(elements):
+    rows = elements.below('   mode          Hz', 3)
+    for words, row in zip(rows, elements.tables['modes'], strict=True):
+        assert words[0] == str(int(float(row['mode'])))
+        assert float(words[1]) == pytest.approx(float(row['frequency_hz']), rel=1e-5)
+        estimate = next(float(value) for key, value in row.items() if 'estimate' in key)
+        assert float(words[2]) == pytest.approx(100 * estimate, rel=0.02)
+        # Energies of the rim and of each tooth make up the whole.
+        assert sum(map(float, words[4:])) == pytest.approx(100, abs=2)
+
+
+def test_root_lines(elements):
+    """The table has the stress where a tangent of 30 degrees touches the fillet; the largest along the fillet
+    lies a few degrees from there and a little higher."""
+    for words, relief in zip(elements.below('   relief um   tension MPa', 2), (0, 10), strict=True):
+        numbers = [float(row['sigma_mpa']) for row in elements.tables['root'] if float(row['relief_um']) == relief]
+        said = [float(word) for word in words]
+        assert said[0] == relief
+        assert 1 <= said[1] / max(numbers) < 1.1
+        assert 1 <= said[3] / min(numbers) < 1.1
+        assert all(25 < tangent < 50 for tangent in (said[2], said[4]))
+        assert 0 < said[5] < 20
+
+
+def test_headings_stand_apart(elements):
+    """A blank line before each block."""
+    for begin in ('Section of the', 'Natural frequencies', 'Root stress', 'Static transmission', 'Dynamic factor at', 'Dynamic factor over'):
+        at = next(i for i, line in enumerate(elements.lines) if line.startswith(begin))
+        assert elements.lines[at - 1] == ''
+        assert elements.lines[at - 2] != ''

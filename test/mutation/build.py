@@ -11,6 +11,7 @@ from pathlib import Path
 
 # Those of fpm's release profile, with which people build; long lines, as a change may lengthen one.
 RELEASE = '-O3 -funroll-loops -fPIC -fmax-errors=1 -fcoarray=single -fopenmp -fimplicit-none -ffree-form -ffree-line-length-none'
+QUICK = RELEASE.replace('-O3 -funroll-loops', '-O0')
 COVERAGE = '-O1 --coverage -fPIC -fopenmp -fimplicit-none -ffree-form'
 PROGRAM = 'app/gearsweep.f90'
 TESTS = 'test/main.f90'
@@ -164,16 +165,14 @@ class Mutated:
         folder.mkdir(parents=True)
         self.changed = {file: compile_file(tree, file, RELEASE, folder, [base])}
         self.same = self.changed[file].read_bytes() == object_of(base, file).read_bytes()
-        # Constants and defaults stand in the module file: whoever uses it is compiled anew.
-        stale = {file} if any(self._differs(folder, base, name) for name in sources.modules_of(file)) else set()
+        # Constants and defaults stand in the module file: whoever uses it is compiled anew, and quickly, as it
+        # is many files.
+        stale = set(filter(lambda name: self._differs(folder, base, name), sources.modules_of(file)))
         for user in sources.users_of(file) if stale else ():
-            if sources.uses[user] & stale:
-                made = compile_file(tree, user, RELEASE, folder, [folder, base])
-                if made.read_bytes() != object_of(base, user).read_bytes():
-                    self.same = False
-                self.changed[user] = made
-                # Modules that name what they use carry it on.
-                stale.add(user)
+            if any(sources.modules[name] in sources.uses[user] for name in stale):
+                self.changed[user] = compile_file(tree, user, QUICK, folder, [folder, base])
+                stale |= set(filter(lambda name: self._differs(folder, base, name), sources.modules_of(user)))
+        self.same = self.same and not stale
 
     @staticmethod
     def _differs(folder, base, name):

@@ -141,6 +141,9 @@ def mutable_tokens(statement, is_fortran):
     """Those tokens that may change: of a declaration what stands right of its first `=`."""
     words = [token[0] for token in statement.tokens]
     if not is_fortran:
+        if words[1:2] == [':']:
+            # An annotation says nothing when the program runs.
+            return statement.tokens[words.index('=') + 1 :] if '=' in words else ()
         return () if words[0] in PYTHON_HEADS or words == ['""'] else statement.tokens
     if words[0] == 'else' and words[1:2] == ['if']:
         return statement.tokens
@@ -220,8 +223,7 @@ def other_number(word):
         number = float(value)
     except ValueError:
         return []
-    # A whole number stays one with a point, so that nothing is divided as integers.
-    return [f'{number * 2:.17g}{"" if "." in f"{number * 2:.17g}" else ".0"}{kind}', f'{number * 0.9:.15g}{kind}'] if number else [f'1.0{kind}']
+    return [f'{x:.15g}{"" if "." in f"{x:.15g}" else ".0"}{kind}' for x in ([number * 2, number / 2] if number else [1.0])]
 
 
 def is_unary(words, i):

@@ -61,7 +61,8 @@ def explanations():
 class Worker:
     """One copy of the checkout, with the programs made from it."""
 
-    def __init__(self, number, base, extension, known=None):
+    def __init__(self, number, base, extension, known=None, within=0.0):
+        self.within = within
         self.tree = trials.Tree(ROOT, SCRATCH / f'tree{number}', ROOT / '.venv')
         self.known = known
         self.sources = build.Sources(self.tree.root)
@@ -135,7 +136,7 @@ class Worker:
 
     def _try(self, mutant, tests, lines):
         for test in sorted(tests, key=lambda test: test.seconds):
-            if test.reaches(mutant, lines):
+            if test.seconds <= self.within and test.reaches(mutant, lines):
                 self._link_rest(test.kind)
                 why = trials.catches(test, self.tree)
                 if why and not self.known.is_sure(test):
@@ -233,6 +234,7 @@ def main():
     parser.add_argument('rooms', nargs='*', metavar='room', help=', '.join(rooms))
     parser.add_argument('--rest', action='store_true', help='keeps who was killed before, and runs only the others')
     parser.add_argument('--count', type=int, default=COUNT, help=f'mutants in all rooms together, {COUNT} unless told')
+    parser.add_argument('--within', type=float, default=1e9, metavar='SECONDS', help='only tests that take no longer')
     parser.add_argument('--workers', type=int, default=min(2, os.cpu_count() or 1), help='how many run at a time')
     options = parser.parse_args()
     for room in options.rooms:
@@ -248,7 +250,7 @@ def main():
     extension = build.Extension(ROOT, SCRATCH / 'extension', str(ROOT / '.venv/bin/python'))
     whole = Worker(0, base, extension)
     known = trials.Known(SCRATCH, whole.tree, whole.sources, say, options.workers)
-    workers = [Worker(number, base, extension, known) for number in range(1, options.workers + 1)]
+    workers = [Worker(number, base, extension, known, options.within) for number in range(1, options.workers + 1)]
     wanted = options.rooms or list(rooms)
     tests = [test for test in trials.all_tests(ROOT) if any(test.fits(room) for room in wanted)]
     known.prepare(tests)
