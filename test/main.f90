@@ -28,6 +28,7 @@ program check
   use test_inputs, only: run_inputs => run
   use test_mesh, only: run_mesh => run
   use test_motion, only: run_motion => run
+  use test_oscillator, only: run_oscillator => run
   use test_points, only: run_points => run
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
@@ -53,6 +54,7 @@ program check
     & suite_t('closed_stiffness', run_closed_stiffness), &
     & suite_t('harmonics', run_harmonics), &
     & suite_t('motion', run_motion), &
+    & suite_t('oscillator', run_oscillator), &
     & suite_t('grading', run_grading), &
     & suite_t('sweep', run_sweep), &
     & suite_t('resonances', run_resonances), &

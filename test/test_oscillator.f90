@@ -1,0 +1,260 @@
+!> Parts of the motion by themselves: what an oscillator refuses and derives, the quintics between the ends of a
+!> step with their turning points and zeros, and the list of places where a load may be largest.
+module test_oscillator
+  use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t
+  use gearsweep_motion, only: make_oscillator, oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_peaks, only: may_top, note_top, raise_to_top, top_t, tops_t
+  use gearsweep_quintic, only: bend_of, evaluate, first_zero, may_pass, quintic, slope_of, top_of, value_of
+  use gearsweep_text, only: str
+  use random_numbers, only: random_t
+  use reference_rows, only: prescribed
+  use single_points, only: mesh_of
+  use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  real(dp), parameter :: none(2) = 0, ratio = 1.6_dp
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call refusals(t)
+    call derived(t)
+    call quintics(t)
+    call turning_points(t)
+    call first_zeros(t)
+    call tops(t)
+  end subroutine run
+
+  !> Each value out of its range is refused by name; at the bounds that belong to it none is.
+  subroutine refusals(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(error_t), allocatable :: error
+
+    osc = stated()
+    osc%mesh%contact_ratio = 1
+    call refused('contact ratio = 1: must be above 1')
+    osc = stated()
+    osc%mass(2) = 0
+    call refused('effective mass = 0: must be above 0')
+    osc = stated()
+    osc%load = 0
+    call refused('load = 0: must be above 0')
+    osc = stated()
+    osc%damping_ratio = -1e-9_dp
+    call refused('damping_ratio = -1e-9: must be at least 0')
+    osc = stated()
+    osc%friction = 1
+    call refused('friction = 1: must be at least 0 and below 1')
+    osc = stated()
+    osc%friction = -0.1_dp
+    call refused('friction = -0.1')
+    osc = stated()
+    osc%backlash = -1e-6_dp
+    call refused('backlash = -1e-6: must be at least 0')
+    osc = stated()
+    osc%mesh%teeth = 0
+    call refused('teeth = 0')
+    osc = stated()
+    osc%friction = 0.1_dp
+    osc%mesh%tan_angle = 0
+    call refused('friction = 0.1: needs the teeth of both members and the pressure angle')
+    osc = stated()
+    osc%friction = 0.1_dp
+    osc%mesh%teeth(2) = 0
+    call refused('friction = 0.1: needs')
+    osc = stated()
+    osc%damping_ratio = 0
+    osc%backlash = 0
+    call make_oscillator(osc, error)
+    call check_no_error(t, 'bounds belong to their ranges', error)
+
+  contains
+
+    subroutine refused(message)
+      character(*), intent(in) :: message
+
+      call make_oscillator(osc, error)
+      call check_error(t, message, error, message)
+    end subroutine refused
+  end subroutine refusals
+
+  type(oscillator_t) function stated() result(osc)
+    call prescribed(ratio, [400.0_dp], none, 1, osc)
+    osc%mesh%teeth = [25, 30]
+    osc%mesh%pitch_point = ratio/2
+    osc%mesh%tan_angle = 0.36_dp
+    osc%mass = [0.8_dp, 0.9_dp]
+    osc%load = 7000
+    osc%damping_ratio = 0.1_dp
+  end function stated
+
+  !> Frequencies and deflections of a constant pair stiffness, and with relief the deflection whose mean load,
+  !> summed here, is the static one.
+  subroutine derived(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: samples = 20000
+    type(oscillator_t) :: osc
+    type(error_t), allocatable :: error
+    real(dp) :: mean, s
+    integer :: i
+
+    osc = stated()
+    call make_oscillator(osc, error)
+    call check_no_error(t, 'oscillator', error)
+    call check_equal(t, 'pairs', osc%pairs, 2)
+    call check_equal(t, 'members', osc%members, 2)
+    call check_close(t, 'natural frequency', osc%natural_frequency, sqrt(ratio*400e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-12_dp)
+    call check_true(t, 'two pairs are no faster than the bound', osc%highest_frequency >= &
+                    (1 - 1e-12_dp)*sqrt(2*400e6_dp*(1/0.8_dp + 1/0.9_dp)))
+    call check_close(t, 'mean deflection', osc%static_scale, 7000/(ratio*400e6_dp), 1e-12_dp)
+    call check_close(t, 'at high speed', osc%rest, 7000/(ratio*400e6_dp), 1e-9_dp)
+    call check_close(t, 'lowest frequency of a zone', minval(osc%frequency), sqrt(400e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
+    call check_close(t, 'highest frequency of a zone', maxval(osc%frequency), sqrt(800e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
+    osc = stated()
+    osc%has_backlash = .true.
+    osc%backlash = 1e-4_dp
+    call make_oscillator(osc, error)
+    call check_equal(t, 'the coast side is a member', osc%members, 3)
+    osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [14.0_dp, 9.0_dp], 0.1_dp)
+    mean = 0
+    do i = 1, samples
+      s = ratio*(i - 0.5_dp)/samples
+      mean = mean + max(0.0_dp, osc%mesh%stiffness%value(s)*(osc%rest - osc%mesh%profile_error%value(s)))*ratio/samples
+    end do
+    call check_close(t, 'mean load at high speed', mean, 7000.0_dp, 1e-3_dp)
+  end subroutine derived
+
+  !> A quintic has the values, slopes and curvatures at both ends from which it is made; its value is that of
+  !> Taylor's series about the middle; slope and curvature are those of small differences.
+  subroutine quintics(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: h = 1e-4_dp
+    type(random_t) :: random
+    real(dp) :: ends(0:2, 2), c(0:5), at, value, slope
+    integer :: i, k
+
+    do i = 1, 5
+      ends = reshape([(random%between(-1.0_dp, 1.0_dp), k=1, 6)], [3, 2])
+      c = quintic(ends(:, 1), ends(:, 2))
+      do k = 1, 2
+        call check_close(t, 'value at end '//str(k)//' of '//str(i), value_of(c, k - 1.0_dp), ends(0, k), absolute=1e-13_dp)
+        call check_close(t, 'slope at end '//str(k)//' of '//str(i), slope_of(c, k - 1.0_dp), ends(1, k), absolute=1e-12_dp)
+        call check_close(t, 'bend at end '//str(k)//' of '//str(i), bend_of(c, k - 1.0_dp), ends(2, k), absolute=1e-12_dp)
+      end do
+      at = random%between(0.1_dp, 0.9_dp)
+      call evaluate(c, at, value, slope)
+      call check_close(t, 'value of '//str(i), value, sum(c*[1.0_dp, at, at**2, at**3, at**4, at**5]), absolute=1e-13_dp)
+      call check_close(t, 'slope of '//str(i), slope, (value_of(c, at + h) - value_of(c, at - h))/(2*h), absolute=1e-5_dp)
+      call check_close(t, 'bend of '//str(i), bend_of(c, at), (slope_of(c, at + h) - slope_of(c, at - h))/(2*h), absolute=1e-5_dp)
+    end do
+  end subroutine quintics
+
+  !> Products of a falling slope's zero and what is positive: the turning point is where it was put, and a load
+  !> with it raises the peak to its top, as a scan finds it.
+  subroutine turning_points(t)
+    type(tally_t), intent(inout) :: t
+    type(random_t) :: random
+    real(dp) :: place, b, load(0:2, 2), c(0:5), peak, top
+    integer :: i, k
+
+    do i = 1, 12
+      place = random%between(0.02_dp, 0.98_dp)
+      b = random%between(0.2_dp, 3.0_dp)
+      ! y' = (place - x)(1 + b x^2), y(0) = 1.
+      load(:, 1) = [1.0_dp, place, -1.0_dp]
+      load(:, 2) = [1 + place - 0.5_dp + b*(place/3 - 0.25_dp), (place - 1)*(1 + b), -(1 + b) + (place - 1)*2*b]
+      c = quintic(load(:, 1), load(:, 2))
+      call check_close(t, 'turning point '//str(i), top_of(c), place, absolute=1e-8_dp)
+      call check_true(t, 'may have a top '//str(i), may_top(load, max(load(0, 1), load(0, 2))))
+      peak = 0
+      call raise_to_top(load, peak)
+      top = maxval([(value_of(c, k/1000.0_dp), k=0, 1000)])
+      call check_close(t, 'top '//str(i), peak, top, absolute=3e-6_dp)
+      peak = 100
+      call raise_to_top(load, peak)
+      call check_close(t, 'a higher peak stays '//str(i), peak, 100.0_dp)
+    end do
+    call check_true(t, 'rising has no top', .not. may_top(ends(1.0_dp, 1.0_dp, 2.0_dp, 1.0_dp), 0.0_dp))
+    call check_true(t, 'falling has none', .not. may_top(ends(2.0_dp, -1.0_dp, 1.0_dp, -1.0_dp), 0.0_dp))
+    call check_true(t, 'below the peak', .not. may_top(ends(1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp), 1.51_dp))
+    call check_true(t, 'above it', may_top(ends(1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp), 1.49_dp))
+  end subroutine turning_points
+
+  !> A load with its slope at the left end, and at the right; without curvature.
+  pure function ends(load, slope, next_load, next_slope) result(both)
+    real(dp), intent(in) :: load, slope, next_load, next_slope
+    real(dp) :: both(0:2, 2)
+
+    both = reshape([load, slope, 0.0_dp, next_load, next_slope, 0.0_dp], [3, 2])
+  end function ends
+
+  !> Functions with zeros put in place: one that passes zero once, and one that dips below it and comes back.
+  subroutine first_zeros(t)
+    type(tally_t), intent(inout) :: t
+    type(random_t) :: random
+    real(dp) :: a, b, place, c(0:5)
+    logical :: found
+    integer :: i
+
+    do i = 1, 12
+      a = random%between(0.05_dp, 0.9_dp)
+      b = random%between(a + 0.05_dp, 0.98_dp)
+      ! (a - x)(1 + x^2)
+      c = [a, -1.0_dp, a, -1.0_dp, 0.0_dp, 0.0_dp]
+      call first_zero(c, place, found)
+      call check_true(t, 'passes zero '//str(i), found)
+      call check_close(t, 'place '//str(i), place, a, absolute=1e-9_dp)
+      call check_true(t, 'may pass '//str(i), may_pass(value_of(c, 0.0_dp), value_of(c, 1.0_dp), c(1), slope_of(c, 1.0_dp)))
+      ! (a - x)(b - x)
+      c = [a*b, -(a + b), 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+      call first_zero(c, place, found)
+      call check_true(t, 'dips below zero '//str(i), found)
+      call check_close(t, 'first of two places '//str(i), place, a, absolute=1e-9_dp)
+      call check_true(t, 'may dip '//str(i), may_pass(value_of(c, 0.0_dp), value_of(c, 1.0_dp), c(1), slope_of(c, 1.0_dp)))
+      ! The same, lifted above zero.
+      c(0) = c(0) + (b - a)**2/4 + 0.01_dp
+      call first_zero(c, place, found)
+      call check_true(t, 'stays above zero '//str(i), .not. found)
+    end do
+    call check_true(t, 'far above', .not. may_pass(2.0_dp, 2.0_dp, -1.0_dp, 1.0_dp))
+  end subroutine first_zeros
+
+  !> More places than the list holds: those below the peak are forgotten; if there are none, all are looked at,
+  !> and the peak is that of all.
+  subroutine tops(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(table_t) :: table
+    type(tops_t) :: list
+    type(top_t) :: top
+    real(dp) :: duration, peak
+    integer :: i
+
+    osc = mesh_of(ratio, [400.0_dp], none, 0.1_dp)
+    call tabulate(osc, resolution_t(40.0_dp, 1), table)
+    duration = 60/(25*8000.0_dp)
+    top = top_t(bound=10.0_dp, x=[1e-5_dp, 1e-5_dp], y=[1e-6_dp, -1e-6_dp], step=30, pair=1, touch=1)
+    list%count = 0
+    peak = 20
+    do i = 1, 17
+      call note_top(osc, table, duration, top, list, peak)
+    end do
+    call check_equal(t, 'what the peak has passed is forgotten', list%count, 1)
+    call check_close(t, 'the peak stays', peak, 20.0_dp)
+    ! A load of 400 N/um on 10 um, and slopes that lift it by up to their difference over four.
+    list%count = 0
+    peak = 0
+    do i = 1, 17
+      top%bound = 1e5_dp + i
+      call note_top(osc, table, duration, top, list, peak)
+    end do
+    call check_equal(t, 'all are looked at', list%count, 1)
+    call check_true(t, 'and raise the peak', peak > 4000 .and. peak < 4500, str(peak))
+  end subroutine tops
+end module test_oscillator
