@@ -10,6 +10,7 @@ module test_estimates
   use gearsweep_optimum, only: find_optimum, optimum_t
   use gearsweep_orbit, only: shoot, steady_t
   use gearsweep_period, only: period_t, run_period
+  use gearsweep_strobe, only: strobe_motion, strobe_t
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
   use gearsweep_text, only: str
   use random_numbers, only: random_t
@@ -32,6 +33,8 @@ contains
     call optimum_without_answers(t)
     call two_periods_of_one(t)
     call loads_while_contact_changes(t)
+    call many_bounces(t)
+    call growth_of_a_disturbance(t)
   end subroutine run
 
   !> Piecewise constant stiffness. A result of sixth order errs by 1/63 of its difference to half the steps; the
@@ -269,4 +272,38 @@ contains
     slope(2) = duration**2*inverse_mass*(osc%load - sum(load)) &
                - 2*osc%damping_ratio*duration*sqrt(inverse_mass*sum(stiffness))*state(2)
   end function slope
+
+  !> Without damping a pair that was thrown out of contact bounces on: in a long period contact changes more than a
+  !> thousand times, and that is no chatter.
+  subroutine many_bounces(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(table_t) :: table
+    type(maps_t) :: maps
+    type(period_t) :: run
+    real(dp) :: duration
+
+    osc = mesh_of(ratio, [400.0_dp], none, 0.0_dp)
+    duration = mesh_period(25, 15.0_dp)
+    call tabulate(osc, resolution_t(osc%natural_frequency*duration, 1), table)
+    call begin_maps(table, maps)
+    call run_period(osc, table, duration, [-2*osc%static_scale, 0.0_dp], maps, run)
+    call check_true(t, 'no chatter', .not. run%failed)
+    call check_true(t, 'more than a thousand changes', run%events > 1100, str(run%events))
+  end subroutine many_bounces
+
+  !> Much damped, both multipliers of piecewise constant stiffness are real: soon every disturbance shrinks by the
+  !> larger one, whose logarithm is the exponent.
+  subroutine growth_of_a_disturbance(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t) :: osc
+    type(strobe_t) :: strobe
+    real(dp) :: dynamic_factor, multiplier
+
+    osc = mesh_of(ratio, [400.0_dp], none, 1.5_dp)
+    call strobe_motion(osc, [20000.0_dp], 40, 8, strobe)
+    call closed_form(osc%natural_frequency, 1.5_dp, mesh_period(25, 20000.0_dp), dynamic_factor, multiplier)
+    call check_close(t, 'exponent', strobe%exponent(1), log(multiplier), 1e-6_dp)
+    call check_equal(t, 'it repeats every period', strobe%periods(1), 1)
+  end subroutine growth_of_a_disturbance
 end module test_estimates

@@ -165,7 +165,7 @@ def mutable_tokens(statement, is_fortran):
 
 FORTRAN_SWAPS = {
     'operator': ['+ -', '* /', '.and. .or.'],
-    'comparison': ['< <=', '> >=', '== /=', '<= <', '>= >'],
+    'comparison': ['== /='],
     'constant': ['.true. .false.'],
     'member': ['pinion gear', 'first last', 'left right', 'lower upper', 'tip root', 'drive coast', 'x y', 'low high'],
     'function': ['sin cos', 'min max', 'minval maxval', 'minloc maxloc', 'floor ceiling', 'any all', 'exit cycle',
@@ -173,7 +173,7 @@ FORTRAN_SWAPS = {
 }
 PYTHON_SWAPS = {
     'operator': ['+ -', '* /', 'and or', '// /'],
-    'comparison': ['< <=', '> >=', '== !=', '<= <', '>= >'],
+    'comparison': ['== !='],
     'constant': ['True False', 'None 0'],
     'member': ['pinion gear', 'first last', 'left right', 'lower upper', 'tip root', 'x y', 'low high'],
     'function': ['sin cos', 'min max', 'any all', 'argmin argmax', 'zeros ones', 'break continue', 'abs float'],
@@ -189,13 +189,13 @@ def swaps_of(table):
         for pair in pairs:
             a, b = pair.split()
             found.setdefault(a, []).append((kind, b))
-            if kind != 'comparison':
-                found.setdefault(b, []).append((kind, a))
+            found.setdefault(b, []).append((kind, a))
     return found
 
 
 SWAPS = {True: swaps_of(FORTRAN_SWAPS), False: swaps_of(PYTHON_SWAPS)}
-# A comparison that is turned round rather than moved by one.
+# A comparison is turned round: whether numbers that are equal belong to the one side or the other shows nowhere
+# where they are results. Bounds of loops and indices change by one as constants.
 TURNED = {'<': '>', '>': '<', '<=': '>=', '>=': '<='}
 
 
