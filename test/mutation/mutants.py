@@ -154,7 +154,9 @@ def mutable_tokens(statement, is_fortran):
         if '=' not in words[words.index('::') :]:
             return ()
         after = words.index('=', words.index('::'))
-        return statement.tokens[after + 1 :]
+        # Members that are nothing until they are computed.
+        nothing = () if 'parameter' in words else ('0', '0.0_dp', '.false.')
+        return tuple(token for token in statement.tokens[after + 1 :] if token[0] not in nothing)
     # Headings with a prefix: `logical function f(x)`.
     if 'function' in words[:4] and '=' not in words[: words.index('function')]:
         return ()

@@ -153,6 +153,7 @@ class Campaign:
         self.room, self.count, self.workers = room, count, workers
         self.tests = [test for test in tests if test.fits(room)]
         self.order = mutants.ranked(files)
+        self.explained = explanations()
         self.file = SCRATCH / 'results' / f'{room}.jsonl'
         self.file.parent.mkdir(exist_ok=True)
         self.old = {}
@@ -186,7 +187,10 @@ class Campaign:
             entry = None
             try:
                 entry = self.old.get(mutant.key)
-                if not entry or entry['verdict'] == 'survived':
+                if self.explained.get(mutant.key):
+                    # Known to change nothing that could be seen.
+                    entry = {'key': mutant.key, 'kind': mutant.kind, 'verdict': 'survived'}
+                elif not entry or entry['verdict'] == 'survived':
                     entry = {'key': mutant.key, 'kind': mutant.kind, **worker.judge(mutant, self.tests)}
             finally:
                 with self.lock:
