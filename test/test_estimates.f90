@@ -10,6 +10,7 @@ module test_estimates
   use gearsweep_optimum, only: find_optimum, optimum_t
   use gearsweep_orbit, only: shoot, steady_t
   use gearsweep_period, only: period_t, run_period
+  use gearsweep_steady, only: solve_in_contact
   use gearsweep_strobe, only: strobe_motion, strobe_t
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
   use gearsweep_text, only: str
@@ -33,6 +34,8 @@ contains
     call optimum_without_answers(t)
     call two_periods_of_one(t)
     call loads_while_contact_changes(t)
+    call steps_that_are_told(t)
+    call derivative_of_a_period(t)
     call many_bounces(t)
     call growth_of_a_disturbance(t)
   end subroutine run
@@ -272,6 +275,73 @@ contains
     slope(2) = duration**2*inverse_mass*(osc%load - sum(load)) &
                - 2*osc%damping_ratio*duration*sqrt(inverse_mass*sum(stiffness))*state(2)
   end function slope
+
+  !> The steps of a point are those of its table: as many as asked for and what the breaks add, or the number that
+  !> the resolution makes.
+  subroutine steps_that_are_told(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: rpm(3) = [0.5_dp, 5000.0_dp, 9000.0_dp]
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    type(table_t) :: table
+    integer :: i
+
+    osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], none, 0.03_dp)
+    do i = 1, size(rpm)
+      call solve(osc, rpm(i), options, point)
+      call tabulate(osc, point%resolution, table)
+      call check_equal(t, 'steps chosen at '//str(rpm(i)), point%steps, table%steps)
+    end do
+    options%steps = 300
+    call solve(osc, 9000.0_dp, options, point)
+    call check_true(t, 'steps asked for', point%steps >= 300 .and. point%steps <= 304, str(point%steps))
+    call check_true(t, 'work counts both tables', point%work >= 450)
+  end subroutine steps_that_are_told
+
+  !> The derivative of a period by its start is that of small differences, where pairs part and touch, too; and
+  !> what the maps were used for before, here a motion in contact, changes nothing.
+  subroutine derivative_of_a_period(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: starts = 40
+    real(dp), parameter :: h = 1e-5_dp
+    type(oscillator_t) :: osc
+    type(table_t) :: table
+    type(maps_t) :: maps, used
+    type(period_t) :: run, again, above, below
+    type(steady_t) :: steady
+    type(random_t) :: random
+    real(dp) :: duration, start(2), unit(2), ignored(2), difference(2, 2), worst(2)
+    integer :: i, k, changed
+
+    osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [14.0_dp, 14.0_dp], 0.08_dp)
+    worst = 0
+    changed = 0
+    do i = 1, starts
+      duration = mesh_period(25, random%between(4000.0_dp, 15000.0_dp))
+      call tabulate(osc, resolution_t(2*osc%natural_frequency*duration, 1), table)
+      unit = osc%static_scale*[1.0_dp, osc%natural_frequency*duration]
+      start = unit*[random%between(0.2_dp, 2.0_dp), random%between(-0.5_dp, 0.5_dp)]
+      call begin_maps(table, maps)
+      call run_period(osc, table, duration, start, maps, run)
+      call begin_maps(table, used)
+      call solve_in_contact(osc, table, duration, used, ignored, steady)
+      call run_period(osc, table, duration, start, used, again)
+      worst(1) = max(worst(1), maxval(abs(again%state - run%state)/unit), abs(again%peak - run%peak)/osc%load, &
+                     maxval(abs(again%map - run%map)*spread(unit, 1, 2)/spread(unit, 2, 2)))
+      do k = 1, 2
+        call run_period(osc, table, duration, start + h*unit*[2 - k, k - 1], maps, above)
+        call run_period(osc, table, duration, start - h*unit*[2 - k, k - 1], maps, below)
+        difference(:, k) = (above%state - below%state)/(2*h*unit(k))
+      end do
+      if (run%failed .or. above%events /= run%events .or. below%events /= run%events) cycle
+      if (run%events > 0) changed = changed + 1
+      worst(2) = max(worst(2), maxval(abs(difference - run%map)*spread(unit, 1, 2)/spread(unit, 2, 2)))
+    end do
+    call check_true(t, 'contact changes', changed >= starts/4, str(changed))
+    call check_close(t, 'maps used before', worst(1), 0.0_dp, absolute=1e-10_dp)
+    call check_close(t, 'derivative', worst(2), 0.0_dp, absolute=1e-3_dp)
+  end subroutine derivative_of_a_period
 
   !> Without damping a pair that was thrown out of contact bounces on: in a long period contact changes more than a
   !> thousand times, and that is no chatter.
