@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+import unicodedata
 from dataclasses import dataclass
 
 from . import Case, Code, Error, __version__, _border
@@ -44,17 +45,44 @@ def main(words: list[str] | None = None) -> int:
     words = sys.argv[1:] if words is None else words
     try:
         if {'--help', '-h'} & set(words):
-            print(HELP)
+            say(HELP)
         elif '--version' in words:
-            print(f'gearsweep {__version__}')
+            say(f'gearsweep {__version__}')
         else:
             answer(arguments(words))
     except Error as error:
-        sys.stdout.flush()
         if error.code != Code.PARTIAL:
-            print(f'gearsweep: {error}', file=sys.stderr)
+            complain(str(error))
         return error.code
     return Code.OK
+
+
+def say(text: str) -> None:
+    """Prints at once, as is.
+
+    Raises
+    ------
+    Error
+        The standard output is full or closed; where whoever read it has left, nothing is said any more.
+    """
+    if sys.stdout is None:
+        raise Error('cannot write to the standard output: Bad file descriptor', Code.FILE)
+    try:
+        # The title of a case need not be UTF-8.
+        if hasattr(sys.stdout, 'reconfigure'):
+            sys.stdout.reconfigure(errors='surrogateescape')
+        print(text, flush=True)
+    except OSError as error:
+        # What Python holds back it would try to print again at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise Error(f'cannot write to the standard output: {error.strerror}', Code.FILE) from error
+
+
+def complain(message: str) -> None:
+    """On one line, without what a terminal would obey."""
+    words = ''.join('?' if unicodedata.category(letter) == 'Cc' else letter for letter in message)
+    print(f'gearsweep: {words}', file=sys.stderr)
 
 
 def arguments(words: list[str]) -> Arguments:
@@ -111,11 +139,10 @@ def answer(wanted: Arguments) -> None:
         case.text, folder, _border.NO_WORK, wanted.threads, room(case) if wanted.pictures else 0, wanted.out, name
     )
     if text and not wanted.quiet:
-        print(f'gearsweep {__version__}\n{text}Time               {time.perf_counter() - began:.3g} s')
+        lines = [f'gearsweep {__version__}\n{text}Time               {time.perf_counter() - began:.3g} s']
         if wanted.verbose:
-            print('\n' + stages, end='')
-        for path in written:
-            print(f'Wrote              {path}')
+            lines.append('\n' + stages.rstrip('\n'))
+        say('\n'.join(lines + [f'Wrote              {path}' for path in written]))
     if error is None or error.code == Code.PARTIAL:
         if wanted.pictures:
             draw(study(case, numbers), wanted, name)
@@ -129,11 +156,11 @@ def draw(results: Study, wanted: Arguments, name: str) -> None:
         from .plots import draw_all
     except ImportError as error:
         if not wanted.quiet:
-            print(f'gearsweep: no pictures: {error}', file=sys.stderr)
+            complain(f'no pictures: {error}')
         return
     for path in draw_all(results, wanted.out, name):
         if not wanted.quiet:
-            print(f'Wrote              {path}')
+            say(f'Wrote              {path}')
 
 
 if __name__ == '__main__':

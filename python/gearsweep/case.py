@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from . import _border
-from ._border import Code, Error
+from ._border import Error
+from ._files import content, replacing
 
 
 @dataclass(frozen=True)
@@ -55,15 +56,10 @@ class Case:
         Raises
         ------
         Error
-            The file cannot be read.
+            The file cannot be read, or is longer than 10 MB.
         """
-        path = os.fspath(path)
-        try:
-            text = Path(path).read_bytes().decode('utf-8', 'surrogateescape')
-        except OSError as error:
-            place = '' if isinstance(error, IsADirectoryError) else f"Cannot open file '{path}': "
-            raise Error(f'cannot read {path}: {place}{error.strerror}', Code.FILE) from error
-        return cls(text, os.path.abspath(os.path.dirname(path)))
+        text = content(path).decode('utf-8', 'surrogateescape')
+        return cls(text, os.path.abspath(os.path.dirname(os.fspath(path))))
 
     @classmethod
     def build(cls, **groups: Mapping[str, Any]) -> Case:
@@ -74,8 +70,15 @@ class Case:
         return cls('').changed(**groups)
 
     def write(self, path: str | os.PathLike) -> None:
-        """Writes the text to a file."""
-        Path(path).write_bytes(self.text.encode('utf-8', 'surrogateescape'))
+        """Writes the text to a file; one that is there is replaced when the new one is complete.
+
+        Raises
+        ------
+        Error
+            The file cannot be written.
+        """
+        with replacing(path) as new:
+            Path(new).write_bytes(self.text.encode('utf-8', 'surrogateescape'))
 
     def changed(self, **groups: Mapping[str, Any]) -> Case:
         """A new case with other values, as in `case.changed(relief={'amount_um': [0, 5]})`.

@@ -12,6 +12,7 @@ import numpy as np
 
 from . import maps, results
 from ._border import Code, Error
+from ._files import replacing
 from .case import Case
 
 #: Of the files; a later one need not be readable by this version.
@@ -24,7 +25,13 @@ _KINDS = {
 
 
 def save(result: results.Result | results.Study, path: str | os.PathLike) -> None:
-    """Writes a result under a temporary name, which is renamed when it is complete."""
+    """Writes a result; a file that is there is replaced when the new one is complete.
+
+    Raises
+    ------
+    Error
+        The file cannot be written.
+    """
     parts = _parts(result)
     arrays = {f'{name}.{key}': getattr(part, key) for name, part in parts.items() for key in part.units}
     about = {
@@ -35,13 +42,8 @@ def save(result: results.Result | results.Study, path: str | os.PathLike) -> Non
         'folder': result.case.folder,
         'parts': {name: type(part).__name__ for name, part in parts.items()},
     }
-    path = os.fspath(path)
-    try:
-        with open(path + '.part', 'wb') as file:
-            np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
-        os.replace(path + '.part', path)
-    except OSError as error:
-        raise Error(f'cannot write {path}: {error.strerror}', Code.FILE) from error
+    with replacing(path) as new, open(new, 'wb') as file:
+        np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
 
 
 def read(path: str | os.PathLike) -> results.Result | results.Study:

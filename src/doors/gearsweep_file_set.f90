@@ -8,9 +8,10 @@ module gearsweep_file_set
   private
   public :: file_set_t
 
-  !> `call files%begin(folder, error)`; for each file `call files%add(name, start, text, error)`, where `start` is how such
-  !> files begin; for each file that the set could have but has not, `call files%lacks(name, start)`; then `call files%finish(error)`, whether a call failed or
-  !> not: each does nothing once one has. Of each set, one caller; any number of sets at once, also in one folder.
+  !> `call files%begin(folder, error)`; for each file `call files%add(name, start, text, error)`, where `start` is how
+  !> such files begin; for each file that the set could have but has not, `call files%lacks(name, start)`; then
+  !> `call files%finish(error)`, whether a call failed or not: each does nothing once one has. Of each set, one caller;
+  !> any number of sets at once, also in one folder.
   type :: file_set_t
     private
     integer(c_int) :: where(3) = -1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
 from math import ceil
 from typing import BinaryIO
 
@@ -11,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from .._files import replacing
 from ..results import Load, Mesh, Modal, Motion, Static, Stress, Study
 from ..tasks import stress
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
@@ -76,10 +78,19 @@ def figures(study: Study) -> Iterator[tuple[str, Figure]]:
 
 
 def save(figure: Figure, file: str | os.PathLike | BinaryIO, ending: str) -> None:
-    """Writes a picture in this format; the same picture gives the same bytes, as no date is written."""
+    """Writes a picture in this format; the same picture gives the same bytes, as no date is written.
+
+    A file that is there is replaced when the new one is complete.
+
+    Raises
+    ------
+    Error
+        The file cannot be written.
+    """
     dates = {'svg': {'Date': None}, 'pdf': {'CreationDate': None}}
-    with style():
-        figure.savefig(file, format=ending, metadata=dates.get(ending))
+    named = isinstance(file, (str, os.PathLike))
+    with style(), replacing(file) if named else nullcontext(file) as new:
+        figure.savefig(new, format=ending, metadata=dates.get(ending))
 
 
 def _single(plot: Callable, result, height: float, width: float = COLUMN) -> Figure:

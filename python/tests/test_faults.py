@@ -1,0 +1,126 @@
+"""Full disks, links, names and full standard output: old files stay, and nothing ends without a word."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from conftest import GEARED, PRESCRIBED
+
+import gearsweep
+from gearsweep import Case, Code, Error, _border
+
+# Files may have 1 kB, as if the disk were full then; Python leaves out the signal that would end the process.
+LIMITED = """
+import resource
+import gearsweep
+def limited(write):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1024, resource.RLIM_INFINITY))
+    try:
+        write()
+    except gearsweep.Error as error:
+        print(error.code.name, error)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+"""
+
+
+def said(script, folder):
+    """What a script prints that runs in this folder."""
+    done = subprocess.run([sys.executable, '-c', LIMITED + script], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ('name', 'write'),
+    [
+        ('x.npz', 'gearsweep.geometry(case).save("x.npz")'),
+        ('x.nml', 'gearsweep.Case(case.text + "! " + 2000*"x").write("x.nml")'),
+        ('x.png', 'gearsweep.plots.save(gearsweep.plot_geometry(gearsweep.geometry(case)).figure, "x.png", "png")'),
+    ],
+)
+def test_full_disk(tmp_path, name, write):
+    (tmp_path / name).write_text('old')
+    script = f'import gearsweep.plots\ncase = gearsweep.Case({GEARED!r})\nlimited(lambda: {write})\n'
+    assert said(script, tmp_path) == f'FILE cannot write {name}: File too large\n'
+    assert os.listdir(tmp_path) == [name] and (tmp_path / name).read_text() == 'old'
+
+
+def test_tables_on_a_full_disk(tmp_path):
+    case = Case(PRESCRIBED)
+    run = f'_border.run({PRESCRIBED!r}, "", _border.NO_WORK, 1, 0, "out", "q")'
+    script = f'from gearsweep import _border\n{run}\nlimited(lambda: print({run}[3:]))\n'
+    first = _border.run(case.text, '', _border.NO_WORK, 1, 0, str(tmp_path / 'kept'), 'q')
+    assert first[4] is None and len(first[3]) == 5
+    assert said(script, tmp_path) == "([], Error('cannot write out/q.mesh.csv: File too large'))\n"
+    assert sorted(os.listdir(tmp_path / 'out')) == sorted(os.listdir(tmp_path / 'kept'))
+    for table in os.listdir(tmp_path / 'out'):
+        assert (tmp_path / 'out' / table).read_bytes() == (tmp_path / 'kept' / table).read_bytes()
+
+
+def test_temporary_names(tmp_path):
+    """Links under names that a temporary file could have are not followed; one of the file itself is replaced."""
+    (tmp_path / 'victim').write_text('mine')
+    for name in ('x.npz.part', 'x.npz', 'x.nml'):
+        (tmp_path / name).symlink_to(tmp_path / 'victim')
+    geometry = gearsweep.geometry(Case(GEARED))
+    geometry.save(tmp_path / 'x.npz')
+    Case(GEARED).write(tmp_path / 'x.nml')
+    assert (tmp_path / 'victim').read_text() == 'mine'
+    assert gearsweep.read(tmp_path / 'x.npz').distance_mm == geometry.distance_mm
+    assert Case.read(tmp_path / 'x.nml').text == GEARED
+    assert sorted(os.listdir(tmp_path)) == ['victim', 'x.nml', 'x.npz', 'x.npz.part']
+    umask = os.umask(0)
+    os.umask(umask)
+    assert os.stat(tmp_path / 'x.npz').st_mode & 0o777 == 0o666 & ~umask
+
+
+@pytest.mark.parametrize('name', ['', ' ', '.', '..', '../x', 'a/b', '/x', 'a\nb', 'a\x1bb', 'a\x9bb', 'a\x85'])
+def test_names(tmp_path, name):
+    out = str(tmp_path / 'out')
+    error = _border.run(PRESCRIBED, '', _border.NO_WORK, 1, 0, out, name)[4]
+    assert error.code == Code.INPUT and 'name' in str(error)
+    assert os.listdir(tmp_path) == []
+
+
+def test_control_characters():
+    for control in '\x1b\x07\x00\x7f\x80\x9b':
+        with pytest.raises(Error, match='NUL' if control == '\0' else f'control character .code {ord(control)}.'):
+            gearsweep.report(Case(PRESCRIBED + f"! {control}"))
+    with pytest.raises(Error, match='control character .code 155.'):
+        gearsweep.report(Case(PRESCRIBED + '! \udc9b'))
+
+
+def test_endless_and_long_cases(tmp_path):
+    with pytest.raises(Error, match='is longer than 10 MB'):
+        Case.read('/dev/zero')
+    with open(tmp_path / 'x.nml', 'wb') as file:
+        file.truncate(3_000_000_000)
+    with pytest.raises(Error, match='is longer than 10 MB'):
+        Case.read(tmp_path / 'x.nml')
+
+
+PROGRAM = [sys.executable, '-m', 'gearsweep']
+
+
+@pytest.mark.parametrize('words', [['--help'], ['--version'], ['q.nml', '--no-pictures']])
+def test_standard_output(tmp_path, words):
+    (tmp_path / 'q.nml').write_text(PRESCRIBED)
+
+    def run(command):
+        return subprocess.run(['sh', '-c', command, 'sh', *PROGRAM, *words], cwd=tmp_path, capture_output=True, text=True)
+
+    for command, reason in (('"$@" >/dev/full', 'No space left on device'), ('"$@" >&-', 'Bad file descriptor')):
+        done = run(command)
+        assert (done.returncode, done.stderr) == (3, f'gearsweep: cannot write to the standard output: {reason}\n')
+    done = run('{ "$@"; echo $? >ended; } | true')
+    assert done.stderr == '' and (tmp_path / 'ended').read_text() == '0\n'
+    if words[0] == 'q.nml':
+        assert (tmp_path / 'results' / 'q.sweep.csv').exists()
+
+
+def test_title_in_latin_1(tmp_path):
+    (tmp_path / 'q.nml').write_bytes(b"&case title = 'Gr\xf6\xdfe' tasks = 'mesh' /" + PRESCRIBED.split('/', 1)[1].encode())
+    words = [*PROGRAM, 'q.nml', '--no-pictures']
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, env=os.environ | {'PYTHONUTF8': '1'})
+    assert done.returncode == 0 and b'Gr\xf6\xdfe' in done.stdout
