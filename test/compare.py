@@ -18,17 +18,22 @@ ROUNDING = 2e-10
 TOLERANCE = 1e-6
 # A bound of an error that lies below this, in units of what it bounds, is rounding and nothing else.
 NOTHING = 1e-9
+# The steps of a point are chosen by its error; where that lies at the limit, rounding decides. The next choice has
+# 2**(1/3) times the steps and, as the method is of sixth order, a fourth of the error.
+MORE_STEPS, LESS_ERROR = 1.3, 5
 
 # The rule of a number's column: its largest deviation, where it is not ROUNDING of the column's largest number.
 #   text       equal as text: words, whole numbers and what the case gives
 #   estimated  the sum of both error estimates, which stand in the column named, and ROUNDING
-#   bound      an error estimate or a residual: no number but a bound, alike to a factor of 2, or next to nothing
+#   bound      an error estimate or a residual: no number but a bound, alike to LESS_ERROR, or next to nothing
+#   steps      a choice, alike to MORE_STEPS
+#   own        ROUNDING of each number by itself, as the column mixes quantities
 #   asked      a number along the motion, without an estimate of its own: TOLERANCE of the column's largest
 #   relative   the same, with the estimate relative to the number
 #   angle      ROUNDING of a turn, over amplitude: a harmonic next to nothing has no phase
 RULES = {
     'sweep': {
-        'relief_um': 'text', 'rpm': 'text', 'steps': 'text', 'mesh_periods': 'text', 'dynamic_factor': 'estimated error_estimate',
+        'relief_um': 'text', 'rpm': 'text', 'steps': 'steps', 'mesh_periods': 'text', 'dynamic_factor': 'estimated error_estimate',
         'error_estimate': 'bound', 'residual': 'bound', 'floquet_modulus': 'asked',
     },
     'load': {
@@ -42,7 +47,7 @@ RULES = {
     # Reliefs that the search tries follow from the load and the stiffness.
     'vcurve': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text'},
     'modes': {'mode': 'text', 'frequency_hz': 'relative error_estimate', 'error_estimate': 'bound', 'residual': 'bound', 'rim_share': ''},
-    'published': {'printed': 'text'},
+    'published': {'printed': 'text', 'ours': 'own'},
 }  # fmt: skip
 
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w])')
@@ -92,7 +97,7 @@ def is_number(text):
 
 
 def is_bound_alike(one, other):
-    return max(one, other) <= NOTHING or max(one, other) <= 2 * min(one, other)
+    return max(one, other) <= NOTHING or max(one, other) <= LESS_ERROR * min(one, other)
 
 
 def compare_column(result, place, rule, one, other, ones, others):
@@ -105,12 +110,14 @@ def compare_column(result, place, rule, one, other, ones, others):
     largest = max((abs(v) for v in a if v == v), default=0)
     kind, _, name = rule.partition(' ')
     for i in range(len(a)):
-        if kind == 'bound':
+        if kind in ('bound', 'steps'):
             result.values += 1
-            if not is_bound_alike(a[i], b[i]):
+            result.differ += a[i] != b[i]
+            alike = is_bound_alike(a[i], b[i]) if kind == 'bound' else max(a[i], b[i]) <= MORE_STEPS * min(a[i], b[i])
+            if not alike:
                 result.breaks(place, f'{a[i]!r} and {b[i]!r}')
             continue
-        allowed = (TOLERANCE if kind == 'asked' else ROUNDING) * largest
+        allowed = TOLERANCE * largest if kind == 'asked' else ROUNDING * (abs(a[i]) if kind == 'own' else largest)
         if kind in ('estimated', 'relative'):
             estimates = float(ones[name][i]) + float(others[name][i])
             allowed += estimates * (abs(a[i]) if kind == 'relative' else 1)

@@ -53,7 +53,9 @@ contains
       else
         options%teeth = min(spec%teeth - 1, 1 + int(5*random%uniform()))
         options%fixed_sides = random%uniform() < 0.7_dp
-        options%fixed_rim = .not. options%fixed_sides .or. random%uniform() < 0.7_dp
+        ! Within .or. the compiler would decide whether a number is drawn, and so what the set is.
+        options%fixed_rim = .true.
+        if (options%fixed_sides) options%fixed_rim = random%uniform() < 0.7_dp
         options%elements_across = least_across + int(random%uniform()*(most_section - least_across + 1))
       end if
       body%radius = random%between(0.4_dp*gear%form_radius(drive) + 0.6_dp*gear%tip_radius, gear%tip_radius)

@@ -292,7 +292,10 @@ contains
       integer :: digits
 
       words = ''
-      if (may_lack .and. random%uniform() < 0.5_dp) return
+      ! Not in one condition: the compiler would decide whether a number is drawn.
+      if (may_lack) then
+        if (random%uniform() < 0.5_dp) return
+      end if
       digits = 1 + int(17*random%uniform())
       words = ' '//name//' = '//str(random%between(low, high), digits)
     end function key
