@@ -31,7 +31,7 @@ contains
 
   !> ISO 6336-1:2006, 9.3: q' of Table 8, c'_th = 1/q', c' = c'_th C_M C_R C_B E/E_st with C_M = 0.8, C_R = 1 for solid
   !> discs and C_B = [1 + 0.5 (1.2 - h_fP/m)] [1 - 0.02 (20 - alpha_P)], the mean of C_B where the racks differ; below
-  !> 100 N/mm times (load/100)**0.25. Over the path it is c' at the middle, and its mean that of c_gamma = c' (0.75 eps +
+  !> F_t/b = 100 N/mm, where F_t = F cos(alpha), times (F_t/b/100)**0.25. Over the path it is c' at the middle, and its mean that of c_gamma = c' (0.75 eps +
   !> 0.25) over eps pairs. N/(mm um).
   pure real(dp) function iso_c_prime(pair, young_gpa, line_load_n_mm) result(c)
     type(stated_t), intent(in) :: pair
@@ -45,14 +45,16 @@ contains
     end associate
     c_b = (1 + 0.5_dp*(1.2_dp - pair%dedendum))*(1 - 0.02_dp*(20 - pair%angle(1)))
     c = 0.8_dp/q*sum(c_b)/2*young_gpa/206
-    if (line_load_n_mm < 100) c = c*(line_load_n_mm/100)**0.25_dp
+    associate (tangential => line_load_n_mm*cos(pair%angle(1)*degree))
+      if (tangential < 100) c = c*(tangential/100)**0.25_dp
+    end associate
   end function iso_c_prime
 
   !> At other angles than 20 degrees, with shift, unlike dedenda, another modulus and light load. A steeper rack is
   !> stiffer: +10 % at 25 degrees.
   subroutine iso_single_stiffness(t)
     type(tally_t), intent(inout) :: t
-    real(dp), parameter :: light(2) = [300.0_dp, 40.0_dp], young(2) = [206.0_dp, 175.0_dp]
+    real(dp), parameter :: light(2) = [104.0_dp, 40.0_dp], young(2) = [206.0_dp, 175.0_dp]
     type(stated_t) :: list(5), plain
     type(answer_t) :: answer
     real(dp), allocatable :: s(:), found(:)

@@ -1,6 +1,6 @@
 !> Stiffness models and static load sharing.
 module test_mesh
-  use gearsweep_kinds, only: dp
+  use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
@@ -107,7 +107,8 @@ contains
     call iso_stiffness(pair_of([25, 116]), steel, 300e3_dp, curve, error)
     call check_close(t, 'c prime 25/116', curve%maximum()/width, 17.96e9_dp*0.8_dp*0.975_dp, 3e-4_dp)
     call iso_stiffness(pair, steel, 50e3_dp, curve, error)
-    call check_close(t, 'low load', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp*0.5_dp**0.25_dp, 3e-4_dp)
+    call check_close(t, 'low load', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp*(0.5_dp*cos(pi/9))**0.25_dp, &
+                     3e-4_dp)
   end subroutine iso_numbers
 
   !> Independent methods: the standard's c'th was fitted to Weber-Banaschek

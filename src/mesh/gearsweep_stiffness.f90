@@ -67,8 +67,9 @@ contains
 
   !> ISO 6336-1:2006 method B: the largest single stiffness c' and, over the
   !> path, the parabola whose mean gives the mesh stiffness
-  !> c_gamma = c' (0.75 eps + 0.25); solid discs. `line_load` (N/m) below
-  !> 100 N/mm lowers c'. Source: ISO 6336-1:2006, clause 9, method B.
+  !> c_gamma = c' (0.75 eps + 0.25); solid discs. A tangential load F_t/b below
+  !> 100 N/mm lowers c'; `line_load` (N/m) is that on the line of action.
+  !> Source: ISO 6336-1:2006, clause 9, method B.
   pure subroutine iso_stiffness(pair, material, line_load, curve, error)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material
@@ -82,7 +83,7 @@ contains
       rack = (1 + 0.5_dp*(1.2_dp - sum(spec%dedendum)/2)) &
              *(1 - 0.02_dp*(20 - spec(1)%pressure_angle(drive)*57.29577951308232_dp))
       largest = 1e9_dp/flexibility()*correction*rack*material%young/steel &
-                *min(1.0_dp, line_load/threshold)**0.25_dp*minval(spec%face_width)
+                *min(1.0_dp, line_load*cos(spec(1)%pressure_angle(drive))/threshold)**0.25_dp*minval(spec%face_width)
     end associate
     bend = 0.75_dp*(1 - 1/pair%contact_ratio)
     curve = polynomial(0.0_dp, pair%contact_ratio, largest*[1.0_dp, 0.0_dp, -bend])

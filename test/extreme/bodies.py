@@ -61,8 +61,8 @@ def iso(case):
     one, two = gears(case)
     q = 0.04723 + 0.15551 / one.z + 0.25791 / two.z
     rack = 1 + 0.5 * (1.2 - 1.25)
-    load = number(case, "load line_load_n_mm")
-    return 0.8 * rack / q * min(1.0, load / 100)**0.25 * number(case, "pair face_width_mm"), 1e-9
+    tangential = number(case, "load line_load_n_mm") * cos(ALPHA)
+    return 0.8 * rack / q * min(1.0, tangential / 100)**0.25 * number(case, "pair face_width_mm"), 1e-9
 
 
 def weber(case):
