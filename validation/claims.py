@@ -26,7 +26,7 @@ ROUNDING = 0.6  # of a unit of the last digit: half of it, and what another proc
 COMPLETE = ('README.md', 'CHANGELOG.md', 'doc/dynamics.md', 'doc/elastic.md', 'doc/performance.md', 'doc/limits.md')
 NAMES = re.compile(
     r'ISO \d+(-\d+)?(:\d+)?|ISO/\S+|Fortran \d+|Eqs?\. \d+( to \d+)?|[Cc]ase 1|FV32|version \d\S*|\d+\.\d+\.\d+|20\d\d-\d\d-\d\d|'
-    r'BSD \d|C1[12]|20\d\d|[Dd]amping above 1|next to 0|(exit )?code \d|contact\s+ratio of 2')
+    r'BSD \d|C1[12]|20\d\d|(flang|gfortran|GCC|Python|Debian) \d[\d.]*|-O\d|[Dd]amping above 1|next to 0|(exit )?code \d|contact\s+ratio of 2')
 
 
 @dataclass(frozen=True)
