@@ -1,3 +1,45 @@
+!> Ctrl-C and `kill` end a run soon, and what is done by then is kept; the second time they end it at once.
+module interruption
+  use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
+  use gearsweep_error, only: code_stopped
+  implicit none
+  private
+  public :: catch_signals
+
+  !> For `run_study`: stop, points done, of how many.
+  integer(c_int), target, volatile, public :: watch(3) = 0
+
+  interface
+    type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
+      import :: c_funptr, c_int
+      integer(c_int), value :: number
+      type(c_funptr), value :: handler
+    end function c_signal
+
+    subroutine c_leave(code) bind(c, name='_exit')
+      import :: c_int
+      integer(c_int), value :: code
+    end subroutine c_leave
+  end interface
+
+contains
+
+  subroutine catch_signals()
+    integer(c_int), parameter :: interrupt = 2, terminate = 15
+    type(c_funptr) :: before
+
+    before = c_signal(interrupt, c_funloc(note_signal))
+    before = c_signal(terminate, c_funloc(note_signal))
+  end subroutine catch_signals
+
+  subroutine note_signal(number) bind(c)
+    integer(c_int), value :: number
+
+    if (watch(1) /= 0) call c_leave(int(code_stopped, c_int))
+    watch(1) = number
+  end subroutine note_signal
+end module interruption
+
 !> gearsweep CASE.nml: reads a case, computes, prints the answer, leaves tables.
 !> The only place that prints or stops.
 program gearsweep_program
@@ -5,10 +47,14 @@ program gearsweep_program
   use, intrinsic :: iso_fortran_env, only: error_unit, int64
   use gearsweep
   use gearsweep_characters, only: printable
+  use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record
+  use gearsweep_error, only: code_stopped
   use gearsweep_files, only: check_folder, check_name, fail_system, folder_of, make_folder, read_text, remove_folder
   use gearsweep_output, only: write_results
+  use gearsweep_study, only: record_t
   use gearsweep_system, only: print_text
-  use gearsweep_text, only: str, to_number
+  use gearsweep_text, only: fixed, str, to_number
+  use interruption, only: catch_signals, watch
   implicit none
 
   interface
@@ -24,43 +70,52 @@ program gearsweep_program
   end interface
 
   type :: arguments_t
-    character(:), allocatable :: case, out
+    character(:), allocatable :: case, out, name
     integer :: threads = 0
-    logical :: verbose = .false., quiet = .false.
+    logical :: verbose = .false., quiet = .false., resume = .false.
   end type arguments_t
 
   type(arguments_t) :: arguments
   type(case_t) :: case
   type(study_t) :: study
+  type(record_t) :: record
   type(error_t), allocatable :: error
-  character(:), allocatable :: text, written
+  character(:), allocatable :: text, written, checkpoint
   logical :: made = .false.
   character, parameter :: lf = new_line('a')
-  integer(int64) :: began, ended, rate
+  integer(int64) :: began, ended, rate, told = 0
+  integer :: first_done = -1                     ! points that are taken over from an interrupted run
 
+  call catch_signals()
   call system_clock(began, rate)
   call read_arguments(arguments)
-  call read_text(arguments%case, text, error, stream=.true.)
+  call read_text(place_of(arguments%case), text, error, stream=.true.)
   call check(error)
   call check_folder(arguments%out, error)
-  call check_name(stem(arguments%case), error)
+  call check_name(arguments%name, error)
   call check(error)
   call read_case(text, case, error)
   call check(error)
   call make_folder(arguments%out, made, error)
   call check(error)
+  checkpoint = arguments%out//'/'//arguments%name//'.checkpoint'
+  if (arguments%resume) call load_record(checkpoint, case, folder_of(arguments%case), record, error)
+  call check(error)
   if (progress_wanted()) then
-    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, show_progress)
-    write (error_unit, '(a)', advance='no') achar(13)//repeat(' ', 40)//achar(13)
+    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, show_progress, watch=watch, record=record)
+    write (error_unit, '(a)', advance='no') achar(13)//repeat(' ', 60)//achar(13)
   else
-    call run_study(case, folder_of(arguments%case), arguments%threads, study, error)
+    call run_study(case, folder_of(arguments%case), arguments%threads, study, error, watch=watch, record=record)
   end if
   call check(error)
   call system_clock(ended)
   ! Before anything is printed: whoever reads may leave, and the process with him.
-  call write_results(study, arguments%out, stem(arguments%case), written, error)
+  call write_results(study, arguments%out, arguments%name, written, error)
+  if (study%stopped .and. .not. allocated(error)) call keep_record()
   if (.not. arguments%quiet) call show_answer()
   call check(error)
+  if (study%stopped) call end_interrupted()
+  call drop_checkpoint(checkpoint)
   if (failed_points(study) > 0) call finish(code_partial)
 
 contains
@@ -97,6 +152,26 @@ contains
     call check(error)
   end subroutine print_out
 
+  !> Leaves what an interrupted run has done to the next one.
+  subroutine keep_record()
+    call save_record(record, case, folder_of(arguments%case), checkpoint, error)
+    if (.not. allocated(error)) written = written//checkpoint//lf
+  end subroutine keep_record
+
+  subroutine end_interrupted()
+    write (error_unit, '(a)') 'gearsweep: interrupted; the same command with --resume goes on from here'
+    call finish(code_stopped)
+  end subroutine end_interrupted
+
+  !> The place of the case: `-` is standard input.
+  function place_of(word) result(path)
+    character(*), intent(in) :: word
+    character(:), allocatable :: path
+
+    path = word
+    if (word == '-') path = '/dev/stdin'
+  end function place_of
+
   !> File name without folder and ending.
   pure function stem(path) result(name)
     character(*), intent(in) :: path
@@ -111,12 +186,40 @@ contains
     if (.not. arguments%quiet) progress_wanted = c_isatty(2_c_int) == 1
   end function progress_wanted
 
+  !> At most ten times a second: points, per cent and, once it can be told, the time left.
   subroutine show_progress(done, total)
     integer, intent(in) :: done, total
+    integer(int64) :: now
+    character(:), allocatable :: line
+    character(60) :: padded
+    real(dp) :: seconds
 
-    write (error_unit, '(a)', advance='no') achar(13)//str(done)//' of '//str(total)//' points'
+    call system_clock(now)
+    if (first_done < 0) first_done = done - 1
+    if (done < total .and. 10*(now - told) < rate) return
+    told = now
+    seconds = real(now - began, dp)/rate
+    line = str(done)//' of '//str(total)//' points, '//str(int(100.0_dp*done/total))//' %'
+    if (seconds > 1 .and. done > first_done) &
+      line = line//', '//duration(seconds*(total - done)/(done - first_done))//' left'
+    padded = line
+    write (error_unit, '(a)', advance='no') achar(13)//padded
     flush (error_unit)
   end subroutine show_progress
+
+  !> As 45 s, 12 min, 3.5 h.
+  function duration(seconds) result(words)
+    real(dp), intent(in) :: seconds
+    character(:), allocatable :: words
+
+    if (seconds < 100) then
+      words = str(nint(seconds))//' s'
+    else if (seconds < 6000) then
+      words = str(nint(seconds/60))//' min'
+    else
+      words = fixed(seconds/3600, 1)//' h'
+    end if
+  end function duration
 
   subroutine read_arguments(arguments)
     type(arguments_t), intent(out) :: arguments
@@ -142,18 +245,25 @@ contains
         arguments%quiet = .true.
       case ('--out')
         arguments%out = following(i, word)
+      case ('--name')
+        arguments%name = following(i, word)
+      case ('--resume')
+        arguments%resume = .true.
       case ('--threads')
         call to_number(following(i, word), arguments%threads, ok)
         if (.not. ok .or. arguments%threads < 1 .or. arguments%threads > 1024) &
           call usage('--threads: must be an integer from 1 to 1024')
       case default
-        if (index(word, '-') == 1) call usage('unknown option '//word)
+        if (index(word, '-') == 1 .and. len(word) > 1) call usage('unknown option '//word)
         if (allocated(arguments%case)) call usage('one case at a time: '//arguments%case//' and '//word)
         if (len(word) == 0) call usage('the case has an empty name')
         arguments%case = word
       end select
     end do
     if (.not. allocated(arguments%case)) call usage('no case given')
+    if (allocated(arguments%name)) return
+    arguments%name = stem(arguments%case)
+    if (arguments%case == '-') arguments%name = 'stdin'
   end subroutine read_arguments
 
   !> The word behind an option; steps over it.
@@ -182,17 +292,20 @@ contains
     call print_line( &
       'gearsweep '//version//': dynamic factor of a spur-gear pair over speed and tip relief'//lf// &
       lf// &
-      'usage: gearsweep CASE.nml [options]'//lf// &
+      'usage: gearsweep CASE.nml [options]      (- reads the case from standard input)'//lf// &
       lf// &
       '  --out FOLDER    where the tables go (results); it is made if missing'//lf// &
+      '  --name NAME     how the tables are called (as the case; stdin for -)'//lf// &
       '  --threads N     threads of the sweep (all); the answer is the same for any number'//lf// &
+      '  --resume        go on from where a run of this case was interrupted'//lf// &
       '  --verbose       also say which stages ran and what was left out'//lf// &
       '  --quiet         print errors only'//lf// &
       '  --version       print the version'//lf// &
       '  --help          print this'//lf// &
       lf// &
       'exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,'//lf// &
-      '           4 some operating points have no answer, 5 a method failed, 6 memory'//lf// &
+      '           4 some operating points have no answer, 5 a method failed, 6 memory,'//lf// &
+      '           130 interrupted: what is done is kept, and --resume goes on from there'//lf// &
       'The keys of a case are described in doc/case.md.')
   end subroutine show_help
 

@@ -36,7 +36,8 @@ enum {
   GSC_FILE = 3,      /* a file or folder cannot be read or written */
   GSC_PARTIAL = 4,   /* some operating points have no answer (NaN); the others were computed */
   GSC_NUMERICAL = 5, /* a numerical method did not deliver, although the input is valid */
-  GSC_MEMORY = 6     /* the work does not fit into the memory */
+  GSC_MEMORY = 6,    /* the work does not fit into the memory */
+  GSC_INTERRUPTED = 130 /* the caller ended the run; what was done by then is there */
 };
 
 /* What status of gsc_sweep says. From GSC_UNSTABLE on there is no dynamic factor. */
@@ -49,7 +50,8 @@ enum {
   GSC_APERIODIC = 5,   /* no periodic motion was found */
   GSC_UNRESOLVED = 6,  /* the speed is too low for the steps given or allowed */
   GSC_CHATTER = 7,     /* contact changes without end */
-  GSC_CHAOTIC = 8      /* no periodic motion was found, and disturbances keep growing */
+  GSC_CHAOTIC = 8,     /* no periodic motion was found, and disturbances keep growing */
+  GSC_STOPPED = 9      /* the caller ended the run before */
 };
 
 /* What contact of gsc_sweep says: all pairs touch, one was apart for a while, all were, the coast
@@ -88,6 +90,19 @@ int gsc_write(const char *text, size_t text_length, const char *folder, int nwor
               int threads, const char *out, const char *name, char *answer, size_t answer_size,
               size_t *length, char *stages, size_t stages_size, char *files, size_t files_size,
               char *message, size_t message_size);
+
+/* As gsc_write, and the caller may watch the run, end it, and go on from there.
+   watch[3]: watch[0] is 0; whoever sets it to another number while the call computes, a signal's handler or another
+   thread, ends the run soon (GSC_INTERRUPTED; the files of what is done are written). watch[1]: operating points done
+   so far, never fewer than before, watch[2]: of how many. NULL: the run is not watched
+   resume: file that an interrupted run left: what was done by then is taken over, to the same bits; one of another
+   version, or of a case that differs, is refused. NULL or empty: begins anew
+   keep: file that is written where the run is interrupted, and removed where it is not; may be that of resume;
+   NULL or empty: none */
+int gsc_run(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
+            int threads, const char *out, const char *name, int *watch, const char *resume,
+            const char *keep, char *answer, size_t answer_size, size_t *length, char *stages,
+            size_t stages_size, char *files, size_t files_size, char *message, size_t message_size);
 
 /* The case with every key that it leaves to its default written out. It gives the same answer.
    length: as for gsc_report. */

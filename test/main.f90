@@ -33,6 +33,7 @@ program check
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
   use test_resonances, only: run_resonances => run
+  use test_resume, only: run_resume => run
   use test_scenes, only: run_scenes => run
   use test_stability, only: run_stability => run
   use test_sweep, only: run_sweep => run
@@ -59,6 +60,7 @@ program check
     & suite_t('sweep', run_sweep), &
     & suite_t('resonances', run_resonances), &
     & suite_t('points', run_points), &
+    & suite_t('resume', run_resume), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
     & suite_t('estimates', run_estimates), &

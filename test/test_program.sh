@@ -934,6 +934,74 @@ refuses '&section teeth = 26: must lie between 1 and the gear' 1 's/teeth = 3$/t
 refuses '&section fixed: the section is not held' 1 "s/teeth = 3$/teeth = 25/; s/fixed = .*/fixed = 'sides'/"
 refuses '&section rim_mm = 40: must be above 0 and below the root radius' 1 's/^&section/\&section rim_mm = 40/'
 
+# --- standard input, and what an interrupted run leaves -------------------------
+
+cat >long.nml <<'END'
+&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 / &relief amount_um = 0, 2, 15 /
+&mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+&dynamics damping_ratio = 0.01 /
+&sweep rpm_first = 5000 rpm_last = 9000 rpm_step = 10 load_rpm = 6800 /
+END
+sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 10/rpm_step = 500/" long.nml >short.nml
+run short.nml --out named
+sed '/^Time/d; s,named/short,piped/stdin,' stdout >wanted
+"$program" - --out piped <short.nml >stdout 2>stderr
+sed '/^Time/d' stdout >found
+check 'standard input: the same answer' same wanted found
+check 'standard input: the same table' same named/short.sweep.csv piped/stdin.sweep.csv
+cat short.nml | "$program" - --out piped --name pair --quiet
+check 'a name for the tables' same named/short.sweep.csv piped/pair.sweep.csv
+"$program" - --out piped </dev/null >stdout 2>stderr
+check 'standard input: nothing on it' test $? = 1
+"$program" - --name a/b --out piped <short.nml >stdout 2>stderr
+check 'a name is no path' test $? = 1
+
+run long.nml --out whole
+whole_code=$code
+# interrupted OPTIONS: ends the run a while after it has begun.
+interrupted() {
+  "$program" long.nml --out pieces "$@" >stdout 2>stderr &
+  pid=$!
+  sleep 0.5
+  kill -"$signal" $pid 2>/dev/null
+  wait $pid
+}
+signal=INT
+interrupted --verbose
+check 'interrupted: exit code' test $? = 130
+check 'interrupted: says how to go on' says stderr 'with --resume goes on from here'
+check 'interrupted: the log' says stdout 'interrupted'
+check 'interrupted: the finished table is whole' same whole/long.mesh.csv pieces/long.mesh.csv
+check 'interrupted: what is not computed says so' test "$(rows pieces/long.sweep.csv | grep -c ',NaN,NaN,stopped,')" -gt 0
+check 'interrupted: what is computed is right' test "$(rows pieces/long.sweep.csv | grep -v stopped >ours
+  rows whole/long.sweep.csv | grep -Fxvf - ours | wc -l)" = 0
+check 'interrupted: no optimum' test ! -e pieces/long.vcurve.csv
+sed 's/0.01/0.02/' long.nml >other.nml
+mv long.nml kept.nml && mv other.nml long.nml
+run long.nml --out pieces --resume
+check 'another case does not go on' test $code = 3
+check 'and says why' says stderr 'is of another case'
+mv kept.nml long.nml
+signal=TERM
+interrupted --resume
+pieces=1
+# Each goes further, whatever the machine is busy with.
+while [ -e pieces/long.checkpoint ] && [ $pieces -lt 200 ]; do
+  [ $pieces -gt 5 ] && break
+  interrupted --resume
+  pieces=$((pieces + 1))
+done
+[ -e pieces/long.checkpoint ] && run long.nml --out pieces --resume --threads 1
+for kind in mesh load sweep vcurve; do
+  check "in pieces: $kind as in one piece" same whole/long.$kind.csv pieces/long.$kind.csv
+done
+check 'in pieces: no checkpoint is left' test ! -e pieces/long.checkpoint
+run long.nml --out pieces --resume
+check 'nothing to go on from' test $code = 3
+check 'nothing to go on from: says so' says stderr 'long.checkpoint'
+
 # --- random bytes: refused in good order, whatever they are -------------------
 
 awk 'BEGIN { srand(2) ; for (i = 0; i < 90; i++) print int(rand()*1000000), i % 3 == 2 ? "coarse" : "cheap" }' >seeds

@@ -10,15 +10,18 @@ import unicodedata
 from dataclasses import dataclass
 
 from . import Case, Code, Error, __version__, _border
+from ._watch import Line
 from .results import Study
 from .tasks import room, study
 
 HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
 
-usage: python -m gearsweep CASE.nml [options]
+usage: python -m gearsweep CASE.nml [options]      (- reads the case from standard input)
 
   --out FOLDER    where the tables and pictures go (results); it is made if missing
+  --name NAME     how they are called (as the case; stdin for -)
   --threads N     threads of the sweep (all); the answer is the same for any number
+  --resume        go on from where a run of this case was interrupted
   --no-pictures   draw none
   --verbose       also say which stages ran and what was left out
   --quiet         print errors only
@@ -26,7 +29,8 @@ usage: python -m gearsweep CASE.nml [options]
   --help          print this
 
 exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,
-           4 some operating points have no answer, 5 a method failed, 6 memory
+           4 some operating points have no answer, 5 a method failed, 6 memory,
+           130 interrupted: what is done is kept, and --resume goes on from there
 The keys of a case are described in doc/case.md."""
 
 
@@ -34,6 +38,8 @@ The keys of a case are described in doc/case.md."""
 class Arguments:
     case: str = ''
     out: str = 'results'
+    name: str = ''
+    resume: bool = False
     threads: int = 0
     pictures: bool = True
     verbose: bool = False
@@ -50,8 +56,12 @@ def main(words: list[str] | None = None) -> int:
             say(f'gearsweep {__version__}')
         else:
             answer(arguments(words))
+    except KeyboardInterrupt:  # before or after the library computed, or a second one
+        return Code.INTERRUPTED
     except Error as error:
-        if error.code != Code.PARTIAL:
+        if error.code == Code.INTERRUPTED:
+            complain('interrupted; the same command with --resume goes on from here')
+        elif error.code != Code.PARTIAL:
             complain(str(error))
         return error.code
     return Code.OK
@@ -90,23 +100,25 @@ def arguments(words: list[str]) -> Arguments:
     found = Arguments()
     rest = iter(words)
     for word in rest:
-        if word in ('--verbose', '--quiet'):
+        if word in ('--verbose', '--quiet', '--resume'):
             setattr(found, word[2:], True)
         elif word == '--no-pictures':
             found.pictures = False
-        elif word in ('--out', '--threads'):
+        elif word in ('--out', '--name', '--threads'):
             value = next(rest, None)
             if value is None:
                 raise usage(f'{word}: a value must follow')
             if not value:
                 raise usage(f'{word}: the value is empty')
-            if word == '--out':
-                found.out = value
+            if word == '--name' and '/' in value:
+                raise usage(f'--name: {value} must be a name without a folder')
+            if word in ('--out', '--name'):
+                setattr(found, word[2:], value)
             elif value.isascii() and value.isdigit() and 1 <= int(value) <= 1024:
                 found.threads = int(value)
             else:
                 raise usage('--threads: must be an integer from 1 to 1024')
-        elif word.startswith('-'):
+        elif word.startswith('-') and word != '-':
             raise usage(f'unknown option {word}')
         elif found.case:
             raise usage(f'one case at a time: {found.case} and {word}')
@@ -132,12 +144,26 @@ def answer(wanted: Arguments) -> None:
         As the program: also where some points have no answer, after all is written.
     """
     began = time.perf_counter()
-    case = Case.read(wanted.case)
-    folder, file = os.path.split(wanted.case)
-    name = file[: file.rindex('.')] if file.rfind('.') > 0 else file
+    case, folder, name = read(wanted.case)
+    name = wanted.name or name
+    kept = f'{wanted.out}/{name}.checkpoint'
+    shown = Line() if sys.stderr.isatty() and not wanted.quiet else None
     numbers, text, stages, written, error = _border.run(
-        case.text, folder, _border.NO_WORK, wanted.threads, room(case) if wanted.pictures else 0, wanted.out, name
+        case.text,
+        folder,
+        _border.NO_WORK,
+        wanted.threads,
+        room(case) if wanted.pictures else 0,
+        wanted.out,
+        name,
+        progress=shown,
+        resume=kept if wanted.resume else '',
+        keep=kept,
     )
+    if shown:
+        shown.close()
+    if error is not None and error.code == Code.INTERRUPTED:
+        written.append(kept)
     if text and not wanted.quiet:
         lines = [f'gearsweep {__version__}\n{text}Time               {time.perf_counter() - began:.3g} s']
         if wanted.verbose:
@@ -148,6 +174,14 @@ def answer(wanted: Arguments) -> None:
             draw(study(case, numbers), wanted, name)
     if error is not None:
         raise error
+
+
+def read(path: str) -> tuple[Case, str, str]:
+    """The case, the folder of the files that it names, and how its tables are called."""
+    if path == '-':
+        return Case(sys.stdin.buffer.read().decode('utf-8', 'surrogateescape')), '', 'stdin'
+    folder, file = os.path.split(path)
+    return Case.read(path), folder, file[: file.rindex('.')] if file.rfind('.') > 0 else file
 
 
 def draw(results: Study, wanted: Arguments, name: str) -> None:
@@ -164,5 +198,5 @@ def draw(results: Study, wanted: Arguments, name: str) -> None:
 
 
 if __name__ == '__main__':
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a call into the library ends at once, as the program does
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C
     sys.exit(main())

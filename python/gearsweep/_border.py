@@ -9,12 +9,14 @@ from __future__ import annotations
 import enum
 import os
 import warnings
+from collections.abc import Callable
 from math import prod
 from operator import index
 
 import numpy as np
 
 from . import _flat
+from ._watch import in_background, watched
 
 #: No stiffness is passed in: the call finds it itself.
 NO_WORK = np.empty(0)
@@ -28,6 +30,7 @@ class Code(enum.IntEnum):
     USAGE = 2  #: the command line is not usable
     FILE = 3  #: a file or folder cannot be read or written
     PARTIAL = 4  #: some operating points have no answer
+    INTERRUPTED = 130  #: the run was ended before it was done
     NUMERICAL = 5  #: a method did not deliver, although the input is valid
     MEMORY = 6  #: the work does not fit into memory
 
@@ -103,18 +106,9 @@ def load(text: str, work: np.ndarray) -> list:
     return [column[:rows].copy() for column in columns]
 
 
-def sweep(text: str, work: np.ndarray, threads: int, speeds: int, reliefs: int) -> list:
-    return _call(_flat.gs_sweep, _bytes(text), _work(work), _threads(threads), speeds, reliefs)
-
-
 def resonances(rpm: np.ndarray, dynamic_factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     found, peak_rpm, peak_factor = _call(_flat.gs_resonances, rpm, dynamic_factor)
     return peak_rpm[:found], peak_factor[:found]
-
-
-def optimum(text: str, work: np.ndarray, threads: int, room: int) -> list:
-    tried, *curve = _call(_flat.gs_optimum, _bytes(text), _work(work), _threads(threads), room)
-    return [column[:tried].copy() for column in curve[:4]] + curve[4:]
 
 
 def stability(text: str, work: np.ndarray, rpm: np.ndarray, damping_ratio: np.ndarray, tongues: int) -> list:
@@ -170,23 +164,44 @@ def change(text: str, group: str, key: str, value: str) -> str:
 
 
 def run(
-    text: str, folder: str, work: np.ndarray, threads: int, room: int, out: str = '', name: str = ''
+    text: str,
+    folder: str,
+    work: np.ndarray,
+    threads: int,
+    room: int,
+    out: str = '',
+    name: str = '',
+    *,
+    progress: Callable[[int, int], object] | None = None,
+    resume: str = '',
+    keep: str = '',
 ) -> tuple[dict[str, dict], str, str, list[str], Error | None]:
     """What the program does: numbers, answer, stages, files written, and the error that it ended with, if any.
 
     The numbers are arrays by task and name; `room` is how many they may be, 0 if they are not wanted. Without
-    `out` there are only they.
+    `out` there are only they. An exception that comes up meanwhile, such as KeyboardInterrupt or one of
+    `progress`, ends the call soon; it is then the cause of an error with the code INTERRUPTED.
     """
     answer_room = 1_000_000 if out else 1
     while True:
         answer = np.array(b' ' * answer_room)
-        values, used, names, length, stages, files, info, message = _flat.gs_write(
-            _bytes(text), _bytes(folder), _work(work), _threads(threads), _bytes(out), _bytes(name), room, answer
-        )
-        if used <= room and length <= answer_room:
+        words = [_bytes(word) for word in (text, folder, out, name, resume, keep)]
+        given, team, rows = _work(work), _threads(threads), room
+
+        def call(watch: np.ndarray) -> tuple:
+            return _flat.gs_run(*words[:2], given, team, *words[2:4], watch, *words[4:], rows, answer)
+
+        found, cause = watched(call, progress)
+        values, used, names, length, stages, files, info, message = found
+        if cause is not None or (used <= room and length <= answer_room):
             break
         room, answer_room = max(room, used), max(answer_room, length)
     error = Error(_str(message), Code(info)) if info else None
+    if cause is not None:
+        error = error if info else Error('interrupted at its end', Code.INTERRUPTED)
+        error.__cause__ = cause
+        if used > room:
+            return {}, '', '', [], error
     return _named(values, _str(names)), _str(answer.item()), _str(stages), _str(files).splitlines(), error
 
 
@@ -206,15 +221,15 @@ def _named(values: np.ndarray, names: str) -> dict[str, dict]:
 
 
 def _call(procedure, *arguments) -> list:
-    return _checked(procedure(*arguments))
+    return _checked(in_background(procedure, *arguments))
 
 
 def _with_room(procedure, *arguments) -> list:
     """The results of a call whose last argument is the room for its rows, and its first result their number."""
     room = 10_000
-    results = procedure(*arguments, room)
+    results = in_background(procedure, *arguments, room)
     if results[0] > room:
-        results = procedure(*arguments, results[0])
+        results = in_background(procedure, *arguments, results[0])
     return _checked(results)
 
 
@@ -232,7 +247,7 @@ def _text(procedure, room: int, *arguments) -> str:
     """The text that a call leaves in its last argument; asked for again where it needs more room."""
     while True:
         text = np.array(b' ' * room)
-        length, info, message = procedure(*arguments, text)
+        length, info, message = in_background(procedure, *arguments, text)
         if length <= room:
             break
         room = length

@@ -34,6 +34,7 @@ class Status(enum.IntEnum):
     UNRESOLVED = 6  #: the speed is too low for the steps given or allowed
     CHATTER = 7  #: contact changes without end
     CHAOTIC = 8  #: no periodic motion was found, and disturbances keep growing
+    STOPPED = 9  #: not computed: the run was interrupted before
 
 
 class Contact(enum.IntEnum):

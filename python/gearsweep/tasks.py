@@ -8,20 +8,31 @@ for any number. Any number of threads may call at once; a call does not hold Pyt
 from __future__ import annotations
 
 import dataclasses
+import os
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from . import _border, results
 from ._border import Code, Error
+from ._watch import bar
 from .case import Case
 
 _VERSION = _border.version()
 _MESH_TASKS = ('mesh', 'static', 'load', 'sweep', 'optimum')
 
 
-def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> results.Study:
+def run(
+    case: Case,
+    *,
+    threads: int = 0,
+    work: np.ndarray | None = None,
+    progress: Callable[[int, int], object] | bool = False,
+    keep: str | os.PathLike = '',
+    resume: str | os.PathLike = '',
+) -> results.Study:
     """Everything that the case asks for.
 
     Parameters
@@ -32,6 +43,14 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
         For the sweep; 0: all.
     work : array, optional
         From `prepare`.
+    progress : callable or bool
+        Called now and then with the number of operating points that are done, and of all. True shows a bar on
+        stderr, by tqdm where it is installed. An exception that it raises ends the run and comes out.
+    keep : path, optional
+        File that is written where the run is interrupted, by Ctrl-C or by `progress`, with what is done by then.
+    resume : path, optional
+        Such a file: the run goes on from there, to the same bits as if it had not been interrupted. One of another
+        case or version is refused. Interrupted again, it is written anew, unless `keep` names another file.
 
     Returns
     -------
@@ -64,12 +83,27 @@ def run(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> resu
     if case.unused:
         keys = ''.join(f'\n  for {line}' for line in case.unused)
         warnings.warn(f'keys that no task of this case uses:{keys}', _border.UnusedWarning, stacklevel=2)
-    numbers, *_, error = _border.run(case.text, case.folder, _given(work), threads, room(case))
+    return study(case, _numbers(case, case.text, case.folder, threads, work, progress, keep, resume))
+
+
+def _numbers(case: Case, text: str, folder: str, threads: int, work, progress=False, keep='', resume='') -> dict[str, dict]:
+    """The numbers of the tasks in `text`, a text of this case; in pieces that Ctrl-C ends."""
+    resume, keep = os.fspath(resume), os.fspath(keep or resume)
+    shown = bar() if progress is True else progress or None
+    try:
+        numbers, *_, error = _border.run(
+            text, folder, _given(work), threads, room(case), progress=shown, resume=resume, keep=keep
+        )
+    finally:
+        if progress is True:
+            shown.close()
+    if error is not None and error.code == Code.INTERRUPTED and error.__cause__ is not None:
+        raise error.__cause__
     if error is not None and error.code != Code.PARTIAL:
         raise error
     if error is not None:
-        warnings.warn(str(error), _border.PartialWarning, stacklevel=2)
-    return study(case, numbers)
+        warnings.warn(str(error), _border.PartialWarning, stacklevel=3)
+    return numbers
 
 
 def room(case: Case) -> int:
@@ -178,17 +212,33 @@ def load(case: Case, *, work: np.ndarray | None = None) -> results.Load:
     return results.Load(case, _VERSION, *_border.load(named.text, work))
 
 
-def sweep(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> results.Sweep:
-    """Dynamic factor over speed and relief."""
-    named, work = _naming(case, 'sweep'), _ready(case, work)
-    n = _sizes(named)
-    return results.Sweep(case, _VERSION, *_border.sweep(named.text, work, threads, n['speeds'], n['reliefs']))
+def sweep(
+    case: Case,
+    *,
+    threads: int = 0,
+    work: np.ndarray | None = None,
+    progress: Callable[[int, int], object] | bool = False,
+) -> results.Sweep:
+    """Dynamic factor over speed and relief; `progress` as in `run`."""
+    return _result(results.Sweep, case, _alone(case, 'sweep', threads, work, progress))
 
 
-def optimum(case: Case, *, threads: int = 0, work: np.ndarray | None = None) -> results.Optimum:
-    """The relief whose largest dynamic factor over all speeds is least."""
-    named, work = _naming(case, 'optimum'), _ready(case, work)
-    return results.Optimum(case, _VERSION, *_border.optimum(named.text, work, threads, _sizes(named)['tried']))
+def optimum(
+    case: Case,
+    *,
+    threads: int = 0,
+    work: np.ndarray | None = None,
+    progress: Callable[[int, int], object] | bool = False,
+) -> results.Optimum:
+    """The relief whose largest dynamic factor over all speeds is least; `progress` as in `run`."""
+    return _result(results.Optimum, case, _alone(case, 'optimum', threads, work, progress))
+
+
+def _alone(case: Case, task: str, threads: int, work: np.ndarray | None, progress) -> dict:
+    """The numbers of one task, whatever else the case names."""
+    _check(case)
+    alone = case.changed(case={'tasks': task, 'published': None})
+    return _numbers(alone, alone.text, alone.folder, threads, work, progress)[task]
 
 
 def section(case: Case) -> results.Section:

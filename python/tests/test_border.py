@@ -184,7 +184,7 @@ def test_one_version():
 
 def enumeration(prefix, names):
     header = (ROOT / 'include/gearsweep.h').read_text()
-    return {name: int(re.search(rf'\b{prefix}{name} = (\d)', header).group(1)) for name in names}
+    return {name: int(re.search(rf'\b{prefix}{name} = (\d+)', header).group(1)) for name in names}
 
 
 def test_codes_are_those_of_the_header():

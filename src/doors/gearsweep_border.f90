@@ -6,12 +6,12 @@ module gearsweep_border
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_case, only: case_t, task_names
   use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: error_t, fail, code_input, code_ok, code_partial
+  use gearsweep_error, only: error_t, fail, code_input, code_ok, code_partial, code_stopped
   use gearsweep_disc, only: disc_t
   use gearsweep_fe_stiffness, only: fe_knots
   use gearsweep_piecewise, only: constant, piecewise_t
   use gearsweep_report, only: failed_points
-  use gearsweep_study, only: study_t, run_study
+  use gearsweep_study, only: record_t, study_t, run_study
   use gearsweep_text, only: str
   implicit none
   private
@@ -48,14 +48,16 @@ contains
 
   !> Runs an opened case, unless it failed before. `work(nwork)` is what
   !> `pack_stiffness` left; none where `nwork` is 0. `folder` is where the case's
-  !> files lie, with its slash.
-  subroutine run_case(case, nwork, work, threads, study, error, folder)
+  !> files lie, with its slash; `watch` and `record` as in `run_study`.
+  subroutine run_case(case, nwork, work, threads, study, error, folder, watch, record)
     type(case_t), intent(in) :: case
     integer, intent(in) :: nwork, threads
     real(dp), intent(in) :: work(*)
     type(study_t), intent(out) :: study
     type(error_t), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: folder
+    integer, intent(inout), target, optional :: watch(3)
+    type(record_t), intent(inout), optional :: record
     type(piecewise_t), allocatable :: stiffness
     type(disc_t) :: disc
     character(:), allocatable :: place
@@ -68,7 +70,8 @@ contains
       call unpack_stiffness(case, nwork, work, stiffness, disc, error)
     end if
     ! One that is not allocated counts as not passed.
-    if (.not. allocated(error)) call run_study(case, place, threads, study, error, stiffness=stiffness, disc=disc)
+    if (.not. allocated(error)) call run_study(case, place, threads, study, error, stiffness=stiffness, disc=disc, &
+                                                watch=watch, record=record)
   end subroutine run_case
 
   !> A folder as the study takes it: empty for the current one, else with its slash.
@@ -315,6 +318,11 @@ contains
       info = error%code
       message = error%message
     else if (present(study)) then
+      if (study%stopped) then
+        info = code_stopped
+        message = 'interrupted: what was computed by then is there; points that were not have the status stopped'
+        return
+      end if
       if (failed_points(study) == 0) return
       info = code_partial
       message = str(failed_points(study))//' operating points have no answer (NaN); their status says why'

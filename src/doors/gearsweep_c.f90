@@ -8,7 +8,7 @@ module gearsweep_c
   use gearsweep_error, only: code_ok
   implicit none
   private
-  public :: gsc_version, gsc_sizes, gsc_prepare, gsc_report, gsc_write, gsc_complete, gsc_unused, gsc_change
+  public :: gsc_version, gsc_sizes, gsc_prepare, gsc_report, gsc_complete, gsc_unused, gsc_change
   public :: gsc_geometry, gsc_motion, gsc_mesh, gsc_harmonics, gsc_load, gsc_sweep, gsc_resonances, gsc_optimum
   public :: gsc_outline, gsc_section, gsc_modes, gsc_root, gsc_stress
 
@@ -85,41 +85,6 @@ contains
     call give_answer('answer_size', room, used, answer, answer_size, length, info, words)
     call give_text(trim(words), message, message_size)
   end function gsc_report
-
-  !> `length` is that of the whole answer without its NUL.
-  function gsc_write(text, text_length, folder, nwork, work, threads, out, name, answer, answer_size, length, &
-                     stages, stages_size, files, files_size, message, message_size) result(info) bind(c)
-    type(c_ptr), value :: text, folder, work, out, name, answer, stages, files, message
-    integer(c_size_t), value :: text_length, answer_size, stages_size, files_size, message_size
-    integer(c_int), value :: nwork, threads
-    integer(c_size_t), intent(inout), optional :: length
-    integer(c_int) :: info
-    character(:), allocatable :: case, place, target, stem, answer_room, stages_room, files_room
-    character(longest_message) :: words
-    character :: names
-    real(c_double) :: none(1)
-    integer :: used, listed
-
-    call take_text(text, text_length, case, info, words)
-    call take_string(folder, place, info, words)
-    call take_string(out, target, info, words)
-    call take_string(name, stem, info, words)
-    call need_all([nwork == 0 .or. c_associated(work), c_associated(out), c_associated(name), present(length)], &
-                  info, words)
-    call make_room('answer_size', answer_size, answer_room, info, words)
-    call make_room('stages_size', stages_size, stages_room, info, words)
-    call make_room('files_size', files_size, files_room, info, words)
-    used = -1
-    if (info == code_ok) call gs_write(case, place, nwork, numbers(work, nwork), threads, target, stem, 0, none, &
-                                       listed, names, answer_room, used, stages_room, files_room, info, words)
-    if (used >= 0) then
-      length = used
-      call give_text(answer_room(:min(used, len(answer_room))), answer, answer_size)
-      call give_text(trim(stages_room), stages, stages_size)
-      call give_text(trim(files_room), files, files_size)
-    end if
-    call give_text(trim(words), message, message_size)
-  end function gsc_write
 
   !> `length` is that of the completed case without its NUL.
   function gsc_complete(text, text_length, complete, complete_size, length, message, message_size) &

@@ -3,7 +3,7 @@
 module gearsweep_calls
   implicit none
   private
-  public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_complete, gs_unused, gs_change
+  public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_write, gs_run, gs_complete, gs_unused, gs_change
   public :: gs_geometry, gs_motion, gs_mesh, gs_harmonics, gs_load, gs_sweep, gs_resonances, gs_optimum
   public :: gs_outline, gs_section, gs_modes, gs_root, gs_stress
   public :: gs_stability, gs_follow, gs_strobe
@@ -52,6 +52,19 @@ module gearsweep_calls
       integer, intent(out) :: info
       character(*), intent(out) :: message
     end subroutine gs_write
+
+    subroutine gs_run(text, folder, nwork, work, threads, out, name, watch, resume, keep, room, values, used, names, &
+                      answer, length, stages, files, info, message)
+      character(*), intent(in) :: text, folder, out, name, resume, keep
+      integer, intent(in) :: nwork, threads, room
+      double precision, intent(in) :: work(*)
+      integer, intent(inout), target :: watch(3)
+      double precision, intent(inout) :: values(room)
+      character(*), intent(inout) :: names, answer, stages, files
+      integer, intent(inout) :: used, length
+      integer, intent(out) :: info
+      character(*), intent(out) :: message
+    end subroutine gs_run
 
     subroutine gs_complete(text, complete, length, info, message)
       character(*), intent(in) :: text

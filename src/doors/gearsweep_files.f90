@@ -17,29 +17,34 @@ module gearsweep_files
 contains
 
   !> The whole file as one text. With `stream` it may also be a pipe or a device, which is read to its end;
-  !> otherwise only a regular file.
-  subroutine read_text(path, text, error, stream)
+  !> otherwise only a regular file. `longest` is another bound than that of cases and tables.
+  subroutine read_text(path, text, error, stream, longest)
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: text
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: stream
+    integer, intent(in), optional :: longest
     integer(c_int) :: file, any_kind
+    integer :: bound
 
+    bound = longest_file
+    if (present(longest)) bound = longest
     any_kind = 0
     if (present(stream)) any_kind = merge(1_c_int, 0_c_int, stream)
     file = open_file(path//c_null_char, any_kind)
     if (file < 0) then
       call fail_system('cannot read '//path, file, error)
     else
-      call read_all(path, file, text, error)
+      call read_all(path, file, bound, text, error)
       call close_file(file)
     end if
   end subroutine read_text
 
   !> Reads an open file to its end, in linear time.
-  subroutine read_all(path, file, text, error)
+  subroutine read_all(path, file, bound, text, error)
     character(*), intent(in) :: path
     integer(c_int), intent(in) :: file
+    integer, intent(in) :: bound
     character(:), allocatable, intent(out) :: text
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: larger
@@ -53,7 +58,7 @@ contains
       n = read_file(file, text(used + 1:), int(room - used, c_int))
       if (n <= 0) exit
       used = used + n
-      if (used > longest_file) exit
+      if (used > bound) exit
       if (used < room) cycle
       room = 2*room
       allocate (character(room) :: larger, stat=stat)
@@ -65,7 +70,7 @@ contains
       call fail(error, code_memory, path//': does not fit into memory')
     else if (n < 0) then
       call fail_system('cannot read '//path, n, error)
-    else if (used > longest_file) then
+    else if (used > bound) then
       call fail(error, code_input, path//': is '//too_long)
     else
       text = text(:used)

@@ -158,14 +158,7 @@ end subroutine gs_report
 !> where a file cannot be written.
 subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values, used, names, answer, length, stages, &
                     files, info, message)
-  use gearsweep_border, only: in_folder, open_case, run_case, tell
-  use gearsweep_case, only: case_t
-  use gearsweep_error, only: error_t
-  use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
-  use gearsweep_numbers, only: list_numbers, numbers_t
-  use gearsweep_output, only: write_results
-  use gearsweep_report, only: write_report
-  use gearsweep_study, only: study_t
+  use gearsweep_calls, only: gs_run
   implicit none
   character(*), intent(in) :: text, folder, out, name
   integer, intent(in) :: nwork, threads, room
@@ -175,44 +168,11 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values,
   integer, intent(inout) :: used, length
   integer, intent(out) :: info
   character(*), intent(out) :: message
-  type(case_t) :: case
-  type(study_t) :: study
-  type(numbers_t) :: numbers
-  type(error_t), allocatable :: error
-  character(:), allocatable :: words, written
-  logical :: made
+  integer :: watch(3)
 
-  made = .false.
-  call open_case(text, 'all', threads, case, error)
-  if (.not. allocated(error)) then
-    ! Only the answer compares.
-    if (out == '' .and. allocated(case%published)) deallocate (case%published)
-    if (out /= '') then
-      call check_folder(trim(out), error)
-      call check_name(trim(name), error)
-      if (.not. allocated(error)) call make_folder(trim(out), made, error)
-    end if
-  end if
-  call run_case(case, nwork, work, threads, study, error, in_folder(folder))
-  if (.not. allocated(error)) then
-    stages = study%log
-    files = ''
-  end if
-  if (.not. allocated(error) .and. room > 0) then
-    call list_numbers(study, numbers)
-    used = numbers%used
-    names = numbers%names%text()
-    if (used <= room) values(:used) = numbers%values(:used)
-  end if
-  if (.not. allocated(error) .and. out /= '') then
-    call write_report(study, words)
-    length = len(words)
-    answer = words
-    call write_results(study, trim(out), trim(name), written, error)
-    files = written
-  end if
-  if (allocated(error) .and. made) call remove_folder(trim(out))
-  call tell(error, info, message, study)
+  watch = 0
+  call gs_run(text, folder, nwork, work, threads, out, name, watch, '', '', room, values, used, names, answer, length, &
+              stages, files, info, message)
 end subroutine gs_write
 
 !> The case with every key that it leaves to its default written out, lines ended by char(10). It gives

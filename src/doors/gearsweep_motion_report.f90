@@ -3,7 +3,7 @@ module gearsweep_motion_report
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_optimum, only: peak_t, worst_of
-  use gearsweep_steady, only: has_answer, name_of, point_chaotic
+  use gearsweep_steady, only: has_answer, name_of, point_stopped
   use gearsweep_study, only: study_t
   use gearsweep_text, only: fixed, str
   implicit none
@@ -84,6 +84,8 @@ contains
         end do
         call lines%add('')
       end do
+      ! Of curves that are not whole, none is known to be the best.
+      if (any(sweep%status == point_stopped)) best = 0
       if (best > 0 .and. size(amount) > 1) call lines%add(left('Best of the list', 19)//str(micro*amount(best))// &
         ' um: worst DF '//fixed(least, 4))
     end associate
@@ -114,7 +116,7 @@ contains
         str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
         ' (asked for '//str(study%case%accuracy%steady%tolerance)//')')
       call lines%add('')
-      do status = 1, point_chaotic
+      do status = 1, point_stopped
         n = count(sweep%status == status)
         if (n > 0) call lines%add(left('', 19)//str(n)//' '//name_of(status)//': '//trim(meaning(status)))
       end do
@@ -140,6 +142,8 @@ contains
       words = 'no periodic motion was found'
     case ('chaotic')
       words = 'no periodic motion was found, and disturbances keep growing'
+    case ('stopped')
+      words = 'not computed, as the run was interrupted'
     case ('unresolved')
       words = 'the speed is too low for the steps given or allowed'
     case default

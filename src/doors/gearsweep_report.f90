@@ -41,6 +41,7 @@ contains
     if (allocated(study%response)) call add_responses(study, lines)
     if (allocated(study%sweep)) call add_sweep(study, lines)
     if (allocated(study%optimum)) call add_optimum(study, lines)
+    if (study%stopped) call lines%add(left('Interrupted', 19)//'what is missing above was not computed')
     if (allocated(study%published)) call add_published(study, lines)
     if (allocated(study%case%unused)) call add_unused(study, lines)
     text = lines%text()

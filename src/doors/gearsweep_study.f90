@@ -1,8 +1,10 @@
 !> From a case to its results, stage by stage; a stage runs only when a wanted
 !> result needs it.
 module gearsweep_study
+  use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t
+  use gearsweep_accuracy, only: point_t
   use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_case, only: case_t, speeds
   use gearsweep_disc, only: disc_t
@@ -11,7 +13,7 @@ module gearsweep_study
   use gearsweep_mesh, only: mesh_t
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_motion, only: oscillator_t, make_oscillator
-  use gearsweep_optimum, only: optimum_t, find_optimum, peak_t, find_resonances
+  use gearsweep_optimum, only: optimum_t, find_optimum, most_sweeps, most_tried, peak_t, find_resonances
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_published, only: published_t, read_published
@@ -21,11 +23,13 @@ module gearsweep_study
   use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_stages, only: build_mesh, build_pair, deepest_relief, find_load, relieve
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
+  use gearsweep_steady, only: point_stopped
+  use gearsweep_stop, only: wants_stop
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   use gearsweep_text, only: str
   implicit none
   private
-  public :: study_t, run_study
+  public :: study_t, run_study, record_t
 
   !> Everything a case asked for; what it did not ask for stays unallocated.
   type :: study_t
@@ -48,7 +52,13 @@ module gearsweep_study
     type(published_t), allocatable :: published(:)  !< printed values to set beside ours
     character(:), allocatable :: log             !< stages run and left out, a line each
     integer :: threads = 0
+    logical :: stopped = .false.                 !< the caller ended it: something that was asked for is missing
   end type study_t
+
+  !> How far the sweeps of a study are: that of the task sweep, then those of the optimum.
+  type :: record_t
+    type(sweep_state_t) :: states(1 + most_sweeps)
+  end type record_t
 
 contains
 
@@ -56,7 +66,11 @@ contains
   !> slash; `threads` 0 takes all. `stiffness` is that of one pair (N/m over s)
   !> where it is known already, with its `disc`: of the same gears, material, section
   !> and load. Any number of callers at once.
-  subroutine run_study(case, folder, threads, study, error, progress, stiffness, disc)
+  !>
+  !> `watch(1)` not 0 ends the run soon, whoever sets it: another thread, a signal, `progress`; what is done by then is
+  !> in the study, and points that are not have the status `stopped`. `watch(2)` and `watch(3)` tell how many operating
+  !> points are done, of how many. With the `record` of a run that was ended, the next one takes over what was done.
+  subroutine run_study(case, folder, threads, study, error, progress, stiffness, disc, watch, record)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     integer, intent(in) :: threads
@@ -65,26 +79,33 @@ contains
     procedure(progress_of_sweep), optional :: progress
     type(piecewise_t), intent(in), optional :: stiffness
     type(disc_t), intent(in), optional :: disc
+    integer(c_int), intent(inout), target, optional :: watch(3)
+    type(record_t), intent(inout), optional :: record
+    type(sweep_options_t) :: options
 
+    options%accuracy = case%accuracy
+    options%direction = case%direction
+    options%threads = threads
+    if (present(watch)) options%accuracy%steady%stop = c_loc(watch)
     call hold_blas()
-    call run_stages(case, folder, threads, study, error, progress, stiffness, disc)
+    call run_stages(case, folder, options, study, error, progress, stiffness, disc, record)
     call release_blas()
   end subroutine run_study
 
   !> The same, whatever BLAS does with threads.
-  subroutine run_stages(case, folder, threads, study, error, progress, stiffness, disc)
+  subroutine run_stages(case, folder, options, study, error, progress, stiffness, disc, record)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
-    integer, intent(in) :: threads
+    type(sweep_options_t), intent(inout) :: options
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
     procedure(progress_of_sweep), optional :: progress
     type(piecewise_t), intent(in), optional :: stiffness
     type(disc_t), intent(in), optional :: disc
-    type(sweep_options_t) :: options
+    type(record_t), intent(inout), optional :: record
 
     study%case = case
-    study%threads = threads
+    study%threads = options%threads
     study%log = ''
     if (allocated(case%published)) call find_published(study, folder, error)
     if (allocated(error)) return
@@ -102,17 +123,45 @@ contains
       call note(study, 'mesh and motion left out: no task needs them')
     end if
     if (allocated(error)) return
-    if (case%needs_section()) call look_at_body(study, error)
+    if (case%needs_section()) then
+      if (ends_here(study, options, 'section')) return
+      call look_at_body(study, error)
+    end if
     if (allocated(error) .or. .not. case%needs_load()) return
-
-    options%accuracy = case%accuracy
-    options%direction = case%direction
-    options%threads = threads
-    if (case%asks('sweep')) call sweep_all(study, options, error, progress)
-    if (case%asks('load') .and. .not. allocated(error)) call respond(study)
-    if (case%asks('optimum') .and. .not. allocated(error)) call optimise(study, options, error, progress)
+    if (case%needs_motion()) then
+      if (ends_here(study, options, 'motion')) return
+      call move(study, options, error, progress, record)
+    end if
     call note_left_out(study)
   end subroutine run_stages
+
+  !> The tasks that need the motion.
+  subroutine move(study, options, error, progress, record)
+    type(study_t), intent(inout) :: study
+    type(sweep_options_t), intent(inout) :: options
+    type(error_t), allocatable, intent(inout) :: error
+    procedure(progress_of_sweep), optional :: progress
+    type(record_t), intent(inout), optional :: record
+
+    associate (case => study%case)
+      if (case%asks('sweep') .or. case%asks('optimum')) options%all_points = size(speeds(case))* &
+        (merge(size(case%amount), 0, case%asks('sweep')) + merge(most_tried, 0, case%asks('optimum')))
+      if (case%asks('sweep')) call sweep_all(study, options, error, progress, record)
+      if (case%asks('load') .and. .not. allocated(error)) call respond(study, options)
+      if (case%asks('optimum') .and. .not. allocated(error)) call optimise(study, options, error, progress, record)
+    end associate
+  end subroutine move
+
+  !> Did the caller end the run? Then the log says what comes no more.
+  logical function ends_here(study, options, what)
+    type(study_t), intent(inout) :: study
+    type(sweep_options_t), intent(in) :: options
+    character(*), intent(in) :: what
+
+    ends_here = wants_stop(options%accuracy%steady%stop)
+    if (ends_here) call note(study, what//' left out: the run was interrupted')
+    study%stopped = study%stopped .or. ends_here
+  end function ends_here
 
   subroutine note(study, line)
     type(study_t), intent(inout) :: study
@@ -242,56 +291,90 @@ contains
   end subroutine share_all
 
   !> One operating point has one answer: what a sweep of this run found, or follows from there, is taken over.
-  subroutine respond(study)
+  subroutine respond(study, options)
     type(study_t), intent(inout) :: study
+    type(sweep_options_t), intent(in) :: options
+    type(point_t) :: none
     integer :: i, k
 
+    none%steady%status = point_stopped
     allocate (study%response(size(study%motion), size(study%case%load_rpm)))
-    associate (rpm => study%case%load_rpm, accuracy => study%case%accuracy)
+    associate (rpm => study%case%load_rpm, accuracy => options%accuracy)
       do k = 1, size(rpm)
         do i = 1, size(study%motion)
           if (allocated(study%sweep)) then
             call find_response(study%motion(i), rpm(k), accuracy, study%response(i, k), study%sweep%kept(k, i))
+          else if (wants_stop(accuracy%steady%stop)) then
+            call find_response(study%motion(i), rpm(k), accuracy, study%response(i, k), none)
           else
             call find_response(study%motion(i), rpm(k), accuracy, study%response(i, k))
           end if
         end do
       end do
     end associate
+    study%stopped = study%stopped .or. any(study%response%point%steady%status == point_stopped)
     call note(study, 'load: '//str(size(study%response))//' motions followed over the path')
   end subroutine respond
 
-  subroutine sweep_all(study, options, error, progress)
+  subroutine sweep_all(study, options, error, progress, record)
     type(study_t), intent(inout) :: study
-    type(sweep_options_t), intent(in) :: options
+    type(sweep_options_t), intent(inout) :: options
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    type(record_t), intent(inout), optional :: record
     type(sweep_options_t) :: keeping
+    integer :: left
 
     keeping = options
     if (study%case%asks('load')) keeping%keep = study%case%load_rpm
     allocate (study%sweep)
-    call run_sweep(study%motion, speeds(study%case), keeping, study%sweep, error, progress)
+    if (present(record)) then
+      call run_sweep(study%motion, speeds(study%case), keeping, study%sweep, error, progress, record%states(1))
+    else
+      call run_sweep(study%motion, speeds(study%case), keeping, study%sweep, error, progress)
+    end if
     if (allocated(error)) return
-    study%resonance = find_resonances(study%sweep%rpm, study%sweep%dynamic_factor(:, minloc(study%case%amount, 1)))
-    call note(study, 'sweep: '//str(size(study%sweep%status))//' operating points')
+    options%done_before = size(study%sweep%status)
+    left = count(study%sweep%status == point_stopped)
+    study%stopped = study%stopped .or. left > 0
+    if (left == 0) then
+      study%resonance = find_resonances(study%sweep%rpm, study%sweep%dynamic_factor(:, minloc(study%case%amount, 1)))
+      call note(study, 'sweep: '//str(size(study%sweep%status))//' operating points')
+    else
+      ! Part of a curve may end at what is no resonance.
+      allocate (study%resonance(0))
+      call note(study, 'sweep: interrupted, '//str(size(study%sweep%status) - left)//' of '//str(size(study%sweep%status))// &
+                ' operating points computed')
+    end if
   end subroutine sweep_all
 
-  subroutine optimise(study, options, error, progress)
+  subroutine optimise(study, options, error, progress, record)
     type(study_t), intent(inout) :: study
     type(sweep_options_t), intent(in) :: options
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    type(record_t), intent(inout), optional :: record
     type(optimum_t), allocatable :: optimum
     real(dp) :: largest
 
+    if (ends_here(study, options, 'optimum relief')) return
     ! Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
     largest = max(maxval(study%case%amount), 1.5_dp*study%load &
                   /study%mesh%stiffness%value(study%mesh%contact_ratio/2)/maxval(study%case%fraction))
     largest = min(largest, deepest_relief(study%case, study%pair))
     allocate (optimum)
-    call find_optimum(relieved_study, study, largest, speeds(study%case), options, optimum, error, progress)
+    if (present(record)) then
+      call find_optimum(relieved_study, study, largest, speeds(study%case), options, optimum, error, progress, &
+                        record%states(2:))
+    else
+      call find_optimum(relieved_study, study, largest, speeds(study%case), options, optimum, error, progress)
+    end if
     if (allocated(error)) return
+    if (optimum%stopped) then
+      study%stopped = .true.
+      call note(study, 'optimum relief left out: the run was interrupted')
+      return
+    end if
     call move_alloc(optimum, study%optimum)
     call note(study, 'optimum: '//str(size(study%optimum%amount))//' reliefs swept')
   end subroutine optimise

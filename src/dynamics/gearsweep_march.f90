@@ -1,11 +1,14 @@
 !> The transient, followed period by period until the motion repeats, or until it
 !> is clear that it will not.
 module gearsweep_march
+  use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_period, only: period_t, maps_t, run_period
   use gearsweep_orbit, only: steady_t, near, most_work, has_answer, adopt, shoot, newton_step, closure_of, run_periods, judge, &
-                             distance, largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic
+                             distance, largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic, &
+                             point_stopped
+  use gearsweep_stop, only: wants_stop
   implicit none
   private
   public :: march, steady_options_t, sure_growth
@@ -17,6 +20,7 @@ module gearsweep_march
     real(dp) :: tolerance = 1e-6_dp              !< of the dynamic factor
     integer :: most_cycles = 2000                !< mesh periods marched at most
     integer :: most_periods = 8                  !< longest subharmonic looked for
+    type(c_ptr) :: stop = c_null_ptr             !< an integer of the caller; the search ends where it is not 0
   end type steady_options_t
 
   !> The end of a march: its last states, the newest first, the maps of the last
@@ -63,6 +67,10 @@ contains
     before = steady%work
     most_cycles = min(options%most_cycles, max(1, int(most_work/table%steps)))
     do while (trail%length < most_cycles .and. steady%work - before < most_work)
+      if (wants_stop(options%stop)) then
+        steady%status = point_stopped
+        return
+      end if
       call run_period(osc, table, duration, trail%state(:, 0), maps, run)
       steady%work = steady%work + run%work
       if (run%failed) steady%status = point_chatter

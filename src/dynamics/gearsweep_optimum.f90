@@ -5,7 +5,8 @@ module gearsweep_optimum
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_error, only: error_t
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, progress_of_sweep
+  use gearsweep_steady, only: point_stopped
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   implicit none
   private
   public :: peak_t, find_resonances, worst_of, optimum_t, find_optimum, build_motion
@@ -23,9 +24,12 @@ module gearsweep_optimum
     integer, allocatable :: failed(:)            !< speeds without an answer
     integer :: best = 0                          !< index of the least; 0 where every one failed
     real(dp) :: resolution = 0                   !< the best lies within so much of the true optimum, m
+    logical :: stopped = .false.                 !< the caller ended the search: the curve is not whole
   end type optimum_t
 
   integer, parameter :: scan = 16, inner = 6, rounds = 4
+  !> Sweeps of one search.
+  integer, parameter, public :: most_sweeps = 1 + rounds
   !> No more reliefs than these are tried.
   integer, parameter, public :: most_tried = 1 + scan + rounds*inner
 
@@ -115,8 +119,9 @@ contains
 
   !> The relief between 0 and `largest` (m) whose worst dynamic factor over
   !> `rpm` is least: a scan, then ever finer scans around the best one, which
-  !> ask nothing of the curve's smoothness.
-  subroutine find_optimum(build, context, largest, rpm, options, optimum, error, progress)
+  !> ask nothing of the curve's smoothness. Where the caller ends it, another call with the same `states`, one for
+  !> each sweep, goes on from there.
+  subroutine find_optimum(build, context, largest, rpm, options, optimum, error, progress, states)
     procedure(build_motion) :: build
     class(*), intent(in) :: context
     real(dp), intent(in) :: largest, rpm(:)
@@ -124,6 +129,7 @@ contains
     type(optimum_t), intent(out) :: optimum
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    type(sweep_state_t), intent(inout), optional :: states(most_sweeps)
     type(sweep_options_t) :: rough
     real(dp) :: low, high
     integer :: round, i
@@ -132,19 +138,20 @@ contains
     rough = options
     rough%accuracy%steady%tolerance = max(options%accuracy%steady%tolerance, 1e-5_dp)
     allocate (optimum%amount(0), optimum%dynamic_factor(0), optimum%rpm(0), optimum%failed(0))
-    call add_reliefs([(largest*i/scan, i=0, scan)])
+    call add_reliefs([(largest*i/scan, i=0, scan)], 1)
     do round = 1, rounds
-      if (allocated(error) .or. optimum%best == 0) return
+      if (allocated(error) .or. optimum%best == 0 .or. optimum%stopped) return
       low = optimum%amount(max(1, optimum%best - 1))
       high = optimum%amount(min(size(optimum%amount), optimum%best + 1))
-      call add_reliefs([(low + (high - low)*i/(inner + 1.0_dp), i=1, inner)])
+      call add_reliefs([(low + (high - low)*i/(inner + 1.0_dp), i=1, inner)], 1 + round)
       optimum%resolution = (high - low)/(inner + 1)
     end do
 
   contains
 
-    subroutine add_reliefs(amount)
+    subroutine add_reliefs(amount, number)
       real(dp), intent(in) :: amount(:)
+      integer, intent(in) :: number              ! of the sweep
       type(oscillator_t), allocatable :: motion(:)
       type(sweep_t) :: sweep
       type(peak_t) :: worst
@@ -156,8 +163,15 @@ contains
         call build(context, amount(i), motion(i), error)
         if (allocated(error)) return
       end do
-      call run_sweep(motion, rpm, rough, sweep, error, progress)
+      if (present(states)) then
+        call run_sweep(motion, rpm, rough, sweep, error, progress, states(number))
+      else
+        call run_sweep(motion, rpm, rough, sweep, error, progress)
+      end if
       if (allocated(error)) return
+      rough%done_before = rough%done_before + size(sweep%status)
+      optimum%stopped = any(sweep%status == point_stopped)
+      if (optimum%stopped) return
       do i = 1, size(amount)
         worst = worst_of(rpm, sweep%dynamic_factor(:, i))
         call insert(optimum, amount(i), worst, count(ieee_is_nan(sweep%dynamic_factor(:, i))))

@@ -19,7 +19,8 @@ module gearsweep_orbit
     point_aperiodic = 5, &     !< no periodic motion was found
     point_unresolved = 6, &    !< stability needs more steps than given or allowed
     point_chatter = 7, &       !< contact changes without end
-    point_chaotic = 8          !< no periodic motion was found, and disturbances keep growing
+    point_chaotic = 8, &       !< no periodic motion was found, and disturbances keep growing
+    point_stopped = 9          !< not computed: the caller ended the call before
 
   type :: steady_t
     integer :: status = point_aperiodic
@@ -49,8 +50,8 @@ module gearsweep_orbit
   !> Modulus above 1 by more than this means that a motion repels.
   real(dp), parameter :: neutral = 1e-7_dp
 
-  character(*), parameter :: names(0:8) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', &
-                                           'unstable', 'aperiodic', 'unresolved', 'chatter', 'chaotic']
+  character(*), parameter :: names(0:9) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', &
+                                           'unstable', 'aperiodic', 'unresolved', 'chatter', 'chaotic', 'stopped']
 
 contains
 

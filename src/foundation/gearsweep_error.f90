@@ -19,6 +19,8 @@ module gearsweep_error
   integer, parameter, public :: code_numerical = 5
   !> The work does not fit into the memory.
   integer, parameter, public :: code_memory = 6
+  !> The caller ended the call; what was done by then is there.
+  integer, parameter, public :: code_stopped = 130
 
   type :: error_t
     integer :: code = code_ok

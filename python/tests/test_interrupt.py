@@ -1,0 +1,197 @@
+"""Ctrl-C, progress, and runs that go on from where they were interrupted."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+
+import pytest
+from conftest import PRESCRIBED
+
+import gearsweep
+from gearsweep import Case, Code, Error, _watch
+
+# Some 20 000 points, many of them with loss of contact, that follow each other: half a minute.
+LONG = Case(PRESCRIBED).changed(
+    case={'tasks': ['sweep']},
+    dynamics={'damping_ratio': 0.01},
+    relief={'amount_um': [0, 2, 15]},
+    sweep={'rpm_step': 2, 'load_rpm': None},
+)
+SHORT = LONG.changed(sweep={'rpm_first': 5000, 'rpm_last': 9000, 'rpm_step': 50})
+
+
+def interrupt_after(seconds):
+    """Ctrl-C, as the terminal sends it; also says when."""
+    sent = []
+
+    def send():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(seconds, send)
+    timer.start()
+    return timer, sent
+
+
+@pytest.mark.parametrize(
+    'call',
+    [
+        gearsweep.sweep,
+        gearsweep.run,
+        lambda case: gearsweep.optimum(case),
+        lambda case: gearsweep.sweep(case.changed(numerics={'steady_state': 'march'}, sweep={'direction': 'each'})),
+        lambda case: gearsweep.hysteresis(case.changed(sweep={'rpm_step': 10})),
+    ],
+    ids=['sweep', 'run', 'optimum', 'march', 'hysteresis'],
+)
+def test_ctrl_c_ends_within_a_second(call):
+    timer, sent = interrupt_after(0.5)
+    with pytest.raises(KeyboardInterrupt):
+        call(LONG)
+    # A second, and what a busy machine adds.
+    took = time.monotonic() - sent[0]
+    timer.join()
+    assert took < 5, took
+
+
+def test_progress_counts_up_to_the_whole():
+    seen = []
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')
+        sweep = gearsweep.sweep(SHORT, progress=lambda done, total: seen.append((done, total)))
+    done = [one for one, _ in seen]
+    assert done == sorted(done) and len(set(done)) == len(done)
+    assert {total for _, total in seen} == {sweep.status.size} and done[-1] == sweep.status.size
+
+
+def test_an_exception_in_the_callback_comes_out():
+    def stop(done, total):
+        raise RuntimeError('enough')
+
+    with pytest.raises(RuntimeError, match='^enough$'):
+        gearsweep.run(LONG, progress=stop)
+
+
+@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
+@pytest.mark.parametrize('direction', ['up', 'down', 'each'])
+def test_an_interrupted_run_goes_on_to_the_same_bits(direction, tmp_path):
+    case = SHORT.changed(sweep={'direction': direction})
+    whole = gearsweep.run(case)
+    kept = tmp_path / 'kept'
+
+    def stop(done, total):
+        if done > total // 3:
+            raise KeyboardInterrupt
+
+    # Slow enough for the callback to be asked in between.
+    longer = LONG.changed(sweep={'direction': direction})
+    with pytest.raises(KeyboardInterrupt):
+        gearsweep.run(longer, progress=stop, keep=kept)
+    assert kept.exists()
+    with pytest.raises(Error, match='is of another case') as caught:
+        gearsweep.run(case, resume=kept)
+    assert caught.value.code == Code.FILE
+
+    kept.unlink()
+    timer, _ = interrupt_after(0.02)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            gearsweep.run(case, threads=1, keep=kept)
+            time.sleep(5)  # where the run was faster than the signal
+    finally:
+        timer.join()
+    if kept.exists():
+        again = gearsweep.run(case, resume=kept)
+        for name in whole.sweep.units:
+            assert getattr(again.sweep, name).tobytes() == getattr(whole.sweep, name).tobytes(), name
+        assert not kept.exists(), 'what is done needs no checkpoint'
+
+
+def test_a_file_that_is_no_checkpoint(tmp_path):
+    (tmp_path / 'x').write_text('hello')
+    with pytest.raises(Error, match='cannot resume from .*: is no checkpoint'):
+        gearsweep.run(SHORT, resume=tmp_path / 'x')
+    with pytest.raises(Error, match='cannot read'):
+        gearsweep.run(SHORT, resume=tmp_path / 'y')
+
+
+def test_a_bar_without_tqdm(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, 'tqdm.auto', None)
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')
+        gearsweep.sweep(SHORT, progress=True)
+    assert '243 of 243 points, 100 %' in capsys.readouterr().err
+
+
+def test_a_bar_by_tqdm(monkeypatch):
+    class Bar:
+        def __init__(self, **options):
+            self.n = 0
+            self.total = None
+            bars.append(self)
+
+        def update(self, more):
+            assert more >= 0
+            self.n += more
+
+        def close(self):
+            self.closed = True
+
+    bars = []
+    fake = type(sys)('tqdm.auto')
+    fake.tqdm = Bar
+    monkeypatch.setitem(sys.modules, 'tqdm', type(sys)('tqdm'))
+    monkeypatch.setitem(sys.modules, 'tqdm.auto', fake)
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')
+        gearsweep.sweep(SHORT, progress=True)
+    assert len(bars) == 1 and bars[0].n == bars[0].total == 243 and bars[0].closed
+
+
+def test_time_left():
+    assert [_watch._duration(s) for s in (5, 99, 120, 7200)] == ['5 s', '99 s', '2 min', '2.0 h']
+
+
+def test_callers_in_other_threads_are_not_disturbed():
+    found = []
+    thread = threading.Thread(target=lambda: found.append(gearsweep.sweep(SHORT.changed(relief={'amount_um': 0}))))
+    thread.start()
+    thread.join()
+    assert found[0].rpm.size == 81
+
+
+def test_the_module_keeps_what_is_done(tmp_path, program):
+    """`python -m gearsweep` and the program go on from each other's checkpoints."""
+    LONG.changed(sweep={'rpm_step': 10}).write(tmp_path / 'long.nml')
+    ours = [sys.executable, '-m', 'gearsweep', 'long.nml', '--no-pictures', '--quiet']
+    running = subprocess.Popen([*ours, '--out', 'pieces'], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    while not (tmp_path / 'pieces').exists():
+        time.sleep(0.01)
+    time.sleep(0.2)
+    running.send_signal(signal.SIGTERM)
+    _, said = running.communicate(timeout=60)
+    assert running.returncode == 130 and 'gearsweep: interrupted; the same command with --resume' in said
+    assert (tmp_path / 'pieces/long.checkpoint').exists()
+    assert ',stopped,' in (tmp_path / 'pieces/long.sweep.csv').read_text()
+    assert program('long.nml', '--out', 'pieces', '--resume', '--quiet', cwd=tmp_path).returncode in (0, 4)
+    assert program('long.nml', '--out', 'whole', '--quiet', cwd=tmp_path).returncode in (0, 4)
+    assert (tmp_path / 'pieces/long.sweep.csv').read_bytes() == (tmp_path / 'whole/long.sweep.csv').read_bytes()
+    assert not (tmp_path / 'pieces/long.checkpoint').exists()
+
+
+def test_the_module_reads_standard_input(tmp_path):
+    text = SHORT.changed(relief={'amount_um': 0}).text
+    for words, name in (([], 'stdin'), (['--name', 'pair'], 'pair')):
+        done = subprocess.run(
+            [sys.executable, '-m', 'gearsweep', '-', '--no-pictures', *words],
+            cwd=tmp_path,
+            input=text,
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr
+        assert (tmp_path / f'results/{name}.sweep.csv').exists()

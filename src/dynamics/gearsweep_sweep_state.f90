@@ -1,0 +1,152 @@
+!> What a sweep is asked for, and how far it is: from there it can go on, to the same bits.
+module gearsweep_sweep_state
+  use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_null_ptr, c_ptr
+  use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_accuracy, only: accuracy_t, point_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_stop, only: wants_stop
+  implicit none
+  private
+  public :: sweep_options_t, sweep_state_t, block_t, counter_t, progress_of_sweep
+  public :: begin_state, fits, is_stopped, find_final, units_done
+
+  !> Each point by itself, or on the branch of the point before.
+  integer, parameter, public :: each = 0, up = 1, down = -1
+
+  type :: sweep_options_t
+    type(accuracy_t) :: accuracy
+    integer :: direction = up
+    integer :: threads = 0                       !< 0: as many as the machine has
+    real(dp), allocatable :: keep(:)             !< speeds (1/min) whose points are wanted whole
+    !> For progress: points of the call that were done before this sweep, and that there are in all; 0: this sweep's.
+    integer :: done_before = 0, all_points = 0
+  end type sweep_options_t
+
+  !> Speeds first to last of one relief, and how far they are solved.
+  type :: block_t
+    integer :: relief = 0, first = 1, last = 0
+    integer :: grouped = 0                       !< last speed that has been through the lanes
+    integer :: single = 0                        !< last speed that is solved, or was by the lanes, with `each`
+    real(dp) :: pace = 0                         !< steps a second wanted there
+  end type block_t
+
+  type :: sweep_state_t
+    type(block_t), allocatable :: blocks(:)
+    integer, allocatable :: followed(:)          !< of each relief, speeds that the branch has passed
+    real(dp), allocatable :: pace(:)             !< of each relief, steps a second wanted there
+    type(point_t), allocatable :: points(:, :)   !< speed, relief
+    logical, allocatable :: solved(:, :)         !< by itself, without regard to the speeds beside it
+  end type sweep_state_t
+
+  abstract interface
+    !> Told now and then, by one thread at a time, how many points are done; never fewer than before.
+    subroutine progress_of_sweep(done, total)
+      integer, intent(in) :: done, total
+    end subroutine progress_of_sweep
+  end interface
+
+  !> Counts halves of points: solved by itself, and passed by the branch.
+  type :: counter_t
+    integer(int64) :: units = 0
+    integer :: before = 0, total = 0
+    procedure(progress_of_sweep), pointer, nopass :: progress => null()
+    type(c_ptr) :: watch = c_null_ptr            !< three integers of the caller: stop, done, total
+  contains
+    procedure :: tick
+  end type counter_t
+
+contains
+
+  !> A sweep that has not begun.
+  pure subroutine begin_state(speeds, reliefs, state)
+    integer, intent(in) :: speeds, reliefs
+    type(sweep_state_t), intent(out) :: state
+
+    state%blocks = make_blocks(speeds, reliefs)
+    allocate (state%followed(reliefs), source=0)
+    allocate (state%pace(reliefs), source=0.0_dp)
+    allocate (state%points(speeds, reliefs))
+    allocate (state%solved(speeds, reliefs), source=.false.)
+  end subroutine begin_state
+
+  !> Is this the state of a sweep of so many speeds and reliefs?
+  pure logical function fits(state, speeds, reliefs)
+    type(sweep_state_t), intent(in) :: state
+    integer, intent(in) :: speeds, reliefs
+
+    fits = allocated(state%points)
+    if (fits) fits = all(shape(state%points) == [speeds, reliefs])
+  end function fits
+
+  !> Speeds that share a guess of the steps: blocks of growing length, as the slow ones need more steps and
+  !> more different tables. Blocks of one relief, which share tables, come in a row; those of large reliefs,
+  !> where contact changes, first.
+  pure function make_blocks(speeds, reliefs) result(blocks)
+    integer, intent(in) :: speeds, reliefs
+    type(block_t), allocatable :: blocks(:)
+    integer, parameter :: shortest = 32, longest = 256
+    integer :: first, length, r
+
+    allocate (blocks(0))
+    do r = reliefs, 1, -1
+      first = 1
+      length = shortest
+      do while (first <= speeds)
+        blocks = [blocks, block_t(r, first, min(first + length - 1, speeds), first - 1, first - 1)]
+        first = first + length
+        length = min(2*length, longest)
+      end do
+    end do
+  end function make_blocks
+
+  logical function is_stopped(options)
+    type(sweep_options_t), intent(in) :: options
+
+    is_stopped = wants_stop(options%accuracy%steady%stop)
+  end function is_stopped
+
+  !> The points of one relief that have their answer.
+  pure subroutine find_final(state, direction, relief, final)
+    type(sweep_state_t), intent(in) :: state
+    integer, intent(in) :: direction, relief
+    logical, allocatable, intent(out) :: final(:)
+
+    final = state%solved(:, relief)
+    if (direction == each) return
+    final(:) = .false.
+    associate (n => size(final), passed => state%followed(relief))
+      if (direction == up) final(:passed) = .true.
+      if (direction == down) final(n + 1 - passed:) = .true.
+    end associate
+  end subroutine find_final
+
+  pure integer(int64) function units_done(state, direction) result(units)
+    type(sweep_state_t), intent(in) :: state
+    integer, intent(in) :: direction
+
+    if (direction == each) then
+      units = 2*count(state%solved, kind=int64)
+    else
+      units = sum(int(state%blocks%grouped - state%blocks%first + 1, int64)) + sum(int(state%followed, int64))
+    end if
+  end function units_done
+
+  !> So many halves of points more are done; any thread may tell.
+  subroutine tick(self, units)
+    class(counter_t), intent(inout) :: self
+    integer, intent(in) :: units
+    integer(c_int), pointer :: mark(:)
+    integer :: done
+
+    if (units == 0 .or. .not. (associated(self%progress) .or. c_associated(self%watch))) return
+    !$omp critical (gearsweep_progress)
+    self%units = self%units + units
+    done = self%before + int(self%units/2)
+    if (associated(self%progress)) call self%progress(done, self%total)
+    if (c_associated(self%watch)) then
+      call c_f_pointer(self%watch, mark, [3])
+      mark(2:3) = [done, self%total]
+    end if
+    !$omp end critical (gearsweep_progress)
+  end subroutine tick
+end module gearsweep_sweep_state

@@ -1,0 +1,224 @@
+!> A run that its caller ends keeps what is done, and goes on from there to the bits of a run in one piece.
+module test_resume
+  use, intrinsic :: iso_c_binding, only: c_int
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_checkpoint, only: load_record, save_record
+  use gearsweep_error, only: error_t
+  use gearsweep_files, only: read_text
+  use gearsweep_kinds, only: dp
+  use gearsweep_steady, only: point_stopped
+  use gearsweep_study, only: record_t, run_study, study_t
+  use gearsweep_text, only: str
+  use testing, only: check_equal, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
+  implicit none
+  private
+  public :: run
+
+  character(*), parameter :: gears = '&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /'// &
+    '&load normal_force_n = 6858 / &relief amount_um = 0, 2, 15 / &dynamics damping_ratio = 0.01 /'// &
+    '&mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400, 0, -120 /'
+
+  !> What a run is told and counts; only the tests of this module use it, one after the other.
+  integer(c_int), target :: watch(3)
+  integer :: last_done, allowed
+  logical :: fell, beyond
+  character(:), allocatable :: file
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+    character(:), allocatable :: folder
+
+    folder = new_folder()
+    file = folder//'/test.checkpoint'
+    call whole_again(t, 'up', '''sweep'', ''load''', '', 1)
+    call whole_again(t, 'down', '''sweep'', ''load''', '', 2)
+    call whole_again(t, 'each', '''sweep'', ''load''', '', 2)
+    call whole_again(t, 'up', '''sweep'', ''optimum''', '', 2)
+    call whole_again(t, 'each', '''sweep''', '&numerics steady_state = ''march'' tolerance = 1e-4 /', 1)
+    call refused(t)
+    call ended_at_once(t)
+    call remove_folder(folder)
+  end subroutine run
+
+  subroutine read(t, direction, tasks, more, case)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: direction, tasks, more
+    type(case_t), intent(out) :: case
+    type(error_t), allocatable :: error
+
+    call read_case('&case tasks = '//tasks//' / '//gears//more//'&sweep rpm_first = 5000 rpm_last = 9000 rpm_step = 50 '// &
+                   'load_rpm = 6800, 7010 direction = '''//direction//''' /', case, error)
+    call check_no_error(t, 'the case', error)
+  end subroutine read
+
+  !> Counts, and ends the run once as many more points are done as it was allowed.
+  subroutine follow(done, total)
+    integer, intent(in) :: done, total
+
+    fell = fell .or. done < last_done
+    beyond = beyond .or. done > total
+    if (done >= allowed) watch(1) = 1
+    last_done = done
+  end subroutine follow
+
+  !> Ended again and again, each time further on; by the file in between.
+  subroutine whole_again(t, direction, tasks, more, threads)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: direction, tasks, more
+    integer, intent(in) :: threads
+    integer, parameter :: most = 100
+    type(case_t) :: case
+    type(study_t) :: whole, piece
+    type(record_t) :: record
+    type(error_t), allocatable :: error
+    character(:), allocatable :: what
+    integer :: pieces, step
+
+    what = direction//' '//tasks//more//': '
+    call read(t, direction, tasks, more, case)
+    call run_study(case, '', 1, whole, error)
+    call check_no_error(t, what//'in one piece', error)
+    step = merge(400, 60, index(tasks, 'optimum') > 0)
+    last_done = 0
+    fell = .false.
+    beyond = .false.
+    do pieces = 1, most
+      watch = 0
+      allowed = pieces*step
+      call run_study(case, '', threads, piece, error, follow, watch=watch, record=record)
+      call check_no_error(t, what//'a piece', error)
+      if (.not. piece%stopped) exit
+      if (allocated(piece%sweep)) call check_part(t, what, piece, whole)
+      call save_record(record, case, '', file, error)
+      call check_no_error(t, what//'kept', error)
+      record = record_t()
+      call load_record(file, case, '', record, error)
+      call check_no_error(t, what//'taken up', error)
+    end do
+    call check_true(t, what//'several pieces', pieces > 2 .and. pieces < most, str(pieces))
+    call check_true(t, what//'the count never falls, nor passes the whole', .not. (fell .or. beyond))
+    call check_true(t, what//'the caller reads the count', watch(2) == last_done .and. watch(3) >= watch(2))
+    call check_same(t, what, piece, whole)
+  end subroutine whole_again
+
+  !> What is there is right, and what is not says so and has no number.
+  subroutine check_part(t, what, piece, whole)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: what
+    type(study_t), intent(in) :: piece, whole
+
+    associate (done => piece%sweep%status /= point_stopped)
+      call check_true(t, what//'done points have their status', all(piece%sweep%status == whole%sweep%status .or. .not. done))
+      call check_true(t, what//'and their bits', all(bits(piece%sweep%dynamic_factor) == bits(whole%sweep%dynamic_factor) &
+                                                     .or. .not. done))
+      call check_true(t, what//'the others have no number', all(ieee_is_nan(piece%sweep%dynamic_factor) .or. done))
+    end associate
+  end subroutine check_part
+
+  subroutine check_same(t, what, piece, whole)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: what
+    type(study_t), intent(in) :: piece, whole
+
+    associate (a => piece%sweep, b => whole%sweep)
+      call check_true(t, what//'dynamic factors', all(bits(a%dynamic_factor) == bits(b%dynamic_factor)))
+      call check_true(t, what//'estimates', all(bits(a%estimate) == bits(b%estimate)))
+      call check_true(t, what//'multipliers', all(bits(a%multiplier) == bits(b%multiplier)))
+      call check_true(t, what//'status', all(a%status == b%status))
+      call check_true(t, what//'steps', all(a%steps == b%steps))
+      call check_true(t, what//'periods', all(a%periods == b%periods))
+    end associate
+    if (allocated(whole%response)) call check_true(t, what//'loads', all(bits(piece%response(:, :)%point%dynamic_factor) == &
+                                                                         bits(whole%response(:, :)%point%dynamic_factor)))
+    if (allocated(whole%optimum)) then
+      call check_true(t, what//'reliefs tried', all(bits1(piece%optimum%amount) == bits1(whole%optimum%amount)))
+      call check_true(t, what//'their worst', all(bits1(piece%optimum%dynamic_factor) == bits1(whole%optimum%dynamic_factor)))
+    end if
+  end subroutine check_same
+
+  pure function bits(x)
+    use, intrinsic :: iso_fortran_env, only: int64
+    real(dp), intent(in) :: x(:, :)
+    integer(int64) :: bits(size(x, 1), size(x, 2))
+
+    bits = reshape(transfer(x, [0_int64]), shape(bits))
+  end function bits
+
+  pure function bits1(x)
+    use, intrinsic :: iso_fortran_env, only: int64
+    real(dp), intent(in) :: x(:)
+    integer(int64) :: bits1(size(x))
+
+    bits1 = transfer(x, [0_int64])
+  end function bits1
+
+  !> A file of another case, version or kind, and a damaged one.
+  subroutine refused(t)
+    type(tally_t), intent(inout) :: t
+    type(case_t) :: case, other
+    type(study_t) :: study
+    type(record_t) :: record
+    type(error_t), allocatable :: error
+    character(:), allocatable :: text
+    integer :: at
+
+    call read(t, 'up', '''sweep''', '', case)
+    watch = [1, 0, 0]
+    call run_study(case, '', 1, study, error, watch=watch, record=record)
+    watch = 0
+    allowed = 50
+    call run_study(case, '', 1, study, error, follow, watch=watch, record=record)
+    call check_true(t, 'ended', study%stopped)
+    call save_record(record, case, '', file, error)
+    call read(t, 'down', '''sweep''', '', other)
+    call load_record(file, other, '', record, error)
+    call check_error(t, 'another case', error, 'is of another case')
+    call read_text(file, text, error)
+    at = index(text, 'version ')
+    call put(text(:at + 7)//'9'//text(at + 9:))
+    call load_record(file, case, '', record, error)
+    call check_error(t, 'another version', error, 'is of another version')
+    at = len(text)/2
+    call put(text(:at - 1)//merge('1', '2', text(at:at) == '2')//text(at + 1:))
+    call load_record(file, case, '', record, error)
+    call check_error(t, 'damaged', error, 'is damaged')
+    call put(text(:at))
+    call load_record(file, case, '', record, error)
+    call check_error(t, 'cut', error, 'is damaged')
+    call put('something else')
+    call load_record(file, case, '', record, error)
+    call check_error(t, 'no checkpoint', error, 'is no checkpoint')
+    call load_record(file//'.none', case, '', record, error)
+    call check_error(t, 'no file', error, 'cannot read')
+  end subroutine refused
+
+  subroutine put(text)
+    character(*), intent(in) :: text
+    integer :: unit
+
+    open (newunit=unit, file=file, status='replace', access='stream', form='unformatted')
+    write (unit) text
+    close (unit)
+  end subroutine put
+
+  !> A flag that is set before: nothing is computed, and nothing goes wrong.
+  subroutine ended_at_once(t)
+    type(tally_t), intent(inout) :: t
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+
+    call read(t, 'up', '''mesh'', ''sweep''', '', case)
+    watch = [1, 0, 0]
+    call run_study(case, '', 2, study, error, watch=watch)
+    call check_no_error(t, 'ended at once', error)
+    call check_true(t, 'the mesh is there', allocated(study%sharing))
+    call check_true(t, 'the sweep is not', study%stopped .and. .not. allocated(study%sweep))
+    call check_true(t, 'the log says so', index(study%log, 'motion left out: the run was interrupted') > 0)
+    call check_equal(t, 'nothing was counted', int(watch(2)), 0)
+  end subroutine ended_at_once
+end module test_resume
