@@ -1,5 +1,5 @@
 !> Ctrl-C and `kill` end a run soon, and what is done by then is kept; the second time they end it at once.
-module interruption
+module gearsweep_interruption
   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
   use gearsweep_error, only: code_stopped
   implicit none
@@ -38,7 +38,7 @@ contains
     if (watch(1) /= 0) call c_leave(int(code_stopped, c_int))
     watch(1) = number
   end subroutine note_signal
-end module interruption
+end module gearsweep_interruption
 
 !> gearsweep CASE.nml: reads a case, computes, prints the answer, leaves tables.
 !> The only place that prints or stops.
@@ -54,7 +54,7 @@ program gearsweep_program
   use gearsweep_study, only: record_t
   use gearsweep_system, only: print_text
   use gearsweep_text, only: fixed, str, to_number
-  use interruption, only: catch_signals, watch
+  use gearsweep_interruption, only: catch_signals, watch
   implicit none
 
   interface
