@@ -12,9 +12,9 @@ mkdir -p "$1" && prefix=$(CDPATH= cd -- "$1" && pwd) || exit 3
 # The same flags as the program: the same bits. All modules, as the program needs not all of them.
 install_library() (
   mkdir -p "$run_dir" && cd "$root" || exit
-  if command -v flock >/dev/null; then flock 9; fi
+  await_lock
   install_packages && make_venv || exit
-  run_fpm "installing into $prefix" install --profile release --no-prune --prefix "$prefix" \
+  run_fpm "installing into $prefix, about 1 min" install --profile release --no-prune --prefix "$prefix" \
     --libdir lib --includedir include/gearsweep || exit
   cp include/gearsweep.h "$prefix/include/gearsweep/" || exit
   mkdir -p "$prefix/lib/pkgconfig" && write_pc >"$prefix/lib/pkgconfig/gearsweep.pc"

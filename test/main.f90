@@ -1,7 +1,8 @@
 !> Runs the test suites, or only those named as arguments; with `limits` alone,
-!> prints the table of doc/limits.md instead.
+!> prints the table of doc/limits.md instead. Where the environment's GEARSWEEP_CHECKS names a file, each check
+!> is added to it as a line `passed SUITE: NAME` or `failed SUITE: NAME`.
 program check
-  use, intrinsic :: iso_fortran_env, only: int64
+  use, intrinsic :: iso_fortran_env, only: int64, output_unit
   use extreme_table, only: print_limits
   use test_band, only: run_band => run
   use test_branches, only: run_branches => run
@@ -39,7 +40,7 @@ program check
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
-  type(tally_t) :: all
+  integer :: passed = 0, failed = 0
 
   if (command_argument_count() == 1 .and. is_wanted('limits')) then
     call print_limits()
@@ -80,8 +81,8 @@ program check
     & suite_t('elastic_disc', run_elastic_disc), &
     & suite_t('scenes', run_scenes), &
     & suite_t('flat', run_flat)])
-  print '(i0, a, i0, a)', all%passed, ' passed, ', all%failed, ' failed'
-  if (all%failed > 0 .or. all%passed == 0) stop 1, quiet=.true.
+  print '(i0, a, i0, a)', passed, ' passed, ', failed, ' failed'
+  if (failed > 0 .or. passed == 0) stop 1, quiet=.true.
 
 contains
 
@@ -90,24 +91,42 @@ contains
     integer :: i
 
     do i = 1, size(suites)
-      if (is_wanted(suites(i)%name)) call run_suite(suites(i), all)
+      if (is_wanted(suites(i)%name)) call run_suite(suites(i))
     end do
   end subroutine run_wanted
 
-  subroutine run_suite(suite, all)
+  subroutine run_suite(suite)
     type(suite_t), intent(in) :: suite
-    type(tally_t), intent(inout) :: all
     type(tally_t) :: one
     integer(int64) :: start, finish, rate
 
+    print '(a)', trim(suite%name)//' ...'
+    flush (output_unit)
     call system_clock(start, rate)
     call suite%run(one)
     call system_clock(finish)
-    print '(a, i6, a, i3, a, f8.2, a)', suite%name, one%passed, ' passed, ', one%failed, &
+    print '(a, i6, a, i3, a, f8.2, a)', suite%name, one%passed(), ' passed, ', one%failed(), &
       & ' failed, ', real(finish - start)/real(rate), ' s'
-    all%passed = all%passed + one%passed
-    all%failed = all%failed + one%failed
+    flush (output_unit)
+    call list_checks(trim(suite%name), one)
+    passed = passed + one%passed()
+    failed = failed + one%failed()
   end subroutine run_suite
+
+  subroutine list_checks(suite, one)
+    character(*), intent(in) :: suite
+    type(tally_t), intent(in) :: one
+    character(1000) :: path
+    integer :: i, unit
+
+    call get_environment_variable('GEARSWEEP_CHECKS', path)
+    if (path == '') return
+    open (newunit=unit, file=trim(path), position='append', action='write')
+    do i = 1, one%count
+      write (unit, '(a)') merge('passed', 'failed', one%check(i)%passed)//' '//suite//': '//one%check(i)%name
+    end do
+    close (unit)
+  end subroutine list_checks
 
   !> Without arguments every suite is wanted.
   logical function is_wanted(name)

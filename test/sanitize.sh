@@ -4,16 +4,12 @@
 # Short: the spoilt calls of test/callers/fuzz.c. Otherwise also the other callers and the suites, or those named.
 # The last line is `N passed, N failed`; a finding ends a part and is a failure.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
-. "$root/app/setup.sh"
+. "$root/test/checks.sh"
+need gcc nm
 build_check_sanitized || exit
 library=$(ls -t "$root"/build/gfortran_*/gearsweep/libgearsweep.a | while read -r archive; do
   nm "$archive" 2>/dev/null | grep -q __asan_init && echo "$archive" && break
 done)
-work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
-passed=0
-failed=0
 
 # Not ours and kept until the end of the process: OpenBLAS's threads with their buffers, libgomp's pool.
 cat >"$work/known" <<'END'
@@ -29,10 +25,9 @@ part() {
   title=$1
   shift
   if (cd "$1" && shift && "$@") >"$work/out" 2>"$work/err" && [ ! -s "$work/err" ]; then
-    passed=$((passed + 1))
+    pass
   else
-    failed=$((failed + 1))
-    echo "FAILED: $title"
+    fails "$title"
     tail -n 5 "$work/out"
     head -n 40 "$work/err"
   fi
@@ -71,5 +66,4 @@ if [ "${1-}" != --short ]; then
   done
   part 'suites' "$root" "$run_dir/check-sanitized" "$@"
 fi
-echo "$passed passed, $failed failed"
-[ "$failed" = 0 ]
+finish

@@ -1,26 +1,16 @@
 #!/bin/sh
 # Drives the program as a user does: sh test/test_program.sh PROGRAM
 # The last line is `N passed, N failed`.
-export LC_ALL=C
+# Takes about 1 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
-work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$root/test/checks.sh"
+need timeout python3 script setpriv
 cd "$work" || exit
-passed=0
-failed=0
-limit=
-if command -v timeout >/dev/null; then limit='timeout 120'; fi
+limit='timeout 120'
 
 # --- tools -------------------------------------------------------------------
-
-pass() { passed=$((passed + 1)); }
-fails() {
-  failed=$((failed + 1))
-  printf 'FAILED: %s\n' "$1"
-}
 
 # check TITLE COMMAND...: the command must succeed.
 check() {
@@ -351,12 +341,8 @@ for field in fields:
     assert len(values) == 3*points and all(map(math.isfinite, values)) and any(values)
 END
 }
-if command -v python3 >/dev/null; then
-  check 'section.vtu: well formed' well_shaped elements/coarse.section.vtu 0
-  check 'modes.vtu: well formed' well_shaped elements/coarse.modes.vtu 5
-else
-  echo 'grids are not tested: python3 is missing'
-fi
+check 'section.vtu: well formed' well_shaped elements/coarse.section.vtu 0
+check 'modes.vtu: well formed' well_shaped elements/coarse.modes.vtu 5
 
 for threads in 1 2 7; do
   run coarse.nml --out elements$threads --threads $threads --quiet
@@ -567,17 +553,13 @@ done
 
 # --- progress ----------------------------------------------------------------
 
-if script -qec true /dev/null </dev/null >/dev/null 2>&1; then
-  cp geared.nml progress.nml
-  script -qec "'$program' progress.nml --out progress" typescript </dev/null >/dev/null 2>&1
-  check 'progress: on a terminal' says typescript ' of 62 points'
-  script -qec "'$program' progress.nml --out progress --quiet" typescript </dev/null >/dev/null 2>&1
-  check 'progress: none when quiet' lacks typescript ' of 62 points'
-  script -qec "'$program' progress.nml --out progress 2>piped" typescript </dev/null >/dev/null 2>&1
-  check 'progress: none where stderr is a file' silent piped
-else
-  echo 'progress on a terminal is not tested: script is missing'
-fi
+cp geared.nml progress.nml
+script -qec "'$program' progress.nml --out progress" typescript </dev/null >/dev/null 2>&1
+check 'progress: on a terminal' says typescript ' of 62 points'
+script -qec "'$program' progress.nml --out progress --quiet" typescript </dev/null >/dev/null 2>&1
+check 'progress: none when quiet' lacks typescript ' of 62 points'
+script -qec "'$program' progress.nml --out progress 2>piped" typescript </dev/null >/dev/null 2>&1
+check 'progress: none where stderr is a file' silent piped
 
 # --- files and folders -------------------------------------------------------
 
@@ -625,15 +607,21 @@ mkdir -p taken/base.sweep.csv
 run base.nml --out taken
 check 'a folder in the way of a table' exits 3
 check 'a folder in the way: no part is left' test -z "$(find taken -name '*.part')"
-if [ "$(id -u)" != 0 ]; then
-  mkdir -p locked && chmod 500 locked
-  run base.nml --out locked
-  check 'a folder without the right to write' is_one_error locked 3
-  mkdir -p hidden && chmod 000 hidden
-  cp base.nml sealed.nml && chmod 000 sealed.nml
-  run sealed.nml --out out
-  check 'a case without the right to read' is_one_error sealed.nml 3
+# As root, who may do everything, a user without rights asks.
+mkdir -p locked && cp base.nml locked && cp base.nml locked/sealed.nml && chmod 000 locked/sealed.nml
+if [ "$(id -u)" = 0 ]; then
+  mkdir rights && cp "$program" rights/gearsweep && chmod 755 "$work" rights rights/gearsweep locked
+  : >stdout && : >stderr && chmod 666 stdout stderr
+  by_user() { $limit setpriv --reuid 65534 --regid 65534 --clear-groups "$work/rights/gearsweep" "$@" >stdout 2>stderr </dev/null; code=$?; }
+else
+  chmod 500 locked
+  by_user() { run "$@"; }
 fi
+by_user locked/base.nml --out locked
+check 'a folder without the right to write' is_one_error locked 3
+by_user locked/sealed.nml --out out
+check 'a case without the right to read' is_one_error sealed.nml 3
+chmod 700 "$work" locked
 
 # --- bad cases: text the message must contain, exit code, edit of the base case ---
 
@@ -1029,5 +1017,4 @@ while read -r seed name; do
 done <seeds
 check 'damaged cases are answered or refused in good order' test $broken = 0
 
-echo "$passed passed, $failed failed"
-[ "$failed" = 0 ]
+finish

@@ -1,17 +1,15 @@
 #!/bin/sh
 # Tests of the Python package, with the examples in its docstrings and in doc/python.md, and of the
 # validation ledger: sh test/test_python.sh PROGRAM [pytest options]
-# The last line is `N passed, N failed`.
+# The last line is `N passed, N failed`, as pytest counts.
+# Takes about 2 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
-. "$root/app/setup.sh"
+. "$root/test/checks.sh"
 GEARSWEEP_PROGRAM=${1:-$root/build/run/gearsweep}
 case $GEARSWEEP_PROGRAM in /*) ;; *) GEARSWEEP_PROGRAM=$PWD/$GEARSWEEP_PROGRAM ;; esac
 export GEARSWEEP_PROGRAM
 [ $# = 0 ] || shift
 build_package || exit
-work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
 
 # Away from the checkout, so that the installed package is what is tested. Rows of the ledger that
 # are open or not reproducible are expected failures, which count neither as passed nor as failed.

@@ -2,6 +2,7 @@
 module testing
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_null_char, c_ptr
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+  use, intrinsic :: iso_fortran_env, only: int64, output_unit
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_text, only: str
@@ -11,9 +12,20 @@ module testing
   public :: check_true, check_close, check_equal, check_error, check_no_error
   public :: new_folder, remove_folder
 
-  !> What the checks of a suite came to.
+  !> A check: what bears one name in a suite, as often as it is looked at. Passed where it always held.
+  type :: check_t
+    character(:), allocatable :: name
+    logical :: passed
+  end type check_t
+
+  !> What the checks of a suite came to. Each name counts once.
   type :: tally_t
-    integer :: passed = 0, failed = 0
+    integer :: count = 0
+    type(check_t), allocatable :: check(:)
+    integer(int64), allocatable, private :: mark(:)    !< of the names
+  contains
+    procedure :: passed, failed
+    procedure, private :: note
   end type tally_t
 
   abstract interface
@@ -45,22 +57,69 @@ module testing
 
 contains
 
+  pure integer function passed(self)
+    class(tally_t), intent(in) :: self
+
+    passed = 0
+    if (self%count > 0) passed = count(self%check(:self%count)%passed)
+  end function passed
+
+  pure integer function failed(self)
+    class(tally_t), intent(in) :: self
+
+    failed = self%count - self%passed()
+  end function failed
+
+  subroutine note(self, name, held)
+    class(tally_t), intent(inout) :: self
+    character(*), intent(in) :: name
+    logical, intent(in) :: held
+    integer(int64) :: mark
+    integer :: at
+
+    if (.not. allocated(self%check)) allocate (self%check(16), self%mark(16))
+    mark = mark_of(name)
+    at = findloc(self%mark(:self%count), mark, 1)
+    if (at > 0) then
+      self%check(at)%passed = self%check(at)%passed .and. held
+      return
+    end if
+    if (self%count == size(self%check)) then
+      self%check = [self%check, self%check]
+      self%mark = [self%mark, self%mark]
+    end if
+    self%count = self%count + 1
+    self%check(self%count)%name = name
+    self%check(self%count)%passed = held
+    self%mark(self%count) = mark
+  end subroutine note
+
+  !> A number of 54 bits that no two names of a suite share.
+  pure integer(int64) function mark_of(name) result(mark)
+    character(*), intent(in) :: name
+    integer(int64), parameter :: prime = 2_int64**54 - 33
+    integer :: i
+
+    mark = len(name)
+    do i = 1, len(name)
+      mark = modulo(257*mark + ichar(name(i:i)), prime)
+    end do
+  end function mark_of
+
   subroutine check_true(t, name, condition, detail)
     type(tally_t), intent(inout) :: t
     character(*), intent(in) :: name
     logical, intent(in) :: condition
     character(*), intent(in), optional :: detail
 
-    if (condition) then
-      t%passed = t%passed + 1
-      return
-    end if
-    t%failed = t%failed + 1
+    call t%note(name, condition)
+    if (condition) return
     if (present(detail)) then
       print '(a)', '  FAILED '//name//': '//detail
     else
       print '(a)', '  FAILED '//name
     end if
+    flush (output_unit)
   end subroutine check_true
 
   !> |actual - expected| is at most the larger of `relative`*|expected| and `absolute`.

@@ -1,0 +1,39 @@
+# Sourced by test/run.sh and test/test_*.sh, with $root set: checks with names, and how they are counted.
+# A check is what bears one name: looked at many times, as in a loop, it counts once, and fails if it failed once.
+
+. "$root/app/setup.sh"
+# One language and one form of numbers in all messages and tables, whatever the caller's.
+export LC_ALL=C
+list=$(mktemp "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
+work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
+trap 'rm -rf "$work" "$list"' EXIT
+trap 'exit 1' HUP INT TERM
+
+pass() { echo "passed $title" >>"$list"; }
+# fails TITLE
+fails() {
+  echo "failed $1" >>"$list"
+  printf 'FAILED: %s\n' "$1"
+}
+
+# count_checks: `N passed, N failed` from lines `passed NAME` and `failed NAME`.
+count_checks() {
+  awk '{ name = substr($0, 8); bad[name] += $1 == "failed" }
+    END { for (name in bad) if (bad[name]) failed++; else passed++
+      printf "%d passed, %d failed\n", passed, failed }' "$list"
+}
+
+# Says the counts in the last line, and ends.
+finish() {
+  count_checks
+  [ -s "$list" ] && ! grep -q '^failed ' "$list"
+  exit
+}
+
+# need TOOL...: what the script calls. Installs what is missing; what cannot be had fails by its name.
+need() {
+  install_tools "$@"
+  for tool in "$@"; do
+    command -v "$tool" >/dev/null || fails "$tool is missing"
+  done
+}
