@@ -68,9 +68,9 @@ install_tools() {
       cc) missing="$missing gcc" ;;
       ldd) missing="$missing libc-bin" ;;
       script) missing="$missing bsdutils" ;;
-      setpriv) missing="$missing util-linux" ;;
+      setpriv | flock) missing="$missing util-linux" ;;
       nm | ar) missing="$missing binutils" ;;
-      timeout) missing="$missing coreutils" ;;
+      timeout | truncate | mkfifo) missing="$missing coreutils" ;;
       *) missing="$missing $tool" ;;
     esac
   done

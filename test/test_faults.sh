@@ -2,29 +2,21 @@
 # Faults of files, folders, pipes and texts around the program: sh test/test_faults.sh PROGRAM
 # What is expected is told where it is asked: mostly that old tables stay as they are, bit by bit, or that new ones are
 # those of a run that nothing disturbed. The last line is `N passed, N failed`.
-export LC_ALL=C
+# Takes about 1 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
-work=$(mktemp -d "${TMPDIR:-/tmp}/gearsweep.XXXXXX") || exit
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$root/test/checks.sh"
+need timeout flock truncate mkfifo
 cd "$work" || exit
-passed=0
-failed=0
 
 # --- tools -------------------------------------------------------------------
-
-fails() {
-  failed=$((failed + 1))
-  printf 'FAILED: %s\n' "$1"
-}
 
 # check TITLE COMMAND...: the command must succeed.
 check() {
   title=$1
   shift
-  if "$@"; then passed=$((passed + 1)); else fails "$title"; fi
+  if "$@"; then pass; else fails "$title"; fi
 }
 
 # run ARGUMENTS...: runs the program; leaves $code, stdout and stderr.
@@ -43,10 +35,6 @@ is_one_error() {
   [ "$(wc -l <stderr)" -eq 1 ] || { echo "  not one line: $(head -n 5 stderr)"; return 1; }
   says stderr "$1"
 }
-
-for tool in timeout flock truncate mkfifo; do
-  command -v $tool >/dev/null || fails "the tool $tool is missing"
-done
 
 # A mesh with no geometry behind it: tables of 2, 41 and 100 kB within a hundredth of a second.
 # pair FILE TASKS AMOUNT [KEYS OF CASE]
@@ -410,5 +398,4 @@ rm -rf out
 check 'a broken pipe that is no signal' test "$(cat ended)$(cat stderr)" = 0
 check 'a broken pipe that is no signal: the tables' alike out one.kept
 
-echo "$passed passed, $failed failed"
-[ "$failed" = 0 ]
+finish
