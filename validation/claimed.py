@@ -28,13 +28,6 @@ def stiffest():
     return s[np.argmax(stiffness)]
 
 
-def light_load(degrees=20):
-    """Where ISO 6336-1 has c' fall with a fourth root of the load: tangential load, N/mm; how much higher c' is by the load on
-    the line of action, per cent; that load, N/mm."""
-    limit, cosine = 100, np.cos(np.radians(degrees))
-    return [limit, 100 * ((1 / cosine)**0.25 - 1), limit / cosine]
-
-
 def stiffness_change(across):
     """Largest difference along the path from the finest grid, per cent."""
     s, stiffness = _stiffness(across)
