@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the program, the static library, its modules, the C header and a pkg-config file:
+# Installs the program, the library (static and shared), its modules, the C header, and files for pkg-config and CMake:
 #   sh app/install.sh PREFIX
 # Sets up and builds first where needed. What PREFIX holds already stays, but for files of these names.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
@@ -9,6 +9,11 @@ esac
 mkdir -p "$1" && prefix=$(CDPATH= cd -- "$1" && pwd) || exit 3
 . "$root/app/setup.sh"
 
+version=$(sed -n 's/^version *= *"\(.*\)"/\1/p' "$root/fpm.toml")
+# Before 1.0 each minor version may change the calls.
+minor=${version%.*}
+needs='-lopenblas -lgomp -lgfortran -lm -lpthread'
+
 # The same flags as the program: the same bits. All modules, as the program needs not all of them.
 install_library() (
   mkdir -p "$run_dir" && cd "$root" || exit
@@ -16,11 +21,25 @@ install_library() (
   install_packages && make_venv || exit
   run_fpm "installing into $prefix, about 1 min" install --profile release --no-prune --prefix "$prefix" \
     --libdir lib --includedir include/gearsweep || exit
-  cp include/gearsweep.h "$prefix/include/gearsweep/" || exit
-  mkdir -p "$prefix/lib/pkgconfig" && write_pc >"$prefix/lib/pkgconfig/gearsweep.pc"
+  cp include/gearsweep.h "$prefix/include/gearsweep/" && make_shared || exit
+  mkdir -p "$prefix/lib/pkgconfig" "$prefix/lib/cmake/gearsweep" &&
+    write_pc "\${libdir}/libgearsweep.a $needs" '' >"$prefix/lib/pkgconfig/gearsweep.pc" &&
+    write_pc '-L${libdir} -Wl,-rpath,${libdir} -lgearsweep' "$needs" >"$prefix/lib/pkgconfig/gearsweep-shared.pc" &&
+    write_config >"$prefix/lib/cmake/gearsweep/gearsweepConfig.cmake" &&
+    write_config_version >"$prefix/lib/cmake/gearsweep/gearsweepConfigVersion.cmake"
 ) 9>"$run_dir/lock"
 
-# The folder is found from where the file lies, so that an installed tree can be moved.
+# The same objects as in the static library: the same bits.
+make_shared() {
+  quietly "linking the shared library" gfortran -shared -fopenmp -Wl,-soname,"libgearsweep.so.$minor" \
+    -Wl,--whole-archive "$prefix/lib/libgearsweep.a" -Wl,--no-whole-archive -Wl,-z,defs -lopenblas -lm -lpthread \
+    -o "$prefix/lib/libgearsweep.so.$version.new" || return
+  mv -f "$prefix/lib/libgearsweep.so.$version.new" "$prefix/lib/libgearsweep.so.$version" &&
+    ln -sf "libgearsweep.so.$version" "$prefix/lib/libgearsweep.so.$minor" &&
+    ln -sf "libgearsweep.so.$minor" "$prefix/lib/libgearsweep.so"
+}
+
+# write_pc LIBS PRIVATE: the folder is found from where the file lies, so that an installed tree can be moved.
 write_pc() {
   cat <<END
 prefix=\${pcfiledir}/../..
@@ -29,9 +48,48 @@ includedir=\${prefix}/include/gearsweep
 
 Name: gearsweep
 Description: $(sed -n 's/^description *= *"\(.*\)"/\1/p' "$root/fpm.toml")
-Version: $(sed -n 's/^version *= *"\(.*\)"/\1/p' "$root/fpm.toml")
+Version: $version
 Cflags: -I\${includedir}
-Libs: -L\${libdir} -lgearsweep -lopenblas -lgomp -lgfortran -lm -lpthread
+Libs: $1
+Libs.private: $2
+END
+}
+
+# For find_package(gearsweep): the target gearsweep::gearsweep, static unless BUILD_SHARED_LIBS is on.
+write_config() {
+  cat <<END
+get_filename_component(_gearsweep_prefix "\${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
+if(NOT TARGET gearsweep::gearsweep)
+  add_library(gearsweep::static STATIC IMPORTED)
+  set_target_properties(gearsweep::static PROPERTIES
+    IMPORTED_LOCATION "\${_gearsweep_prefix}/lib/libgearsweep.a"
+    INTERFACE_INCLUDE_DIRECTORIES "\${_gearsweep_prefix}/include/gearsweep"
+    INTERFACE_LINK_LIBRARIES "$needs")
+  add_library(gearsweep::shared SHARED IMPORTED)
+  set_target_properties(gearsweep::shared PROPERTIES
+    IMPORTED_LOCATION "\${_gearsweep_prefix}/lib/libgearsweep.so.$version"
+    IMPORTED_SONAME "libgearsweep.so.$minor"
+    INTERFACE_INCLUDE_DIRECTORIES "\${_gearsweep_prefix}/include/gearsweep")
+  add_library(gearsweep::gearsweep INTERFACE IMPORTED)
+  if(BUILD_SHARED_LIBS)
+    set_target_properties(gearsweep::gearsweep PROPERTIES INTERFACE_LINK_LIBRARIES gearsweep::shared)
+  else()
+    set_target_properties(gearsweep::gearsweep PROPERTIES INTERFACE_LINK_LIBRARIES gearsweep::static)
+  endif()
+endif()
+unset(_gearsweep_prefix)
+END
+}
+
+write_config_version() {
+  cat <<END
+set(PACKAGE_VERSION "$version")
+if(PACKAGE_FIND_VERSION VERSION_LESS_EQUAL PACKAGE_VERSION AND "\${PACKAGE_FIND_VERSION_MAJOR}.\${PACKAGE_FIND_VERSION_MINOR}" STREQUAL "$minor")
+  set(PACKAGE_VERSION_COMPATIBLE TRUE)
+  if(PACKAGE_FIND_VERSION VERSION_EQUAL PACKAGE_VERSION)
+    set(PACKAGE_VERSION_EXACT TRUE)
+  endif()
+endif()
 END
 }
 

@@ -5,7 +5,7 @@
 # Takes about 2 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/test/checks.sh"
-need gcc cc g++ cmake make pkg-config ar nm
+need gcc cc g++ cmake make pkg-config ar nm readelf
 build_package || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
@@ -52,7 +52,8 @@ agrees() {
 prefix=$work/installed
 install() { sh "$root/app/install.sh" "$prefix" </dev/null; }
 check 'install' install
-for file in bin/gearsweep lib/libgearsweep.a lib/pkgconfig/gearsweep.pc include/gearsweep/gearsweep.h \
+for file in bin/gearsweep lib/libgearsweep.a lib/libgearsweep.so lib/pkgconfig/gearsweep.pc lib/pkgconfig/gearsweep-shared.pc \
+  lib/cmake/gearsweep/gearsweepConfig.cmake include/gearsweep/gearsweep.h \
   include/gearsweep/gearsweep.mod include/gearsweep/gearsweep_calls.mod; do
   check "installed: $file" test -s "$prefix/$file"
 done
@@ -257,9 +258,59 @@ check 'the interfaces are those of the subroutines' interfaces_alike
 # --- CMake and fpm -----------------------------------------------------------
 
 mkdir cmake && cp design.c cmake && block cmake >cmake/CMakeLists.txt
-check 'CMake as described' compile 'cmake -S cmake -B cmake/build && cmake --build cmake/build'
+check 'CMake as described' compile 'cmake -S cmake -B cmake/build -DCMAKE_PREFIX_PATH=$prefix && cmake --build cmake/build'
 check 'CMake: the program runs' compile 'cmake/build/design >cmake.out'
 check 'CMake: the same bits' same legacy.out cmake.out
+# A tiny program in each language, by CMake and by pkg-config, with the static and the shared library.
+cat >tiny.c <<'END'
+#include <gearsweep.h>
+#include <stdio.h>
+int main(void)
+{
+  char version[32], message[200];
+  if (gsc_version(version, sizeof version, message, sizeof message) != GSC_OK) return 1;
+  printf("version %s\n", version);
+  return 0;
+}
+END
+cp tiny.c tiny.cpp
+cat >tiny.f90 <<'END'
+program tiny
+  use gearsweep_calls, only: gs_version
+  implicit none
+  character(20) :: found, message
+  integer :: info
+
+  call gs_version(found, info, message)
+  print '(a)', 'version '//trim(found)
+end program tiny
+END
+# tiny_runs PROGRAM KIND: it says the version, and needs the shared library exactly where it is linked with that.
+tiny_runs() {
+  [ "$("$1")" = "version $version" ] || return
+  ldd "$1" >needed
+  if [ "$2" = shared ]; then grep -q "libgearsweep.so.${version%.*} => $prefix/" needed; else ! grep -q libgearsweep needed; fi
+}
+by_cmake() {
+  folder=tiny-$1-$3
+  mkdir -p "$folder" && cp "tiny.$2" "$folder" && block cmake | sed "s/design C)/design $1)/; s/design\.c/tiny.$2/" >"$folder/CMakeLists.txt" &&
+    cmake -S "$folder" -B "$folder/build" -DCMAKE_PREFIX_PATH="$prefix" -DBUILD_SHARED_LIBS="$4" && cmake --build "$folder/build" &&
+    tiny_runs "$folder/build/design" "$3"
+}
+by_pkg_config() { $1 "tiny.$2" $(pkg-config --cflags --libs "$4") -o "tiny-$2-$3" && tiny_runs "./tiny-$2-$3" "$3"; }
+for kind in static shared; do
+  on=OFF module=gearsweep
+  [ $kind = static ] || on=ON module=gearsweep-shared
+  check "CMake: C, $kind" by_cmake C c $kind $on
+  check "CMake: C++, $kind" by_cmake CXX cpp $kind $on
+  check "CMake: Fortran, $kind" by_cmake Fortran f90 $kind $on
+  check "pkg-config: C, $kind" by_pkg_config cc c $kind $module
+  check "pkg-config: C++, $kind" by_pkg_config g++ cpp $kind $module
+  check "pkg-config: Fortran, $kind" by_pkg_config gfortran f90 $kind $module
+done
+too_new() { block cmake | sed 's/gearsweep 0.1/gearsweep 0.2/' >cmake/CMakeLists.txt && ! cmake -S cmake -B cmake/new -DCMAKE_PREFIX_PATH="$prefix"; }
+check 'CMake: another minor version is refused' too_new
+check 'the shared library has its SONAME' compile 'readelf -d "$prefix/lib/libgearsweep.so" | grep -q "SONAME.*libgearsweep.so.${version%.*}\]"'
 mkdir -p fpm/app && ln -s "$root" fpm/gearsweep && block toml >fpm/fpm.toml
 cat >fpm/app/main.f90 <<'END'
 program design
