@@ -69,7 +69,7 @@ install_tools() {
       ldd) missing="$missing libc-bin" ;;
       script) missing="$missing bsdutils" ;;
       setpriv | flock) missing="$missing util-linux" ;;
-      nm | ar) missing="$missing binutils" ;;
+      nm | ar | readelf) missing="$missing binutils" ;;
       timeout | truncate | mkfifo) missing="$missing coreutils" ;;
       *) missing="$missing $tool" ;;
     esac
