@@ -9,14 +9,16 @@ module gearsweep_border
   use gearsweep_error, only: error_t, fail, code_input, code_ok, code_partial, code_stopped
   use gearsweep_disc, only: disc_t
   use gearsweep_fe_stiffness, only: fe_knots
+  use gearsweep_memory, only: settle_memory
   use gearsweep_piecewise, only: constant, piecewise_t
   use gearsweep_report, only: failed_points
   use gearsweep_study, only: record_t, study_t, run_study
   use gearsweep_text, only: str
+  use gearsweep_traps, only: bring_traps_back, set_traps_aside
   implicit none
   private
   public :: open_case, run_case, in_folder, in_um, measure, pack_stiffness, need_room, need_between, need_order, &
-            give_text, tell, work_size
+            give_text, begin_call, tell, work_size
 
   !> Numbers before the breaks in `work`: key, pieces, terms of each piece.
   integer, parameter :: head = 5
@@ -304,8 +306,13 @@ contains
     if (.not. allocated(error)) target = words
   end subroutine give_text
 
+  !> First of all in each call, which `tell` ends.
+  subroutine begin_call()
+    call set_traps_aside()
+  end subroutine begin_call
+
   !> Code and message of a call; blank where all is well. Points without an
-  !> answer are told too.
+  !> answer are told too. Last of all in each call.
   subroutine tell(error, info, message, study)
     type(error_t), allocatable, intent(in) :: error
     integer, intent(out) :: info
@@ -321,11 +328,12 @@ contains
       if (study%stopped) then
         info = code_stopped
         message = 'interrupted: what was computed by then is there; points that were not have the status stopped'
-        return
+      else if (failed_points(study) > 0) then
+        info = code_partial
+        message = str(failed_points(study))//' operating points have no answer (NaN); their status says why'
       end if
-      if (failed_points(study) == 0) return
-      info = code_partial
-      message = str(failed_points(study))//' operating points have no answer (NaN); their status says why'
     end if
+    call settle_memory()
+    call bring_traps_back()
   end subroutine tell
 end module gearsweep_border

@@ -10,7 +10,7 @@ module gearsweep_case
   use gearsweep_sweep, only: up
   implicit none
   private
-  public :: case_t, speeds
+  public :: case_t, speed_count, speeds
 
   character(*), parameter, public :: task_names(8) = &
     [character(8) :: 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum']
@@ -111,16 +111,22 @@ contains
     needs_motion = self%asks_any('load, sweep, optimum')
   end function needs_motion
 
+  !> How many speeds the sweep has.
+  pure integer function speed_count(case)
+    type(case_t), intent(in) :: case
+
+    ! A hair of slack keeps the last speed where the step divides the range.
+    speed_count = 1 + int((case%rpm_last - case%rpm_first)/case%rpm_step + 1e-9_dp)
+  end function speed_count
+
   !> The pinion speeds of the sweep (1/min), ascending.
   pure function speeds(case) result(rpm)
     type(case_t), intent(in) :: case
     real(dp), allocatable :: rpm(:)
-    integer :: i, n
+    integer :: i
 
-    ! A hair of slack keeps the last speed where the step divides the range.
-    n = 1 + int((case%rpm_last - case%rpm_first)/case%rpm_step + 1e-9_dp)
-    allocate (rpm(n))
-    do i = 1, n
+    allocate (rpm(speed_count(case)))
+    do i = 1, size(rpm)
       rpm(i) = case%rpm_first + case%rpm_step*(i - 1)
     end do
   end function speeds

@@ -2,6 +2,8 @@
 module gearsweep_entries
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: claim_memory
   use gearsweep_text, only: shown, str
   implicit none
   private
@@ -148,6 +150,7 @@ contains
     type(value_t), intent(in) :: value
     integer, intent(in) :: count, first, last, line
     type(error_t), allocatable, intent(inout) :: error
+    integer, parameter :: few = 1000
     integer :: i
 
     self%stored = self%stored + int(count, int64)*(len(value%text) + 1)
@@ -160,7 +163,13 @@ contains
       if (.not. allocated(entry%values)) allocate (entry%values(0))
       if (n == 0) entry%first = first
       entry%last = last
-      if (n + count > size(entry%values)) call resize(entry%values, n, 2*(n + count))
+      if (n + count > size(entry%values)) then
+        ! Room for more, their texts, and all of that again as the list is handed over.
+        if (n + count > few) call claim_memory(400.0_dp*(n + count), '&'//shown(entry%group)//' '//shown(entry%key)// &
+                                               ': the values', error)
+        if (allocated(error)) return
+        call resize(entry%values, n, 2*(n + count))
+      end if
       do i = n + 1, n + count
         entry%values(i) = value
       end do

@@ -20,7 +20,7 @@
 
 !> Version of the library, as 0.1.0.
 subroutine gs_version(version, info, message)
-  use gearsweep_border, only: need_room, tell
+  use gearsweep_border, only: begin_call, need_room, tell
   use gearsweep_error, only: error_t
   use gearsweep_version, only: this => version
   implicit none
@@ -29,6 +29,7 @@ subroutine gs_version(version, info, message)
   character(*), intent(out) :: message
   type(error_t), allocatable :: error
 
+  call begin_call()
   call need_room('len(version)', len(version), len(this), error)
   if (.not. allocated(error)) version = this
   call tell(error, info, message)
@@ -42,8 +43,8 @@ end subroutine gs_version
 !> harmonics        of gs_harmonics             nwork            of gs_prepare
 subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, &
                     nwork, info, message)
-  use gearsweep_border, only: in_folder, measure, open_case, tell, work_size
-  use gearsweep_case, only: case_t, list_speeds => speeds
+  use gearsweep_border, only: begin_call, in_folder, measure, open_case, tell, work_size
+  use gearsweep_case, only: case_t, speed_count
   use gearsweep_error, only: error_t
   use gearsweep_optimum, only: most_tried
   use gearsweep_root_rating, only: load_positions
@@ -58,6 +59,7 @@ subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes
   type(error_t), allocatable :: error
   integer :: i
 
+  call begin_call()
   call open_case(text, 'all', 1, case, error)
   call measure(case, in_folder(folder), study, error)
   if (.not. allocated(error)) then
@@ -66,7 +68,7 @@ subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes
     positions = 0
     nodes = 0
     elements = 0
-    if (case%asks('sweep') .or. case%asks('optimum')) speeds = size(list_speeds(case))
+    if (case%asks('sweep') .or. case%asks('optimum')) speeds = speed_count(case)
     reliefs = size(case%amount)
     tried = merge(most_tried, 0, case%asks('optimum'))
     if (case%asks('mesh')) rows = sum([(sum(study%sharing(i)%pairs), i=1, reliefs)])
@@ -86,7 +88,7 @@ end subroutine gs_sizes
 !> work(nwork) for the calls below. It holds for cases that differ in reliefs, speeds, masses,
 !> damping, friction, backlash or tasks.
 subroutine gs_prepare(text, folder, nwork, work, info, message)
-  use gearsweep_border, only: in_folder, open_case, pack_stiffness, run_case, tell
+  use gearsweep_border, only: begin_call, in_folder, open_case, pack_stiffness, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -100,6 +102,7 @@ subroutine gs_prepare(text, folder, nwork, work, info, message)
   type(study_t) :: study
   type(error_t), allocatable :: error
 
+  call begin_call()
   call open_case(text, 'motion', 1, case, error)
   call run_case(case, 0, work, 1, study, error, in_folder(folder))
   if (.not. allocated(error)) call pack_stiffness(study, nwork, work, error)
@@ -111,7 +114,7 @@ end subroutine gs_prepare
 !> length  of the answer; also where `answer` is too short for it (then info is 1 and `answer` as it
 !>         was)
 subroutine gs_report(text, folder, nwork, work, threads, answer, length, info, message)
-  use gearsweep_border, only: give_text, in_folder, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, give_text, in_folder, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_report, only: write_report
@@ -129,6 +132,7 @@ subroutine gs_report(text, folder, nwork, work, threads, answer, length, info, m
   type(error_t), allocatable :: error
   character(:), allocatable :: words
 
+  call begin_call()
   call open_case(text, 'all', threads, case, error)
   call run_case(case, nwork, work, threads, study, error, in_folder(folder))
   if (.not. allocated(error)) then
@@ -180,7 +184,7 @@ end subroutine gs_write
 !>
 !> length  of `complete`; also where that is too short for it (then info is 1 and `complete` as it was)
 subroutine gs_complete(text, complete, length, info, message)
-  use gearsweep_border, only: give_text, tell
+  use gearsweep_border, only: begin_call, give_text, tell
   use gearsweep_case_reader, only: complete_case
   use gearsweep_error, only: error_t
   implicit none
@@ -192,6 +196,7 @@ subroutine gs_complete(text, complete, length, info, message)
   type(error_t), allocatable :: error
   character(:), allocatable :: words
 
+  call begin_call()
   call complete_case(text, words, error)
   if (.not. allocated(error)) call give_text('complete', words, complete, length, error)
   call tell(error, info, message)
@@ -203,7 +208,7 @@ end subroutine gs_complete
 !> unused  for each use that they would have, a line `use: &group key, key; &group key` ended by char(10)
 !> length  of `unused`; also where that is too short for it (then info is 1 and `unused` as it was)
 subroutine gs_unused(text, unused, length, info, message)
-  use gearsweep_border, only: give_text, open_case, tell
+  use gearsweep_border, only: begin_call, give_text, open_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   implicit none
@@ -215,6 +220,7 @@ subroutine gs_unused(text, unused, length, info, message)
   type(case_t) :: case
   type(error_t), allocatable :: error
 
+  call begin_call()
   call open_case(text, 'all', 1, case, error)
   if (.not. allocated(error)) call give_text('unused', case%unused, unused, length, error)
   call tell(error, info, message)
@@ -229,7 +235,7 @@ end subroutine gs_unused
 !> A key that no case has is an error (info 1, with the closest key), unless it is taken out of a text that has it.
 !> Whether this case allows the key and the value is told by the call that reads it.
 subroutine gs_change(text, group, key, value, changed, length, info, message)
-  use gearsweep_border, only: give_text, tell
+  use gearsweep_border, only: begin_call, give_text, tell
   use gearsweep_case_reader, only: check_key
   use gearsweep_edit, only: change_key
   use gearsweep_error, only: error_t
@@ -242,6 +248,7 @@ subroutine gs_change(text, group, key, value, changed, length, info, message)
   type(error_t), allocatable :: error
   character(:), allocatable :: words
 
+  call begin_call()
   call change_key(text, trim(group), trim(key), trim(value), words, error)
   if (.not. allocated(error)) then
     if (len_trim(value) > 0 .or. words == text) call check_key(trim(group), trim(key), error)

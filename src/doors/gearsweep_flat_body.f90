@@ -8,7 +8,7 @@
 !> points               that there are; also where room is too small (given: room)
 !> x_mm(room), y_mm(room)
 subroutine gs_outline(text, member, room, points, x_mm, y_mm, info, message)
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_contour, only: shown_contour
   use gearsweep_error, only: code_input, error_t, fail
@@ -26,6 +26,7 @@ subroutine gs_outline(text, member, room, points, x_mm, y_mm, info, message)
   type(study_t) :: study
   type(error_t), allocatable :: error
 
+  call begin_call()
   call open_case(text, 'geometry', 1, case, error)
   if (member < 1 .or. member > 2) call fail(error, code_input, 'member: must be 1 (pinion) or 2 (gear)')
   call run_case(case, 0, none, 1, study, error)
@@ -48,7 +49,7 @@ end subroutine gs_outline
 !> element(8, elements)      its nodes, counted from 1: corners, then the middles of the sides, anticlockwise
 !> tooth(elements)           0 for the body, 1 for the first tooth from the left
 subroutine gs_section(text, nodes, elements, x_mm, y_mm, element, tooth, info, message)
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -65,6 +66,7 @@ subroutine gs_section(text, nodes, elements, x_mm, y_mm, element, tooth, info, m
   type(error_t), allocatable :: error
   integer :: n, m
 
+  call begin_call()
   call open_case(text, 'section', 1, case, error)
   call run_case(case, 0, none, 1, study, error)
   if (.not. allocated(error)) then
@@ -89,7 +91,7 @@ end subroutine gs_section
 !> shape(2, nodes, modes)  displacements in x and y at the grid's nodes for a modal mass of 1 kg, in
 !>                      m/sqrt(kg); nodes = 0: they are not wanted
 subroutine gs_modes(text, modes, nodes, frequency_hz, estimate, residual, rim_share, shape, info, message)
-  use gearsweep_border, only: need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -106,6 +108,7 @@ subroutine gs_modes(text, modes, nodes, frequency_hz, estimate, residual, rim_sh
   type(error_t), allocatable :: error
   integer :: n, m
 
+  call begin_call()
   call open_case(text, 'modal', 1, case, error)
   call need_room('modes', modes, case%modes, error)
   call run_case(case, 0, none, 1, study, error)
@@ -140,7 +143,7 @@ end subroutine gs_modes
 subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_mm, share, sigma_mpa, parts_mpa, &
                    tension_mpa, tension_deg, compression_mpa, compression_deg, estimate, iso_mpa, lewis_mpa, &
                    info, message)
-  use gearsweep_border, only: in_um, measure, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_um, measure, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: pi
@@ -162,6 +165,7 @@ subroutine gs_root(text, nwork, work, positions, reliefs, relief_um, s, radius_m
   type(error_t), allocatable :: error
   integer :: i, n
 
+  call begin_call()
   call open_case(text, 'static', 1, case, error)
   call measure(case, '', study, error)
   if (.not. allocated(error)) then
@@ -199,7 +203,7 @@ end subroutine gs_root
 !> sigma_mpa(3, nodes)  in x, in y, and shear
 subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, radius_mm, share, sigma_mpa, &
                      info, message)
-  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t, task_names
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_root_rating, only: load_positions, load_radius, load_shares
@@ -217,6 +221,7 @@ subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, r
   type(error_t), allocatable :: error
   double precision, allocatable :: path(:), radius(:), part(:), stress(:, :)
 
+  call begin_call()
   call open_case(text, 'static', 1, case, error)
   case%wants = task_names == 'mesh'
   call run_case(case, nwork, work, 1, study, error)

@@ -13,9 +13,9 @@
 !> edge_rpm(2, dampings, tongues)  lower and upper speed at each damping ratio; NaN where closed
 subroutine gs_stability(text, nwork, work, speeds, rpm, dampings, damping_ratio, tongues, modulus, sense, &
                         closing_ratio, closing_rpm, edge_rpm, info, message)
-  use gearsweep_border, only: need_between, need_order, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, need_between, need_order, open_case, run_case, tell
   use gearsweep_case, only: case_t
-  use gearsweep_error, only: error_t
+  use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_stability, only: map_stability, stability_t
   use gearsweep_study, only: study_t
   use gearsweep_tongues, only: find_tongues, tongue_t
@@ -37,6 +37,7 @@ subroutine gs_stability(text, nwork, work, speeds, rpm, dampings, damping_ratio,
   type(tongue_t) :: tongue(max(0, min(tongues, most_tongues)))
   integer :: n
 
+  call begin_call()
   call open_case(text, 'motion', 1, case, error)
   call need_between('rpm', rpm, slowest, fastest, error)
   call need_order('rpm', rpm, 1, error)
@@ -46,6 +47,9 @@ subroutine gs_stability(text, nwork, work, speeds, rpm, dampings, damping_ratio,
   if (.not. allocated(error)) call find_tongues(study%motion(1), damping_ratio, tongue, error)
   if (.not. allocated(error)) then
     call map_stability(study%motion(1), rpm, damping_ratio, tolerance, map)
+    if (map%lacks) call fail(error, code_memory, 'speeds, dampings: the memory does not hold the map')
+  end if
+  if (.not. allocated(error)) then
     modulus = map%modulus
     sense = map%sense
     closing_ratio = tongue%closing_damping
@@ -73,10 +77,10 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
                      floquet_modulus, periods, x_um, v_mm_s, info, message)
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_accuracy, only: mesh_period
-  use gearsweep_border, only: need_between, need_order, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, need_between, need_order, need_room, open_case, run_case, tell
   use gearsweep_branches, only: branch_t, follow_branch
   use gearsweep_case, only: case_t
-  use gearsweep_error, only: error_t
+  use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_steady, only: has_answer
   use gearsweep_study, only: study_t
   use gearsweep_sweep, only: contact_of
@@ -99,6 +103,7 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
   double precision :: none
   integer :: i
 
+  call begin_call()
   call open_case(text, 'motion', 1, case, error)
   call need_room('speeds', speeds, 1, error)
   call need_between('rpm', rpm, slowest, fastest, error)
@@ -109,6 +114,9 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
     call follow_branch(study%motion(relief), rpm, case%accuracy, jump, closeness, branch)
+    if (branch%lacks) call fail(error, code_memory, 'speeds: the memory does not hold the motions')
+  end if
+  if (.not. allocated(error)) then
     changes = size(branch%change)
     call need_room('room', room, changes, error)
   end if
@@ -157,9 +165,9 @@ end subroutine gs_follow
 subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_s, settle, keep, x_um, v_mm_s, &
                      exponent, status, periods, info, message)
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_border, only: need_between, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, need_between, open_case, run_case, tell
   use gearsweep_case, only: case_t
-  use gearsweep_error, only: error_t
+  use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_strobe, only: strobe_motion, strobe_t
   use gearsweep_study, only: study_t
   implicit none
@@ -178,6 +186,7 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_
   type(strobe_t) :: strobe
   logical :: at_rest
 
+  call begin_call()
   call open_case(text, 'motion', 1, case, error)
   call need_between('rpm', rpm, slowest, fastest, error)
   call need_between('settle', [dble(settle)], 0d0, most, error)
@@ -192,6 +201,9 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_
     else
       call strobe_motion(study%motion(relief), rpm, settle, keep, strobe, [1d-6*start_um, 1d-3*start_mm_s])
     end if
+    if (strobe%lacks) call fail(error, code_memory, 'speeds, keep: the memory does not hold the motions')
+  end if
+  if (.not. allocated(error)) then
     x_um = 1d6*strobe%x
     v_mm_s = 1d3*strobe%v
     exponent = strobe%exponent

@@ -12,7 +12,7 @@
 !> backlash_um           along the line of action
 subroutine gs_geometry(text, radius_mm, point, point_radius_mm, distance_mm, working_angle_deg, &
                        contact_ratio, base_pitch_mm, backlash_um, info, message)
-  use gearsweep_border, only: open_case, run_case, tell
+  use gearsweep_border, only: begin_call, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: coast, drive
@@ -30,6 +30,7 @@ subroutine gs_geometry(text, radius_mm, point, point_radius_mm, distance_mm, wor
   type(error_t), allocatable :: error
   integer :: i
 
+  call begin_call()
   call open_case(text, 'geometry', 1, case, error)
   call run_case(case, 0, none, 1, study, error)
   if (.not. allocated(error)) then
@@ -59,7 +60,7 @@ end subroutine gs_geometry
 !> turn_um       what whole gears turn about their bores under the load, on the line of action; not in the motion
 !> shared_um     what neighbouring teeth share beyond that, in the stiffness of each pair; both of model 'fe', else 0
 subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequency_hz, turn_um, shared_um, info, message)
-  use gearsweep_border, only: open_case, run_case, tell
+  use gearsweep_border, only: begin_call, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: pi
@@ -75,6 +76,7 @@ subroutine gs_motion(text, nwork, work, load_n, mass_kg, stiffness_n_um, frequen
   type(study_t) :: study
   type(error_t), allocatable :: error
 
+  call begin_call()
   call open_case(text, 'motion', 1, case, error)
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
@@ -96,7 +98,7 @@ end subroutine gs_motion
 !> share(rows)      of the static load             ste_um(rows)     static transmission error
 subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, error_um, share, ste_um, &
                    info, message)
-  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -112,6 +114,7 @@ subroutine gs_mesh(text, nwork, work, rows, relief_um, s, pair_n_um, mesh_n_um, 
   type(error_t), allocatable :: error
   integer :: i, j, k, row
 
+  call begin_call()
   call open_case(text, 'mesh', 1, case, error)
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) call need_room('rows', rows, &
@@ -148,7 +151,7 @@ end subroutine gs_mesh
 !> estimate_um(reliefs)  error of mean and amplitudes
 subroutine gs_harmonics(text, nwork, work, harmonics, reliefs, relief_um, mean_um, rms_um, peak_to_peak_um, &
                         amplitude_um, phase_deg, estimate_um, info, message)
-  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: pi
@@ -166,6 +169,7 @@ subroutine gs_harmonics(text, nwork, work, harmonics, reliefs, relief_um, mean_u
   type(error_t), allocatable :: error
   integer :: i, n
 
+  call begin_call()
   call open_case(text, 'mesh', 1, case, error)
   if (.not. allocated(error)) then
     call need_room('harmonics', harmonics, case%harmonics, error)
@@ -200,7 +204,7 @@ end subroutine gs_harmonics
 !> pair(room)    which of them, from 1; 0 without an answer
 subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n, dte_um, status, periods, pair, &
                    info, message)
-  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -218,6 +222,7 @@ subroutine gs_load(text, nwork, work, room, rows, relief_um, rpm, s, pair_load_n
   type(error_t), allocatable :: error
   integer :: i, k, from, until
 
+  call begin_call()
   call open_case(text, 'load', 1, case, error)
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
@@ -263,7 +268,7 @@ end subroutine gs_load
 !> periods(speeds, reliefs)         mesh periods until the motion repeats
 subroutine gs_sweep(text, nwork, work, threads, speeds, reliefs, rpm, relief_um, dynamic_factor, estimate, &
                     status, contact, floquet_modulus, residual, steps, periods, info, message)
-  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t, list_speeds => speeds
   use gearsweep_error, only: error_t
   use gearsweep_study, only: study_t
@@ -281,6 +286,7 @@ subroutine gs_sweep(text, nwork, work, threads, speeds, reliefs, rpm, relief_um,
   type(error_t), allocatable :: error
   integer :: n, m
 
+  call begin_call()
   call open_case(text, 'sweep', threads, case, error)
   if (.not. allocated(error)) then
     call need_room('speeds', speeds, size(list_speeds(case)), error)
@@ -310,7 +316,7 @@ end subroutine gs_sweep
 !> found                                how many stand out
 !> peak_rpm(5), peak_factor(5)          speed and dynamic factor of each, by speed
 subroutine gs_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_factor, info, message)
-  use gearsweep_border, only: need_room, tell
+  use gearsweep_border, only: begin_call, need_room, tell
   use gearsweep_error, only: error_t
   use gearsweep_optimum, only: find_resonances, peak_t
   implicit none
@@ -323,6 +329,7 @@ subroutine gs_resonances(speeds, rpm, dynamic_factor, found, peak_rpm, peak_fact
   type(error_t), allocatable :: error
   type(peak_t), allocatable :: peaks(:)
 
+  call begin_call()
   call need_room('speeds', speeds, 1, error)
   if (.not. allocated(error)) then
     peaks = find_resonances(rpm, dynamic_factor)
@@ -343,7 +350,7 @@ end subroutine gs_resonances
 subroutine gs_optimum(text, nwork, work, threads, room, tried, relief_um, worst_factor, rpm, failed, &
                       best_um, best_factor, best_rpm, within_um, info, message)
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use gearsweep_border, only: in_um, need_room, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_um, need_room, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_optimum, only: most_tried
@@ -361,6 +368,7 @@ subroutine gs_optimum(text, nwork, work, threads, room, tried, relief_um, worst_
   type(study_t) :: study
   type(error_t), allocatable :: error
 
+  call begin_call()
   call open_case(text, 'optimum', threads, case, error)
   call need_room('room', room, most_tried, error)
   call run_case(case, nwork, work, threads, study, error)

@@ -14,7 +14,7 @@
 !>           Blank: none
 subroutine gs_run(text, folder, nwork, work, threads, out, name, watch, resume, keep, room, values, used, names, answer, &
                   length, stages, files, info, message)
-  use gearsweep_border, only: in_folder, open_case, run_case, tell
+  use gearsweep_border, only: begin_call, in_folder, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record
   use gearsweep_error, only: error_t
@@ -41,6 +41,7 @@ subroutine gs_run(text, folder, nwork, work, threads, out, name, watch, resume, 
   character(:), allocatable :: words, written
   logical :: made
 
+  call begin_call()
   made = .false.
   call open_case(text, 'all', threads, case, error)
   if (.not. allocated(error)) then
@@ -60,10 +61,12 @@ subroutine gs_run(text, folder, nwork, work, threads, out, name, watch, resume, 
     files = ''
   end if
   if (.not. allocated(error) .and. room > 0) then
-    call list_numbers(study, numbers)
-    used = numbers%used
-    names = numbers%names%text()
-    if (used <= room) values(:used) = numbers%values(:used)
+    call list_numbers(study, numbers, error)
+    if (.not. allocated(error)) then
+      used = numbers%used
+      names = numbers%names%text()
+      if (used <= room) values(:used) = numbers%values(:used)
+    end if
   end if
   if (.not. allocated(error) .and. out /= '') then
     call write_report(study, words)

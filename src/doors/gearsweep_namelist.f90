@@ -6,6 +6,8 @@ module gearsweep_namelist
   use gearsweep_characters, only: find_control
   use gearsweep_entries, only: builder_t, entry_t, fail_at, longest_text, name_length, namelist_t, value_t
   use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: claim_memory
   use gearsweep_text, only: lower, shown, str, to_number
   implicit none
   private
@@ -35,6 +37,7 @@ contains
     character(*), parameter :: bom = char(239)//char(187)//char(191)
     type(scanner_t) :: s
 
+    call claim_memory(30.0_dp*len(text), 'the text of the case', error)
     if (allocated(error)) return
     call check_characters(text, error)
     if (index(text(:min(3, len(text))), bom) == 1) s%at = len(bom) + 1

@@ -3,8 +3,11 @@
 module gearsweep_numbers
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_border, only: in_um
+  use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: lines_t
+  use gearsweep_memory, only: claim_memory
   use gearsweep_section, only: section_t
   use gearsweep_study, only: study_t
   use gearsweep_text, only: str
@@ -24,10 +27,14 @@ module gearsweep_numbers
 
 contains
 
-  subroutine list_numbers(study, numbers)
+  subroutine list_numbers(study, numbers, error)
     type(study_t), intent(in) :: study
     type(numbers_t), intent(out) :: numbers
+    type(error_t), allocatable, intent(out) :: error
 
+    ! In room that doubles and is copied, and each array once more as it is made.
+    call claim_memory(40*(1000 + count_numbers(study)), '&case tasks: the list of all numbers', error)
+    if (allocated(error)) return
     allocate (numbers%values(1000))
     if (allocated(study%motion)) call list_motion(study, numbers)
     if (allocated(study%sharing)) call list_mesh(study, numbers)
@@ -39,6 +46,32 @@ contains
     if (allocated(study%sweep)) call list_sweep(study, numbers)
     if (allocated(study%optimum)) call list_optimum(study, numbers)
   end subroutine list_numbers
+
+  !> How many numbers there are, at least where they are many.
+  pure real(dp) function count_numbers(study) result(n)
+    type(study_t), intent(in) :: study
+    integer :: i, k
+
+    n = 0
+    if (allocated(study%sharing)) n = n + 7.0_dp*sum([(sum(study%sharing(i)%pairs), i=1, size(study%sharing))])
+    if (allocated(study%harmonics)) n = n + size(study%harmonics)*(2.0_dp*study%case%harmonics + 6)
+    if (allocated(study%root)) n = n + size(study%root)*(12.0_dp*size(study%root(1)%s) + 8)
+    if (allocated(study%section)) n = n + section_numbers(study%section)
+    if (allocated(study%modal)) n = n + section_numbers(study%modal%section) + size(study%modal%modes%shape, kind=int64)
+    if (allocated(study%sweep)) n = n + 9.0_dp*size(study%sweep%status)
+    if (.not. allocated(study%response)) return
+    do k = 1, size(study%response, 2)
+      do i = 1, size(study%response, 1)
+        n = n + 8.0_dp*size(study%response(i, k)%s)
+      end do
+    end do
+  end function count_numbers
+
+  pure real(dp) function section_numbers(section)
+    type(section_t), intent(in) :: section
+
+    section_numbers = 2.0_dp*size(section%grid%x, 2) + 9.0_dp*size(section%grid%part)
+  end function section_numbers
 
   subroutine add(self, name, values, shape)
     class(numbers_t), intent(inout) :: self

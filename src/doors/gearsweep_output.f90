@@ -2,6 +2,9 @@
 module gearsweep_output
   use gearsweep_error, only: error_t
   use gearsweep_file_set, only: file_set_t
+  use gearsweep_grid, only: grid_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_study, only: study_t
   use gearsweep_tables, only: has_table, table_names, table_start, write_table
   use gearsweep_text, only: str
@@ -29,28 +32,40 @@ contains
     call files%begin(folder, error)
     do i = 1, size(table_names)
       if (has_table(study, table_names(i))) then
-        call write_table(study, table_names(i), text)
+        call claim_text(trim(table_names(i))//'.csv', table_bytes(study, table_names(i)))
+        if (.not. allocated(error)) call write_table(study, table_names(i), text)
         call put(trim(table_names(i))//'.csv', table_start)
       else
         call files%lacks(name//'.'//trim(table_names(i))//'.csv', table_start)
       end if
     end do
     if (allocated(study%section)) then
-      call write_vtu(study%section%grid, [vtu_field_t ::], text)
+      call claim_text('section.vtu', grid_bytes(study%section%grid, 0))
+      if (.not. allocated(error)) call write_vtu(study%section%grid, [vtu_field_t ::], text)
       call put('section.vtu', vtu_start)
     else
       call files%lacks(name//'.section.vtu', vtu_start)
     end if
     if (allocated(study%modal)) then
-      call write_vtu(study%modal%section%grid, shapes(study), text)
+      call claim_text('modes.vtu', grid_bytes(study%modal%section%grid, size(study%modal%modes%frequency)))
+      if (.not. allocated(error)) call write_vtu(study%modal%section%grid, shapes(study), text)
       call put('modes.vtu', vtu_start)
     else
       call files%lacks(name//'.modes.vtu', vtu_start)
     end if
+    call settle_memory()
     call files%finish(error)
     if (allocated(error)) written = ''
 
   contains
+
+    !> In room that doubles and is copied, then handed over once more.
+    subroutine claim_text(ending, bytes)
+      character(*), intent(in) :: ending
+      real(dp), intent(in) :: bytes
+
+      call claim_memory(5*(bytes + 3.0_dp*len(study%case%text)), 'the text of '//name//'.'//ending, error)
+    end subroutine claim_text
 
     subroutine put(ending, start)
       character(*), intent(in) :: ending, start
@@ -59,6 +74,42 @@ contains
       written = written//folder//'/'//name//'.'//ending//new_line('a')
     end subroutine put
   end subroutine write_results
+
+  !> Length of a table's text, at most, where it may be large.
+  pure real(dp) function table_bytes(study, name) result(bytes)
+    type(study_t), intent(in) :: study
+    character(*), intent(in) :: name
+    real(dp), parameter :: number = 24
+    integer :: i, k
+
+    bytes = 1e5_dp
+    select case (name)
+    case ('mesh')
+      bytes = bytes + 11*number*sum([(sum(study%sharing(i)%pairs), i=1, size(study%sharing))])
+    case ('harmonics')
+      bytes = bytes + 8*number*size(study%harmonics)*(study%case%harmonics + 1)
+    case ('load')
+      do k = 1, size(study%response, 2)
+        do i = 1, size(study%response, 1)
+          bytes = bytes + 8*number*size(study%response(i, k)%s)
+        end do
+      end do
+    case ('sweep')
+      bytes = bytes + 11*number*size(study%sweep%status)
+    case ('outline')
+      bytes = bytes + 6*number*size(study%section%grid%node, 1)
+    case ('root')
+      bytes = bytes + 20*number*size(study%root)*(size(study%root(1)%s) + 1)
+    end select
+  end function table_bytes
+
+  !> The same of a grid with vector fields, which are copied once more.
+  pure real(dp) function grid_bytes(grid, fields)
+    type(grid_t), intent(in) :: grid
+    integer, intent(in) :: fields
+
+    grid_bytes = 1e4_dp + size(grid%x, 2)*(50 + 45.0_dp*fields) + 120.0_dp*size(grid%part)
+  end function grid_bytes
 
   !> The mode shapes as fields of the grid.
   pure function shapes(study) result(fields)

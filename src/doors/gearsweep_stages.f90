@@ -7,6 +7,7 @@ module gearsweep_stages
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_files, only: beside
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
   use gearsweep_piecewise, only: piecewise_t
@@ -149,7 +150,12 @@ contains
       call polynomial_stiffness(contact_ratio, case%coefficients, stiffness, error)
     case ('table')
       call read_table(beside(folder, case%file), s, values, error)
-      if (.not. allocated(error)) call table_stiffness(contact_ratio, s, 1e6_dp*values, stiffness, error)
+      if (.not. allocated(error)) then
+        call claim_memory(200.0_dp*size(s), '&mesh file: '//str(size(s))//' rows', error)
+        ! What is out of range either way is refused by its row.
+        if (.not. allocated(error)) call table_stiffness(contact_ratio, s, 1e6_dp*max(-1e300_dp, min(1e300_dp, values)), &
+                                                         stiffness, error)
+      end if
     end select
 
   contains

@@ -3,13 +3,14 @@
 module gearsweep_study
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use gearsweep_kinds, only: dp
-  use gearsweep_error, only: error_t
+  use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_accuracy, only: point_t
   use gearsweep_blas, only: hold_blas, release_blas
-  use gearsweep_case, only: case_t, speeds
+  use gearsweep_case, only: case_t, speed_count, speeds
   use gearsweep_disc, only: disc_t
   use gearsweep_files, only: beside, read_text
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
+  use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_motion, only: oscillator_t, make_oscillator
@@ -88,7 +89,9 @@ contains
     options%threads = threads
     if (present(watch)) options%accuracy%steady%stop = c_loc(watch)
     call hold_blas()
-    call run_stages(case, folder, options, study, error, progress, stiffness, disc, record)
+    call claim_memory(0.0_dp, '&case tasks', error)
+    if (.not. allocated(error)) call run_stages(case, folder, options, study, error, progress, stiffness, disc, record)
+    call settle_memory()
     call release_blas()
   end subroutine run_study
 
@@ -147,7 +150,7 @@ contains
       if (case%asks('sweep') .or. case%asks('optimum')) options%all_points = size(speeds(case))* &
         (merge(size(case%amount), 0, case%asks('sweep')) + merge(most_tried, 0, case%asks('optimum')))
       if (case%asks('sweep')) call sweep_all(study, options, error, progress, record)
-      if (case%asks('load') .and. .not. allocated(error)) call respond(study, options)
+      if (case%asks('load') .and. .not. allocated(error)) call respond(study, options, error)
       if (case%asks('optimum') .and. .not. allocated(error)) call optimise(study, options, error, progress, record)
     end associate
   end subroutine move
@@ -211,7 +214,7 @@ contains
     if (allocated(error)) return
     call build_motion(study, error)
     if (allocated(error)) return
-    if (study%case%asks('mesh')) call share_all(study)
+    if (study%case%asks('mesh')) call share_all(study, error)
   end subroutine mesh_and_motion
 
   !> One member's section: its grid, its modes and its root stress, from the same two factored grids.
@@ -251,6 +254,12 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: i
 
+    ! Each has a mesh of its own.
+    associate (curve => study%mesh%stiffness)
+      call claim_memory(size(study%case%amount)*(8000 + 8.0_dp*(size(curve%coef) + size(curve%breaks))), &
+                        '&relief amount_um: '//str(size(study%case%amount))//' reliefs', error)
+    end associate
+    if (allocated(error)) return
     allocate (study%motion(size(study%case%amount)))
     do i = 1, size(study%motion)
       call relieved(study, study%case%amount(i), study%motion(i), error)
@@ -277,13 +286,18 @@ contains
     call make_oscillator(motion, error)
   end subroutine relieved
 
-  subroutine share_all(study)
+  subroutine share_all(study, error)
     type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: samples = 200
     integer :: i
 
     allocate (study%sharing(size(study%motion)), study%harmonics(size(study%motion)))
     do i = 1, size(study%motion)
+      ! The first tells what the others take.
+      if (i == 2) call claim_memory(size(study%motion)*(1000 + 24.0_dp*study%case%harmonics + size(study%sharing(1)%phase)* &
+        (28.0_dp + 16*size(study%sharing(1)%s, 1))), '&relief amount_um: '//str(size(study%motion))//' reliefs', error)
+      if (allocated(error)) return
       call share_load(study%motion(i)%mesh, study%load, samples, study%sharing(i))
       call find_harmonics(study%motion(i)%mesh, study%load, study%case%harmonics, study%harmonics(i))
     end do
@@ -291,13 +305,17 @@ contains
   end subroutine share_all
 
   !> One operating point has one answer: what a sweep of this run found, or follows from there, is taken over.
-  subroutine respond(study, options)
+  subroutine respond(study, options, error)
     type(study_t), intent(inout) :: study
     type(sweep_options_t), intent(in) :: options
+    type(error_t), allocatable, intent(inout) :: error
     type(point_t) :: none
     integer :: i, k
 
     none%steady%status = point_stopped
+    call claim_memory(1000.0_dp*size(study%motion)*size(study%case%load_rpm), &
+                      '&sweep load_rpm: '//str(size(study%motion)*size(study%case%load_rpm))//' motions', error)
+    if (allocated(error)) return
     allocate (study%response(size(study%motion), size(study%case%load_rpm)))
     associate (rpm => study%case%load_rpm, accuracy => options%accuracy)
       do k = 1, size(rpm)
@@ -309,6 +327,9 @@ contains
           else
             call find_response(study%motion(i), rpm(k), accuracy, study%response(i, k))
           end if
+          if (study%response(i, k)%lacks) call fail(error, code_memory, &
+            '&sweep load_rpm = '//str(rpm(k))//': the memory does not hold the motion')
+          if (allocated(error)) return
         end do
       end do
     end associate
@@ -325,6 +346,8 @@ contains
     type(sweep_options_t) :: keeping
     integer :: left
 
+    call claim_memory(24.0_dp*speed_count(study%case), '&sweep: '//str(speed_count(study%case))//' speeds', error)
+    if (allocated(error)) return
     keeping = options
     if (study%case%asks('load')) keeping%keep = study%case%load_rpm
     allocate (study%sweep)
@@ -362,6 +385,8 @@ contains
     largest = max(maxval(study%case%amount), 1.5_dp*study%load &
                   /study%mesh%stiffness%value(study%mesh%contact_ratio/2)/maxval(study%case%fraction))
     largest = min(largest, deepest_relief(study%case, study%pair))
+    call claim_memory(24.0_dp*speed_count(study%case), '&sweep: '//str(speed_count(study%case))//' speeds', error)
+    if (allocated(error)) return
     allocate (optimum)
     if (present(record)) then
       call find_optimum(relieved_study, study, largest, speeds(study%case), options, optimum, error, progress, &

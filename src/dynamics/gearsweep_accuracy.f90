@@ -42,6 +42,7 @@ module gearsweep_accuracy
   type :: tables_t
     type(rung_t) :: rung(0:most_rungs)
     logical :: made(0:most_rungs) = .false.
+    logical :: lacks = .false.                   !< the memory did not hold one: points have no answer
     real(dp) :: steps_per_second = 0             !< wanted by the last point, over its period
     type(maps_t) :: maps
   end type tables_t
@@ -93,7 +94,8 @@ contains
     do i = rung - octave, rung, octave
       if (.not. allocated(tables%rung(i)%table)) allocate (tables%rung(i)%table)
       if (.not. tables%made(i)) call tabulate(osc, resolution_of(i), tables%rung(i)%table)
-      tables%made(i) = .true.
+      tables%made(i) = tables%rung(i)%table%steps > 0
+      if (.not. tables%made(i)) tables%lacks = .true.
     end do
   end subroutine need_rungs
 
@@ -110,8 +112,10 @@ contains
     integer :: rung, last, trial
     logical :: done
 
+    point%steady%status = point_unresolved
+    if (tables%lacks) return
     if (options%steps > 0) then
-      call solve_with_steps(osc, duration, options, point, start)
+      call solve_with_steps(osc, duration, options, tables, point, start)
       return
     end if
     graded = graded_resolution(osc, [duration], options, tables)
@@ -126,12 +130,14 @@ contains
     rung = min(last, rung_for(max(least, first_guess(osc, duration, options, tables))))
     do trial = 1, most_trials
       call need_rungs(osc, rung, tables)
+      if (tables%lacks) exit
       call solve_on(osc, tables%rung(rung)%table, tables%rung(rung - octave)%table, duration, options, point, start)
       point%resolution = resolution_of(rung)
       if (.not. has_answer(point%steady%status)) exit
       call next_rung(osc, options, point%step_error, duration, tables, rung, done)
       if (done) exit
     end do
+    if (tables%lacks) point%steady%status = point_unresolved
     call note_inexact(options, point)
   end subroutine solve_point
 
@@ -152,6 +158,8 @@ contains
     integer :: rung, trial
     logical :: done
 
+    solved = .false.
+    if (tables%lacks) return
     longest = maxval(duration)
     graded = graded_resolution(osc, duration, options, tables)
     if (graded%graded_for > 0) then
@@ -165,6 +173,7 @@ contains
       solved = .false.
       if (rung_steps(rung) > min(most_lane_steps, real(options%most_steps, dp)) .or. rung_steps(rung) < least) return
       call need_rungs(osc, rung, tables)
+      if (tables%lacks) return
       call find_in_lanes(osc, tables%rung(rung - octave)%table, duration, loose*options%steady%tolerance, tables%maps, half)
       if (.not. any(settled(half))) return
       call find_in_lanes(osc, tables%rung(rung)%table, duration, options%steady%tolerance, tables%maps, full, half)
@@ -217,12 +226,18 @@ contains
 
     resolution = first
     do trial = 1, most_trials
+      solved = .false.
       call tabulate(osc, resolution, fine)
+      tables%lacks = fine%steps == 0
+      if (tables%lacks) return
       call hold(osc, fine, duration, options, tables, full)
       points%steady = full
       solved = in_contact(full)
       if (.not. any(solved)) return
       call tabulate(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
+      tables%lacks = coarse%steps == 0
+      if (tables%lacks) solved = .false.
+      if (tables%lacks) return
       call hold(osc, coarse, duration, options, tables, half)
       solved = solved .and. in_contact(half)
       points%steps = fine%steps
@@ -309,10 +324,11 @@ contains
   end function last_rung
 
   !> The same with the number of steps given.
-  pure subroutine solve_with_steps(osc, duration, options, point, start)
+  pure subroutine solve_with_steps(osc, duration, options, tables, point, start)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
+    type(tables_t), intent(inout) :: tables
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
     type(table_t) :: fine, coarse
@@ -323,6 +339,8 @@ contains
     resolution = resolution_t(options%steps/2.0_dp, 2)
     call tabulate(osc, resolution, fine)
     call tabulate(osc, resolution_t(resolution%base, 1), coarse)
+    tables%lacks = fine%steps == 0 .or. coarse%steps == 0
+    if (tables%lacks) return
     call solve_on(osc, fine, coarse, duration, options, point, start)
     point%resolution = resolution
     call note_inexact(options, point)

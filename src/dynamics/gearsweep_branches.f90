@@ -4,6 +4,7 @@
 module gearsweep_branches
   use gearsweep_kinds, only: dp
   use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t, solve_point, tables_t
+  use gearsweep_memory, only: has_memory
   use gearsweep_motion, only: oscillator_t
   use gearsweep_steady, only: has_answer, point_chatter, point_unresolved
   use gearsweep_strobe, only: strobe_motion, strobe_t
@@ -20,6 +21,7 @@ module gearsweep_branches
   type :: branch_t
     type(point_t), allocatable :: point(:)       !< at each speed
     type(change_t), allocatable :: change(:)     !< in the order met
+    logical :: lacks = .false.                   !< the memory does not hold it: nothing was followed
   end type branch_t
 
   !> A motion and where it is; `state` also where it has no answer.
@@ -44,12 +46,18 @@ contains
     type(branch_t), intent(out) :: branch
     type(tables_t), allocatable :: tables
     type(stand_t) :: here
+    logical :: fits
     integer :: i
 
+    call has_memory(size(rpm)*storage_size(here%point)/8.0_dp, fits)
+    branch%lacks = .not. fits
+    if (branch%lacks) return
     allocate (tables, branch%point(size(rpm)), branch%change(0))
     do i = 1, size(rpm)
       if (i == 1) call step_to(osc, rpm(i), options, tables, here)
       if (i > 1) call travel(osc, rpm(i), options, jump, closeness, tables, here, branch%change)
+      branch%lacks = tables%lacks
+      if (branch%lacks) return
       branch%point(i) = here%point
     end do
   end subroutine follow_branch
@@ -67,7 +75,7 @@ contains
     real(dp) :: step
 
     step = rpm - here%rpm
-    do while (abs(rpm - here%rpm) > 0)
+    do while (abs(rpm - here%rpm) > 0 .and. .not. tables%lacks)
       if (abs(step) > 0.7_dp*abs(rpm - here%rpm)) step = rpm - here%rpm
       ! Whether a motion is still there is clear soon.
       enough = options
@@ -104,7 +112,7 @@ contains
     landing = there
     step = there%rpm - here%rpm
     last = .false.
-    do while (.not. (last .or. has_answer(landing%point%steady%status)))
+    do while (.not. (last .or. has_answer(landing%point%steady%status) .or. tables%lacks))
       step = 8*step
       last = abs(step) >= abs(rpm - here%rpm)
       if (last) patient%steady%most_cycles = 10*options%steady%most_cycles
@@ -138,6 +146,8 @@ contains
     if (has_answer(next%steady%status)) return
     call strobe_motion(osc, [rpm], lingering, 1, strobe, start/[1.0_dp, duration])
     stand%state = start
+    if (strobe%lacks) tables%lacks = .true.
+    if (strobe%lacks) return
     if (strobe%status(1) /= point_unresolved .and. strobe%status(1) /= point_chatter) &
       stand%state = [strobe%x(1, 1), strobe%v(1, 1)*duration]
   end subroutine step_to

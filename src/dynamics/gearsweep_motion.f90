@@ -12,6 +12,7 @@ module gearsweep_motion
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gauss, only: nodes
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
+  use gearsweep_memory, only: has_memory
   use gearsweep_radau, only: stiff_nodes
   use gearsweep_mesh, only: mesh_t, zone_t, make_zones
   use gearsweep_text, only: str
@@ -56,7 +57,7 @@ module gearsweep_motion
 
   !> Coefficients of each step: at the nodes of the integration and at both ends, one-sided at the breaks.
   type :: table_t
-    integer :: steps = 0
+    integer :: steps = 0               !< 0: the memory does not hold them
     integer :: members = 0             !< pairs at most, and the coast side
     integer, allocatable :: zone(:)    !< of each step
     integer, allocatable :: pairs(:)   !< of each step
@@ -220,7 +221,7 @@ contains
     end_acceleration = acceleration(osc, square, push, duration, x, y)
   end function end_acceleration
 
-  !> Tabulates the period at a resolution.
+  !> Tabulates the period at a resolution; without steps where the memory does not hold them.
   pure subroutine tabulate(osc, resolution, table)
     type(oscillator_t), intent(in) :: osc
     type(resolution_t), intent(in) :: resolution
@@ -235,6 +236,7 @@ contains
       counts = resolution%times*max(1, ceiling(resolution%base*(osc%zones%last - osc%zones%first) - 1e-6_dp))
     end if
     call allocate_table(osc, sum(counts), table)
+    if (table%steps == 0) return
     table%square(:, :) = 0
     table%push(:, :) = 0
     last = 0
@@ -313,11 +315,14 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
     type(table_t), intent(inout) :: table
+    logical :: fits
 
     if (allocated(table%zone)) then
       if (steps == table%steps .and. osc%members == table%members .and. osc%pairs == size(table%end_stiffness, 2)) return
       table = table_t()
     end if
+    call has_memory(steps*step_bytes(osc), fits)
+    if (.not. fits) return
     table%steps = steps
     table%members = osc%members
     associate (m => table%members, p => osc%pairs)
@@ -328,6 +333,13 @@ contains
       allocate (table%square(3, steps), table%push(3, steps), table%omega(3, steps))
     end associate
   end subroutine allocate_table
+
+  !> What a step takes: its rows of a table, and of what `fill_pair` and those after it keep meanwhile.
+  pure real(dp) function step_bytes(osc)
+    type(oscillator_t), intent(in) :: osc
+
+    step_bytes = 8*(60 + 14*osc%members + 6*osc%pairs)
+  end function step_bytes
 
   !> The highest profile error at the ends of each step and what its slopes take from the motion's; at least the
   !> coast side.

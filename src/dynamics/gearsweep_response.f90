@@ -2,6 +2,7 @@
 module gearsweep_response
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: has_memory
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_period, only: period_t, maps_t, begin_maps, run_period
   use gearsweep_steady, only: by_marching, distance, has_answer, near, shoot, solve_in_contact, steady_t
@@ -14,6 +15,7 @@ module gearsweep_response
   type :: response_t
     real(dp) :: rpm = 0
     type(point_t) :: point
+    logical :: lacks = .false.                   !< the memory does not hold it: no rows
     !> One row for each place on the paths of contact; with no answer a single one of NaN. A motion that repeats
     !> after several mesh periods has as many different pairs, which come after each other.
     integer, allocatable :: pair(:)              !< 1, 2 ...
@@ -33,11 +35,14 @@ contains
     type(accuracy_t), intent(in) :: options
     type(response_t), intent(out) :: response
     type(point_t), intent(in), optional :: known
+    ! Of a step's two rows, in room that doubles and is copied; then sorted by pair.
+    real(dp), parameter :: trace_bytes = 2*4*40.0_dp
     type(tables_t), allocatable :: tables
     type(trace_t), allocatable :: trace(:)
     type(table_t) :: table
     type(period_t) :: run
     type(maps_t) :: maps
+    logical :: fits
     real(dp) :: state(2)
     integer :: i
 
@@ -47,6 +52,8 @@ contains
     else
       allocate (tables)
       call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm), options, tables, response%point)
+      response%lacks = tables%lacks
+      if (response%lacks) return
     end if
     if (.not. has_answer(response%point%steady%status)) then
       allocate (response%pair(1), source=0)
@@ -54,6 +61,11 @@ contains
       return
     end if
     call refine(osc, mesh_period(osc%mesh%teeth(1), rpm), options, response%point, table, state)
+    response%lacks = table%steps == 0
+    if (response%lacks) return
+    call has_memory(response%point%steady%periods*table%steps*trace_bytes*osc%members, fits)
+    response%lacks = .not. fits
+    if (response%lacks) return
     call begin_maps(table, maps)
     allocate (trace(response%point%steady%periods))
     do i = 1, size(trace)
@@ -84,6 +96,7 @@ contains
       return
     end if
     call tabulate(osc, resolution_t(fewest/2.0_dp, 2), table)
+    if (table%steps == 0) return
     call begin_maps(table, maps)
     if (options%steady%method == by_marching) return
     if (point%steady%partial) then

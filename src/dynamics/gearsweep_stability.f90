@@ -11,6 +11,7 @@ module gearsweep_stability
   use gearsweep_error, only: error_t
   use gearsweep_gauss, only: lanes
   use gearsweep_maps, only: maps_t, begin_maps, hold_lanes
+  use gearsweep_memory, only: has_memory
   use gearsweep_motion, only: make_oscillator, oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_piecewise, only: constant
   use gearsweep_step, only: period_t
@@ -23,6 +24,7 @@ module gearsweep_stability
     type(oscillator_t) :: osc
     type(table_t) :: table
     real(dp) :: frequency = 0                    !< mean of w over the period, rad/s
+    logical :: lacks = .false.                   !< the memory does not hold the table
     type(maps_t) :: maps
   end type hill_t
 
@@ -30,6 +32,7 @@ module gearsweep_stability
   type :: stability_t
     real(dp), allocatable :: modulus(:, :)       !< largest of the multipliers; NaN where unresolved
     integer, allocatable :: sense(:, :)          !< its sign where it is real, 0 for a complex pair
+    logical :: lacks = .false.                   !< the memory does not hold it: nothing was found
   end type stability_t
 
   integer, parameter :: most_steps = 2**16
@@ -44,9 +47,12 @@ contains
     type(stability_t), intent(out) :: map
     type(hill_t) :: hill
     real(dp) :: duration(lanes), longest
-    logical :: resolved
+    logical :: resolved, fits
     integer :: first, last, i, k
 
+    call has_memory(12.0_dp*size(rpm)*size(damping), fits)
+    map%lacks = .not. fits
+    if (map%lacks) return
     allocate (map%modulus(size(rpm), size(damping)), map%sense(size(rpm), size(damping)))
     if (size(damping) == 0) return
     longest = huge(longest)
@@ -62,6 +68,8 @@ contains
       if (duration(1) < longest/2) then
         longest = duration(1)
         call make_hill(osc, longest, [minval(damping), maxval(damping)], tolerance, hill, resolved)
+        map%lacks = hill%lacks
+        if (map%lacks) return
       end if
       do k = 1, size(damping)
         call judge(hill, damping(k), duration, resolved, map%modulus(first:last, k), map%sense(first:last, k))
@@ -136,10 +144,11 @@ contains
       if (steps > most_steps) return
     end do
     call take_steps(hill, steps, duration, damping, fine)
-    do while (steps < most_steps)
+    do while (steps < most_steps .and. .not. hill%lacks)
       steps = 2*steps
       coarse = fine
       call take_steps(hill, steps, duration, damping, fine)
+      if (hill%lacks) exit
       resolved = all(abs(fine - coarse) <= 20*tolerance*max(1.0_dp, abs(fine)))
       if (resolved) return
     end do
@@ -155,6 +164,8 @@ contains
     integer :: k
 
     call tabulate(hill%osc, resolution_t(real(steps, dp)), hill%table)
+    hill%lacks = hill%table%steps == 0
+    if (hill%lacks) return
     hill%frequency = mean_frequency(hill%table)
     do k = 1, size(damping)
       call disturb(hill, damping(k), spread(duration, 1, lanes), of_lane, determinant)

@@ -5,6 +5,7 @@ module gearsweep_strobe
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_accuracy, only: mesh_period
   use gearsweep_march, only: sure_growth
+  use gearsweep_memory, only: has_memory
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_orbit, only: point_aperiodic, point_chaotic, point_chatter, point_ok, point_subharmonic, point_unresolved
   use gearsweep_period, only: period_t, maps_t, begin_maps, run_period
@@ -23,6 +24,7 @@ module gearsweep_strobe
     !> unresolved, chatter.
     integer, allocatable :: status(:)
     integer, allocatable :: periods(:)           !< mesh periods until the motion repeats; 0: it does not
+    logical :: lacks = .false.                   !< the memory does not hold it: nothing was followed
   end type strobe_t
 
   !> A step of this angle of the natural motion makes errors of some 1e-9.
@@ -41,8 +43,12 @@ contains
     type(strobe_t), intent(out) :: strobe
     real(dp), intent(in), optional :: start(2)
     real(dp) :: state(2)
+    logical :: fits
     integer :: i
 
+    call has_memory(size(rpm)*(24 + 17.0_dp*keep), fits)
+    strobe%lacks = .not. fits
+    if (strobe%lacks) return
     allocate (strobe%x(keep, size(rpm)), strobe%v(keep, size(rpm)), strobe%exponent(size(rpm)), &
               source=ieee_value(1.0_dp, ieee_quiet_nan))
     allocate (strobe%status(size(rpm)), strobe%periods(size(rpm)))
@@ -50,7 +56,9 @@ contains
     if (present(start)) state = start
     do i = 1, size(rpm)
       associate (duration => mesh_period(osc%mesh%teeth(1), rpm(i)))
-        call follow(osc, duration, settle, state, strobe%x(:, i), strobe%v(:, i), strobe%exponent(i), strobe%status(i))
+        call follow(osc, duration, settle, state, strobe%x(:, i), strobe%v(:, i), strobe%exponent(i), strobe%status(i), &
+                    strobe%lacks)
+        if (strobe%lacks) return
         call name_motion(osc, duration, strobe%x(:, i), strobe%v(:, i), strobe%exponent(i), strobe%status(i), &
                          strobe%periods(i))
       end associate
@@ -59,12 +67,13 @@ contains
 
   !> The same at one speed; `state` (m, m/s) goes from its begin to its end, unless its steps are too many
   !> (unresolved) or contact changes without end (chatter).
-  pure subroutine follow(osc, duration, settle, state, x, v, exponent, status)
+  pure subroutine follow(osc, duration, settle, state, x, v, exponent, status, lacks)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration
     integer, intent(in) :: settle
     real(dp), intent(inout) :: state(2), x(:), v(:), exponent
     integer, intent(out) :: status
+    logical, intent(inout) :: lacks
     type(table_t) :: table
     type(period_t) :: run
     type(maps_t) :: maps
@@ -76,6 +85,8 @@ contains
     if (steps > most_steps) return
     status = point_chatter
     call tabulate(osc, resolution_t(max(steps, real(fewest_steps, dp))), table)
+    lacks = table%steps == 0
+    if (lacks) return
     call begin_maps(table, maps)
     unit = max(1.0_dp, osc%natural_frequency*duration)
     from = state*[1.0_dp, duration]

@@ -2,6 +2,7 @@
 !> the same way for any number of threads, so the bits of the answer are the same.
 module gearsweep_sweep
   use gearsweep_kinds, only: dp
+  use, intrinsic :: iso_c_binding, only: c_ptr
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use gearsweep_error, only: error_t, fail, code_memory
   use gearsweep_motion, only: oscillator_t
@@ -10,7 +11,9 @@ module gearsweep_sweep
   use gearsweep_sweep_state, only: begin_state, counter_t, down, each, find_final, fits, progress_of_sweep, sweep_options_t, &
                                    sweep_state_t, units_done, up
   use gearsweep_sweep_work, only: follow_branch, keep_points, solve_block
+  use gearsweep_memory, only: claim_memory, settle_memory, team_of
   use gearsweep_text, only: str
+  use gearsweep_traps, only: leader_traps, share_traps
   implicit none
   private
   public :: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep, contact_of, each, up, down
@@ -48,28 +51,35 @@ contains
     procedure(progress_of_sweep), optional :: progress
     type(sweep_state_t), intent(inout), optional :: state
     type(sweep_state_t) :: own
+    integer :: kept
 
-    call allocate_sweep(rpm, size(osc), sweep, error)
+    kept = 0
+    if (allocated(options%keep)) kept = size(options%keep)
+    call claim_points(size(rpm), size(osc), kept, error)
     if (allocated(error)) return
+    call allocate_sweep(rpm, size(osc), sweep)
     if (present(state)) then
-      call go_through(osc, rpm, options, sweep, state, progress)
+      call go_through(osc, rpm, options, sweep, state, error, progress)
     else
-      call go_through(osc, rpm, options, sweep, own, progress)
+      call go_through(osc, rpm, options, sweep, own, error, progress)
     end if
   end subroutine run_sweep
 
   !> The work, by all threads.
-  subroutine go_through(osc, rpm, options, sweep, state, progress)
+  subroutine go_through(osc, rpm, options, sweep, state, error, progress)
     type(oscillator_t), intent(in) :: osc(:)
     real(dp), intent(in) :: rpm(:)
     type(sweep_options_t), intent(in) :: options
     type(sweep_t), intent(inout) :: sweep
     type(sweep_state_t), intent(inout) :: state
+    type(error_t), allocatable, intent(inout) :: error
     procedure(progress_of_sweep), optional :: progress
     type(tables_t), allocatable :: tables
     type(counter_t) :: counter
     integer, allocatable :: open(:)              ! blocks of each relief
     integer :: i, relief, left
+    type(c_ptr) :: traps
+    logical :: lacks
 
     if (.not. fits(state, size(rpm), size(osc))) call begin_state(size(rpm), size(osc), state)
     i = 0
@@ -80,8 +90,12 @@ contains
     if (counter%total == 0) counter%total = size(sweep%status)
     if (present(progress)) counter%progress => progress
     open = [(count(state%blocks%relief == i), i=1, size(osc))]
-    !$omp parallel default(none) shared(osc, rpm, options, sweep, state, open, counter) &
+    call settle_memory()
+    lacks = .false.
+    traps = leader_traps()
+    !$omp parallel default(none) shared(osc, rpm, options, sweep, state, open, counter, lacks, traps) &
     !$omp private(tables, relief, left) num_threads(team(options%threads, size(state%blocks)))
+    call share_traps(traps, 1)
     relief = 0
     !$omp do schedule(dynamic, 1)
     do i = 1, size(state%blocks)
@@ -97,7 +111,16 @@ contains
       if (left == 0) call finish_relief(osc(relief), rpm, options, relief, counter, tables, state, sweep)
     end do
     !$omp end do
+    if (allocated(tables)) then
+      !$omp critical (gearsweep_lack)
+      lacks = lacks .or. tables%lacks
+      !$omp end critical (gearsweep_lack)
+    end if
+    call settle_memory()
+    call share_traps(traps, 0)
     !$omp end parallel
+    if (lacks) call fail(error, code_memory, '&sweep: the memory does not hold the steps of a mesh period at some speeds; '// &
+                         'fewer threads or a larger tolerance need less')
   end subroutine go_through
 
   !> Follows the branch of a relief whose blocks are solved, and hands its points out.
@@ -134,27 +157,34 @@ contains
 
     team = threads
     !$ if (team <= 0) team = omp_get_max_threads()
-    team = max(1, min(team, blocks))
+    team = team_of(max(1, min(team, blocks)))
   end function team
 
-  subroutine allocate_sweep(rpm, reliefs, sweep, error)
+  !> Refuses more points than anyone reads, or than the memory holds.
+  subroutine claim_points(speeds, reliefs, kept, error)
+    integer, intent(in) :: speeds, reliefs, kept
+    type(error_t), allocatable, intent(out) :: error
+    type(point_t) :: point
+    real(dp) :: points
+
+    points = real(speeds, dp)*reliefs
+    if (points > most_points) call fail(error, code_memory, '&sweep: '//str(speeds)//' speeds times '//str(reliefs)// &
+                                        ' reliefs are too many points; at most '//str(most_points))
+    ! Answers and work, copies of one relief's points as they are stored, and the blocks.
+    call claim_memory((points + 2*speeds + kept*real(reliefs, dp))*(60 + storage_size(point)/8), '&sweep: '//str(speeds)//' speeds times '// &
+                      str(reliefs)//' reliefs', error)
+  end subroutine claim_points
+
+  subroutine allocate_sweep(rpm, reliefs, sweep)
     real(dp), intent(in) :: rpm(:)
     integer, intent(in) :: reliefs
     type(sweep_t), intent(out) :: sweep
-    type(error_t), allocatable, intent(out) :: error
-    integer :: n, stat
+    integer :: n
 
     n = size(rpm)
-    stat = 0
-    if (real(n, dp)*reliefs > most_points) stat = 1
-    if (stat == 0) allocate (sweep%dynamic_factor(n, reliefs), sweep%estimate(n, reliefs), &
-                             sweep%multiplier(n, reliefs), sweep%residual(n, reliefs), sweep%status(n, reliefs), &
-                             sweep%contact(n, reliefs), sweep%steps(n, reliefs), sweep%periods(n, reliefs), stat=stat)
-    if (stat /= 0) then
-      call fail(error, code_memory, '&sweep: '//str(n)//' speeds times '//str(reliefs)// &
-                ' reliefs are too many points; at most '//str(most_points))
-      return
-    end if
+    allocate (sweep%dynamic_factor(n, reliefs), sweep%estimate(n, reliefs), sweep%multiplier(n, reliefs), &
+              sweep%residual(n, reliefs), sweep%status(n, reliefs), sweep%contact(n, reliefs), &
+              sweep%steps(n, reliefs), sweep%periods(n, reliefs))
     sweep%rpm = rpm
   end subroutine allocate_sweep
 

@@ -10,7 +10,7 @@ module gearsweep_tongues
   use gearsweep_kinds, only: dp, pi
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_accuracy, only: mesh_period
-  use gearsweep_error, only: error_t, fail, code_numerical
+  use gearsweep_error, only: error_t, fail, code_memory, code_numerical
   use gearsweep_gauss, only: lanes
   use gearsweep_motion, only: oscillator_t
   use gearsweep_stability, only: hill_t, make_hill, disturb
@@ -55,6 +55,7 @@ contains
     if (resolved) call find_middles(hill, middle, resolved)
     do n = 1, size(tongues)
       if (resolved) call make_hill(osc, middle(n + 1), [0.0_dp, 1.0_dp], nothing, hill, resolved)
+      if (hill%lacks) call fail(error, code_memory, 'tongue '//str(n)//': the memory does not hold a mesh period''s steps')
       if (.not. resolved) then
         call fail(error, code_numerical, 'tongue '//str(n)//' was not found')
         return

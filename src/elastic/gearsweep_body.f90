@@ -4,7 +4,9 @@ module gearsweep_body
   use gearsweep_band, only: band_t, make_band
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_grid, only: grid_t
+  use gearsweep_memory, only: claim_memory
   use gearsweep_material, only: check_material, material_t
+  use gearsweep_text, only: str
   use gearsweep_q8, only: element_stiffness, element_mass, nodes_per_element
   implicit none
   private
@@ -41,6 +43,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call check(grid, material, thickness, held, error)
+    ! The body's own grid, and the numbers of its unknowns.
+    call claim_memory(40.0_dp*size(held, 2) + 4.0_dp*size(grid%node) + 40.0_dp*size(grid%element, 2), &
+                      '&section elements_across: the grid with '//str(size(held, 2))//' nodes', error)
     if (allocated(error)) return
     body%grid = grid
     body%material = material

@@ -9,6 +9,7 @@ module gearsweep_compliance
   use gearsweep_body, only: body_t
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gear, only: gear_t, drive, coast
+  use gearsweep_memory, only: claim_memory
   use gearsweep_outline, only: involute_point
   use gearsweep_q8, only: shape_functions, edge_functions
   use gearsweep_section, only: section_t
@@ -33,6 +34,10 @@ contains
     integer :: i, n, first
 
     n = size(radius)
+    ! Forces, and which are not zero.
+    call claim_memory(16.0_dp*body%unknowns*3*n, '&section elements_across: the compliance on '//str(body%unknowns)//' unknowns', &
+                      error, blas=.true.)
+    if (allocated(error)) return
     allocate (x(body%unknowns, 3*n), source=0.0_dp)
     do i = 1, n
       call flank_load(section, body, radius(i), x(:, i), error)

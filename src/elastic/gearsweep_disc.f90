@@ -9,8 +9,10 @@ module gearsweep_disc
   use gearsweep_compliance, only: flank_load
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive
+  use gearsweep_memory, only: claim_memory
   use gearsweep_q8, only: element_mass
   use gearsweep_section, only: section_t
+  use gearsweep_text, only: str
   implicit none
   private
   public :: disc_t, disc_compliance, turning
@@ -49,6 +51,9 @@ contains
     real(dp) :: pitch, curvature, turn, both
     integer :: i
 
+    call claim_memory(8.0_dp*body%unknowns*(2*places + 6), '&section teeth: the whole gear on '//str(body%unknowns)// &
+                      ' unknowns', error, blas=.true.)
+    if (allocated(error)) return
     allocate (x(body%unknowns, 2*places + 1), source=0.0_dp)
     pitch = 2*pi*section%gear%base_radius(drive)/section%gear%spec%teeth
     do i = 1, places

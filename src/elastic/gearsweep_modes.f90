@@ -5,6 +5,7 @@ module gearsweep_modes
   use gearsweep_body, only: body_t
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_lapack, only: dgemm, dsyev
+  use gearsweep_memory, only: claim_memory
   use gearsweep_q8, only: nodes_per_element
   use gearsweep_text, only: str
   implicit none
@@ -42,6 +43,8 @@ contains
       call fail(error, code_input, '&material density_kgm3: must be above 0')
       return
     end if
+    call claim_modes(body, count, error)
+    if (allocated(error)) return
     allocate (masses, source=body%mass_matrices())
     dof = reshape(body%equation(:, reshape(body%grid%element, [size(body%grid%element)])), &
                   [2, nodes_per_element, size(masses, 3)])
@@ -49,6 +52,30 @@ contains
     if (allocated(error)) return
     call describe(body, masses, dof, values, vectors, modes)
   end subroutine find_modes
+
+  !> How many vectors the basis may have.
+  pure integer function most_vectors(unknowns, count)
+    integer, intent(in) :: unknowns, count
+
+    most_vectors = min(unknowns, 10*count + 300)
+  end function most_vectors
+
+  !> The basis and its product, of which usually some three vectors a mode are touched, the small problem with
+  !> its vectors, the modes in several forms, and the elements' masses.
+  subroutine claim_modes(body, count, error)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: count
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: basis, most, others, usual
+
+    most = most_vectors(body%unknowns, count)
+    basis = 16.0_dp*body%unknowns*most
+    usual = min(1.0_dp, (3*count + 100)/most)
+    others = 8.0_dp*body%unknowns*(5*count + 20) + 16.0_dp*size(body%grid%x, 2)*(7*count + 10) &
+             + 1300.0_dp*size(body%grid%element, 2)
+    call claim_memory(basis + 48*most**2 + others, '&modal modes = '//str(count), error, &
+                      used=usual*basis + 48*(usual*most)**2 + others, blas=.true.)
+  end subroutine claim_modes
 
   !> Block Lanczos on K^-1 M without restart, every vector made M-orthogonal to
   !> all before; eigenvalues w^2 ascending.
@@ -67,7 +94,7 @@ contains
     logical :: done
 
     n = body%unknowns
-    most = min(n, 10*count + 300)
+    most = most_vectors(n, count)
     allocate (v(n, most), mv(n, most), t(most, most), w(n, min(block, count + 1)))
     call fill_start(w)
     mw = mass_times(masses, dof, w)

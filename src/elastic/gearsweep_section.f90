@@ -10,6 +10,7 @@ module gearsweep_section
   use gearsweep_error, only: error_t, fail, code_input, code_memory
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_grid, only: grid_t, make_grid, no_element
+  use gearsweep_memory, only: claim_memory
   use gearsweep_outline, only: fillet_point, fillet_parameter, root_angle
   use gearsweep_root_run, only: append, fillet_run
   use gearsweep_text, only: str
@@ -73,11 +74,14 @@ contains
     if (allocated(error)) return
     call set_extent(section, error)
     if (allocated(error)) return
+    call claim_teeth(section%options, error)
+    if (allocated(error)) return
     allocate (block(section%options%teeth))
     call make_tooth_block(gear, options%elements_across, block(section%loaded))
     call fill_others(section, block)
     call lay_columns(section, block, top)
     call check_size(section, block, (size(top, 2) - 1)/2, error)
+    call claim_lattice(section, block, (size(top, 2) - 1)/2, error)
     if (allocated(error)) return
     call fill_lattice(section, block, top, points, part)
     call make_grid(points, part, is_closed(section), section%grid, error)
@@ -87,6 +91,33 @@ contains
                 ': the rim below the root circle is too thin for a grid; must be thicker (or the bore smaller)')
     end if
   end subroutine make_section
+
+  !> Each tooth has its own points, some 2 `across` by 3 `across`, and its columns in the grid.
+  subroutine claim_teeth(options, error)
+    type(section_options_t), intent(in) :: options
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: across
+
+    across = options%elements_across
+    if (options%others_across > 0) across = options%others_across
+    call claim_memory(options%teeth*(1000 + 16.0_dp*(2*across + 3)*(3*across + 12)) + 300.0_dp*options%elements_across**2, &
+                      '&section teeth = '//str(options%teeth), error)
+  end subroutine claim_teeth
+
+  !> Points of the lattice, and nodes and elements of the grid, which is copied with the section and the body.
+  subroutine claim_lattice(section, block, columns, error)
+    type(section_t), intent(in) :: section
+    type(tooth_block_t), intent(in) :: block(:)
+    integer, intent(in) :: columns
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: lattice = 100, grid = 120
+    real(dp) :: rim
+
+    rim = max(1.0_dp, block(section%loaded)%across*rim_steps(section, block, section%inner_radius)/growth)
+    call claim_memory(columns*((lattice + grid)*(rim + 1) + lattice*maxval(block%upper)) &
+                      + grid*sum(real(block%across, dp)*block%upper), &
+                      '&section elements_across = '//str(section%options%elements_across)//': the grid', error)
+  end subroutine claim_lattice
 
   !> The unloaded teeth are equal to the loaded one, or coarser.
   pure subroutine fill_others(section, block)

@@ -5,6 +5,8 @@ module gearsweep_section_stress
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t
   use gearsweep_material, only: material_t
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_text, only: str
   use gearsweep_nodal_stress, only: nodal_stress
   use gearsweep_section, only: section_options_t
   use gearsweep_section_body, only: section_body_t, make_section_body
@@ -27,6 +29,9 @@ contains
     real(dp), allocatable :: x(:, :)
 
     call make_section_body(gear, material, options, grid, error)
+    if (allocated(error)) return
+    call claim_memory(100.0_dp*grid%body%unknowns, '&static: the stress on '//str(grid%body%unknowns)//' unknowns', error, &
+                      blas=.true.)
     if (allocated(error)) return
     allocate (x(grid%body%unknowns, 1), source=0.0_dp)
     call flank_load(grid%section, grid%body, radius, x(:, 1), error)

@@ -8,8 +8,9 @@ module gearsweep_stress
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t, elastic_law
   use gearsweep_compliance, only: flank_load
-  use gearsweep_error, only: error_t, fail, code_input, code_memory
+  use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gear, only: gear_t, drive, coast
+  use gearsweep_memory, only: claim_memory
   use gearsweep_outline, only: fillet_point, fillet_parameter
   use gearsweep_piecewise, only: piecewise_t, spline
   use gearsweep_q8, only: edge_functions, edge_slopes
@@ -100,17 +101,18 @@ contains
     type(root_stress_t), intent(out) :: product
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: x(:, :), u(:, :, :)
-    integer :: i, status
+    integer :: i
 
     if (size(radius) < 1 .or. size(radius) /= size(line_load)) then
       call fail(error, code_input, '&load: as many line loads as positions are needed, and at least one')
       return
     end if
-    allocate (x(body%unknowns, size(radius)), u(2, size(section%grid%x, 2), size(radius)), stat=status)
-    if (status /= 0) then
-      call fail(error, code_memory, '&static positions = '//str(size(radius))//': the memory does not hold their solutions')
-      return
-    end if
+    ! Forces and displacements, and the stress along the fillets.
+    call claim_memory(size(radius)*(8.0_dp*body%unknowns + 16.0_dp*size(section%grid%x, 2) &
+                                    + 64.0_dp*size(section%grid%node, 2)), &
+                      '&static positions = '//str(size(radius)), error, blas=.true.)
+    if (allocated(error)) return
+    allocate (x(body%unknowns, size(radius)), u(2, size(section%grid%x, 2), size(radius)))
     x = 0
     do i = 1, size(radius)
       call flank_load(section, body, radius(i), x(:, i), error)

@@ -3,6 +3,7 @@
 module gearsweep_band
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_memory, code_numerical
+  use gearsweep_memory, only: claim_memory
   use gearsweep_lapack, only: dpbtrf, dtrsm, dgemm
   use gearsweep_text, only: str
   implicit none
@@ -30,11 +31,16 @@ contains
     real(dp), intent(in) :: most_bytes
     type(band_t), intent(out) :: matrix
     type(error_t), allocatable, intent(out) :: error
+    ! Of a block of columns while it is factored.
+    integer, parameter :: columns = 32
     real(dp) :: bytes
     character(:), allocatable :: limit
     integer :: status
 
     bytes = 8.0_dp*n*(width + 1.0_dp)
+    if (bytes <= most_bytes) call claim_memory(bytes + 4.0_dp*n + 16.0_dp*columns*(width + columns), &
+      '&section elements_across: the grid with '//str(n)//' unknowns', error, blas=.true.)
+    if (allocated(error)) return
     status = 0
     if (bytes <= most_bytes) allocate (matrix%a(width + 1, n), stat=status)
     if (bytes > most_bytes .or. status /= 0) then

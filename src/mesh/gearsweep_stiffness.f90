@@ -13,6 +13,9 @@ module gearsweep_stiffness
   private
   public :: polynomial_stiffness, table_stiffness, iso_stiffness, check_positive
 
+  !> What a pair stiffness may be, N/m.
+  real(dp), parameter :: softest = 1e-6_dp, stiffest = 1e18_dp
+
 contains
 
   !> Coefficients (N/m) in ascending powers of u = 2 s/contact_ratio - 1.
@@ -31,7 +34,8 @@ contains
     real(dp), intent(in) :: contact_ratio, s(:), stiffness(:)
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
-    real(dp), parameter :: slack = 1e-6_dp
+    real(dp), parameter :: slack = 1e-6_dp, far = 1e6_dp, closest = 1e-12_dp
+    integer :: row
 
     if (size(s) < 2 .or. size(s) /= size(stiffness)) then
       call fail(error, code_input, '&mesh file: needs at least two rows of s and stiffness')
@@ -41,6 +45,17 @@ contains
     else if (s(1) > slack .or. s(size(s)) < contact_ratio - slack) then
       call fail(error, code_input, '&mesh file: covers s = '//str(s(1))//' to '//str(s(size(s)))// &
                 ' base pitches; the path of contact is 0 to '//str(contact_ratio))
+    else if (any(abs(s) > far)) then
+      call fail(error, code_input, '&mesh file: s = '//str(s(findloc(abs(s) > far, .true., 1)))//': must be from '// &
+                str(-far)//' to '//str(far))
+    else if (any(s(2:) - s(:size(s) - 1) < closest)) then
+      call fail(error, code_input, '&mesh file: s is closer than '//str(closest)//' to the row before at row '// &
+                str(findloc(s(2:) - s(:size(s) - 1) < closest, .true., 1) + 1))
+    else if (any(.not. abs(stiffness) <= stiffest)) then
+      ! Before the spline, which would overflow.
+      row = findloc(abs(stiffness) <= stiffest, .false., 1)
+      call fail(error, code_input, '&mesh file: the pair stiffness must be at most '//str(stiffest*1e-6_dp)// &
+                ' N/um; at row '//str(row)//' it is beyond')
     else
       curve = spline(s, stiffness)
       call check_positive(curve, 'file', error)
@@ -51,7 +66,6 @@ contains
     type(piecewise_t), intent(in) :: curve
     character(*), intent(in) :: key
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: softest = 1e-6_dp, stiffest = 1e18_dp
     real(dp) :: least, largest
 
     least = curve%minimum()

@@ -4,11 +4,13 @@ module gearsweep_root_rating
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive, coast
   use gearsweep_form, only: iso_form_t, iso_form, lewis_factor
+  use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: pair_t
   use gearsweep_section_body, only: section_body_t
   use gearsweep_sharing, only: load_share
   use gearsweep_stress, only: root_stress_t, root_stress
+  use gearsweep_text, only: str
   implicit none
   private
   public :: root_options_t, root_rating_t, rate_root, load_positions, load_radius, load_shares
@@ -61,6 +63,10 @@ contains
     s = load_positions(pair, options)
     allocate (radius, source=load_radius(pair, options, s))
     call root_stress(grids, radius, spread(1.0_dp, 1, size(s)), unit, error)
+    ! Each relief's stress along both fillets, once more while it is made.
+    call claim_memory((size(mesh) + 2.0_dp)*(size(s)*(100 + 8.0_dp*sum([(size(unit%side(i)%along), i=1, 2)])) &
+                      + 50.0_dp*sum([(size(unit%side(i)%along), i=1, 2)])), &
+                      '&static positions = '//str(size(s))//': '//str(size(mesh))//' reliefs', error)
     if (allocated(error)) return
     do i = 1, size(mesh)
       rating(i)%s = s

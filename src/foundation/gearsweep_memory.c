@@ -1,0 +1,167 @@
+/* Whether the memory that a stage is about to take can be had, asked before it is
+   taken: hundreds of allocations follow, of which none could be refused with a
+   message. What is asked: the limits on address space and data of the process
+   (ulimit -v, -d) and, for what is large, the machine's memory and that of the
+   control groups. Elsewhere than on Linux only what getrlimit and /proc tell.
+
+   Each thread's latest claim counts for the others until it settles, so that
+   calls at once do not share what is there once. */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <fcntl.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/* For all that is small: the stack's growth, messages, buffers of files, gaps in the heap. */
+static const double reserve = 32*1024.0*1024.0;
+/* Asking the machine takes some 50 us; below, it has so much. */
+static const double large = 64*1024.0*1024.0;
+/* Where OpenBLAS cannot get this buffer for a caller at its first product, it tries for ever. */
+static const double blas_buffer = 129*1024.0*1024.0;
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static double promised;                 /* latest claims of all threads */
+static int blas_callers, blas_buffers;  /* claims with BLAS now, and the most there ever were */
+static _Thread_local double mine;
+static _Thread_local int with_blas;
+
+static long read_file(const char *path, char *text, size_t size)
+{
+  int file = open(path, O_RDONLY | O_CLOEXEC);
+  long length;
+  if (file < 0) return -1;
+  length = read(file, text, size - 1);
+  close(file);
+  text[length < 0 ? 0 : length] = 0;
+  return length;
+}
+
+/* The number behind `name`, or `otherwise`. */
+static double number_behind(const char *text, const char *name, double otherwise)
+{
+  const char *at = strstr(text, name);
+  return at ? strtod(at + strlen(name), 0) : otherwise;
+}
+
+/* What the limits of the process leave, in bytes. */
+static double left_by_limits(void)
+{
+  struct rlimit space, data;
+  double left = HUGE_VAL, total = 0, private = 0, page = (double)sysconf(_SC_PAGESIZE);
+  char text[256];
+  if (getrlimit(RLIMIT_AS, &space) != 0 || getrlimit(RLIMIT_DATA, &data) != 0) return left;
+  if (space.rlim_cur == RLIM_INFINITY && data.rlim_cur == RLIM_INFINITY) return left;
+  if (read_file("/proc/self/statm", text, sizeof text) < 0) return left;
+  sscanf(text, "%lf %*s %*s %*s %*s %lf", &total, &private);
+  if (space.rlim_cur != RLIM_INFINITY) left = (double)space.rlim_cur - page*total;
+  if (data.rlim_cur != RLIM_INFINITY) left = fmin(left, (double)data.rlim_cur - page*private);
+  return left;
+}
+
+/* What one control group leaves; file pages count as free. */
+static double left_by_group(const char *folder, const char *most, const char *now)
+{
+  char path[4400], text[4096];
+  double limit, used;
+  snprintf(path, sizeof path, "%s/%s", folder, most);
+  if (read_file(path, text, sizeof text) <= 0 || !isdigit((unsigned char)text[0])) return HUGE_VAL;
+  limit = strtod(text, 0);
+  snprintf(path, sizeof path, "%s/%s", folder, now);
+  if (read_file(path, text, sizeof text) <= 0) return HUGE_VAL;
+  used = strtod(text, 0);
+  snprintf(path, sizeof path, "%s/memory.stat", folder);
+  if (read_file(path, text, sizeof text) > 0)
+    used -= number_behind(text, "\ninactive_file ", 0) + number_behind(text, "\nactive_file ", 0);
+  return limit - used;
+}
+
+/* The least that the group of this process and those above it leave. */
+static double left_by_groups(void)
+{
+  char text[4096], folder[4200], *line, *path, *end;
+  double left = HUGE_VAL;
+  int first;
+  size_t root;
+  if (read_file("/proc/self/cgroup", text, sizeof text) <= 0) return left;
+  first = (line = strstr(text, ":memory:")) != 0;
+  if (!first && !(line = strstr(text, "0::"))) return left;
+  path = strchr(line, '/');
+  if (!path) return left;
+  if ((end = strchr(path, '\n'))) *end = 0;
+  root = (size_t)snprintf(folder, sizeof folder, first ? "/sys/fs/cgroup/memory" : "/sys/fs/cgroup");
+  snprintf(folder + root, sizeof folder - root, "%s", path);
+  for (;;) {
+    left = fmin(left, first ? left_by_group(folder, "memory.limit_in_bytes", "memory.usage_in_bytes")
+                            : left_by_group(folder, "memory.max", "memory.current"));
+    if (strlen(folder) <= root) return left;
+    *strrchr(folder, '/') = 0;
+  }
+}
+
+/* What the machine has left; also where it promises no more than it has. */
+static double left_by_machine(void)
+{
+  char text[4096], mode[8];
+  double left;
+  if (read_file("/proc/meminfo", text, sizeof text) <= 0) return HUGE_VAL;
+  left = 1024*(number_behind(text, "MemAvailable:", HUGE_VAL) + number_behind(text, "SwapFree:", 0));
+  if (read_file("/proc/sys/vm/overcommit_memory", mode, sizeof mode) > 0 && mode[0] == '2')
+    left = fmin(left, 1024*(number_behind(text, "CommitLimit:", HUGE_VAL) - number_behind(text, "Committed_AS:", 0)));
+  return fmin(left, left_by_groups());
+}
+
+/* What a claim of this thread could have now. */
+double gearsweep_left(void)
+{
+  double left;
+  pthread_mutex_lock(&lock);
+  left = left_by_limits() - (promised - mine) - reserve;
+  pthread_mutex_unlock(&lock);
+  return left;
+}
+
+/* Claims `bytes` of address space, `used` of them to be written to; blas: products
+   follow. `lacks`: of the `need` there is only `left`, and nothing is claimed. */
+void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *need, double *left)
+{
+  double others;
+  int callers;
+  pthread_mutex_lock(&lock);
+  callers = blas_callers + (blas && !with_blas);
+  if (blas && callers > blas_buffers) bytes += blas_buffer;
+  others = promised - mine + reserve;
+  *left = left_by_limits() - others;
+  *lacks = bytes > *left;
+  *need = bytes;
+  if (!*lacks && used >= large) {
+    *left = left_by_machine() - others;
+    *lacks = used > *left;
+    if (*lacks) *need = used;
+  }
+  if (!*lacks) {
+    promised += bytes - mine;
+    mine = bytes;
+    blas_callers = callers;
+    if (blas) with_blas = 1;
+    if (callers > blas_buffers) blas_buffers = callers;
+  }
+  *left = fmax(0, *left);
+  pthread_mutex_unlock(&lock);
+}
+
+/* What this thread claimed is allocated, or no longer wanted. */
+void gearsweep_settle(void)
+{
+  if (!(mine > 0) && !with_blas) return;
+  pthread_mutex_lock(&lock);
+  promised -= mine;
+  mine = 0;
+  blas_callers -= with_blas;
+  with_blas = 0;
+  pthread_mutex_unlock(&lock);
+}
