@@ -85,7 +85,7 @@ def geometry(text: str) -> list:
 
 def outline(text: str, member: int) -> np.ndarray:
     """Points (x and y in mm) of the outline of the pinion (1) or the gear (2)."""
-    points, x, y = _with_room(_flat.gs_outline, _bytes(text), member)
+    points, x, y = _with_room(_flat.gs_outline, _bytes(text), _integer('member', member))
     return np.column_stack((x[:points], y[:points]))
 
 
@@ -117,7 +117,8 @@ def stability(text: str, work: np.ndarray, rpm: np.ndarray, damping_ratio: np.nd
 
 def follow(text: str, work: np.ndarray, relief: int, rpm: np.ndarray, jump: float, closeness: float) -> list:
     """Changes (four arrays, a change a row) and what there is at each speed."""
-    changes, *found = _with_room(_flat.gs_follow, _bytes(text), _work(work), index(relief), rpm, jump, closeness)
+    changes, *found = _with_room(_flat.gs_follow, _bytes(text), _work(work), _integer('relief', relief), rpm, _real('jump', jump),
+                                 _real('closeness', closeness))
     return [ends[:, :changes].T.copy() for ends in found[:4]] + found[4:]
 
 
@@ -125,7 +126,8 @@ def strobe(
     text: str, work: np.ndarray, relief: int, rpm: np.ndarray, start: tuple[float, float], settle: int, keep: int
 ) -> list:
     keep = _size('keep', keep, 10**7)
-    return _call(_flat.gs_strobe, _bytes(text), _work(work), index(relief), rpm, *start, index(settle), keep)
+    start = tuple(_real('start', one) for one in start)
+    return _call(_flat.gs_strobe, _bytes(text), _work(work), _integer('relief', relief), rpm, *start, _integer('settle', settle), keep)
 
 
 def section(text: str, nodes: int, elements: int) -> list:
@@ -144,7 +146,7 @@ def root(text: str, work: np.ndarray, positions: int, reliefs: int) -> list:
 
 def stress(text: str, work: np.ndarray, position: int, relief: int, nodes: int) -> list:
     """Here position and relief are counted from 0."""
-    return _call(_flat.gs_stress, _bytes(text), _work(work), index(position) + 1, index(relief) + 1, nodes)
+    return _call(_flat.gs_stress, _bytes(text), _work(work), _integer('position', position) + 1, _integer('relief', relief) + 1, nodes)
 
 
 def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:
@@ -221,13 +223,20 @@ def _named(values: np.ndarray, names: str) -> dict[str, dict]:
 
 
 def _call(procedure, *arguments) -> list:
-    return _checked(in_background(procedure, *arguments))
+    try:
+        found = in_background(procedure, *arguments)
+    except OverflowError as error:
+        raise Error(f'an argument is too large: {error}') from error
+    return _checked(found)
 
 
 def _with_room(procedure, *arguments) -> list:
     """The results of a call whose last argument is the room for its rows, and its first result their number."""
     room = 10_000
-    results = in_background(procedure, *arguments, room)
+    try:
+        results = in_background(procedure, *arguments, room)
+    except OverflowError as error:
+        raise Error(f'an argument is too large: {error}') from error
     if results[0] > room:
         results = in_background(procedure, *arguments, results[0])
     return _checked(results)
@@ -281,6 +290,32 @@ if hasattr(os, 'register_at_fork'):
     os.register_at_fork(after_in_child=_forked)
 
 
+def _integer(name: str, n: int) -> int:
+    """An integer as the library's arguments have it."""
+    if not -(2**31) <= index(n) < 2**31 - 1:
+        raise Error(f'{name} = {n}: must be from {-(2**31)} to {2**31 - 2}')
+    return index(n)
+
+
+def reals(name: str, values) -> np.ndarray:
+    """A row of real numbers, of which nothing is lost: no imaginary parts, no mask."""
+    if np.ma.isMaskedArray(values):
+        raise TypeError(f'{name}: is a masked array; give the numbers that count, or NaN')
+    if np.asarray(values).dtype.kind == 'c':
+        raise TypeError(f'{name}: is complex; must be real')
+    try:
+        return np.array(values, dtype=float, ndmin=1)
+    except OverflowError as error:
+        raise Error(f'{name}: {error}') from error
+
+
+def _real(name: str, x: float) -> float:
+    """Of a complex number f2py would take the real part without a word."""
+    if np.iscomplexobj(x) or np.ma.isMaskedArray(x):
+        raise TypeError(f'{name} = {x}: must be real')
+    return x
+
+
 def _size(name: str, n: int, most: int) -> int:
     """The size of a result, which is refused before there is room made for it."""
     if not 0 <= index(n) <= most:
@@ -290,12 +325,12 @@ def _size(name: str, n: int, most: int) -> int:
 
 def _threads(threads: int) -> int:
     """One in a forked process, where GNU's OpenMP would wait for the parent's threads for ever."""
-    threads = index(threads)
+    threads = _integer('threads', threads)
     return 1 if _is_fork and threads >= 0 else threads
 
 
 def _work(work: np.ndarray) -> np.ndarray:
-    work = np.asarray(work)
-    if work.ndim != 1 or work.dtype.kind not in 'fiu':
+    work = np.asanyarray(work)
+    if np.ma.isMaskedArray(work) or work.ndim != 1 or work.dtype.kind not in 'fiu':
         raise TypeError('work: must be the array that prepare gives')
     return np.ascontiguousarray(work, dtype=np.float64)

@@ -162,9 +162,14 @@ def written(value: Any) -> str:
     if isinstance(value, numbers.Integral):
         return str(int(value))
     if isinstance(value, numbers.Real):
-        return repr(float(value))
+        try:
+            return repr(float(value))
+        except OverflowError as error:
+            raise Error(f'a case has no number as large as {type(value).__name__}: {error}') from error
     if isinstance(value, Iterable) and not isinstance(value, (bytes, Mapping)):
-        return ', '.join(map(written, value))
+        words = [written(one) for one in value]
+        if all(words):
+            return ', '.join(words)
     raise TypeError(f'a case has no values such as {value!r}')
 
 

@@ -188,7 +188,7 @@ def stability_map(
     """
     case = _with_mesh(case)
     rpm = _speeds(case, rpm)
-    damping_ratio = np.array(np.linspace(0, 0.2, 101) if damping_ratio is None else damping_ratio, dtype=float, ndmin=1)
+    damping_ratio = _border.reals('damping_ratio', np.linspace(0, 0.2, 101) if damping_ratio is None else damping_ratio)
     found = _border.stability(case.text, _ready(case, work), rpm, damping_ratio, tongues)
     return StabilityMap(case, _VERSION, rpm, damping_ratio, *found)
 
@@ -286,7 +286,7 @@ def strobe(
 def _speeds(case: Case, rpm: ArrayLike | None) -> Reals:
     """The speeds given, or those of the case's sweep."""
     if rpm is not None:
-        return np.array(rpm, dtype=float, ndmin=1)
+        return _border.reals('rpm', rpm)
     first, last, step = (case.get('sweep', f'rpm_{key}') for key in ('first', 'last', 'step'))
     if first is None:
         raise _border.Error('rpm: not given, and the case has no sweep')

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import zipfile
 from typing import Any
 
 import numpy as np
@@ -78,9 +77,12 @@ def read(path: str | os.PathLike) -> results.Result | results.Study:
         if about['kind'] == 'Study':
             return results.Study(case, about['version'], **parts)
         return parts['']
+    except Error:
+        raise
     except OSError as error:
         raise Error(f'cannot read {path}: {error.strerror or error}', Code.FILE) from error
-    except (AttributeError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
+    # What a damaged file raises is up to zipfile, zlib, NumPy and json, or whatever it makes of the result.
+    except Exception as error:
         raise Error(f'cannot read {path}: is no result of gearsweep', Code.FILE) from error
 
 

@@ -1,6 +1,7 @@
 """The border: errors, odd arguments, threads, what an import loads, and that all doors agree in their lists."""
 
 import concurrent.futures
+import fractions
 import importlib.metadata
 import inspect
 import multiprocessing
@@ -219,3 +220,52 @@ def test_every_public_name_is_described():
             assert all(p.annotation is not p.empty for p in inspect.signature(thing).parameters.values()), name
     with pytest.raises(AttributeError):
         gearsweep.no_such_name
+
+
+@pytest.mark.parametrize('huge', [10**30, -(10**30), 2**31])
+def test_huge_integers(huge):
+    """They are refused with the library's error, not with the overflow of some conversion."""
+    case = Case(PRESCRIBED)
+    calls = [
+        lambda: gearsweep.sweep(case, threads=huge),
+        lambda: gearsweep.hysteresis(case, relief=huge),
+        lambda: gearsweep.strobe(case, relief=huge),
+        lambda: gearsweep.strobe(case, settle=huge),
+        lambda: gearsweep.stability_map(case, tongues=huge),
+        lambda: gearsweep.outline(Case(GEARED), huge),
+    ]
+    for call in calls:
+        with pytest.raises(Error):
+            call()
+
+
+def test_numbers_beyond_the_largest_real():
+    case = Case(PRESCRIBED)
+    for call in (
+        lambda: gearsweep.stability_map(case, [1000, 10**400]),
+        lambda: gearsweep.hysteresis(case, jump=10**400),
+        lambda: gearsweep.strobe(case, start=(10**400, 0)),
+        lambda: case.changed(dynamics={'damping_ratio': fractions.Fraction(10**400)}),
+    ):
+        with pytest.raises(Error):
+            call()
+
+
+def test_nothing_of_an_array_is_lost():
+    """Imaginary parts and masks are refused, not left out."""
+    case = Case(PRESCRIBED)
+    masked = np.ma.array([1000.0, 2000.0, 3000.0], mask=[False, True, False])
+    for call in (
+        lambda: gearsweep.stability_map(case, [1000, 2000 + 1j]),
+        lambda: gearsweep.stability_map(case, masked),
+        lambda: gearsweep.stability_map(case, [1000], np.array([0.1 + 0.1j])),
+        lambda: gearsweep.hysteresis(case, masked),
+        lambda: gearsweep.hysteresis(case, jump=0.02 + 1j),
+        lambda: gearsweep.strobe(case, start=(1j, 0)),
+        lambda: gearsweep.sweep(case, work=np.ma.array(gearsweep.prepare(case), mask=True)),
+        lambda: case.changed(relief={'amount_um': masked}),
+        lambda: case.changed(relief={'amount_um': np.array([1j])}),
+        lambda: case.changed(relief={'amount_um': [0, None]}),
+    ):
+        with pytest.raises(TypeError):
+            call()

@@ -67,6 +67,18 @@ def test_files_that_are_no_results(study, tmp_path):
     whole = (tmp_path / 'x').read_bytes()
     (tmp_path / 'x').write_bytes(whole[: len(whole) // 2])
     fails('no result')
+    # Bytes that are wrong at any place: the file is read as it was, or refused by its name.
+    study.mesh.save(tmp_path / 'x')
+    whole = (tmp_path / 'x').read_bytes()
+    refused = 0
+    for at in range(0, len(whole), max(1, len(whole) // 400)):
+        (tmp_path / 'x').write_bytes(whole[:at] + bytes([whole[at] ^ 0x55]) + whole[at + 1 :])
+        try:
+            gearsweep.read(tmp_path / 'x')
+        except Error as error:
+            assert error.code == Code.FILE and str(tmp_path / 'x') in str(error)
+            refused += 1
+    assert refused > 100
     with pytest.raises(Error, match='cannot write') as caught:
         study.save(tmp_path / 'no' / 'folder')
     assert caught.value.code == Code.FILE

@@ -171,8 +171,8 @@ contains
     if (points > most_points) call fail(error, code_memory, '&sweep: '//str(speeds)//' speeds times '//str(reliefs)// &
                                         ' reliefs are too many points; at most '//str(most_points))
     ! Answers and work, copies of one relief's points as they are stored, and the blocks.
-    call claim_memory((points + 2*speeds + kept*real(reliefs, dp))*(60 + storage_size(point)/8), '&sweep: '//str(speeds)//' speeds times '// &
-                      str(reliefs)//' reliefs', error)
+    call claim_memory((points + 2*speeds + kept*real(reliefs, dp))*(60 + storage_size(point)/8), &
+                      '&sweep: '//str(speeds)//' speeds times '//str(reliefs)//' reliefs', error)
   end subroutine claim_points
 
   subroutine allocate_sweep(rpm, reliefs, sweep)
