@@ -2,6 +2,7 @@
    use for, cannot get their buffers: they try for ever or end the process as the
    library is loaded. So the program begins anew with one, before any library
    begins: a constructor would be too late, and what setenv does there is lost. */
+#ifdef __linux__
 #include <alloca.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -25,3 +26,4 @@ static void keep_one_blas_thread(int count, char **arguments, char **environment
 }
 
 __attribute__((section(".preinit_array"), used)) static void (*before_libraries)(int, char **, char **) = keep_one_blas_thread;
+#endif

@@ -35,7 +35,7 @@ contains
     call read_case(text, case, error)
     if (.not. allocated(error)) call run_study(case, '', 1, answer%study, error)
     call check_no_error(t, text, error)
-    if (.not. allocated(error)) call list_numbers(answer%study, answer%numbers)
+    if (.not. allocated(error)) call list_numbers(answer%study, answer%numbers, error)
     answer%names = answer%numbers%names%text()
   end subroutine ask
 

@@ -70,6 +70,7 @@ contains
     subroutine put(ending, start)
       character(*), intent(in) :: ending, start
 
+      if (allocated(error)) return
       call files%add(name//'.'//ending, start, text, error)
       written = written//folder//'/'//name//'.'//ending//new_line('a')
     end subroutine put

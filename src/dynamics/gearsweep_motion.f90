@@ -315,13 +315,16 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: steps
     type(table_t), intent(inout) :: table
+    ! Of these a thread keeps few enough for what is in reserve.
+    real(dp), parameter :: small = 256e3_dp
     logical :: fits
 
     if (allocated(table%zone)) then
       if (steps == table%steps .and. osc%members == table%members .and. osc%pairs == size(table%end_stiffness, 2)) return
       table = table_t()
     end if
-    call has_memory(steps*step_bytes(osc), fits)
+    fits = .true.
+    if (steps*step_bytes(osc) > small) call has_memory(steps*step_bytes(osc), fits)
     if (.not. fits) return
     table%steps = steps
     table%members = osc%members

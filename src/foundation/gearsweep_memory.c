@@ -48,14 +48,20 @@ static double number_behind(const char *text, const char *name, double otherwise
   return at ? strtod(at + strlen(name), 0) : otherwise;
 }
 
+static int is_unlimited(void)
+{
+  struct rlimit space, data;
+  return getrlimit(RLIMIT_AS, &space) != 0 || getrlimit(RLIMIT_DATA, &data) != 0 ||
+         (space.rlim_cur == RLIM_INFINITY && data.rlim_cur == RLIM_INFINITY);
+}
+
 /* What the limits of the process leave, in bytes. */
 static double left_by_limits(void)
 {
   struct rlimit space, data;
   double left = HUGE_VAL, total = 0, private = 0, page = (double)sysconf(_SC_PAGESIZE);
   char text[256];
-  if (getrlimit(RLIMIT_AS, &space) != 0 || getrlimit(RLIMIT_DATA, &data) != 0) return left;
-  if (space.rlim_cur == RLIM_INFINITY && data.rlim_cur == RLIM_INFINITY) return left;
+  if (is_unlimited() || getrlimit(RLIMIT_AS, &space) != 0 || getrlimit(RLIMIT_DATA, &data) != 0) return left;
   if (read_file("/proc/self/statm", text, sizeof text) < 0) return left;
   sscanf(text, "%lf %*s %*s %*s %*s %lf", &total, &private);
   if (space.rlim_cur != RLIM_INFINITY) left = (double)space.rlim_cur - page*total;
@@ -131,6 +137,8 @@ void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *ne
 {
   double others;
   int callers;
+  *need = *left = *lacks = 0;
+  if (!blas && used < large && is_unlimited()) return;
   pthread_mutex_lock(&lock);
   callers = blas_callers + (blas && !with_blas);
   if (blas && callers > blas_buffers) bytes += blas_buffer;
