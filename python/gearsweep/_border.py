@@ -117,8 +117,8 @@ def stability(text: str, work: np.ndarray, rpm: np.ndarray, damping_ratio: np.nd
 
 def follow(text: str, work: np.ndarray, relief: int, rpm: np.ndarray, jump: float, closeness: float) -> list:
     """Changes (four arrays, a change a row) and what there is at each speed."""
-    changes, *found = _with_room(_flat.gs_follow, _bytes(text), _work(work), _integer('relief', relief), rpm, _real('jump', jump),
-                                 _real('closeness', closeness))
+    changes, *found = _with_room(_flat.gs_follow, _bytes(text), _work(work), _integer('relief', relief), rpm,
+                                 _real('jump', jump), _real('closeness', closeness))
     return [ends[:, :changes].T.copy() for ends in found[:4]] + found[4:]
 
 
@@ -127,7 +127,8 @@ def strobe(
 ) -> list:
     keep = _size('keep', keep, 10**7)
     start = tuple(_real('start', one) for one in start)
-    return _call(_flat.gs_strobe, _bytes(text), _work(work), _integer('relief', relief), rpm, *start, _integer('settle', settle), keep)
+    relief, settle = _integer('relief', relief), _integer('settle', settle)
+    return _call(_flat.gs_strobe, _bytes(text), _work(work), relief, rpm, *start, settle, keep)
 
 
 def section(text: str, nodes: int, elements: int) -> list:
@@ -146,7 +147,8 @@ def root(text: str, work: np.ndarray, positions: int, reliefs: int) -> list:
 
 def stress(text: str, work: np.ndarray, position: int, relief: int, nodes: int) -> list:
     """Here position and relief are counted from 0."""
-    return _call(_flat.gs_stress, _bytes(text), _work(work), _integer('position', position) + 1, _integer('relief', relief) + 1, nodes)
+    position, relief = _integer('position', position), _integer('relief', relief)
+    return _call(_flat.gs_stress, _bytes(text), _work(work), position + 1, relief + 1, nodes)
 
 
 def report(text: str, folder: str, work: np.ndarray, threads: int) -> str:

@@ -63,7 +63,7 @@ def test_threads_out_of_range(threads):
 
 @pytest.mark.parametrize('threads', ['2', 1.5, None, 10**12])
 def test_threads_of_another_type(threads):
-    with pytest.raises((TypeError, OverflowError)):
+    with pytest.raises((TypeError, Error)):
         gearsweep.sweep(Case(PRESCRIBED), threads=threads)
 
 
@@ -232,7 +232,6 @@ def test_huge_integers(huge):
         lambda: gearsweep.strobe(case, relief=huge),
         lambda: gearsweep.strobe(case, settle=huge),
         lambda: gearsweep.stability_map(case, tongues=huge),
-        lambda: gearsweep.outline(Case(GEARED), huge),
     ]
     for call in calls:
         with pytest.raises(Error):
