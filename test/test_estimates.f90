@@ -5,11 +5,12 @@ module test_estimates
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t
+  use gearsweep_gauss, only: lanes
   use gearsweep_maps, only: begin_maps, maps_t
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_optimum, only: find_optimum, optimum_t
   use gearsweep_orbit, only: shoot, steady_t
-  use gearsweep_period, only: period_t, run_period
+  use gearsweep_period, only: period_t, run_lanes, run_period
   use gearsweep_steady, only: solve_in_contact
   use gearsweep_strobe, only: strobe_motion, strobe_t
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
@@ -36,6 +37,8 @@ contains
     call loads_while_contact_changes(t)
     call steps_that_are_told(t)
     call derivative_of_a_period(t)
+    call lanes_side_by_side(t)
+    call stroboscopic_points(t)
     call many_bounces(t)
     call growth_of_a_disturbance(t)
   end subroutine run
@@ -342,6 +345,67 @@ contains
     call check_close(t, 'maps used before', worst(1), 0.0_dp, absolute=1e-10_dp)
     call check_close(t, 'derivative', worst(2), 0.0_dp, absolute=1e-3_dp)
   end subroutine derivative_of_a_period
+
+  !> Several periods side by side are each what it is alone, with all that is told of it, while contact changes.
+  subroutine lanes_side_by_side(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: groups = 60
+    type(oscillator_t) :: osc
+    type(table_t) :: table
+    type(maps_t) :: maps, alone
+    type(period_t) :: run, all(lanes)
+    type(random_t) :: random
+    real(dp) :: duration(lanes), start(2, lanes), worst
+    integer :: i, l, changed, unlike
+
+    osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [14.0_dp, 14.0_dp], 0.08_dp)
+    call tabulate(osc, resolution_t(8.0_dp, 1), table)
+    worst = 0
+    changed = 0
+    unlike = 0
+    do i = 1, groups
+      do l = 1, lanes
+        duration(l) = mesh_period(25, random%between(6000.0_dp, 15000.0_dp))
+        start(:, l) = osc%static_scale*[random%between(-1.0_dp, 2.0_dp), random%between(-6.0_dp, 6.0_dp)]
+      end do
+      call begin_maps(table, maps)
+      call run_lanes(osc, table, duration, start, [(.true., l=1, lanes)], .true., maps, all)
+      do l = 1, lanes
+        call begin_maps(table, alone)
+        call run_period(osc, table, duration(l), start(:, l), alone, run)
+        worst = max(worst, maxval(abs(all(l)%state - run%state))/osc%static_scale, maxval(abs(all(l)%map - run%map)), &
+                    abs(all(l)%peak - run%peak)/osc%load, abs(all(l)%mark - run%mark)/osc%static_scale)
+        if (run%events > 0) changed = changed + 1
+        if (all(l)%events /= run%events .or. (all(l)%partial .neqv. run%partial) .or. (all(l)%flight .neqv. run%flight) &
+            .or. (all(l)%failed .neqv. run%failed)) unlike = unlike + 1
+      end do
+    end do
+    call check_true(t, 'contact changes in many lanes', changed > groups*lanes/2, str(changed))
+    call check_equal(t, 'what a lane tells', unlike, 0)
+    call check_close(t, 'what a lane gives', worst, 0.0_dp, absolute=1e-9_dp)
+  end subroutine lanes_side_by_side
+
+  !> A transient that has died out shows the steady motion once a period, to some 1e-9 by its steps.
+  subroutine stroboscopic_points(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: rpm(3) = [3000, 7000, 14000]
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    type(strobe_t) :: strobe
+    real(dp) :: worst
+    integer :: i
+
+    osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [2.0_dp, 3.0_dp], 0.17_dp)
+    options%steady%tolerance = 1e-11_dp
+    call strobe_motion(osc, rpm, 60, 8, strobe)
+    worst = 0
+    do i = 1, size(rpm)
+      call solve(osc, rpm(i), options, point)
+      worst = max(worst, maxval(abs(strobe%x(:, i) - point%steady%state(1)))/osc%static_scale)
+    end do
+    call check_close(t, 'stroboscopic points', worst, 0.0_dp, absolute=4e-9_dp)
+  end subroutine stroboscopic_points
 
   !> Without damping a pair that was thrown out of contact bounces on: in a long period contact changes more than a
   !> thousand times, and that is no chatter.
