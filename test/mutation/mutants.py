@@ -209,14 +209,13 @@ def is_name(word):
     return word[0].isalpha() or word[0] == '_'
 
 
-def other_number(word):
-    """A constant that a slip might have put in its place."""
+def other_number(word, factor):
+    """A constant that a slip might have put in its place; a large one changes by a factor."""
     value, kind = (word.split('_', 1) + [''])[:2]
     kind = '_' + kind if kind else ''
     if value.isdigit():
         number = int(value)
-        # Of a large number a neighbour would be a matter of taste, and so would twice a tolerance.
-        others = [number + 1, number - 1] if number < 10 else [number * 2, number // 2]
+        others = [number + 1, number - 1] if number < 10 else [number * factor, number // factor]
         return [f'{other}{kind}' for other in others if other >= 0]
     exponent = re.fullmatch(r'(.*[eEdD])([+-]?\d+)', value)
     if exponent:
@@ -225,7 +224,7 @@ def other_number(word):
         number = float(value)
     except ValueError:
         return []
-    return [f'{x:.15g}{"" if "." in f"{x:.15g}" else ".0"}{kind}' for x in ([number * 2, number / 2] if number else [1.0])]
+    return [f'{x:.15g}{"" if "." in f"{x:.15g}" else ".0"}{kind}' for x in ([number * factor, number / factor] if number else [1.0])]
 
 
 def is_unary(words, i):
@@ -289,6 +288,8 @@ def changes(text, statement, tokens, is_fortran):
     """All changes of a statement: (kind, start, end, replacement)."""
     words = [token[0] for token in tokens]
     swaps = SWAPS[is_fortran]
+    # Of a named constant, a limit or a margin as a rule, twice as much would be a matter of taste.
+    factor = 10 if any(token[0] == 'parameter' for token in statement.tokens) else 2
 
     def said(first, last):
         return text[tokens[first][1] : tokens[last - 1][2]]
@@ -311,7 +312,7 @@ def changes(text, statement, tokens, is_fortran):
             yield 'operator', start, end, '*'
         if is_number(word):
             in_index = i and words[i - 1] in '(,' and words[i + 1 : i + 2] in ([')'], [','])
-            for other in other_number(word):
+            for other in other_number(word, factor):
                 yield 'index' if in_index else 'constant', start, end, other
         if word in ('sqrt', 'abs') and words[i + 1 : i + 2] == ['('] and is_fortran:
             yield 'function', start, end, ''
