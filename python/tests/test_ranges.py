@@ -1,0 +1,121 @@
+"""The ranges that doc/case.md tells are those that the library keeps: the bounds belong to them where it says
+so, what lies beyond is refused by name."""
+
+import re
+
+import pytest
+from conftest import ROOT
+
+import gearsweep
+
+GROUPS = {
+    'case': {'tasks': "'static', 'modal', 'load', 'sweep'"},
+    'pair': {'module_mm': 3, 'face_width_mm': 20},
+    'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
+    'gear': {'teeth': 34, 'effective_mass_kg': 0.9},
+    'material': {},
+    'load': {'normal_force_n': 4000},
+    'relief': {'amount_um': 0},
+    'mesh': {'model': "'fe'"},
+    'section': {'elements_across': 3},
+    'static': {},
+    'modal': {},
+    'dynamics': {},
+    'sweep': {'rpm_first': 3000, 'rpm_last': 9000, 'rpm_step': 3000, 'load_rpm': 3000},
+    'numerics': {},
+}
+PRESCRIBED = {
+    'case': {'tasks': "'sweep'"},
+    'pair': {},
+    'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
+    'gear': {'effective_mass_kg': 0.9},
+    'load': {'normal_force_n': 4000},
+    'relief': {'amount_um': 0},
+    'mesh': {'model': "'polynomial'", 'coefficients': 400, 'contact_ratio': 1.6},
+    'sweep': {'rpm_first': 3000, 'rpm_last': 9000, 'rpm_step': 3000},
+}
+# What a key needs beside it: removed keys are None.
+BESIDE = {
+    'torque_nm': {'load': {'normal_force_n': None}},
+    'line_load_n_mm': {'load': {'normal_force_n': None}},
+    'length_mm': {'relief': {'start': "'length'", 'amount_um': 5}},
+    'pinion_roll_deg': {'relief': {'start': "'roll'", 'amount_um': 5, 'gear_roll_deg': 20}},
+    'gear_roll_deg': {'relief': {'start': "'roll'", 'amount_um': 5, 'pinion_roll_deg': 20}},
+    'inertia_kgm2': {'pinion': {'effective_mass_kg': None}},
+    'density_kgm3': {'pinion': {'effective_mass_kg': None}},
+    'base_pitch_mm': {'load': {'normal_force_n': None, 'torque_nm': 100}},
+    'pitch_point': {'relief': {'start': "'pitch'"}},
+    'ste_harmonics': {'case': {'tasks': "'mesh'"}},
+}
+PRESCRIBED_KEYS = ('contact_ratio', 'base_pitch_mm', 'coefficients')
+NUMBER = r'(-?[\d.]+(?:e-?\d+)?)'
+
+
+def ranges():
+    """(group, key, bound, belongs, side, is whole), from the tables of keys."""
+    group = None
+    for line in (ROOT / 'doc/case.md').read_text().splitlines():
+        if heading := re.match(r'##+ (\w+)', line):
+            group = heading[1]
+        cells = [cell.strip() for cell in line.split('|')]
+        if group not in GROUPS or not re.fullmatch(r'`\w+`', cells[1] if len(cells) > 2 else ''):
+            continue
+        key = cells[1].strip('`')
+        for cell in cells[2:-2]:
+            whole = cell.startswith('integer')
+            if found := re.search(rf'(?<![\w.-]){NUMBER} to {NUMBER}', cell):
+                yield group, key, float(found[1]), True, -1, whole
+                yield group, key, float(found[2]), True, 1, whole
+                continue
+            for words, side, belongs in (('at least', -1, True), ('above', -1, False), ('at most', 1, True), ('below', 1, False)):
+                if found := re.search(rf'\b{words} {NUMBER}', cell):
+                    yield group, key, float(found[1]), belongs, side, whole
+            if found := re.search(rf'\b{NUMBER} or above', cell):
+                yield group, key, float(found[1]), True, -1, whole
+
+
+def case_with(group, key, value):
+    groups = PRESCRIBED if key in PRESCRIBED_KEYS else GROUPS
+    groups = {name: dict(keys) for name, keys in groups.items()}
+    for name, keys in BESIDE.get(key, {}).items():
+        groups.setdefault(name, {}).update(keys)
+    said = f'{value:.15g}' if isinstance(value, float) else str(value)
+    # A list of at least two.
+    groups.setdefault(group, {})[key] = f'{said}, 0.5' if key == 'shares' else said
+    return '\n'.join(
+        f'&{name} ' + ' '.join(f'{key} = {value}' for key, value in keys.items() if value is not None) + ' /'
+        for name, keys in groups.items() if any(value is not None for value in keys.values())
+    )  # fmt: skip
+
+
+def refusal(text):
+    try:
+        gearsweep.Case(text).complete()
+    except gearsweep.Error as error:
+        return str(error)
+    return ''
+
+
+FOUND = list(ranges())
+
+
+def test_many_ranges_are_told():
+    assert len(FOUND) > 60
+    assert {'teeth', 'module_mm', 'damping_ratio', 'young_gpa', 'tolerance', 'torque_nm'} <= {key for _, key, *_ in FOUND}
+
+
+@pytest.mark.parametrize(('group', 'key', 'bound', 'belongs', 'side', 'whole'), FOUND)
+def test_a_bound_is_where_it_is_told(group, key, bound, belongs, side, whole):
+    little = 1 if whole else max(abs(bound), 1e-6 if bound == 0 else 0) * 1e-6
+    beyond, inside = bound + side * little, bound - side * little
+    if belongs:
+        inside = bound
+    else:
+        beyond = bound
+    if whole:
+        beyond, inside = int(beyond), int(inside)
+    said = refusal(case_with(group, key, beyond))
+    assert key in said and 'must be' in said, said or f'{beyond} is accepted'
+    # Other reasons, such as what suits the rest of the case, may stand against a value in its range.
+    said = refusal(case_with(group, key, inside))
+    assert f'{key} = ' not in said or 'must be' not in said, said
