@@ -4,9 +4,11 @@ module test_closed_modes
   use gearsweep_contour, only: gear_contour
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
+  use gearsweep_grid, only: grid_t, rectangle_grid
   use gearsweep_kinds, only: dp, pi
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
+  use random_numbers, only: random_t
   use stated_gears
   use testing, only: tally_t, check_true, check_close, check_equal
   implicit none
@@ -21,6 +23,7 @@ contains
     call energies(t, 'strain')
     call energies(t, 'stress')
     call surfaces(t)
+    call places_in_elements(t)
   end subroutine run
 
   !> The shapes for a modal mass of 1 kg: both energies of every pair of modes, by Gauss's rule of four points, are those of
@@ -189,4 +192,44 @@ contains
       end do
     end function distance
   end subroutine surfaces
+
+  !> Points are found again in very crooked elements, at the local coordinates that they were made from; none is found outside.
+  subroutine places_in_elements(t)
+    type(tally_t), intent(inout) :: t
+    type(grid_t) :: grid
+    type(error_t), allocatable :: error
+    type(random_t) :: random
+    real(dp) :: made(2), local(2), point(2), off
+    integer :: e, element, k
+
+    call rectangle_grid(reshape([0.0_dp, 0.0_dp, 4.0_dp, 3.0_dp, 4.6_dp, 4.9_dp, 0.3_dp, 0.8_dp], [2, 4]), 3, 2, grid, error)
+    call check_true(t, 'crooked grid', .not. allocated(error))
+    ! The middles of the inner sides are moved, so that the sides are curved.
+    do e = 1, size(grid%element, 2)
+      associate (middle => grid%x(:, grid%element(6, e)))
+        if (e /= 3 .and. e /= 6) middle = middle + [0.06_dp, -0.05_dp]
+      end associate
+    end do
+    off = 0
+    do e = 1, size(grid%element, 2)
+      do k = 1, 20
+        made = 0.98_dp*[random%between(-1.0_dp, 1.0_dp), random%between(-1.0_dp, 1.0_dp)]
+        point = matmul(grid%x(:, grid%element(:, e)), functions(made))
+        call grid%find(point, 0, element, local)
+        if (element /= e) off = huge(off)
+        off = max(off, maxval(abs(local - made)))
+      end do
+    end do
+    call check_close(t, 'found where they were made', off, 0.0_dp, absolute=1e-11_dp)
+    call grid%find([2.0_dp, 0.5_dp], 0, element, local)
+    call check_equal(t, 'outside', element, 0)
+    call grid%find([2.3_dp, 2.2_dp], 7, element, local)
+    call check_equal(t, 'of no such part', element, 0)
+    ! A trapezium whose sides are 1 and 2 has its smallest Jacobian at the short one, two thirds of the mean; whichever side.
+    do k = 0, 3
+      call rectangle_grid(cshift(reshape([0.0_dp, 0.0_dp, 3.0_dp, 0.0_dp, 3.0_dp, 2.0_dp, 0.0_dp, 1.0_dp], [2, 4]), k, 2), 1, 1, &
+                          grid, error)
+      call check_close(t, 'quality of a trapezium', grid%quality(), 2/3.0_dp)
+    end do
+  end subroutine places_in_elements
 end module test_closed_modes
