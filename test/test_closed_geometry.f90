@@ -245,6 +245,15 @@ contains
         end do
       end do
     end associate
+    ! Profile C of ISO 53 unless said: addendum 1, dedendum 1.25, tip radius 0.25, 20 degrees on both flanks.
+    call ask_geometry(t, '&case tasks=''geometry'' / &pair module_mm=3 face_width_mm=20 / &pinion teeth=30 / &gear teeth=40 /', &
+                      radius, point, at, distance, angle, ratio, pitch, backlash)
+    do i = 1, 2
+      associate (plain => stated_t(teeth=[30, 40], distance=105.0_dp), r => merge(45.0_dp, 60.0_dp, i == 1))
+        call check_close(t, 'default rack', maxval(abs(radius(:, i) - [r + 3, r, r*cos(20*degree), r*cos(20*degree), r - 3.75_dp, &
+                         involute_start(plain, i)])), 0.0_dp, absolute=1e-10_dp)
+      end associate
+    end do
     do k = 500, 501
       call gs_outline('&case tasks=''geometry'' / &pair module_mm=1 face_width_mm=9 / &pinion teeth=40 / &gear teeth='//str(k)// &
                       ' /', 2, size(x), points, x, y, info, message)

@@ -186,6 +186,10 @@ contains
       call make_gear(spec, gear, error)
       call check_error(t, 'impossible gear '//str(i), error, trim(impossible(i)))
     end do
+    ! Ten teeth, a tip of 4.7 modules: above the drive flank's start, hypot(4.53, 0.47/tan 25), below the coast flank's.
+    spec = gear_spec_t('gear', 10, 0.003_dp, [25, 18]*degree, -0.37_dp, 0.07_dp, 0.1_dp, 0.0_dp, face_width=0.02_dp)
+    call make_gear(spec, gear, error)
+    call check_error(t, 'one flank without an involute', error, 'no involute is left')
     spec = good
     spec%teeth = 5
     call make_gear(spec, gear, error)

@@ -31,7 +31,8 @@ contains
 
   !> ISO 6336-1:2006, 9.3: q' of Table 8, c'_th = 1/q', c' = c'_th C_M C_R C_B E/E_st with C_M = 0.8, C_R = 1 for solid
   !> discs and C_B = [1 + 0.5 (1.2 - h_fP/m)] [1 - 0.02 (20 - alpha_P)], the mean of C_B where the racks differ; below
-  !> F_t/b = 100 N/mm, where F_t = F cos(alpha), times (F_t/b/100)**0.25. Over the path it is c' at the middle, and its mean that of c_gamma = c' (0.75 eps +
+  !> F_t/b = 100 N/mm, where F_t = F cos(alpha), times (F_t/b/100)**0.25. Over the path it is c' at the middle, and its mean
+  !> that of c_gamma = c' (0.75 eps +
   !> 0.25) over eps pairs. N/(mm um).
   pure real(dp) function iso_c_prime(pair, young_gpa, line_load_n_mm) result(c)
     type(stated_t), intent(in) :: pair
