@@ -29,14 +29,20 @@ install_library() (
     write_config_version >"$prefix/lib/cmake/gearsweep/gearsweepConfigVersion.cmake"
 ) 9>"$run_dir/lock"
 
-# The same objects as in the static library: the same bits.
+# The same objects as in the static library: the same bits. Only what is in C is compiled again, as fpm makes that for
+# programs alone.
 make_shared() {
-  quietly "linking the shared library" gfortran -shared -fopenmp -Wl,-soname,"libgearsweep.so.$minor" \
-    -Wl,--whole-archive "$prefix/lib/libgearsweep.a" -Wl,--no-whole-archive -Wl,-z,defs -lopenblas -lm -lpthread \
-    -o "$prefix/lib/libgearsweep.so.$version.new" || return
+  objects=$run_dir/shared
+  rm -rf "$objects" && mkdir "$objects" && (cd "$objects" && ar x "$prefix/lib/libgearsweep.a" && rm -f ./*.c.o) || return
+  for source in src/*/*.c; do
+    quietly "compiling $source for the shared library" gcc -O2 -fPIC -fopenmp -c "$source" -o "$objects/$(basename "$source").o" ||
+      return
+  done
+  quietly "linking the shared library" gfortran -shared -fopenmp -Wl,-soname,"libgearsweep.so.$minor" -Wl,-z,defs "$objects"/*.o \
+    -lopenblas -lm -lpthread -o "$prefix/lib/libgearsweep.so.$version.new" || return
   mv -f "$prefix/lib/libgearsweep.so.$version.new" "$prefix/lib/libgearsweep.so.$version" &&
     ln -sf "libgearsweep.so.$version" "$prefix/lib/libgearsweep.so.$minor" &&
-    ln -sf "libgearsweep.so.$minor" "$prefix/lib/libgearsweep.so"
+    ln -sf "libgearsweep.so.$minor" "$prefix/lib/libgearsweep.so" && rm -rf "$objects"
 }
 
 # write_pc LIBS PRIVATE: the folder is found from where the file lies, so that an installed tree can be moved.
