@@ -14,10 +14,11 @@ from dataclasses import dataclass, field
 import build
 
 # Of the Python tests, those that look at pictures see only changes in Python; and a
-# test that runs every command of the README takes longer than all others together.
+# test that runs every command of the README takes longer than all others together. Scripts that build on their
+# own have no mutant to look at.
 PICTURES = ('test_plots', 'pictures.md')
 LEFT_OUT = ('test_nothing_in_the_readme_is_old',)
-SCRIPTS_APART = ('test_python', 'test_sanitize', 'test_wheel', 'test_callers')
+SCRIPTS_APART = ('test_python', 'test_sanitize', 'test_wheel', 'test_callers', 'test_fpm', 'test_matrix', 'test_memory')
 
 
 @dataclass
