@@ -60,6 +60,7 @@ contains
     character(:), allocatable :: text
 
     call read_text(path, text, error, longest=longest)
+    if (allocated(error)) return
     call read_record(text, path, case, folder, record, error)
   end subroutine load_record
 
