@@ -243,13 +243,13 @@ no_static_lengths() {
   silent ours
 }
 check 'no static text lengths' no_static_lengths
-# interfaces FILE: the heads and dummy arguments of gs_..., one a line.
+# interfaces FILE: the heads with the dummy arguments of gs_..., a subroutine a line.
 interfaces() {
   sed -e ':a' -e '/&$/N; s/&\n *//; ta' "$1" | sed 's/^ *//' | awk '/^subroutine gs_/ { on = 1 }
-    on && (/^subroutine/ || /intent\(.*::/) { print } /^end subroutine/ { on = 0 }'
+    on && (/^subroutine/ || /intent\(.*::/) { all = all $0 "; " } /^end subroutine/ { if (on) print all; all = ""; on = 0 }' | sort
 }
 interfaces_alike() {
-  for file in flat flat_motion flat_body flat_maps; do interfaces "$root/src/doors/gearsweep_$file.f90"; done >theirs
+  for file in flat flat_run flat_motion flat_body flat_maps; do interfaces "$root/src/doors/gearsweep_$file.f90"; done | sort >theirs
   interfaces "$root/src/doors/gearsweep_calls.f90" >ours
   [ -s theirs ] && same theirs ours
 }

@@ -72,7 +72,7 @@ contains
 
   !> Adds one element's integrals. Corners first, then the middles of the sides, anticlockwise.
   subroutine integrate(x, u, density, law, is_rim, mass, stiffness, in_rim)
-    real(dp), intent(in) :: x(2, 8), u(:, :, :), density, law(3)
+    real(dp), intent(in) :: x(:, :), u(:, :, :), density, law(3)
     logical, intent(in) :: is_rim
     real(dp), intent(inout) :: mass(:, :), stiffness(:, :), in_rim(:)
     real(dp), parameter :: place(4) = [-0.861136311594053_dp, -0.339981043584856_dp, 0.339981043584856_dp, 0.861136311594053_dp]

@@ -123,6 +123,7 @@ contains
     type(tally_t), intent(inout) :: t
     character(*), intent(in) :: what
     type(study_t), intent(in) :: piece, whole
+    real(dp), allocatable :: one(:, :), other(:, :)
 
     associate (a => piece%sweep, b => whole%sweep)
       call check_true(t, what//'dynamic factors', all(bits(a%dynamic_factor) == bits(b%dynamic_factor)))
@@ -132,8 +133,11 @@ contains
       call check_true(t, what//'steps', all(a%steps == b%steps))
       call check_true(t, what//'periods', all(a%periods == b%periods))
     end associate
-    if (allocated(whole%response)) call check_true(t, what//'loads', all(bits1([piece%response%point%dynamic_factor]) == &
-                                                                         bits1([whole%response%point%dynamic_factor])))
+    if (allocated(whole%response)) then
+      one = piece%response%point%dynamic_factor
+      other = whole%response%point%dynamic_factor
+      call check_true(t, what//'loads', all(bits(one) == bits(other)))
+    end if
     if (allocated(whole%optimum)) then
       call check_true(t, what//'reliefs tried', all(bits1(piece%optimum%amount) == bits1(whole%optimum%amount)))
       call check_true(t, what//'their worst', all(bits1(piece%optimum%dynamic_factor) == bits1(whole%optimum%dynamic_factor)))

@@ -57,8 +57,8 @@ module gearsweep_calls
                       answer, length, stages, files, info, message)
       character(*), intent(in) :: text, folder, out, name, resume, keep
       integer, intent(in) :: nwork, threads, room
-      double precision, intent(in) :: work(*)
       integer, intent(inout), target :: watch(3)
+      double precision, intent(in) :: work(*)
       double precision, intent(inout) :: values(room)
       character(*), intent(inout) :: names, answer, stages, files
       integer, intent(inout) :: used, length

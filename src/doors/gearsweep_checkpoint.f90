@@ -10,7 +10,7 @@ module gearsweep_checkpoint
   use gearsweep_case, only: case_t, speeds
   use gearsweep_error, only: error_t, fail, code_file
   use gearsweep_file_set, only: file_set_t
-  use gearsweep_files, only: beside, folder_of, read_text
+  use gearsweep_files, only: beside, read_text
   use gearsweep_lines, only: lines_t
   use gearsweep_optimum, only: most_tried
   use gearsweep_study, only: record_t
@@ -45,7 +45,8 @@ contains
     character(:), allocatable :: text, place
 
     call write_record(record, case, folder, text)
-    place = folder_of(path)
+    ! Not by folder_of: callers at once would share the length of its result.
+    place = path(:index(path, '/', back=.true.))
     call files%begin(place//'.', error)
     call files%add(path(len(place) + 1:), format, text, error)
     call files%finish(error)
