@@ -90,14 +90,15 @@ failed=$((failed + ${line##* }))
 
 if [ $# = 0 ]; then
   for script in test/test_*.sh; do
-    name=$(basename "$script" .sh)
-    name=${name#test_}
-    say "$name: $(sed -n 's/^# Takes \(about .*\)\.$/\1/p' "$script")"
+    # Not `name`, which building sets.
+    part=$(basename "$script" .sh)
+    part=${part#test_}
+    say "$part: $(sed -n 's/^# Takes \(about .*\)\.$/\1/p' "$script")"
     if build_program; then
-      { sh "$script" "$run_dir/gearsweep" 2>&1; echo $? >"$work/$name.code"; } </dev/null | tee "$work/$name.said" | tell "$name"
-      add_counts "$name"
+      { sh "$script" "$run_dir/gearsweep" 2>&1; echo $? >"$work/$part.code"; } </dev/null | tee "$work/$part.said" | tell "$part"
+      add_counts "$part"
     else
-      broke "$name" 1 ': the program cannot be built'
+      broke "$part" 1 ': the program cannot be built'
     fi
   done
 fi
