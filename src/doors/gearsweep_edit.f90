@@ -1,5 +1,6 @@
 !> Changes one key of a case's text and leaves the rest as it is, remarks and all.
 module gearsweep_edit
+  use gearsweep_characters, only: find_control
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_namelist, only: namelist_t, parse_namelist
   use gearsweep_text, only: lower, shown
@@ -59,8 +60,15 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(namelist_t) :: list
     type(error_t), allocatable :: wrong
+    character(:), allocatable :: control
+    integer :: line
     logical :: fits
 
+    call find_control(value, line, control)
+    if (line > 0) then
+      call fail(error, code_input, '&'//shown(group)//' '//shown(key)//' = '//shown(value)//': must not have '//control)
+      return
+    end if
     call parse_namelist('&'//group//' '//key//' = '//value//' /', list, wrong)
     fits = .not. allocated(wrong)
     if (fits) fits = size(list%groups) == 1 .and. size(list%entries) == min(1, len(value))
