@@ -24,9 +24,14 @@ static const double large = 64*1024.0*1024.0;
 /* Where OpenBLAS cannot get this buffer for a caller at its first product, it tries for ever. */
 static const double blas_buffer = 129*1024.0*1024.0;
 
+extern void dtrsm_(const char *side, const char *uplo, const char *trans, const char *diag, const int *m, const int *n,
+                   const double *alpha, const double *a, const int *lda, double *b, const int *ldb,
+                   size_t, size_t, size_t, size_t);
+
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static double promised;                 /* latest claims of all threads */
-static int blas_callers, blas_buffers;  /* claims with BLAS now, and the most there ever were */
+static int blas_callers;                /* claims with BLAS now */
+static int has_buffer;                  /* OpenBLAS has the buffer of one caller */
 static _Thread_local double mine;
 static _Thread_local int with_blas;
 
@@ -131,6 +136,15 @@ double gearsweep_left(void)
   return left;
 }
 
+/* A product, as small as can be, after which OpenBLAS has a buffer, whatever becomes of this claim. */
+static void take_buffer(void)
+{
+  const int one = 1;
+  const double factor = 1, matrix = 1;
+  double vector = 1;
+  dtrsm_("L", "L", "N", "N", &one, &one, &factor, &matrix, &one, &vector, &one, 1, 1, 1, 1);
+}
+
 /* Claims `bytes` of address space, `used` of them to be written to; blas: products
    follow. `lacks`: of the `need` there is only `left`, and nothing is claimed. */
 void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *need, double *left)
@@ -141,7 +155,8 @@ void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *ne
   if (!blas && used < large && is_unlimited()) return;
   pthread_mutex_lock(&lock);
   callers = blas_callers + (blas && !with_blas);
-  if (blas && callers > blas_buffers) bytes += blas_buffer;
+  /* Of buffers beyond the first nobody knows whether OpenBLAS has them yet. */
+  if (blas && (callers > 1 || !has_buffer)) bytes += blas_buffer;
   others = promised - mine + reserve;
   *left = left_by_limits() - others;
   *lacks = bytes > *left;
@@ -156,7 +171,10 @@ void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *ne
     mine = bytes;
     blas_callers = callers;
     if (blas) with_blas = 1;
-    if (callers > blas_buffers) blas_buffers = callers;
+    if (blas && !has_buffer) {
+      take_buffer();
+      has_buffer = 1;
+    }
   }
   *left = fmax(0, *left);
   pthread_mutex_unlock(&lock);
