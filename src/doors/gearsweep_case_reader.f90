@@ -53,6 +53,7 @@ contains
 
     ! Reading asks for every key; that this case lacks some does not matter here.
     call open_reader('&case tasks = ''geometry'' /', groups, reader, error)
+    if (allocated(error)) return
     call read_all('', reader, case, missing)
     call reader%check_key(group, key, error)
   end subroutine check_key

@@ -2,6 +2,7 @@
 !> in shift-invert mode about zero with the factored stiffness.
 module gearsweep_modes
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_blas, only: begin_products, end_products
   use gearsweep_body, only: body_t
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_lapack, only: dgemm, dsyev
@@ -129,7 +130,9 @@ contains
     allocate (vectors(n, count))
     ! One more step of the iteration, K^-1 M x/theta, is at hand: its rough part is much smaller.
     ritz = ritz(:, k:k - count + 1:-1)
+    call begin_products()
     call dgemm('N', 'N', n, count, k, 1.0_dp, v, n, ritz, k, 0.0_dp, vectors, n)
+    call end_products()
     vectors = vectors + matmul(w, ritz(before + 1:, :)*spread(values, 1, k - before))
 
   contains
@@ -139,7 +142,9 @@ contains
       real(dp), allocatable, intent(out) :: share(:, :)
 
       share = inner(mv(:, :k), w)
+      call begin_products()
       call dgemm('N', 'N', n, size(w, 2), k, -1.0_dp, v, n, share, k, 1.0_dp, w, n)
+      call end_products()
       mw = mass_times(masses, dof, w)
     end subroutine subtract_basis
   end subroutine iterate
@@ -194,7 +199,9 @@ contains
     real(dp) :: c(size(a, 2), size(b, 2))
 
     c = 0
+    call begin_products()
     call dgemm('T', 'N', size(a, 2), size(b, 2), size(a, 1), 1.0_dp, a, size(a, 1), b, size(b, 1), 0.0_dp, c, size(c, 1))
+    call end_products()
   end function inner
 
   !> Of a symmetric matrix, whose upper triangle counts; eigenvalues ascending.
@@ -206,7 +213,9 @@ contains
 
     allocate (values(size(t, 1)))
     vectors = t
+    call begin_products()
     call dsyev('V', 'U', size(values), vectors, size(values), values, work, size(work), info)
+    call end_products()
   end subroutine eigenvectors
 
   !> y = M x on the unknowns, element by element: less memory to stream than a band.

@@ -2,6 +2,7 @@
 !> many right-hand sides.
 module gearsweep_band
   use gearsweep_kinds, only: dp
+  use gearsweep_blas, only: begin_products, end_products
   use gearsweep_error, only: error_t, fail, code_memory, code_numerical
   use gearsweep_memory, only: claim_memory
   use gearsweep_lapack, only: dpbtrf, dtrsm, dgemm
@@ -64,13 +65,14 @@ contains
     integer :: j, columns, rows, info
 
     call find_reach(matrix)
+    call begin_products()
     do j = 1, matrix%n, block_size(matrix)
       columns = min(block_size(matrix), matrix%n - j + 1)
       call dpbtrf('L', columns, columns - 1, matrix%a(1, j), matrix%width + 1, info)
       if (info /= 0) then
         call fail(error, code_numerical, &
           'the stiffness matrix is not positive definite at unknown '//str(j - 1 + info)//': the body is not held')
-        return
+        exit
       end if
       rows = matrix%last(j + columns - 1) - (j + columns - 1)
       if (rows == 0) cycle
@@ -79,6 +81,7 @@ contains
       call put_panel(matrix, j, columns, rows, panel)
       call subtract_square(matrix, j + columns, columns, rows, panel)
     end do
+    call end_products()
   end subroutine factor
 
   !> Below row `last(j)` column j of the factor is zero.
@@ -193,6 +196,7 @@ contains
 
     block = block_size(matrix)
     blocks = (matrix%n - first)/block + 1
+    call begin_products()
     do b = 1, blocks
       j = first + merge(blocks - b, b - 1, backward)*block
       columns = min(block, matrix%n - j + 1)
@@ -201,6 +205,7 @@ contains
                  matrix%a(1, j), matrix%width, x(j, 1), matrix%n)
       if (.not. backward) call below(matrix, sides, x, j, columns, backward)
     end do
+    call end_products()
   end subroutine sweep
 
   !> What couples the block of columns at j with the rows below it.

@@ -5,7 +5,9 @@
    control groups. Elsewhere than on Linux only what getrlimit and /proc tell.
 
    Each thread's latest claim counts for the others until it settles, so that
-   calls at once do not share what is there once. */
+   calls at once do not share what is there once. Where the process has a limit, one
+   thread at a time computes with BLAS: OpenBLAS takes a buffer for each that does at
+   the same time, and cannot be told to do with one. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <fcntl.h>
@@ -21,7 +23,7 @@
 static const double reserve = 32*1024.0*1024.0;
 /* Asking the machine takes some 50 us; below, it has so much. */
 static const double large = 64*1024.0*1024.0;
-/* Where OpenBLAS cannot get this buffer for a caller at its first product, it tries for ever. */
+/* Where OpenBLAS cannot get this buffer at its first product, it tries for ever. */
 static const double blas_buffer = 129*1024.0*1024.0;
 
 extern void dtrsm_(const char *side, const char *uplo, const char *trans, const char *diag, const int *m, const int *n,
@@ -29,11 +31,11 @@ extern void dtrsm_(const char *side, const char *uplo, const char *trans, const 
                    size_t, size_t, size_t, size_t);
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
 static double promised;                 /* latest claims of all threads */
-static int blas_callers;                /* claims with BLAS now */
-static int has_buffer;                  /* OpenBLAS has the buffer of one caller */
+static int has_buffer;                  /* OpenBLAS has its first buffer */
 static _Thread_local double mine;
-static _Thread_local int with_blas;
+static _Thread_local int has_turn;
 
 static long read_file(const char *path, char *text, size_t size)
 {
@@ -150,13 +152,10 @@ static void take_buffer(void)
 void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *need, double *left)
 {
   double others;
-  int callers;
   *need = *left = *lacks = 0;
   if (!blas && used < large && is_unlimited()) return;
   pthread_mutex_lock(&lock);
-  callers = blas_callers + (blas && !with_blas);
-  /* Of buffers beyond the first nobody knows whether OpenBLAS has them yet. */
-  if (blas && (callers > 1 || !has_buffer)) bytes += blas_buffer;
+  if (blas && !has_buffer) bytes += blas_buffer;
   others = promised - mine + reserve;
   *left = left_by_limits() - others;
   *lacks = bytes > *left;
@@ -169,8 +168,6 @@ void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *ne
   if (!*lacks) {
     promised += bytes - mine;
     mine = bytes;
-    blas_callers = callers;
-    if (blas) with_blas = 1;
     if (blas && !has_buffer) {
       take_buffer();
       has_buffer = 1;
@@ -183,11 +180,24 @@ void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *ne
 /* What this thread claimed is allocated, or no longer wanted. */
 void gearsweep_settle(void)
 {
-  if (!(mine > 0) && !with_blas) return;
+  if (!(mine > 0)) return;
   pthread_mutex_lock(&lock);
   promised -= mine;
   mine = 0;
-  blas_callers -= with_blas;
-  with_blas = 0;
   pthread_mutex_unlock(&lock);
+}
+
+/* Before calls of BLAS and LAPACK, which end with gearsweep_end_products; not nested. */
+void gearsweep_begin_products(void)
+{
+  if (is_unlimited()) return;
+  pthread_mutex_lock(&turn);
+  has_turn = 1;
+}
+
+void gearsweep_end_products(void)
+{
+  if (!has_turn) return;
+  has_turn = 0;
+  pthread_mutex_unlock(&turn);
 }
