@@ -57,7 +57,7 @@ for file in bin/gearsweep lib/libgearsweep.a lib/libgearsweep.so lib/pkgconfig/g
   include/gearsweep/gearsweep.mod include/gearsweep/gearsweep_calls.mod; do
   check "installed: $file" test -s "$prefix/$file"
 done
-for module in "$root"/src/*.f90 "$root"/src/*/*.f90; do
+for module in $(find "$root/src" -name "*.f90"); do
   name=$(basename "$module" .f90)
   case $name in gearsweep_flat*) continue ;; esac
   check "installed: $name.mod" test -s "$prefix/include/gearsweep/$name.mod"

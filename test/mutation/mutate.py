@@ -29,7 +29,7 @@ def say(text):
 
 def rooms_of(root):
     """The files of each room: {room: {file: text}}."""
-    rooms = {folder.name: sorted(folder.glob('*.f90')) for folder in sorted((root / 'src').iterdir()) if folder.is_dir()}
+    rooms = {folder.name: sorted(folder.glob('**/*.f90')) for folder in sorted((root / 'src').iterdir()) if folder.is_dir()}
     # The module of all calls stands above the rooms and has no statements of its own.
     rooms['app'] = [root / build.PROGRAM]
     rooms['python'] = sorted((root / 'python/gearsweep').glob('**/*.py'))
