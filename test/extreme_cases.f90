@@ -10,7 +10,7 @@ module extreme_cases
   use gearsweep_edit, only: change_key
   use gearsweep_error, only: error_t
   use gearsweep_files, only: read_text
-  use gearsweep_steady, only: name_of
+  use gearsweep_status, only: status_name
   use gearsweep_study, only: study_t, run_study
   use gearsweep_sweep, only: down, each
   use gearsweep_text, only: to_number
@@ -204,7 +204,7 @@ contains
     allocate (tables)
     associate (sweep => study%sweep, motion => study%motion(1), accuracy => study%case%accuracy)
       k = merge(1, size(sweep%rpm), study%case%direction == down)
-      outcome%status = name_of(sweep%status(k, 1))
+      outcome%status = status_name(sweep%status(k, 1))
       outcome%value = sweep%dynamic_factor(k, 1)
       if (.not. ieee_is_nan(outcome%value)) outcome%error = sweep%estimate(k, 1)/outcome%value
       call solve_point(motion, mesh_period(motion%mesh%teeth(1), sweep%rpm(k)), accuracy, tables, point)

@@ -7,7 +7,8 @@ module test_branches
   use gearsweep_branches, only: branch_t, follow_branch
   use gearsweep_error, only: error_t
   use gearsweep_motion, only: oscillator_t, make_oscillator
-  use gearsweep_steady, only: has_answer, name_of, steady_options_t, point_chaotic, point_ok, point_subharmonic
+  use gearsweep_steady, only: steady_options_t
+  use gearsweep_status, only: has_result, status_chaotic, status_name, status_ok, status_subharmonic
   use gearsweep_strobe, only: strobe_motion, strobe_t
   use gearsweep_text, only: str
   use gearsweep_tongues, only: find_tongues, tongue_t
@@ -104,7 +105,7 @@ contains
           call check_true(t, 'doubled', all(change%point%steady%periods == [1, 2]))
         end associate
         call strobe_motion(osc, edge*(1 + inwards*0.01_dp*[-1, 1]), 1000, 100, strobe)
-        call check_true(t, 'named', all(strobe%status == [point_ok, point_subharmonic]) .and. all(strobe%periods == [1, 2]))
+        call check_true(t, 'named', all(strobe%status == [status_ok, status_subharmonic]) .and. all(strobe%periods == [1, 2]))
       end associate
     end do
   end subroutine doubling_at_the_tongue
@@ -135,13 +136,13 @@ contains
       allocate (tables)
       call solve_point(osc, mesh_period(25, rpm), accuracy_t(), tables, point, rest)
       deallocate (tables)
-      call check_equal(t, 'named by the sweep', point%steady%status, merge(point_chaotic, point_ok, exponent > 0))
+      call check_equal(t, 'named by the sweep', point%steady%status, merge(status_chaotic, status_ok, exponent > 0))
       call check_close(t, 'growth by the sweep', log(point%steady%multiplier), exponent, &
                        absolute=4*deviation*(1 + sqrt(real(kept_there)/450)))
       start = rest
-      if (has_answer(point%steady%status)) start = point%steady%state/[1.0_dp, mesh_period(25, rpm)]
+      if (has_result(point%steady%status)) start = point%steady%state/[1.0_dp, mesh_period(25, rpm)]
       call strobe_motion(osc, [rpm], 500, kept, strobe, start)
-      call check_equal(t, 'named', strobe%status(1), merge(point_chaotic, point_ok, exponent > 0))
+      call check_equal(t, 'named', strobe%status(1), merge(status_chaotic, status_ok, exponent > 0))
       call check_equal(t, 'periods', strobe%periods(1), merge(0, 1, exponent > 0))
       call check_close(t, 'exponent '//str(rows), strobe%exponent(1), exponent, &
                        absolute=4*deviation*(1 + sqrt(real(kept_there)/kept)))
@@ -164,7 +165,7 @@ contains
     rpm = [(9000 + 1000*i, i=0, 4)]
     call follow_branch(osc, rpm, accuracy_t(), 0.02_dp, 1e-6_dp, up)
     call follow_branch(osc, rpm(5:1:-1), accuracy_t(), 0.02_dp, 1e-6_dp, down)
-    call check_true(t, 'all answered', all(has_answer(up%point%steady%status)) .and. all(has_answer(down%point%steady%status)))
+    call check_true(t, 'all answered', all(has_result(up%point%steady%status)) .and. all(has_result(down%point%steady%status)))
     call check_true(t, 'two motions', down%point(4)%dynamic_factor > up%point(2)%dynamic_factor + 0.5_dp)
     call check_close(t, 'one motion', down%point(1)%dynamic_factor, up%point(5)%dynamic_factor, absolute=2e-6_dp)
     allocate (tables)
@@ -205,10 +206,10 @@ contains
     type(branch_t) :: branch
 
     call strobe_motion(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], 100, 40, strobe)
-    call check_equal(t, 'too slow', name_of(strobe%status(1)), 'unresolved')
+    call check_equal(t, 'too slow', status_name(strobe%status(1)), 'unresolved')
     call check_true(t, 'no numbers', all(ieee_is_nan(strobe%x(:, 1))))
-    call check_equal(t, 'fast enough', name_of(strobe%status(2)), 'ok')
+    call check_equal(t, 'fast enough', status_name(strobe%status(2)), 'ok')
     call follow_branch(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], accuracy_t(), 0.02_dp, 1e-3_dp, branch)
-    call check_equal(t, 'a branch from there', name_of(branch%point(2)%steady%status), 'ok')
+    call check_equal(t, 'a branch from there', status_name(branch%point(2)%steady%status), 'ok')
   end subroutine too_slow
 end module test_branches

@@ -5,7 +5,8 @@ module test_grading
   use gearsweep_accuracy, only: accuracy_t, point_t, solve_point, tables_t, mesh_period
   use gearsweep_motion, only: oscillator_t
   use gearsweep_response, only: response_t, find_response
-  use gearsweep_steady, only: largest_multiplier, point_ok
+  use gearsweep_steady, only: largest_multiplier
+  use gearsweep_status, only: status_ok
   use gearsweep_sweep, only: run_sweep, sweep_t, sweep_options_t
   use gearsweep_text, only: str
   use single_points, only: mesh_of, solve
@@ -50,7 +51,7 @@ contains
         name = 'zeta '//str(zeta(i))//', '//str(rpm(k))//' rpm'
         call closed_form(osc%natural_frequency, zeta(i), mesh_period(25, rpm(k)), dynamic_factor, multiplier)
         call solve(osc, rpm(k), options, point)
-        call check_equal(t, name//': status', point%steady%status, point_ok)
+        call check_equal(t, name//': status', point%steady%status, status_ok)
         call check_close(t, name, point%dynamic_factor, dynamic_factor, absolute=1e-9_dp)
         if (abs(point%dynamic_factor - dynamic_factor) > 2*point%estimate + 1e-12_dp) misses = misses + 1
         call check_true(t, name//': kept', point%estimate <= options%steady%tolerance)

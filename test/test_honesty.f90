@@ -6,7 +6,7 @@
 module test_honesty
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
-  use gearsweep_steady, only: has_answer
+  use gearsweep_status, only: has_result
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, contact_full
   use gearsweep_text, only: str
   use random_meshes, only: draw_t, random_mesh
@@ -54,7 +54,7 @@ contains
       asked = swept(draw, draw%tolerance)
       truth = swept(draw, 1e-11_dp)
       do k = 1, speeds
-        if (.not. (has_answer(asked%status(k, 1)) .and. has_answer(truth%status(k, 1)))) cycle
+        if (.not. (has_result(asked%status(k, 1)) .and. has_result(truth%status(k, 1)))) cycle
         error = abs(asked%dynamic_factor(k, 1) - truth%dynamic_factor(k, 1)) - rounding
         points = points + 1
         if (error > 2*asked%estimate(k, 1)) optimistic = optimistic + 1

@@ -6,8 +6,8 @@ module test_motion
   use gearsweep_motion, only: oscillator_t, make_oscillator, resolution_t, table_t, tabulate
   use gearsweep_period, only: period_t, maps_t, begin_maps, hold_period
   use gearsweep_response, only: response_t, find_response
-  use gearsweep_steady, only: by_marching, has_answer, largest_multiplier, name_of, point_marginal, point_ok, &
-                              point_unresolved
+  use gearsweep_steady, only: by_marching, largest_multiplier
+  use gearsweep_status, only: has_result, status_marginal, status_name, status_ok, status_unresolved
   use gearsweep_text, only: str
   use reference_rows, only: row_t, read_rows, oscillator_of
   use single_points, only: mesh_of, solve
@@ -70,7 +70,7 @@ contains
       call check_close(t, row//' multiplier', point%steady%multiplier, rows(i)%multiplier, absolute=2e-8_dp)
       call check_true(t, row//' contact', (rows(i)%loss > 0 .eqv. point%steady%partial) .and. &
                       (rows(i)%loss > 1 .eqv. point%steady%flight) .and. (rows(i)%loss > 2 .eqv. point%steady%coast))
-      call check_equal(t, row//' status', point%steady%status, merge(point_marginal, point_ok, rows(i)%zeta <= 0))
+      call check_equal(t, row//' status', point%steady%status, merge(status_marginal, status_ok, rows(i)%zeta <= 0))
     end do
   end subroutine references
 
@@ -313,10 +313,10 @@ contains
     options%steady%most_cycles = 3
     osc = mesh_of(1.6_dp, [400.0_dp], [0.0_dp, 0.0_dp], closing*1.001_dp)
     call solve(osc, rpm, options, point)
-    call check_equal(t, 'closed', name_of(point%steady%status), 'ok')
+    call check_equal(t, 'closed', status_name(point%steady%status), 'ok')
     osc = mesh_of(1.6_dp, [400.0_dp], [0.0_dp, 0.0_dp], closing*0.999_dp)
     call solve(osc, rpm, options, point)
-    call check_true(t, 'open', .not. has_answer(point%steady%status))
+    call check_true(t, 'open', .not. has_result(point%steady%status))
   end subroutine meissner_closing
 
   !> In the main parametric tongue the motion settles over two mesh periods with
@@ -331,12 +331,12 @@ contains
     osc = mesh_of(1.6_dp, [400.0_dp, 0.0_dp, -110.0_dp], [0.0_dp, 0.0_dp], 0.03_dp)
     options%steady%tolerance = 1e-9_dp
     call solve(osc, 29000.0_dp, options, point)
-    call check_equal(t, 'status in the tongue', name_of(point%steady%status), 'subharmonic')
+    call check_equal(t, 'status in the tongue', status_name(point%steady%status), 'subharmonic')
     call check_equal(t, 'two periods', point%steady%periods, 2)
     call check_close(t, 'its dynamic factor', point%dynamic_factor, 1.5806300622426337_dp, absolute=2e-9_dp)
     call check_true(t, 'it loses contact and attracts', point%steady%flight .and. point%steady%multiplier < 1)
     call solve(osc, 32000.0_dp, options, point)
-    call check_equal(t, 'status beside it', name_of(point%steady%status), 'ok')
+    call check_equal(t, 'status beside it', status_name(point%steady%status), 'ok')
   end subroutine subharmonic
 
   !> Steps that do not see the natural motion are refused, not answered.
@@ -349,11 +349,11 @@ contains
     options%steps = 50
     osc = mesh_of(1.6_dp, [400.0_dp], [0.0_dp, 0.0_dp], 0.17_dp)
     call solve(osc, 400.0_dp, options, point)
-    call check_equal(t, 'too few steps', point%steady%status, point_unresolved)
+    call check_equal(t, 'too few steps', point%steady%status, status_unresolved)
     options%steps = 0
     osc = mesh_of(1.6_dp, [400.0_dp], [0.0_dp, 0.0_dp], 0.0_dp)
     call solve(osc, 1e-3_dp, options, point)
-    call check_equal(t, 'too slow without damping', point%steady%status, point_unresolved)
+    call check_equal(t, 'too slow without damping', point%steady%status, status_unresolved)
   end subroutine refused_steps
 
   !> The followed pair: its largest load is the dynamic factor; the loads of the

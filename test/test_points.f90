@@ -6,7 +6,7 @@ module test_points
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_response, only: response_t
-  use gearsweep_steady, only: has_answer
+  use gearsweep_status, only: has_result
   use gearsweep_study, only: run_study, study_t
   use gearsweep_text, only: str
   use random_numbers, only: random_t
@@ -97,7 +97,7 @@ contains
       call check_close(t, what//': the speed', response%rpm, sweep%rpm(k))
       call check_equal(t, what//': status', response%point%steady%status, sweep%status(k, 1))
       call check_equal(t, what//': periods', response%point%steady%periods, sweep%periods(k, 1))
-      if (has_answer(sweep%status(k, 1))) then
+      if (has_result(sweep%status(k, 1))) then
         call check_true(t, what//': the same bits', transfer(response%point%dynamic_factor, 0_8) == &
                         transfer(sweep%dynamic_factor(k, 1), 0_8))
         call rows_fit(t, what, study, response)
@@ -141,7 +141,7 @@ contains
                     '''load'', ''sweep''', among)
       call check_close(t, 'between, '//directions(i), between%response(1, 1)%point%dynamic_factor, &
                        among%response(1, 1)%point%dynamic_factor, absolute=2e-6_dp)
-      call check_true(t, 'beyond, '//directions(i), all(has_answer(between%response(1, 2:)%point%steady%status)))
+      call check_true(t, 'beyond, '//directions(i), all(has_result(between%response(1, 2:)%point%steady%status)))
     end do
   end subroutine between_the_speeds
 

@@ -8,7 +8,7 @@ module test_resume
   use gearsweep_error, only: error_t
   use gearsweep_files, only: read_text
   use gearsweep_kinds, only: dp
-  use gearsweep_steady, only: point_stopped
+  use gearsweep_status, only: status_stopped
   use gearsweep_study, only: record_t, run_study, study_t
   use gearsweep_text, only: str
   use testing, only: check_equal, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
@@ -111,7 +111,7 @@ contains
     character(*), intent(in) :: what
     type(study_t), intent(in) :: piece, whole
 
-    associate (done => piece%sweep%status /= point_stopped)
+    associate (done => piece%sweep%status /= status_stopped)
       call check_true(t, what//'done points have their status', all(piece%sweep%status == whole%sweep%status .or. .not. done))
       call check_true(t, what//'and their bits', all(bits(piece%sweep%dynamic_factor) == bits(whole%sweep%dynamic_factor) &
                                                      .or. .not. done))

@@ -7,7 +7,8 @@ module test_sweep
   use gearsweep_files, only: read_text
   use gearsweep_motion, only: oscillator_t, make_oscillator
   use gearsweep_optimum, only: find_resonances, peak_t, worst_of
-  use gearsweep_steady, only: has_answer, by_marching, point_ok
+  use gearsweep_steady, only: by_marching
+  use gearsweep_status, only: has_result, status_ok
   use gearsweep_study, only: study_t, run_study
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, contact_full, contact_lost
   use reference_rows, only: prescribed
@@ -80,7 +81,7 @@ contains
 
     call study_of(t, 'data/case1.nml', [' ', ' '], study)
     call check_equal(t, 'points', size(study%sweep%status), 1635)
-    call check_true(t, 'all answered', all(has_answer(study%sweep%status)))
+    call check_true(t, 'all answered', all(has_result(study%sweep%status)))
     call check_true(t, 'to the tolerance', maxval(study%sweep%estimate) <= 1e-6_dp)
     associate (df => study%sweep%dynamic_factor, rpm => study%sweep%rpm)
       call check_close(t, '1600 rpm', study%response(1, 1)%point%dynamic_factor, 1.25_dp, absolute=0.03_dp)
@@ -207,8 +208,8 @@ contains
     call run_sweep(osc(1:1), [(6000 + 60.0_dp*i, i=0, 200)], options, falling, error)
     between = rising%rpm >= 9000 .and. rising%rpm <= 11000
     call check_true(t, 'two branches', all(pack(falling%dynamic_factor(:, 1) > rising%dynamic_factor(:, 1) + 0.5_dp, between)))
-    call check_true(t, 'stable on both', all(pack(rising%multiplier(:, 1), has_answer(rising%status(:, 1))) < 1 + 1e-7_dp) &
-                    .and. all(pack(falling%multiplier(:, 1), has_answer(falling%status(:, 1))) < 1 + 1e-7_dp))
+    call check_true(t, 'stable on both', all(pack(rising%multiplier(:, 1), has_result(rising%status(:, 1))) < 1 + 1e-7_dp) &
+                    .and. all(pack(falling%multiplier(:, 1), has_result(falling%status(:, 1))) < 1 + 1e-7_dp))
     call check_true(t, 'contact kept below', all(pack(rising%contact(:, 1), between) < contact_lost))
     call check_true(t, 'contact lost above', all(pack(falling%contact(:, 1), between) >= contact_lost))
   end subroutine branches
@@ -228,11 +229,11 @@ contains
     options%accuracy%steady%method = by_marching
     options%accuracy%steady%tolerance = 1e-3_dp
     call run_sweep(osc(:2), rpm, options, marched, error)
-    associate (one => shot%status == point_ok .and. shot%contact == contact_full)
+    associate (one => shot%status == status_ok .and. shot%contact == contact_full)
       call check_true(t, 'some points in full contact', count(one) >= 4)
       call check_true(t, 'marching is as near as asked', &
                       maxval(abs(marched%dynamic_factor - shot%dynamic_factor), mask=one) < 1e-3_dp)
-      call check_true(t, 'marching says ok', all(marched%status == point_ok .or. .not. one))
+      call check_true(t, 'marching says ok', all(marched%status == status_ok .or. .not. one))
       call check_true(t, 'within few steps', maxval(marched%steps, mask=one) < 1000)
     end associate
   end subroutine marching_agrees
@@ -251,7 +252,7 @@ contains
     call run_sweep(osc(3:), [1e-3_dp, 5000.0_dp], options, both, error)
     call check_no_error(t, 'a failing point is no error', error)
     call run_sweep(osc(3:), [5000.0_dp], options, alone, error)
-    call check_true(t, 'no answer', all(.not. has_answer(both%status(1, :))))
+    call check_true(t, 'no answer', all(.not. has_result(both%status(1, :))))
     call check_true(t, 'NaN', all(both%dynamic_factor(1, :) /= both%dynamic_factor(1, :)))
     call check_true(t, 'neighbour unharmed', &
                     maxval(abs(both%dynamic_factor(2, :) - alone%dynamic_factor(1, :))) < 1e-9_dp)

@@ -12,7 +12,7 @@ program honesty
   use gearsweep, only: dp, error_t, oscillator_t, run_sweep, sweep_t, sweep_options_t, each
   use gearsweep_accuracy, only: accuracy_t, point_t, tables_t, solve_point, mesh_period
   use gearsweep_kinds, only: pi
-  use gearsweep_steady, only: has_answer
+  use gearsweep_status, only: has_result
   use random_meshes, only: draw_t, random_mesh
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
@@ -71,13 +71,13 @@ contains
     allocate (start(2, size(sweep%rpm)), known(size(sweep%rpm)))
     known = .false.
     do k = 1, size(sweep%rpm)
-      if (.not. has_answer(sweep%status(k, 1)) .or. sweep%periods(k, 1) > 1) cycle
+      if (.not. has_result(sweep%status(k, 1)) .or. sweep%periods(k, 1) > 1) cycle
       duration = mesh_period(osc%mesh%teeth(1), sweep%rpm(k))
       do try = 1, tries
         tables = tables_t()
         options%steady%tolerance = tolerance/10.0_dp**(try - 1)
         call solve_point(osc, duration, options, tables, point)
-        known(k) = has_answer(point%steady%status) .and. point%steady%periods == 1 .and. &
+        known(k) = has_result(point%steady%status) .and. point%steady%periods == 1 .and. &
                    abs(point%dynamic_factor - sweep%dynamic_factor(k, 1)) < 1e-3_dp
         if (known(k)) exit
       end do

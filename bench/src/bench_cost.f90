@@ -5,7 +5,8 @@ module bench_cost
   use bench_tools, only: check, median, numbers, seconds
   use gearsweep, only: dp, error_t, make_oscillator, oscillator_t, run_sweep, sweep_t, sweep_options_t
   use gearsweep_motion, only: resolution_t, table_t, tabulate
-  use gearsweep_steady, only: by_marching, by_shooting, has_answer
+  use gearsweep_steady, only: by_marching, by_shooting
+  use gearsweep_status, only: has_result
   use gearsweep_sweep, only: contact_full, each
   implicit none
   private
@@ -142,7 +143,7 @@ contains
     integer :: kind(size(sweep%rpm), size(sweep%status, 2))
 
     kind = other
-    where (has_answer(sweep%status) .and. sweep%periods == 1) kind = merge(full, changing, sweep%contact == contact_full)
+    where (has_result(sweep%status) .and. sweep%periods == 1) kind = merge(full, changing, sweep%contact == contact_full)
   end function kind_of
 
   !> Every so many of them.
@@ -179,7 +180,7 @@ contains
       if (.not. any(chosen(:, i))) cycle
       call solve(osc(i:i), pack(rpm, chosen(:, i)), each, method, wanted, sweep, part)
       taken = taken + part
-      lost = lost + count(.not. has_answer(sweep%status))
+      lost = lost + count(.not. has_result(sweep%status))
     end do
     if (present(points)) points = [count(chosen), lost]
   end subroutine solve_some

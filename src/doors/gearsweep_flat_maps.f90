@@ -81,7 +81,7 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
   use gearsweep_branches, only: branch_t, follow_branch
   use gearsweep_case, only: case_t
   use gearsweep_error, only: code_memory, error_t, fail
-  use gearsweep_steady, only: has_answer
+  use gearsweep_status, only: has_result
   use gearsweep_study, only: study_t
   use gearsweep_sweep, only: contact_of
   implicit none
@@ -123,8 +123,8 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
   if (.not. allocated(error)) then
     none = ieee_value(none, ieee_quiet_nan)
     associate (point => branch%point, steady => branch%point%steady)
-      dynamic_factor = merge(point%dynamic_factor, none, has_answer(steady%status))
-      estimate = merge(point%estimate, none, has_answer(steady%status))
+      dynamic_factor = merge(point%dynamic_factor, none, has_result(steady%status))
+      estimate = merge(point%estimate, none, has_result(steady%status))
       status = steady%status
       contact = contact_of(steady)
       floquet_modulus = steady%multiplier
@@ -132,7 +132,7 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
       do i = 1, speeds
         x_um(i) = none
         v_mm_s(i) = none
-        if (.not. has_answer(steady(i)%status)) cycle
+        if (.not. has_result(steady(i)%status)) cycle
         x_um(i) = 1d6*steady(i)%state(1)
         v_mm_s(i) = 1d3*steady(i)%state(2)/mesh_period(study%motion(relief)%mesh%teeth(1), rpm(i))
       end do
@@ -141,7 +141,7 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
       associate (change => branch%change(i))
         change_rpm(:, i) = change%rpm
         change_status(:, i) = change%point%steady%status
-        change_factor(:, i) = merge(change%point%dynamic_factor, none, has_answer(change_status(:, i)))
+        change_factor(:, i) = merge(change%point%dynamic_factor, none, has_result(change_status(:, i)))
         change_periods(:, i) = change%point%steady%periods
       end associate
     end do

@@ -3,7 +3,7 @@ module gearsweep_motion_report
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_optimum, only: peak_t, worst_of
-  use gearsweep_steady, only: has_answer, name_of, point_stopped
+  use gearsweep_status, only: has_result, status_meaning, status_name, status_stopped
   use gearsweep_study, only: study_t
   use gearsweep_text, only: fixed, str
   implicit none
@@ -26,12 +26,12 @@ contains
       do i = 1, size(study%response, 1)
         associate (response => study%response(i, k), point => study%response(i, k)%point)
           call lines%put(right(str(micro*study%case%amount(i)), 12)//right(str(response%rpm), 12))
-          if (has_answer(point%steady%status)) then
+          if (has_result(point%steady%status)) then
             call lines%put(right(fixed(point%dynamic_factor, 4), 10)//right(str(point%estimate, 2), 15))
           else
             call lines%put(right('none', 10)//right('-', 15))
           end if
-          call lines%add('   '//name_of(point%steady%status))
+          call lines%add('   '//status_name(point%steady%status))
         end associate
       end do
     end do
@@ -85,7 +85,7 @@ contains
         call lines%add('')
       end do
       ! Of curves that are not whole, none is known to be the best.
-      if (any(sweep%status == point_stopped)) best = 0
+      if (any(sweep%status == status_stopped)) best = 0
       if (best > 0 .and. size(amount) > 1) call lines%add(left('Best of the list', 19)//str(micro*amount(best))// &
         ' um: worst DF '//fixed(least, 4))
     end associate
@@ -110,46 +110,20 @@ contains
     integer :: status, n
 
     associate (sweep => study%sweep)
-      n = count(.not. has_answer(sweep%status))
+      n = count(.not. has_result(sweep%status))
       call lines%put(left('Points', 19)//str(size(sweep%status))//', without an answer '//str(n))
       if (n < size(sweep%status)) call lines%put('; estimated error of DF at most '// &
-        str(maxval(sweep%estimate, mask=has_answer(sweep%status)), 2)// &
+        str(maxval(sweep%estimate, mask=has_result(sweep%status)), 2)// &
         ' (asked for '//str(study%case%accuracy%steady%tolerance)//')')
       call lines%add('')
-      do status = 1, point_stopped
+      do status = 1, status_stopped
         n = count(sweep%status == status)
-        if (n > 0) call lines%add(left('', 19)//str(n)//' '//name_of(status)//': '//trim(meaning(status)))
+        if (n > 0) call lines%add(left('', 19)//str(n)//' '//status_name(status)//': '//status_meaning(status))
       end do
       n = count(sweep%contact >= 2)
       if (n > 0) call lines%add(left('', 19)//str(n)//' with loss of contact')
     end associate
   end subroutine add_quality
-
-  pure function meaning(status) result(words)
-    integer, intent(in) :: status
-    character(64) :: words
-
-    select case (name_of(status))
-    case ('marginal')
-      words = 'periodic, but transients do not die out'
-    case ('subharmonic')
-      words = 'the motion repeats only after several mesh periods'
-    case ('inexact')
-      words = 'the estimated error exceeds the tolerance'
-    case ('unstable')
-      words = 'the periodic motion repels, and no steady motion was reached'
-    case ('aperiodic')
-      words = 'no periodic motion was found'
-    case ('chaotic')
-      words = 'no periodic motion was found, and disturbances keep growing'
-    case ('stopped')
-      words = 'not computed, as the run was interrupted'
-    case ('unresolved')
-      words = 'the speed is too low for the steps given or allowed'
-    case default
-      words = 'contact changes without end'
-    end select
-  end function meaning
 
   pure subroutine add_optimum(study, lines)
     type(study_t), intent(in) :: study

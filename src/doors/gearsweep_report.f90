@@ -6,7 +6,7 @@ module gearsweep_report
   use gearsweep_gear, only: coast, drive
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_motion_report, only: add_optimum, add_responses, add_sweep
-  use gearsweep_steady, only: has_answer
+  use gearsweep_status, only: has_result
   use gearsweep_study, only: study_t
   use gearsweep_text, only: fixed, str
   implicit none
@@ -158,8 +158,8 @@ contains
     type(study_t), intent(in) :: study
 
     n = 0
-    if (allocated(study%sweep)) n = count(.not. has_answer(study%sweep%status))
-    if (allocated(study%response)) n = n + count(.not. has_answer(study%response%point%steady%status))
+    if (allocated(study%sweep)) n = count(.not. has_result(study%sweep%status))
+    if (allocated(study%response)) n = n + count(.not. has_result(study%response%point%steady%status))
     if (allocated(study%optimum)) then
       if (study%optimum%best == 0) then
         n = n + sum(study%optimum%failed)

@@ -24,7 +24,7 @@ module gearsweep_study
   use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_stages, only: build_mesh, build_pair, deepest_relief, find_load, relieve
-  use gearsweep_steady, only: point_stopped
+  use gearsweep_status, only: status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   use gearsweep_text, only: str
@@ -312,7 +312,7 @@ contains
     type(point_t) :: none
     integer :: i, k
 
-    none%steady%status = point_stopped
+    none%steady%status = status_stopped
     call claim_memory(1000.0_dp*size(study%motion)*size(study%case%load_rpm), &
                       '&sweep load_rpm: '//str(size(study%motion)*size(study%case%load_rpm))//' motions', error)
     if (allocated(error)) return
@@ -333,7 +333,7 @@ contains
         end do
       end do
     end associate
-    study%stopped = study%stopped .or. any(study%response%point%steady%status == point_stopped)
+    study%stopped = study%stopped .or. any(study%response%point%steady%status == status_stopped)
     call note(study, 'load: '//str(size(study%response))//' motions followed over the path')
   end subroutine respond
 
@@ -358,7 +358,7 @@ contains
     end if
     if (allocated(error)) return
     options%done_before = size(study%sweep%status)
-    left = count(study%sweep%status == point_stopped)
+    left = count(study%sweep%status == status_stopped)
     study%stopped = study%stopped .or. left > 0
     if (left == 0) then
       study%resonance = find_resonances(study%sweep%rpm, study%sweep%dynamic_factor(:, minloc(study%case%amount, 1)))

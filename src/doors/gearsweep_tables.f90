@@ -6,7 +6,7 @@ module gearsweep_tables
   use gearsweep_gear, only: coast, drive
   use gearsweep_lines, only: bare, lines_t
   use gearsweep_quantities, only: our_value
-  use gearsweep_steady, only: name_of
+  use gearsweep_status, only: status_name
   use gearsweep_study, only: study_t
   use gearsweep_version, only: version
   implicit none
@@ -180,7 +180,7 @@ contains
           do row = 1, size(response%s)
             call lines%cell([micro*study%case%amount(i), response%rpm, response%s(row), response%load(row), &
                              response%load(row)/study%load, micro*response%error(row)])
-            call lines%cell(name_of(steady%status))
+            call lines%cell(status_name(steady%status))
             call lines%cell(steady%periods)
             call lines%cell(response%pair(row))
             call lines%end_row()
@@ -204,7 +204,7 @@ contains
       do i = 1, size(sweep%status, 2)
         do k = 1, size(sweep%rpm)
           call lines%cell([micro*study%case%amount(i), sweep%rpm(k), sweep%dynamic_factor(k, i), sweep%estimate(k, i)])
-          call lines%cell(name_of(sweep%status(k, i)))
+          call lines%cell(status_name(sweep%status(k, i)))
           call lines%cell(trim(contact_names(sweep%contact(k, i))))
           call lines%cell([sweep%multiplier(k, i), sweep%residual(k, i)])
           call lines%cell(sweep%steps(k, i))

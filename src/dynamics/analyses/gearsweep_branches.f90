@@ -6,7 +6,7 @@ module gearsweep_branches
   use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t, solve_point, tables_t
   use gearsweep_memory, only: has_memory
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: has_answer, point_chatter, point_unresolved
+  use gearsweep_status, only: has_result, status_chatter, status_unresolved
   use gearsweep_strobe, only: strobe_motion, strobe_t
   implicit none
   private
@@ -79,7 +79,7 @@ contains
       if (abs(step) > 0.7_dp*abs(rpm - here%rpm)) step = rpm - here%rpm
       ! Whether a motion is still there is clear soon.
       enough = options
-      if (has_answer(here%point%steady%status)) enough%steady%most_cycles = min(options%steady%most_cycles, 200)
+      if (has_result(here%point%steady%status)) enough%steady%most_cycles = min(options%steady%most_cycles, 200)
       there = here
       call step_to(osc, merge(rpm, here%rpm + step, .not. abs(rpm - here%rpm) > abs(step)), enough, tables, there)
       if (is_alike(here%point, there%point, jump)) then
@@ -112,7 +112,7 @@ contains
     landing = there
     step = there%rpm - here%rpm
     last = .false.
-    do while (.not. (last .or. has_answer(landing%point%steady%status) .or. tables%lacks))
+    do while (.not. (last .or. has_result(landing%point%steady%status) .or. tables%lacks))
       step = 8*step
       last = abs(step) >= abs(rpm - here%rpm)
       if (last) patient%steady%most_cycles = 10*options%steady%most_cycles
@@ -137,18 +137,18 @@ contains
 
     duration = mesh_period(osc%mesh%teeth(1), rpm)
     start = stand%state*[1.0_dp, stand%rpm/rpm]
-    if (has_answer(stand%point%steady%status) .or. .not. stand%rpm > 0) then
+    if (has_result(stand%point%steady%status) .or. .not. stand%rpm > 0) then
       call go_on(osc, rpm, options, tables, stand%point, stand%rpm, next)
     else
       call solve_point(osc, duration, options, tables, next, start)
     end if
     stand = stand_t(rpm, next%steady%state, next)
-    if (has_answer(next%steady%status)) return
+    if (has_result(next%steady%status)) return
     call strobe_motion(osc, [rpm], lingering, 1, strobe, start/[1.0_dp, duration])
     stand%state = start
     if (strobe%lacks) tables%lacks = .true.
     if (strobe%lacks) return
-    if (strobe%status(1) /= point_unresolved .and. strobe%status(1) /= point_chatter) &
+    if (strobe%status(1) /= status_unresolved .and. strobe%status(1) /= status_chatter) &
       stand%state = [strobe%x(1, 1), strobe%v(1, 1)*duration]
   end subroutine step_to
 
@@ -165,7 +165,7 @@ contains
     logical :: known
 
     duration = mesh_period(osc%mesh%teeth(1), rpm)
-    known = has_answer(neighbour%steady%status)
+    known = has_result(neighbour%steady%status)
     if (.not. (known .and. neighbour%steady%partial)) then
       call solve_point(osc, duration, options, tables, point)
       if (.not. (known .and. point%steady%partial)) return
@@ -187,8 +187,8 @@ contains
     type(point_t), intent(in) :: a, b
     real(dp), intent(in) :: jump
 
-    is_alike = has_answer(a%steady%status) .eqv. has_answer(b%steady%status)
-    if (is_alike .and. has_answer(a%steady%status)) is_alike = a%steady%periods == b%steady%periods .and. &
+    is_alike = has_result(a%steady%status) .eqv. has_result(b%steady%status)
+    if (is_alike .and. has_result(a%steady%status)) is_alike = a%steady%periods == b%steady%periods .and. &
       abs(a%dynamic_factor - b%dynamic_factor) < jump
   end function is_alike
 end module gearsweep_branches

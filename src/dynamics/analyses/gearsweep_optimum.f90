@@ -5,7 +5,7 @@ module gearsweep_optimum
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_error, only: error_t
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: point_stopped
+  use gearsweep_status, only: status_stopped
   use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   implicit none
   private
@@ -170,7 +170,7 @@ contains
       end if
       if (allocated(error)) return
       rough%done_before = rough%done_before + size(sweep%status)
-      optimum%stopped = any(sweep%status == point_stopped)
+      optimum%stopped = any(sweep%status == status_stopped)
       if (optimum%stopped) return
       do i = 1, size(amount)
         worst = worst_of(rpm, sweep%dynamic_factor(:, i))

@@ -5,7 +5,8 @@ module gearsweep_response
   use gearsweep_memory, only: has_memory
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
   use gearsweep_period, only: period_t, maps_t, begin_maps, run_period
-  use gearsweep_steady, only: by_marching, distance, has_answer, near, shoot, solve_in_contact, steady_t
+  use gearsweep_steady, only: by_marching, distance, near, shoot, solve_in_contact, steady_t
+  use gearsweep_status, only: has_result
   use gearsweep_accuracy, only: accuracy_t, tables_t, point_t, solve_point, mesh_period
   use gearsweep_trace, only: trace_t, pair_paths
   implicit none
@@ -55,7 +56,7 @@ contains
       response%lacks = tables%lacks
       if (response%lacks) return
     end if
-    if (.not. has_answer(response%point%steady%status)) then
+    if (.not. has_result(response%point%steady%status)) then
       allocate (response%pair(1), source=0)
       allocate (response%s(1), response%load(1), response%error(1), source=ieee_value(1.0_dp, ieee_quiet_nan))
       return
@@ -104,7 +105,7 @@ contains
     else
       call solve_in_contact(osc, table, duration, maps, state, steady)
     end if
-    if (has_answer(steady%status) .and. distance(osc, duration, steady%state - point%steady%state) < near) then
+    if (has_result(steady%status) .and. distance(osc, duration, steady%state - point%steady%state) < near) then
       state = steady%state
     else
       ! The motion that the point has, where more steps lead elsewhere.

@@ -7,7 +7,7 @@ module gearsweep_strobe
   use gearsweep_march, only: sure_growth
   use gearsweep_memory, only: has_memory
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
-  use gearsweep_orbit, only: point_aperiodic, point_chaotic, point_chatter, point_ok, point_subharmonic, point_unresolved
+  use gearsweep_status, only: status_aperiodic, status_chaotic, status_chatter, status_ok, status_subharmonic, status_unresolved
   use gearsweep_period, only: period_t, maps_t, begin_maps, run_period
   implicit none
   private
@@ -81,9 +81,9 @@ contains
     integer :: i
 
     steps = max(osc%natural_frequency, osc%highest_frequency*max(0.5_dp, osc%damping_ratio))*duration/angle
-    status = point_unresolved
+    status = status_unresolved
     if (steps > most_steps) return
-    status = point_chatter
+    status = status_chatter
     call tabulate(osc, resolution_t(max(steps, real(fewest_steps, dp))), table)
     lacks = table%steps == 0
     if (lacks) return
@@ -106,7 +106,7 @@ contains
     end do
     state = from/[1.0_dp, duration]
     exponent = growth/size(x)
-    status = point_aperiodic
+    status = status_aperiodic
   end subroutine follow
 
   !> The status of a motion that was followed to the end, and after how many mesh periods it repeats, judged
@@ -121,16 +121,16 @@ contains
     integer :: n, last
 
     periods = 0
-    if (status /= point_aperiodic) return
+    if (status /= status_aperiodic) return
     unit = duration/max(1.0_dp, osc%natural_frequency*duration)
     last = size(x)
     do n = 1, last/4
       if (any(abs(x(last/2 + n:) - x(last/2:last - n)) > same*osc%static_scale)) cycle
       if (any(unit*abs(v(last/2 + n:) - v(last/2:last - n)) > same*osc%static_scale)) cycle
       periods = n
-      status = merge(point_ok, point_subharmonic, n == 1)
+      status = merge(status_ok, status_subharmonic, n == 1)
       return
     end do
-    if (exponent*last > sure_growth) status = point_chaotic
+    if (exponent*last > sure_growth) status = status_chaotic
   end subroutine name_motion
 end module gearsweep_strobe

@@ -6,7 +6,8 @@ module gearsweep_sweep
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use gearsweep_error, only: error_t, fail, code_memory
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: steady_t, has_answer, point_stopped
+  use gearsweep_steady, only: steady_t
+  use gearsweep_status, only: has_result, status_stopped
   use gearsweep_accuracy, only: tables_t, point_t
   use gearsweep_sweep_state, only: begin_state, counter_t, down, each, find_final, fits, progress_of_sweep, sweep_options_t, &
                                    sweep_state_t, units_done, up
@@ -25,7 +26,7 @@ module gearsweep_sweep
     real(dp), allocatable :: estimate(:, :)      !< error of the dynamic factor
     real(dp), allocatable :: multiplier(:, :)    !< largest Floquet modulus
     real(dp), allocatable :: residual(:, :)      !< of periodicity, in static deflections
-    integer, allocatable :: status(:, :)         !< point_ok ... of gearsweep_steady
+    integer, allocatable :: status(:, :)         !< status_ok ... of gearsweep_steady
     integer, allocatable :: contact(:, :)        !< contact_full ... below
     integer, allocatable :: steps(:, :)          !< a period
     integer, allocatable :: periods(:, :)        !< mesh periods until the motion repeats
@@ -198,13 +199,13 @@ contains
     logical, allocatable :: answered(:)
 
     none = ieee_value(1.0_dp, ieee_quiet_nan)
-    answered = final .and. has_answer(points%steady%status)
+    answered = final .and. has_result(points%steady%status)
     associate (steady => points%steady)
       sweep%dynamic_factor(:, relief) = merge(points%dynamic_factor, none, answered)
       sweep%estimate(:, relief) = merge(points%estimate, none, answered)
       sweep%multiplier(:, relief) = merge(steady%multiplier, none, final)
       sweep%residual(:, relief) = merge(steady%residual, none, final)
-      sweep%status(:, relief) = merge(steady%status, point_stopped, final)
+      sweep%status(:, relief) = merge(steady%status, status_stopped, final)
       sweep%steps(:, relief) = merge(points%steps, 0, final)
       sweep%periods(:, relief) = merge(steady%periods, 0, final)
       sweep%contact(:, relief) = merge(contact_of(steady), contact_full, final)

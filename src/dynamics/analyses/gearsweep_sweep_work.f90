@@ -6,7 +6,8 @@ module gearsweep_sweep_work
   use gearsweep_gauss, only: lanes
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: by_shooting, distance, has_answer, point_stopped
+  use gearsweep_steady, only: by_shooting, distance
+  use gearsweep_status, only: has_result, status_stopped
   use gearsweep_sweep_state, only: block_t, counter_t, down, each, is_stopped, sweep_options_t, up
   implicit none
   private
@@ -48,7 +49,7 @@ contains
       if (.not. solved(k)) then
         if (is_stopped(options)) return
         call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm(k)), options%accuracy, tables, points(k))
-        if (points(k)%steady%status == point_stopped) return
+        if (points(k)%steady%status == status_stopped) return
         solved(k) = .true.
         call counter%tick(2)
       end if
@@ -101,7 +102,7 @@ contains
         if (solved(k)) solved(k) = is_beside(osc, points(last), rpm(last), points(k), rpm(k))
         if (.not. solved(k)) call go_on(osc, rpm(k), options%accuracy, tables, points(last), rpm(last), points(k))
       end if
-      if (points(k)%steady%status == point_stopped) return
+      if (points(k)%steady%status == status_stopped) return
       solved(k) = .true.
       followed = followed + 1
       pace = tables%steps_per_second
@@ -117,7 +118,7 @@ contains
     real(dp), intent(in) :: rpm_last, rpm_next
     real(dp), parameter :: beside = 0.1_dp       ! static deflections
 
-    is_beside = .not. has_answer(last%steady%status) .or. .not. (last%steady%partial .or. next%steady%partial)
+    is_beside = .not. has_result(last%steady%status) .or. .not. (last%steady%partial .or. next%steady%partial)
     if (.not. is_beside) is_beside = distance(osc, mesh_period(osc%mesh%teeth(1), rpm_next), &
                                               next%steady%state - carried(last, rpm_last, rpm_next)) < beside
   end function is_beside
@@ -139,10 +140,10 @@ contains
       k = minloc(abs(rpm - options%keep(i)), 1)
       if (abs(rpm(k) - options%keep(i)) <= same*rpm(k)) then
         if (final(k)) kept(i) = points(k)
-        if (.not. final(k)) kept(i)%steady%status = point_stopped
+        if (.not. final(k)) kept(i)%steady%status = status_stopped
         cycle
       end if
-      kept(i)%steady%status = point_stopped
+      kept(i)%steady%status = status_stopped
       if (is_stopped(options)) cycle
       before = 0
       if (options%direction == up) before = count(rpm < options%keep(i))

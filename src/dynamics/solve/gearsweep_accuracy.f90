@@ -4,8 +4,9 @@ module gearsweep_accuracy
   use gearsweep_gauss, only: order, lanes
   use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate, graded_steps
   use gearsweep_maps, only: maps_t, begin_maps
-  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, solve_in_contact, settled, shoot, distance, &
-                              has_answer, near, unbounded, point_marginal, point_inexact, point_unresolved, by_shooting
+  use gearsweep_steady, only: steady_t, steady_options_t, find_steady, find_in_lanes, solve_in_contact, settled, shoot, &
+                              distance, near, unbounded, by_shooting
+  use gearsweep_status, only: has_result, status_inexact, status_marginal, status_unresolved
   implicit none
   private
   public :: accuracy_t, tables_t, point_t, solve_point, solve_lanes, mesh_period
@@ -112,7 +113,7 @@ contains
     integer :: rung, last, trial
     logical :: done
 
-    point%steady%status = point_unresolved
+    point%steady%status = status_unresolved
     if (tables%lacks) return
     if (options%steps > 0) then
       call solve_with_steps(osc, duration, options, tables, point, start)
@@ -123,7 +124,7 @@ contains
       call solve_one_graded(osc, duration, options, graded, tables, point, done, start)
       if (done) return
     end if
-    point%steady%status = point_unresolved
+    point%steady%status = status_unresolved
     least = 2*resolving_steps(osc, duration)
     last = last_rung(osc, options)
     if (rung_steps(last) < least) return
@@ -133,11 +134,11 @@ contains
       if (tables%lacks) exit
       call solve_on(osc, tables%rung(rung)%table, tables%rung(rung - octave)%table, duration, options, point, start)
       point%resolution = resolution_of(rung)
-      if (.not. has_answer(point%steady%status)) exit
+      if (.not. has_result(point%steady%status)) exit
       call next_rung(osc, options, point%step_error, duration, tables, rung, done)
       if (done) exit
     end do
-    if (tables%lacks) point%steady%status = point_unresolved
+    if (tables%lacks) point%steady%status = status_unresolved
     call note_inexact(options, point)
   end subroutine solve_point
 
@@ -334,7 +335,7 @@ contains
     type(table_t) :: fine, coarse
     type(resolution_t) :: resolution
 
-    point%steady%status = point_unresolved
+    point%steady%status = status_unresolved
     if (options%steps < resolving_steps(osc, duration)) return
     resolution = resolution_t(options%steps/2.0_dp, 2)
     call tabulate(osc, resolution, fine)
@@ -350,7 +351,7 @@ contains
     type(accuracy_t), intent(in) :: options
     type(point_t), intent(inout) :: point
 
-    if (has_answer(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) point%steady%status = point_inexact
+    if (has_result(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) point%steady%status = status_inexact
   end subroutine note_inexact
 
   !> Solves on a table and on its half, and compares.
@@ -368,7 +369,7 @@ contains
     call follow_or_find(osc, fine, duration, options, point%steady, start)
     point%steps = fine%steps
     point%work = point%work + point%steady%work
-    if (.not. has_answer(point%steady%status)) return
+    if (.not. has_result(point%steady%status)) return
     if (point%steady%partial) then
       call begin_maps(coarse, maps)
       call shoot(osc, coarse, duration, options%steady%tolerance, point%steady%periods, point%steady%state, maps, half)
@@ -396,11 +397,11 @@ contains
     real(dp) :: work
 
     work = 0
-    if (has_answer(steady%status) .and. steady%work > long*table%steps .and. options%steady%method == by_shooting) then
+    if (has_result(steady%status) .and. steady%work > long*table%steps .and. options%steady%method == by_shooting) then
       before = steady
       call begin_maps(table, maps)
       call shoot(osc, table, duration, options%steady%tolerance, before%periods, before%state, maps, steady)
-      if (has_answer(steady%status) .and. distance(osc, duration, steady%state - before%state) < near) return
+      if (has_result(steady%status) .and. distance(osc, duration, steady%state - before%state) < near) return
       work = steady%work
     end if
     call find_steady(osc, table, duration, options%steady, steady, start)
@@ -416,7 +417,7 @@ contains
 
     point%dynamic_factor = point%steady%peak/osc%load
     point%step_error = unbounded
-    if (has_answer(half%status)) then
+    if (has_result(half%status)) then
       point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
                                         max(distance(osc, duration, point%steady%state - half%state), &
                                             abs(point%steady%mark - half%mark)/osc%static_scale))
@@ -425,8 +426,8 @@ contains
       if (point%resolution%graded_for > 0) &
         point%step_error = graded_error(point%step_error, abs(point%steady%mark - half%mark)/osc%static_scale)
       ! So near to 1 that the steps' error decides on which side.
-      if (has_answer(point%steady%status) .and. &
-          abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = point_marginal
+      if (has_result(point%steady%status) .and. &
+          abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = status_marginal
     end if
     point%estimate = point%step_error + point%steady%closure
   end subroutine compare

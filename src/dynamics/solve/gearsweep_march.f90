@@ -5,9 +5,9 @@ module gearsweep_march
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_period, only: period_t, maps_t, run_period
-  use gearsweep_orbit, only: steady_t, near, most_work, has_answer, adopt, shoot, newton_step, closure_of, run_periods, judge, &
-                             distance, largest_multiplier, point_unstable, point_aperiodic, point_chatter, point_chaotic, &
-                             point_stopped
+  use gearsweep_orbit, only: steady_t, near, most_work, adopt, shoot, newton_step, closure_of, run_periods, judge, distance, &
+                             largest_multiplier
+  use gearsweep_status, only: has_result, status_aperiodic, status_chaotic, status_chatter, status_stopped, status_unstable
   use gearsweep_stop, only: wants_stop
   implicit none
   private
@@ -59,7 +59,7 @@ contains
     integer :: next_shot, periods, most_cycles
     real(dp) :: before
 
-    if (steady%status /= point_unstable) steady = steady_t(work=steady%work)
+    if (steady%status /= status_unstable) steady = steady_t(work=steady%work)
     ! Without damping nothing settles.
     if (.not. osc%damping_ratio > 0) return
     call begin(trail, options%most_periods, start)
@@ -68,17 +68,17 @@ contains
     most_cycles = min(options%most_cycles, max(1, int(most_work/table%steps)))
     do while (trail%length < most_cycles .and. steady%work - before < most_work)
       if (wants_stop(options%stop)) then
-        steady%status = point_stopped
+        steady%status = status_stopped
         return
       end if
       call run_period(osc, table, duration, trail%state(:, 0), maps, run)
       steady%work = steady%work + run%work
-      if (run%failed) steady%status = point_chatter
+      if (run%failed) steady%status = status_chatter
       if (run%failed .or. .not. distance(osc, duration, run%state) < huge(1.0_dp)) return
       call follow(trail, run, max(1.0_dp, osc%natural_frequency*duration))
       if (trail%length >= next_shot) then
         call settle(osc, table, duration, options, trail, maps, periods, trial)
-        if (has_answer(trial%status)) then
+        if (has_result(trial%status)) then
           call adopt(trial, steady)
           if (periods > 1) call shorten(osc, table, duration, options%tolerance, maps, steady)
           return
@@ -91,7 +91,7 @@ contains
       if (trail%growth > sure_growth .or. trail%decay*most_cycles < 8*trail%length) exit
     end do
     if (.not. trail%growth > sure_growth) return
-    steady = steady_t(status=point_chaotic, multiplier=exp(trail%growth/(trail%length - first_counted)), &
+    steady = steady_t(status=status_chaotic, multiplier=exp(trail%growth/(trail%length - first_counted)), &
                       partial=run%partial, flight=run%flight, coast=run%coast, work=steady%work)
   end subroutine march
 
@@ -168,8 +168,8 @@ contains
       found%work = run%work
     else
       call shoot(osc, table, duration, options%tolerance, periods, trail%state(:, periods) + step, maps, found)
-      if (has_answer(found%status) .and. distance(osc, duration, found%state - trail%state(:, 0)) > near) &
-        found%status = point_aperiodic
+      if (has_result(found%status) .and. distance(osc, duration, found%state - trail%state(:, 0)) > near) &
+        found%status = status_aperiodic
     end if
   end subroutine settle
 
@@ -193,7 +193,7 @@ contains
       steady%work = steady%work + run%work
       if (distance(osc, duration, run%state - steady%state) > same) cycle
       call shoot(osc, table, duration, tolerance, periods, steady%state, maps, trial)
-      if (has_answer(trial%status)) call adopt(trial, steady)
+      if (has_result(trial%status)) call adopt(trial, steady)
       return
     end do
   end subroutine shorten

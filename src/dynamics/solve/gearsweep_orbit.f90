@@ -4,26 +4,14 @@ module gearsweep_orbit
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_period, only: period_t, maps_t, run_period
+  use gearsweep_status, only: status_aperiodic, status_chatter, status_marginal, status_ok, status_subharmonic, status_unstable
   implicit none
   private
-  public :: steady_t, name_of, has_answer, settled, adopt
+  public :: steady_t, settled, adopt
   public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, largest_multiplier
 
-  !> What is known of an operating point. Up to `inexact` there is a dynamic factor.
-  integer, parameter, public :: &
-    point_ok = 0, &            !< stable and periodic with the mesh
-    point_marginal = 1, &      !< periodic, but transients never die (|multiplier| = 1)
-    point_subharmonic = 2, &   !< stable and periodic with several mesh periods
-    point_inexact = 3, &       !< the error estimate stays above the tolerance
-    point_unstable = 4, &      !< the periodic motion repels; no steady motion was reached
-    point_aperiodic = 5, &     !< no periodic motion was found
-    point_unresolved = 6, &    !< stability needs more steps than given or allowed
-    point_chatter = 7, &       !< contact changes without end
-    point_chaotic = 8, &       !< no periodic motion was found, and disturbances keep growing
-    point_stopped = 9          !< not computed: the caller ended the call before
-
   type :: steady_t
-    integer :: status = point_aperiodic
+    integer :: status = status_aperiodic
     real(dp) :: state(2) = 0
     real(dp) :: peak = 0                         !< largest load on one pair, N
     real(dp) :: mark = 0                         !< sum of x where zones begin, mean of the periods, m
@@ -50,28 +38,12 @@ module gearsweep_orbit
   !> Modulus above 1 by more than this means that a motion repels.
   real(dp), parameter :: neutral = 1e-7_dp
 
-  character(*), parameter :: names(0:9) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', &
-                                           'unstable', 'aperiodic', 'unresolved', 'chatter', 'chaotic', 'stopped']
-
 contains
-
-  pure function name_of(status) result(name)
-    integer, intent(in) :: status
-    character(len_trim(names(status))) :: name
-
-    name = names(status)
-  end function name_of
-
-  elemental logical function has_answer(status)
-    integer, intent(in) :: status
-
-    has_answer = status <= point_inexact
-  end function has_answer
 
   elemental logical function settled(steady)
     type(steady_t), intent(in) :: steady
 
-    settled = steady%status == point_ok .or. steady%status == point_marginal
+    settled = steady%status == status_ok .or. steady%status == status_marginal
   end function settled
 
   !> Takes over a result, and adds what it cost.
@@ -183,7 +155,7 @@ contains
       residual = trial_residual
     end do
     if (run%failed) then
-      steady%status = point_chatter
+      steady%status = status_chatter
     else
       closure = closure_of(osc, duration, state, run)
       if (closure < acceptable .or. is_closed(closure, tolerance) .or. (.not. solved .and. residual < acceptable)) &
@@ -229,13 +201,13 @@ contains
     steady%closure = closure
     steady%multiplier = largest_multiplier(run%map)
     if (steady%multiplier > 1 + neutral) then
-      steady%status = point_unstable
+      steady%status = status_unstable
     else if (steady%multiplier > 1 - neutral) then
-      steady%status = point_marginal
+      steady%status = status_marginal
     else if (periods > 1) then
-      steady%status = point_subharmonic
+      steady%status = status_subharmonic
     else
-      steady%status = point_ok
+      steady%status = status_ok
     end if
   end subroutine judge
 

@@ -1,20 +1,17 @@
 !> Steady motion at one speed, by Newton's method on the period map or by
-!> marching. What it consists of comes along from below.
+!> marching.
 module gearsweep_steady
   use gearsweep_kinds, only: dp
   use gearsweep_motion, only: oscillator_t, table_t
   use gearsweep_gauss, only: lanes
   use gearsweep_period, only: period_t, maps_t, begin_maps, run_period, hold_period, run_lanes, hold_lanes
-  use gearsweep_orbit, only: steady_t, near, name_of, has_answer, settled, shoot, is_closed, closure_of, newton_step, judge, &
-    distance, largest_multiplier, unbounded, point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, &
-    point_aperiodic, point_unresolved, point_chatter, point_chaotic, point_stopped
+  use gearsweep_orbit, only: steady_t, near, settled, shoot, is_closed, closure_of, newton_step, judge, distance, &
+                             largest_multiplier, unbounded
   use gearsweep_march, only: march, steady_options_t, by_shooting, by_marching
   implicit none
   private
   public :: find_steady, find_in_lanes, solve_in_contact, settled, steady_options_t, by_shooting, by_marching
-  public :: steady_t, name_of, has_answer, shoot, distance, largest_multiplier, near, unbounded
-  public :: point_ok, point_marginal, point_subharmonic, point_inexact, point_unstable, point_aperiodic, &
-            point_unresolved, point_chatter, point_chaotic, point_stopped
+  public :: steady_t, shoot, distance, largest_multiplier, near, unbounded
 
 contains
 
