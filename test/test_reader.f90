@@ -226,12 +226,13 @@ contains
     teeth = 0
     flag = .false.
     other = .true.
-    call open_reader('&Pair Module_mm=3d0 angle=-.5 teeth = +25 flag=T other=.FALSE./', [character(4) :: 'pair'], reader, error)
-    call reader%get('pair', 'module_mm', module, error, given, scale=1e-3_dp, above=0.0_dp)
-    call reader%get('pair', 'angle', angle, error, at_least=-0.5_dp, below=1.0_dp)
-    call reader%get('pair', 'teeth', teeth, error, required=.true., at_least=25, at_most=25)
-    call reader%get('pair', 'flag', flag, error)
-    call reader%get('pair', 'other', other, error)
+    call open_reader('&Pair Module_mm=3d0 angle=-.5 teeth = +25 flag=T other=.FALSE./', reader, error)
+    call reader%add_group('pair', '')
+    call reader%get('pair', 'module_mm', module, error, 'a meaning', unit='mm', given=given, above=0.0_dp)
+    call reader%get('pair', 'angle', angle, error, 'a meaning', at_least=-0.5_dp, below=1.0_dp)
+    call reader%get('pair', 'teeth', teeth, error, 'a meaning', required=.true., at_least=25, at_most=25)
+    call reader%get('pair', 'flag', flag, error, 'a meaning')
+    call reader%get('pair', 'other', other, error, 'a meaning')
     call reader%finish(error)
     call check_no_error(t, 'single values', error)
     call check_close(t, 'a scaled number', module, 0.003_dp)
@@ -249,10 +250,11 @@ contains
     type(error_t), allocatable :: error
     real(dp), allocatable :: amounts(:), one(:), none(:)
 
-    call open_reader('&relief amount_um = 0, 5 2*10  one = 7 /', ['relief'], reader, error)
-    call reader%get('relief', 'amount_um', amounts, error, scale=1e-6_dp, at_least=0.0_dp, max_size=4)
-    call reader%get('relief', 'one', one, error, min_size=1)
-    call reader%get('relief', 'none', none, error, min_size=1)
+    call open_reader('&relief amount_um = 0, 5 2*10  one = 7 /', reader, error)
+    call reader%add_group('relief', '')
+    call reader%get('relief', 'amount_um', amounts, error, 'a meaning', unit='um', at_least=0.0_dp, max_size=4)
+    call reader%get('relief', 'one', one, error, 'a meaning', min_size=1)
+    call reader%get('relief', 'none', none, error, 'a meaning', min_size=1)
     call reader%finish(error)
     call check_no_error(t, 'lists', error)
     if (allocated(error)) return
@@ -269,12 +271,12 @@ contains
     character(:), allocatable :: title, model, tasks(:), names(:)
     character(*), parameter :: models(*) = [character(5) :: 'fe', 'weber']
 
-    call open_reader('&case title = "A & B"  model = Weber  tasks="FE", ''weber''  names = "ab", "c" /', ['case'], &
-      & reader, error)
-    call reader%get('case', 'title', title, error)
-    call reader%get('case', 'model', model, error, allowed=models)
-    call reader%get('case', 'tasks', tasks, error, allowed=models, max_size=2)
-    call reader%get('case', 'names', names, error)
+    call open_reader('&case title = "A & B"  model = Weber  tasks="FE", ''weber''  names = "ab", "c" /', reader, error)
+    call reader%add_group('case', '')
+    call reader%get('case', 'title', title, error, 'a meaning')
+    call reader%get('case', 'model', model, error, 'a meaning', allowed=models)
+    call reader%get('case', 'tasks', tasks, error, 'a meaning', allowed=models, max_size=2)
+    call reader%get('case', 'names', names, error, 'a meaning')
     call reader%finish(error)
     call check_no_error(t, 'texts', error)
     if (allocated(error)) return
@@ -296,11 +298,12 @@ contains
     x = 2.5_dp
     i = 3
     text = 'up'
-    call open_reader('&p x = /', ['p'], reader, error)
-    call reader%get('p', 'x', x, error, given, scale=10.0_dp)
-    call reader%get('p', 'i', i, error)
-    call reader%get('p', 'text', text, error, allowed=['up'])
-    call reader%get('p', 'y', x, error, required=.true., refused='has no effect')
+    call open_reader('&p x = /', reader, error)
+    call reader%add_group('p', '')
+    call reader%get('p', 'x', x, error, 'a meaning', unit='N/um', given=given)
+    call reader%get('p', 'i', i, error, 'a meaning')
+    call reader%get('p', 'text', text, error, 'a meaning', allowed=['up'])
+    call reader%get('p', 'y', x, error, 'a meaning', required=.true., refused='has no effect')
     call reader%finish(error)
     call check_no_error(t, 'nothing given', error)
     call check_true(t, 'not given', .not. given)
@@ -480,16 +483,18 @@ contains
     x = 1
     i = 5
     flag = .false.
-    call open_reader(text, ['p', 'q'], reader, error)
-    call reader%get('p', 'x', x, error, required=.true., above=0.0_dp, at_most=1e6_dp)
-    call reader%get('p', 'big', x, error, scale=1e9_dp)
-    call reader%get('p', 'i', i, error, at_least=5)
-    call reader%get('p', 'list', list, error, below=9.0_dp, min_size=2, max_size=3)
-    call reader%get('p', 'flag', flag, error)
-    call reader%get('p', 'word', word, error, allowed=[character(4) :: 'up', 'down'])
-    call reader%get('p', 'free', free, error)
-    call reader%get('p', 'never', i, error, refused='has no effect')
-    call reader%get('q', 'only_q', free, error)
+    call open_reader(text, reader, error)
+    call reader%add_group('p', '')
+    call reader%add_group('q', '')
+    call reader%get('p', 'x', x, error, 'a meaning', required=.true., above=0.0_dp, at_most=1e6_dp)
+    call reader%get('p', 'big', x, error, 'a meaning', unit='GPa')
+    call reader%get('p', 'i', i, error, 'a meaning', at_least=5)
+    call reader%get('p', 'list', list, error, 'a meaning', below=9.0_dp, min_size=2, max_size=3)
+    call reader%get('p', 'flag', flag, error, 'a meaning')
+    call reader%get('p', 'word', word, error, 'a meaning', allowed=[character(4) :: 'up', 'down'])
+    call reader%get('p', 'free', free, error, 'a meaning')
+    call reader%get('p', 'never', i, error, 'a meaning', refused='has no effect')
+    call reader%get('q', 'only_q', free, error, 'a meaning')
     call reader%finish(error)
   end subroutine read_all
 end module test_reader

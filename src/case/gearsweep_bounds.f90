@@ -11,7 +11,7 @@ module gearsweep_bounds
     real(dp) :: low = -huge(1.0_dp), high = huge(1.0_dp)
     logical :: low_is_out = .false., high_is_out = .false.
   contains
-    procedure :: allow, describe
+    procedure :: allow, describe, describe_range
   end type bounds_t
 
 contains
@@ -60,4 +60,22 @@ contains
     end if
     if (len(words) == 0) words = trim(merge('an integer', 'a number  ', self%whole))
   end subroutine describe
+
+  !> The same for a table, as in `0.001 to 1000` or `above 3, below 45`; empty without bounds.
+  pure subroutine describe_range(self, words)
+    class(bounds_t), intent(in) :: self
+    character(:), allocatable, intent(out) :: words
+    logical :: has_low, has_high
+
+    has_low = self%low > -huge(self%low)
+    has_high = self%high < huge(self%high)
+    words = ''
+    if (has_low .and. has_high .and. .not. (self%low_is_out .or. self%high_is_out)) then
+      words = str(self%low, 12)//' to '//str(self%high, 12)
+      return
+    end if
+    if (has_low) words = trim(merge('above   ', 'at least', self%low_is_out))//' '//str(self%low, 12)
+    if (has_low .and. has_high) words = words//', '
+    if (has_high) words = words//trim(merge('below  ', 'at most', self%high_is_out))//' '//str(self%high, 12)
+  end subroutine describe_range
 end module gearsweep_bounds

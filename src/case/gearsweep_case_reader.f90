@@ -13,9 +13,6 @@ module gearsweep_case_reader
   private
   public :: read_case, complete_case, check_key
 
-  character(*), parameter :: groups(*) = [character(8) :: 'case', 'pair', 'pinion', 'gear', 'material', 'load', 'relief', &
-                                          'mesh', 'section', 'static', 'modal', 'dynamics', 'sweep', 'numerics']
-
 contains
 
   !> Reads and checks a case; the error names group, key, value and what is allowed. Any number of
@@ -26,7 +23,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(reader_t) :: reader
 
-    call open_reader(text, groups, reader, error)
+    call open_reader(text, reader, error)
     call read_all(text, reader, case, error)
   end subroutine read_case
 
@@ -38,7 +35,7 @@ contains
     type(case_t) :: case
     type(reader_t) :: reader
 
-    call open_reader(text, groups, reader, error, completes=.true.)
+    call open_reader(text, reader, error, keeps_defaults=.true.)
     call read_all(text, reader, case, error)
     if (.not. allocated(error)) call reader%write_complete(complete)
   end subroutine complete_case
@@ -52,7 +49,7 @@ contains
     type(error_t), allocatable :: missing
 
     ! Reading asks for every key; that this case lacks some does not matter here.
-    call open_reader('&case tasks = ''geometry'' /', groups, reader, error)
+    call open_reader('&case tasks = ''geometry'' /', reader, error)
     if (allocated(error)) return
     call read_all('', reader, case, missing)
     call reader%check_key(group, key, error)
@@ -66,6 +63,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     case%text = text
+    call add_groups(reader)
     call read_tasks(reader, case, error)
     call read_model(reader, case, error)
     call read_load(reader, case, error)
@@ -87,6 +85,26 @@ contains
     call reader%list_waiting(case%unused)
   end subroutine read_all
 
+  !> In the order in which a case is written.
+  pure subroutine add_groups(reader)
+    type(reader_t), intent(inout) :: reader
+
+    call reader%add_group('case', 'What the case is called and what to compute.')
+    call reader%add_group('pair', 'What the two gears have in common.')
+    call reader%add_group('pinion', 'The driving gear. Its tooth factors are in modules.')
+    call reader%add_group('gear', 'The driven gear. Its tooth factors are in modules.')
+    call reader%add_group('material', 'The material of both gears.')
+    call reader%add_group('load', 'The static load; exactly one of its keys.')
+    call reader%add_group('relief', 'Tip relief, which grows from its start to the tip. Without this group there is none.')
+    call reader%add_group('mesh', 'The stiffness of the pairs of teeth in mesh.')
+    call reader%add_group('section', 'The body behind the teeth, for finite elements.')
+    call reader%add_group('static', 'The task static: root stress under the moving load.')
+    call reader%add_group('modal', 'The task modal: natural modes of the section.')
+    call reader%add_group('dynamics', 'Damping and friction of the motion.')
+    call reader%add_group('sweep', 'The speeds of the pinion.')
+    call reader%add_group('numerics', 'How exactly and by which method the motion is found; the defaults suit nearly every case.')
+  end subroutine add_groups
+
   subroutine read_tasks(reader, case, error)
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
@@ -95,10 +113,12 @@ contains
     integer :: i
 
     case%title = ''
-    call reader%get('case', 'title', case%title, error)
-    call reader%get('case', 'published', case%published, error)
+    call reader%get('case', 'title', case%title, error, meaning='printed above the results')
+    call reader%get('case', 'published', case%published, error, otherwise='none', &
+                    meaning='file of printed values to set beside the results; a relative name lies beside the case')
     allocate (tasks, source=[character(8) :: 'mesh', 'sweep'])
-    call reader%get('case', 'tasks', tasks, error, allowed=task_names)
+    call reader%get('case', 'tasks', tasks, error, allowed=task_names, meaning='what to compute, and nothing else')
     case%wants = [(any(tasks == task_names(i)), i=1, size(task_names))]
+    call reader%want(tasks)
   end subroutine read_tasks
 end module gearsweep_case_reader

@@ -28,22 +28,29 @@ contains
     module = 0
     width = 0
     drive_angle = 20*degree
-    call reader%get('pair', 'module_mm', module, error, required=.true., refused=geared, &
-                    at_least=1e-3_dp, at_most=1000.0_dp, scale=1e-3_dp)
-    call reader%get('pair', 'face_width_mm', width, error, required=cut, refused=unless(cut .or. case%line_load > 0, &
+    call reader%get('pair', 'module_mm', module, error, unit='mm', required=.true., refused=geared, &
+                    at_least=1e-3_dp, at_most=1000.0_dp, meaning='normal module')
+    call reader%get('pair', 'face_width_mm', width, error, unit='mm', required=cut, refused=unless(cut .or. case%line_load > 0, &
                     'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=1e-3_dp, at_most=1e5_dp, &
-                    scale=1e-3_dp)
-    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, waits=slides, &
+                    meaning='common face width of the two gears')
+    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, unit='deg', waits=slides, &
                     refused=unless(cut .or. case%friction > 0, 'a prescribed mesh uses it with friction only; remove it'), &
-                    above=3.0_dp, below=45.0_dp, scale=degree)
+                    above=3.0_dp, below=45.0_dp, meaning='pressure angle of the rack on the drive flanks; of a prescribed '// &
+                    'mesh with friction, the working pressure angle')
     coast_angle = drive_angle
-    call reader%get('pair', 'coast_angle_deg', coast_angle, error, refused=geared, above=3.0_dp, &
-                    below=45.0_dp, scale=degree)
-    call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, refused=geared, &
-                    above=0.0_dp, scale=1e-3_dp)
-    call reader%get('pair', 'tip_alteration', case%tip_alteration, error, refused=geared)
-    call reader%get('pair', 'backlash_um', case%backlash, error, given=case%has_backlash, &
-                    waits=for_tasks(case, with_motion), at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp)
+    call reader%get('pair', 'coast_angle_deg', coast_angle, error, unit='deg', refused=geared, above=3.0_dp, below=45.0_dp, &
+                    otherwise='as pressure_angle_deg', &
+                    meaning='pressure angle of the rack on the coast flanks, for asymmetric teeth')
+    call reader%get('pair', 'centre_distance_mm', case%centre_distance, error, unit='mm', refused=geared, above=0.0_dp, &
+                    otherwise='without backlash', &
+                    meaning='working centre distance, at least the one without backlash')
+    call reader%get('pair', 'tip_alteration', case%tip_alteration, error, refused=geared, &
+                    meaning='shortens the tips so that the rack''s bottom clearance is kept at this centre distance '// &
+                    '(ISO 21771); never lengthens them')
+    call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', given=case%has_backlash, tasks=with_motion, &
+                    at_least=0.0_dp, at_most=1e9_dp, otherwise='the coast flanks never touch', &
+                    meaning='backlash along the line of action: the coast flanks touch once the drive flanks are this far '// &
+                    'apart')
     case%spec%pressure_angle(1) = drive_angle
     if (cut) case%spec%pressure_angle(2) = coast_angle
     case%spec%module = module
@@ -62,10 +69,12 @@ contains
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
-    call reader%get(group, 'effective_mass_kg', case%mass(member), error, &
-                    waits=for_tasks(case, with_load), at_least=1e-12_dp, at_most=1e12_dp)
-    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, &
-                    waits=for_tasks(case, with_load), at_least=1e-15_dp, at_most=1e15_dp)
+    call reader%get(group, 'effective_mass_kg', case%mass(member), error, unit='kg', tasks=with_load, at_least=1e-12_dp, &
+                    at_most=1e12_dp, otherwise='of a solid disc', &
+                    meaning='mass on the line of action: moment of inertia over the square of the base radius')
+    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, unit='kg m^2', tasks=with_load, at_least=1e-15_dp, &
+                    at_most=1e15_dp, otherwise='of a solid disc', &
+                    meaning='polar moment of inertia, instead of the effective mass')
     rolls = cut .or. member == 1 .or. case%inertia(member) > 0
     associate (spec => case%spec(member))
       spec%name = group
@@ -73,15 +82,20 @@ contains
       if (.not. rolls) waits = for_tasks(case, with_motion)
       call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, waits=waits, &
                       refused=unless(rolls .or. case%friction > 0, &
-                      'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000)
-      call reader%get(group, 'profile_shift', spec%profile_shift, error, refused=geared, &
-                      above=-5.0_dp, below=5.0_dp)
-      call reader%get(group, 'addendum', spec%addendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp)
-      call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp)
-      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, &
-                      at_least=0.0_dp, at_most=2.0_dp)
-      call reader%get(group, 'bore_mm', spec%bore_radius, error, refused=geared, &
-                      waits=bore_waits(case, member), at_least=0.0_dp, scale=0.5e-3_dp)
+                      'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000, &
+                      meaning='number of teeth')
+      call reader%get(group, 'profile_shift', spec%profile_shift, error, refused=geared, above=-5.0_dp, below=5.0_dp, &
+                      meaning='profile shift coefficient x: the rack is moved outwards by x modules')
+      call reader%get(group, 'addendum', spec%addendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp, &
+                      meaning='addendum of the rack in modules, h_aP*')
+      call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp, &
+                      meaning='dedendum of the rack in modules, h_fP*')
+      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, at_least=0.0_dp, at_most=2.0_dp, &
+                      meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
+      call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, refused=geared, &
+                      waits=bore_waits(case, member), at_least=0.0_dp, &
+                      meaning='bore diameter, below the root diameter; it ends the section where rim_mm is not given, and '// &
+                      'takes its part off the mass of a solid disc')
     end associate
   end subroutine read_member
 
@@ -119,14 +133,16 @@ contains
     weighs = case%needs_load() .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
     ! Printed values may be a tooth's as a beam.
     compares = allocated(case%published)
-    call reader%get('material', 'young_gpa', case%material%young, error, at_least=1e-3_dp, at_most=1e4_dp, scale=1e9_dp, &
+    call reader%get('material', 'young_gpa', case%material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
                     waits=unless(yields .or. case%asks('modal') .or. compares, 'modal or a stiffness that is computed'), &
-                    refused=geared)
+                    refused=geared, meaning='Young''s modulus, for a stiffness that is computed and for natural modes; '// &
+                    'root stress does not depend on it')
     call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
                     waits=unless((yields .and. case%model /= 'iso6336') .or. case%asks_any('static, modal'), &
-                    'static, modal or a stiffness that depends on it'), refused=geared)
-    call reader%get('material', 'density_kgm3', case%material%density, error, at_least=1.0_dp, at_most=1e5_dp, &
+                    'static, modal or a stiffness that depends on it'), refused=geared, &
+                    meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress and natural modes')
+    call reader%get('material', 'density_kgm3', case%material%density, error, unit='kg/m^3', at_least=1.0_dp, at_most=1e5_dp, &
                     waits=unless(weighs .or. case%asks('modal') .or. compares, 'modal or a mass that is not stated'), &
-                    refused=geared)
+                    refused=geared, meaning='density, for natural modes and for gears with neither mass nor inertia given')
   end subroutine read_material
 end module gearsweep_gear_keys

@@ -1,63 +1,69 @@
 !> The keys of a format, as its reader asks for them, with the values in effect.
 module gearsweep_keys
+  use gearsweep_key, only: key_t
   use gearsweep_lines, only: lines_t
   use gearsweep_namelist, only: name_length, namelist_t, value_t
   use gearsweep_text, only: closest_word, join, lower
   implicit none
   private
-  public :: keys_t
+  public :: group_t, keys_t
 
-  !> Where it is given, its entry in the namelist; else its default as a case has
-  !> it, not allocated where there is none.
-  type :: key_t
-    character(name_length) :: group, name
-    integer :: entry = 0
-    character(:), allocatable :: default
-    character(:), allocatable :: waits           !< the tasks that would use it; blank where one does
-  end type key_t
+  type :: group_t
+    character(name_length) :: name = ''
+    character(:), allocatable :: meaning         !< one sentence
+  end type group_t
 
   type :: keys_t
-    private
-    character(name_length), allocatable, public :: groups(:)  !< of the format
+    type(group_t), allocatable :: groups(:)      !< of the format
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add, settle, has, why_unknown, list_waiting, write_case
+    procedure :: add_group, add, settle, list_groups, has, why_unknown, list_waiting, write_case
   end type keys_t
 
 contains
 
-  !> A key that is asked for again stays one. `entry` is 0 where it is not given; `may_be`: it is not
-  !> refused in this case. Its default counts unless it waits.
-  pure subroutine add(self, group, name, entry, may_be, waits)
+  !> A group of the format, in the order in which a case is written.
+  pure subroutine add_group(self, name, meaning)
     class(keys_t), intent(inout) :: self
-    character(*), intent(in) :: group, name
-    integer, intent(in) :: entry
-    logical, intent(in) :: may_be
-    character(*), intent(in), optional :: waits
-    integer, parameter :: most = 1000
-    character(name_length) :: in_group, of_name
+    character(*), intent(in) :: name, meaning
+
+    if (.not. allocated(self%groups)) allocate (self%groups(0))
+    self%groups = [self%groups, group_t(name, meaning)]
+  end subroutine add_group
+
+  !> The groups' names, as many as there are.
+  pure subroutine list_groups(self, names)
+    class(keys_t), intent(in) :: self
+    character(name_length), allocatable, intent(out) :: names(:)
     integer :: i
 
-    if (.not. allocated(self%key)) allocate (self%key(most))
-    in_group = lower(group)
-    of_name = lower(name)
-    self%last = 0
-    do i = 1, self%known
-      if (self%key(i)%name == of_name .and. self%key(i)%group == in_group) self%last = i
+    allocate (names(size(self%groups)))
+    do i = 1, size(names)
+      names(i) = self%groups(i)%name
     end do
-    if (self%last == 0) then
-      self%known = self%known + 1
-      self%last = self%known
+  end subroutine list_groups
+
+  !> A key that is asked for again stays one.
+  pure subroutine add(self, key)
+    class(keys_t), intent(inout) :: self
+    type(key_t), intent(in) :: key
+    integer, parameter :: first_size = 128
+    type(key_t), allocatable :: more(:)
+    integer :: i
+
+    if (.not. allocated(self%key)) allocate (self%key(first_size))
+    do i = 1, self%known
+      if (self%key(i)%name == key%name .and. self%key(i)%group == key%group) exit
+    end do
+    if (i > size(self%key)) then
+      allocate (more(2*size(self%key)))
+      more(:size(self%key)) = self%key
+      call move_alloc(more, self%key)
     end if
-    associate (key => self%key(self%last))
-      key%group = in_group
-      key%name = of_name
-      key%entry = entry
-      key%waits = ''
-      if (present(waits)) key%waits = trim(waits)
-    end associate
-    if (.not. may_be .or. len(self%key(self%last)%waits) > 0) self%last = 0
+    self%last = i
+    self%known = max(i, self%known)
+    self%key(i) = key
   end subroutine add
 
   !> The default of the key added last, where it is not given.
@@ -65,7 +71,7 @@ contains
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: default
 
-    if (self%last > 0) self%key(self%last)%default = default
+    self%key(self%last)%default = default
   end subroutine settle
 
   !> Has this key been asked for? Names in lower case.
@@ -86,10 +92,9 @@ contains
     character(name_length), allocatable :: names(:), homes(:)
     integer :: closest, i
 
-    associate (key => self%key(:self%known))
-      names = pack([(key(i)%name, i=1, size(key))], key%group == group)
-      homes = pack(self%groups, [(any(key%group == self%groups(i) .and. key%name == name), i=1, size(self%groups))])
-    end associate
+    call self%list_groups(homes)
+    homes = pack(homes, [(self%has(trim(homes(i)), name), i=1, size(homes))])
+    names = pack([(self%key(i)%name, i=1, self%known)], [(self%key(i)%group == group, i=1, self%known)])
     closest = closest_word(name, names)
     why = 'unknown key'
     if (closest > 0) then
@@ -153,8 +158,8 @@ contains
       opened = .false.
       do k = 1, self%known
         associate (key => self%key(k))
-          if (key%group /= self%groups(i) .or. .not. (key%entry > 0 .or. allocated(key%default))) cycle
-          if (.not. opened) call lines%add('&'//trim(self%groups(i)))
+          if (key%group /= self%groups(i)%name .or. .not. (key%entry > 0 .or. counts(key))) cycle
+          if (.not. opened) call lines%add('&'//trim(self%groups(i)%name))
           opened = .true.
           if (key%entry > 0) then
             call add_values(lines, trim(key%name), list%entries(key%entry)%values)
@@ -166,6 +171,15 @@ contains
       if (opened) call lines%add('/')
     end do
     text = lines%text()
+
+  contains
+
+    !> Does the default of this key take part?
+    pure logical function counts(key)
+      type(key_t), intent(in) :: key
+
+      counts = allocated(key%default) .and. len(key%waits) == 0 .and. len(key%refused) == 0
+    end function counts
   end subroutine write_case
 
   !> An assignment, on as many lines as it needs.

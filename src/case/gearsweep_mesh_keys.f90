@@ -1,6 +1,6 @@
 !> What a case says of the mesh: &mesh, &load and &relief.
 module gearsweep_mesh_keys
-  use gearsweep_kinds, only: dp, pi
+  use gearsweep_kinds, only: dp
   use gearsweep_case, only: case_t
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_reader, only: reader_t
@@ -19,27 +19,36 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: models(*) = [character(10) :: 'polynomial', 'table', 'fe', 'weber', 'iso6336']
+    character(*), parameter :: of_model = 'stiffness of one pair of teeth: finite elements, Weber and Banaschek, ISO 6336-1 '// &
+                                          'method B, the coefficients of a polynomial, or a table'
     logical :: open
 
     case%prescribed = reader%has('mesh', 'contact_ratio')
-    call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp)
+    call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp, &
+                    otherwise='of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
     if (case%prescribed .and. case%asks_any('geometry, section, static, modal')) call fail(error, code_input, &
       '&case tasks: geometry, section, static and modal need a gear; a prescribed mesh (&mesh contact_ratio) has none')
     case%model = 'weber'
     if (case%prescribed) case%model = ''
     if (case%prescribed) then
-      call reader%get('mesh', 'model', case%model, error, required=.true., allowed=models(:2))
+      call reader%get('mesh', 'model', case%model, error, required=.true., allowed=models(:2), meaning=of_model)
     else
-      call reader%get('mesh', 'model', case%model, error, waits=for_tasks(case, with_load), allowed=models([3, 4, 5, 1, 2]))
+      call reader%get('mesh', 'model', case%model, error, tasks=with_load, allowed=models([3, 4, 5, 1, 2]), meaning=of_model)
     end if
     if (allocated(error)) return
     ! What belongs to a missing model is no error of its own.
     open = len(case%model) == 0
-    call reader%get('mesh', 'coefficients', case%coefficients, error, required=.not. open, &
-                    at_least=-1e12_dp, at_most=1e12_dp, scale=1e6_dp, max_size=20, waits=for_tasks(case, with_load), &
-                    refused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''))
-    call reader%get('mesh', 'file', case%file, error, required=.not. open, waits=for_tasks(case, with_load), &
-                    refused=unless(open .or. case%model == 'table', 'needs model = ''table'''))
+    call reader%get('mesh', 'coefficients', case%coefficients, error, unit='N/um', required=.not. open, &
+                    at_least=-1e12_dp, at_most=1e12_dp, max_size=20, tasks=with_load, &
+                    refused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''), &
+                    otherwise='required with model = ''polynomial''', &
+                    meaning='stiffness of one pair over the whole face width, in ascending powers of u, which goes from -1 at '// &
+                    'A to 1 at E')
+    call reader%get('mesh', 'file', case%file, error, required=.not. open, tasks=with_load, &
+                    refused=unless(open .or. case%model == 'table', 'needs model = ''table'''), &
+                    otherwise='required with model = ''table''', &
+                    meaning='file with a table of the path coordinate s and the pair stiffness; a relative name lies beside '// &
+                    'the case')
   end subroutine read_model
 
   !> Exactly one of the three.
@@ -48,12 +57,12 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
 
-    call reader%get('load', 'torque_nm', case%torque, error, waits=for_tasks(case, with_load), &
-                    at_least=1e-12_dp, at_most=1e12_dp)
-    call reader%get('load', 'normal_force_n', case%normal_force, error, waits=for_tasks(case, with_load), &
-                    at_least=1e-12_dp, at_most=1e12_dp)
-    call reader%get('load', 'line_load_n_mm', case%line_load, error, waits=for_tasks(case, with_load), &
-                    at_least=1e-12_dp, at_most=1e7_dp, scale=1e3_dp)
+    call reader%get('load', 'torque_nm', case%torque, error, unit='N m', one_of=.true., tasks=with_load, &
+                    at_least=1e-12_dp, at_most=1e12_dp, meaning='torque on the pinion')
+    call reader%get('load', 'normal_force_n', case%normal_force, error, unit='N', one_of=.true., tasks=with_load, &
+                    at_least=1e-12_dp, at_most=1e12_dp, meaning='force on the line of action')
+    call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=with_load, &
+                    at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
   end subroutine read_load
 
   !> After the root stress, whose load need not be shared by the mesh.
@@ -68,25 +77,39 @@ contains
     waits = for_tasks(case, with_load)
     if (case%root%sharing /= shared_by_mesh) waits = for_tasks(case, 'mesh, load, sweep or optimum')
     allocate (case%amount(1), source=0.0_dp)
-    call reader%get('relief', 'amount_um', case%amount, error, required=reader%has_group('relief'), waits=waits, &
-                    at_least=0.0_dp, at_most=1e9_dp, scale=1e-6_dp, max_size=10000)
+    call reader%get('relief', 'amount_um', case%amount, error, unit='um', required=reader%has_group('relief'), &
+                    tasks=with_load, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
+                    otherwise='0; required where this group is given', &
+                    meaning='amounts of tip relief to compute, each at most half of the tooth''s thickness at its tip')
     ! Nothing that is wanted differs between the reliefs.
     if (len_trim(waits) > 0) case%amount = [0.0_dp]
     waits = first_of(waits, unless(any(case%amount > 0) .or. case%asks('optimum'), 'optimum or an amount above 0'))
-    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, waits=waits, at_least=0.0_dp, at_most=1000.0_dp)
-    call reader%get('relief', 'gear_fraction', case%fraction(2), error, waits=waits, at_least=0.0_dp, at_most=1000.0_dp)
+    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_load, waits=waits, at_least=0.0_dp, &
+                    at_most=1000.0_dp, meaning='relief at the pinion''s tip over the amount; 0 leaves the pinion as it is')
+    call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_load, waits=waits, at_least=0.0_dp, &
+                    at_most=1000.0_dp, meaning='relief at the gear''s tip over the amount; 0 leaves the gear as it is')
     shape = 'linear'
-    call reader%get('relief', 'shape', shape, error, waits=waits, allowed=[character(9) :: 'linear', 'parabolic'])
+    call reader%get('relief', 'shape', shape, error, tasks=with_load, waits=waits, &
+                    allowed=[character(9) :: 'linear', 'parabolic'], &
+                    meaning='how relief grows with the path coordinate, and so with the roll angle')
     case%shape = merge(parabolic, linear, shape == 'parabolic')
-    call reader%get('relief', 'length_mm', case%length, error, given=has_length, waits=waits, &
-                    at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp)
-    call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, given=has_roll(1), waits=waits, above=0.0_dp, scale=pi/180)
-    call reader%get('relief', 'gear_roll_deg', case%roll(2), error, given=has_roll(2), waits=waits, above=0.0_dp, scale=pi/180)
+    call reader%get('relief', 'length_mm', case%length, error, unit='mm', given=has_length, tasks=with_load, waits=waits, &
+                    at_least=1e-6_dp, at_most=1e6_dp, otherwise='for start = ''length''', &
+                    meaning='length of the relieved part of the path of contact, alike for both gears')
+    call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, unit='deg', given=has_roll(1), tasks=with_load, &
+                    waits=waits, above=0.0_dp, otherwise='for start = ''roll''', &
+                    meaning='roll angle of the pinion at which its relief begins')
+    call reader%get('relief', 'gear_roll_deg', case%roll(2), error, unit='deg', given=has_roll(2), tasks=with_load, &
+                    waits=waits, above=0.0_dp, otherwise='for start = ''roll''', &
+                    meaning='roll angle of the gear at which its relief begins')
     case%start = 'hpstc'
     if (has_length) case%start = 'length'
     if (any(has_roll)) case%start = 'roll'
-    call reader%get('relief', 'start', case%start, error, waits=waits, &
-                    allowed=[character(6) :: 'hpstc', 'pitch', 'length', 'roll'])
+    call reader%get('relief', 'start', case%start, error, tasks=with_load, waits=waits, &
+                    allowed=[character(6) :: 'hpstc', 'pitch', 'length', 'roll'], &
+                    otherwise='hpstc, or what length_mm or a roll angle says', &
+                    meaning='where relief begins: at D and B (hpstc), at the pitch point, at a length from the ends of the '// &
+                    'path of contact, or at a roll angle')
   end subroutine read_relief
 
   !> What else a prescribed mesh needs to be told, and the harmonics: last, as it depends on the rest.
@@ -102,14 +125,18 @@ contains
     relieves = any(case%amount > 0) .or. case%asks('optimum')
     waits = ''
     if (.not. (case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0))) waits = for_tasks(case, 'mesh')
-    call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, at_least=1e-6_dp, at_most=1e6_dp, scale=1e-3_dp, &
-                    waits=waits, refused=made)
+    call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, unit='mm', at_least=1e-6_dp, at_most=1e6_dp, &
+                    waits=waits, refused=made, otherwise='of the gears', &
+                    meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
     waits = ''
     if (.not. (relieves .and. case%start == 'pitch')) waits = for_tasks(case, with_motion)
     if (.not. (relieves .or. case%friction > 0)) waits = 'optimum or an amount above 0'
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
                     refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch', &
-                    'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')))
-    call reader%get('mesh', 'ste_harmonics', case%harmonics, error, waits=for_tasks(case, 'mesh'), at_least=1, at_most=1000)
+                    'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')), &
+                    otherwise='half the contact ratio', &
+                    meaning='path coordinate s of the pitch point of a prescribed mesh, at most the contact ratio')
+    call reader%get('mesh', 'ste_harmonics', case%harmonics, error, tasks='mesh', at_least=1, at_most=1000, &
+                    meaning='harmonics of the static transmission error in the table harmonics')
   end subroutine read_path
 end module gearsweep_mesh_keys

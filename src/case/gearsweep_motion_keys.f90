@@ -6,7 +6,7 @@ module gearsweep_motion_keys
   use gearsweep_reader, only: reader_t
   use gearsweep_steady, only: by_marching, by_shooting
   use gearsweep_sweep, only: down, each, up
-  use gearsweep_uses, only: for_tasks, with_motion
+  use gearsweep_uses, only: with_motion
   implicit none
   private
   public :: read_dynamics, read_sweep, read_numerics
@@ -18,10 +18,11 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
 
-    call reader%get('dynamics', 'damping_ratio', case%damping_ratio, error, waits=for_tasks(case, with_motion), &
-                    at_least=0.0_dp, at_most=1000.0_dp)
-    call reader%get('dynamics', 'friction', case%friction, error, waits=for_tasks(case, with_motion), &
-                    at_least=0.0_dp, below=1.0_dp)
+    call reader%get('dynamics', 'damping_ratio', case%damping_ratio, error, tasks=with_motion, at_least=0.0_dp, &
+                    at_most=1000.0_dp, meaning='damping ratio zeta; the damping force follows the stiffness of the pairs in '// &
+                    'contact and vanishes when no flanks touch')
+    call reader%get('dynamics', 'friction', case%friction, error, tasks=with_motion, at_least=0.0_dp, below=1.0_dp, &
+                    meaning='coefficient of friction, with the sign of the sliding before and after the pitch point')
   end subroutine read_dynamics
 
   subroutine read_sweep(reader, case, error)
@@ -32,16 +33,18 @@ contains
     integer, parameter :: directions(*) = [up, down, each]
     character(:), allocatable :: direction
 
-    call reader%get('sweep', 'rpm_first', case%rpm_first, error, required=.true., waits=for_tasks(case, over_speed), &
-                    at_least=1e-6_dp, at_most=1e9_dp)
-    call reader%get('sweep', 'rpm_last', case%rpm_last, error, required=.true., waits=for_tasks(case, over_speed), &
-                    at_least=1e-6_dp, at_most=1e9_dp)
-    call reader%get('sweep', 'rpm_step', case%rpm_step, error, required=.true., waits=for_tasks(case, over_speed), &
-                    at_least=1e-9_dp)
+    call reader%get('sweep', 'rpm_first', case%rpm_first, error, unit='1/min', required=.true., tasks=over_speed, &
+                    at_least=1e-6_dp, at_most=1e9_dp, meaning='first speed of the pinion')
+    call reader%get('sweep', 'rpm_last', case%rpm_last, error, unit='1/min', required=.true., tasks=over_speed, &
+                    at_least=1e-6_dp, at_most=1e9_dp, meaning='speed beyond which no speed lies; not below rpm_first')
+    call reader%get('sweep', 'rpm_step', case%rpm_step, error, unit='1/min', required=.true., tasks=over_speed, &
+                    at_least=1e-9_dp, meaning='step from one speed to the next; speeds times reliefs may be at most 1e7')
     direction = 'up'
-    call reader%get('sweep', 'direction', direction, error, waits=for_tasks(case, over_speed), allowed=ways)
-    call reader%get('sweep', 'load_rpm', case%load_rpm, error, required=.true., waits=for_tasks(case, 'load'), &
-                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000)
+    call reader%get('sweep', 'direction', direction, error, tasks=over_speed, allowed=ways, &
+                    meaning='where several steady motions exist: follow the one found at the speed below (up), at the speed '// &
+                    'above (down), or take each speed by itself (each)')
+    call reader%get('sweep', 'load_rpm', case%load_rpm, error, unit='1/min', required=.true., tasks='load', &
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion for the task load')
     case%direction = sum(pack(directions, ways == direction))
   end subroutine read_sweep
 
@@ -52,13 +55,17 @@ contains
     character(:), allocatable :: method
 
     associate (accuracy => case%accuracy)
-      call reader%get('numerics', 'steps_per_period', accuracy%steps, error, waits=for_tasks(case, with_motion), &
-                      at_least=0, at_most=accuracy%most_steps)
-      call reader%get('numerics', 'tolerance', accuracy%steady%tolerance, error, waits=for_tasks(case, with_motion), &
-                      at_least=1e-11_dp, at_most=0.1_dp)
+      call reader%get('numerics', 'steps_per_period', accuracy%steps, error, tasks=with_motion, at_least=0, &
+                      at_most=accuracy%most_steps, meaning='steps in a mesh period, about, as steps end where stiffness or '// &
+                      'relief has a break; 0 chooses them for the tolerance at each speed')
+      call reader%get('numerics', 'tolerance', accuracy%steady%tolerance, error, tasks=with_motion, &
+                      at_least=1e-11_dp, at_most=0.1_dp, meaning='largest estimated error of a dynamic factor; the search for '// &
+                      'the optimum relief uses 1e-5 where this is smaller')
       method = 'shooting'
-      call reader%get('numerics', 'steady_state', method, error, waits=for_tasks(case, with_motion), &
-                      allowed=[character(8) :: 'shooting', 'march'])
+      call reader%get('numerics', 'steady_state', method, error, tasks=with_motion, &
+                      allowed=[character(8) :: 'shooting', 'march'], &
+                      meaning='how the steady motion is found: Newton''s method on the map of one period (shooting), or '// &
+                      'marching until the transients have died out (march)')
       accuracy%steady%method = merge(by_marching, by_shooting, method == 'march')
     end associate
   end subroutine read_numerics

@@ -1,16 +1,19 @@
 !> Takes typed values out of namelist text, each with its unit, its bounds and one clear error.
 !>
-!> A caller writes one `get` for each key of the format, then `finish`, and checks `error` once.
-!> Keys that are absent leave their variable as it was: its default. A key that can have no effect is
-!> asked for with `refused`, the reason why: then it must not be given. One that has none for what the
-!> caller wants this time is asked for with `waits`, what it waits for: it is read and listed.
+!> A caller writes one `get` for each key of the format, then `finish`, and checks `error` once. The `get` is all that
+!> is said of the key anywhere: what it means, its unit, what may be given and the tasks that use it; its variable holds
+!> the default before, in SI units, and what is given after. A key that can have no effect is asked for with `refused`,
+!> the reason why: then it must not be given. One that has none for what the caller wants this time, as no task in
+!> `tasks` is wanted or for the reason in `waits`, is read and listed.
 module gearsweep_reader
   use gearsweep_bounds, only: bound_integer, bound_real, bounds_t
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
+  use gearsweep_key, only: declare, key_t, kind_integer, kind_logical, kind_number, kind_text
   use gearsweep_keys, only: keys_t
   use gearsweep_namelist, only: name_length, namelist_t, parse_namelist
   use gearsweep_text, only: closest_word, join, lower
+  use gearsweep_units, only: in_si
   use gearsweep_values, only: check_size, check_sizes, describe_texts, fail_entry, read_logical, read_numbers, read_texts, &
                              tell_number
   implicit none
@@ -20,123 +23,146 @@ module gearsweep_reader
   type :: reader_t
     private
     type(namelist_t) :: list
-    type(keys_t) :: keys
-    logical :: completes = .false.               !< defaults are wanted, too
+    type(keys_t), public :: keys
+    logical :: keeps_defaults = .false.
+    character(:), allocatable :: tasks           !< those that are wanted, a blank in front of and behind each
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
   contains
-    !> `call reader%get(group, key, value, error, [given], [required], [waits], [refused], ...)`
+    !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [waits], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure :: has, has_group, finish, check_key, list_waiting, write_complete
-    procedure, private :: find, miss, miss_number, miss_text, settle, check_names, check_group
+    procedure :: add_group, want, has, has_group, finish, check_key, list_waiting, write_complete
+    procedure, private :: find, miss, settle, check_names, check_group
   end type reader_t
 
 contains
 
-  !> `groups` are those of the format; `completes`: `write_complete` will be called.
-  pure subroutine open_reader(text, groups, reader, error, completes)
-    character(*), intent(in) :: text, groups(:)
+  !> Reads the text's form; then the format's groups are added. `keeps_defaults`: `write_complete` will be called, or
+  !> the keys be described.
+  pure subroutine open_reader(text, reader, error, keeps_defaults)
+    character(*), intent(in) :: text
     type(reader_t), intent(out) :: reader
     type(error_t), allocatable, intent(inout) :: error
-    logical, intent(in), optional :: completes
+    logical, intent(in), optional :: keeps_defaults
 
-    reader%keys%groups = groups
-    if (present(completes)) reader%completes = completes
+    if (present(keeps_defaults)) reader%keeps_defaults = keeps_defaults
+    reader%tasks = ''
     call parse_namelist(text, reader%list, error)
   end subroutine open_reader
 
-  !> One number; the bounds are in the unit of the key, the result is multiplied by `scale`.
-  pure subroutine get_real(self, group, key, value, error, given, required, waits, refused, scale, &
-    & above, at_least, below, at_most)
+  !> A group of the format and what it is about.
+  pure subroutine add_group(self, name, meaning)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
+    character(*), intent(in) :: name, meaning
+
+    call self%keys%add_group(name, meaning)
+  end subroutine add_group
+
+  !> From now on, keys for other tasks wait for these.
+  pure subroutine want(self, tasks)
+    class(reader_t), intent(inout) :: self
+    character(*), intent(in) :: tasks(:)
+
+    self%tasks = ' '//join(tasks, ' ')//' '
+  end subroutine want
+
+  !> One number. The bounds are in the key's unit; what is given is converted to SI units, then multiplied by `factor`.
+  pure subroutine get_real(self, group, key, value, error, meaning, unit, factor, given, required, one_of, tasks, waits, &
+                           refused, otherwise, above, at_least, below, at_most)
+    class(reader_t), intent(inout) :: self
+    character(*), intent(in) :: group, key, meaning
     real(dp), intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: unit, tasks, waits, refused, otherwise
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, refused
-    real(dp), intent(in), optional :: scale, above, at_least, below, at_most
-    type(bounds_t) :: bounds
+    logical, intent(in), optional :: required, one_of
+    real(dp), intent(in), optional :: factor, above, at_least, below, at_most
+    type(key_t) :: wanted
     real(dp), allocatable :: numbers(:)
-    logical :: lacks
+    real(dp) :: scale
     integer :: at
 
-    call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, at, lacks, error, given, required, waits, refused)
-    if (lacks) call self%miss_number(group, key, bounds)
-    if (at == 0 .and. .not. present(given)) call self%settle([value], bounds, scale)
+    call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
+    call bound_real(wanted%bounds, above, at_least, below, at_most)
+    call self%find(wanted, at, error, given, waits, refused)
+    scale = in_si(wanted%unit)
+    if (present(factor)) scale = scale*factor
+    if (at == 0 .and. .not. present(given)) call self%settle([value], wanted%bounds, scale)
     if (at == 0) return
     call check_size(self%list%entries(at), 'number', error)
-    call read_numbers(self%list%entries(at), bounds, numbers, error, scale)
+    call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
     if (.not. allocated(error)) value = numbers(1)
   end subroutine get_real
 
   !> A list of numbers; the bounds hold for each, `min_size` and `max_size` for how many there are.
-  pure subroutine get_reals(self, group, key, value, error, given, required, waits, refused, scale, &
-    & above, at_least, below, at_most, min_size, max_size)
+  pure subroutine get_reals(self, group, key, value, error, meaning, unit, given, required, one_of, tasks, waits, &
+                            refused, otherwise, above, at_least, below, at_most, min_size, max_size)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
+    character(*), intent(in) :: group, key, meaning
     real(dp), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: unit, tasks, waits, refused, otherwise
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, refused
-    real(dp), intent(in), optional :: scale, above, at_least, below, at_most
+    logical, intent(in), optional :: required, one_of
+    real(dp), intent(in), optional :: above, at_least, below, at_most
     integer, intent(in), optional :: min_size, max_size
-    type(bounds_t) :: bounds
+    type(key_t) :: wanted
     real(dp), allocatable :: numbers(:)
-    logical :: lacks
+    real(dp) :: scale
     integer :: at
 
-    call bound_real(bounds, above, at_least, below, at_most)
-    call self%find(group, key, at, lacks, error, given, required, waits, refused)
-    if (lacks) call self%miss_number(group, key, bounds)
-    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%settle(value, bounds, scale)
+    call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
+    call bound_real(wanted%bounds, above, at_least, below, at_most)
+    call wanted%allow_list(min_size, max_size)
+    call self%find(wanted, at, error, given, waits, refused)
+    scale = in_si(wanted%unit)
+    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%settle(value, wanted%bounds, scale)
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
-    call read_numbers(self%list%entries(at), bounds, numbers, error, scale)
+    call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
     if (.not. allocated(error)) call move_alloc(numbers, value)
   end subroutine get_reals
 
-  pure subroutine get_integer(self, group, key, value, error, given, required, waits, refused, at_least, at_most)
+  pure subroutine get_integer(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+                              otherwise, at_least, at_most)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
+    character(*), intent(in) :: group, key, meaning
     integer, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: tasks, waits, refused, otherwise
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, refused
+    logical, intent(in), optional :: required, one_of
     integer, intent(in), optional :: at_least, at_most
-    type(bounds_t) :: bounds
+    type(key_t) :: wanted
     real(dp), allocatable :: numbers(:)
-    logical :: lacks
     integer :: at
 
-    call bound_integer(bounds, at_least, at_most)
-    call self%find(group, key, at, lacks, error, given, required, waits, refused)
-    if (lacks) call self%miss_number(group, key, bounds)
-    if (at == 0 .and. .not. present(given)) call self%settle([real(value, dp)], bounds)
+    call declare(wanted, group, key, meaning, kind_integer, '', tasks, otherwise, required, one_of)
+    call bound_integer(wanted%bounds, at_least, at_most)
+    call self%find(wanted, at, error, given, waits, refused)
+    if (at == 0 .and. .not. present(given)) call self%settle([real(value, dp)], wanted%bounds, 1.0_dp)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
-    call read_numbers(self%list%entries(at), bounds, numbers, error)
+    call read_numbers(self%list%entries(at), wanted%bounds, numbers, error)
     if (.not. allocated(error)) value = nint(numbers(1))
   end subroutine get_integer
 
   !> `.true.`, `true`, `T` and the same for false.
-  pure subroutine get_logical(self, group, key, value, error, given, required, waits, refused)
+  pure subroutine get_logical(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+                              otherwise)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
+    character(*), intent(in) :: group, key, meaning
     logical, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: tasks, waits, refused, otherwise
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, refused
-    logical :: lacks
+    logical, intent(in), optional :: required, one_of
+    type(key_t) :: wanted
     integer :: at
 
-    call self%find(group, key, at, lacks, error, given, required, waits, refused)
-    if (lacks) call self%miss(group, key, '.true. or .false.')
+    call declare(wanted, group, key, meaning, kind_logical, '', tasks, otherwise, required, one_of)
+    call self%find(wanted, at, error, given, waits, refused)
     if (at == 0 .and. .not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     call check_size(self%list%entries(at), 'logical', error)
@@ -144,21 +170,23 @@ contains
   end subroutine get_logical
 
   !> One text; with `allowed`, one of these words in any case, returned in lower case.
-  pure subroutine get_text(self, group, key, value, error, given, required, waits, refused, allowed)
+  pure subroutine get_text(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+                           otherwise, allowed)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
+    character(*), intent(in) :: group, key, meaning
     character(:), allocatable, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: tasks, waits, refused, otherwise
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, refused
+    logical, intent(in), optional :: required, one_of
     character(*), intent(in), optional :: allowed(:)
+    type(key_t) :: wanted
     character(:), allocatable :: texts(:)
-    logical :: lacks
     integer :: at
 
-    call self%find(group, key, at, lacks, error, given, required, waits, refused)
-    if (lacks) call self%miss_text(group, key, allowed)
+    call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
+    if (present(allowed)) wanted%words = allowed
+    call self%find(wanted, at, error, given, waits, refused)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
     if (at == 0) return
     call check_size(self%list%entries(at), 'text', error)
@@ -168,21 +196,24 @@ contains
   end subroutine get_text
 
   !> A list of texts, padded with blanks to the longest.
-  pure subroutine get_texts(self, group, key, value, error, given, required, waits, refused, allowed, min_size, max_size)
+  pure subroutine get_texts(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+                            otherwise, allowed, min_size, max_size)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
+    character(*), intent(in) :: group, key, meaning
     character(:), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: tasks, waits, refused, otherwise
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required
-    character(*), intent(in), optional :: waits, refused
+    logical, intent(in), optional :: required, one_of
     character(*), intent(in), optional :: allowed(:)
     integer, intent(in), optional :: min_size, max_size
-    logical :: lacks
+    type(key_t) :: wanted
     integer :: at
 
-    call self%find(group, key, at, lacks, error, given, required, waits, refused)
-    if (lacks) call self%miss_text(group, key, allowed)
+    call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
+    if (present(allowed)) wanted%words = allowed
+    call wanted%allow_list(min_size, max_size)
+    call self%find(wanted, at, error, given, waits, refused)
     if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'texts', error, min_size, max_size)
@@ -239,14 +270,16 @@ contains
     class(reader_t), intent(in) :: self
     character(*), intent(in) :: group
     type(error_t), allocatable, intent(inout) :: error
+    character(name_length), allocatable :: names(:)
     character(:), allocatable :: why
     integer :: closest
 
-    if (any(self%keys%groups == group)) return
-    closest = closest_word(group, self%keys%groups)
+    call self%keys%list_groups(names)
+    if (any(names == group)) return
+    closest = closest_word(group, names)
     why = ''
-    if (closest > 0) why = ' (did you mean &'//trim(self%keys%groups(closest))//'?)'
-    call fail(error, code_input, '&'//group//': unknown group'//why//'; the groups are '//join(self%keys%groups, ', '))
+    if (closest > 0) why = ' (did you mean &'//trim(names(closest))//'?)'
+    call fail(error, code_input, '&'//group//': unknown group'//why//'; the groups are '//join(names, ', '))
   end subroutine check_group
 
   !> Fails unless the format has this key: one that has been asked for, whether it is given or not.
@@ -282,84 +315,65 @@ contains
   !> bits. One that is not allowed stands for none.
   pure subroutine settle(self, values, bounds, scale)
     class(reader_t), intent(inout) :: self
-    real(dp), intent(in) :: values(:)
+    real(dp), intent(in) :: values(:), scale
     type(bounds_t), intent(in) :: bounds
-    real(dp), intent(in), optional :: scale
     character(30) :: words(size(values))
-    real(dp) :: number, unit
+    real(dp) :: number
     logical :: found
     integer :: i
 
-    if (.not. self%completes) return
-    unit = 1
-    if (present(scale)) unit = scale
+    if (.not. self%keeps_defaults) return
     do i = 1, size(values)
-      call tell_number(values(i), unit, words(i), number, found)
+      call tell_number(values(i), scale, words(i), number, found)
       if (.not. found .or. .not. bounds%allow(number)) return
     end do
     call self%keys%settle(join(words, ', '))
   end subroutine settle
 
-  !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read;
-  !> `lacks`: it must be given and is not.
-  pure subroutine find(self, group, key, at, lacks, error, given, required, waits, refused)
+  !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
+  pure subroutine find(self, key, at, error, given, waits, refused)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
+    type(key_t), intent(inout) :: key
     integer, intent(out) :: at
-    logical, intent(out) :: lacks
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required
     character(*), intent(in), optional :: waits, refused
-    logical :: may
+    logical :: may_be
 
     at = 0
-    lacks = .false.
     if (present(given)) given = .false.
-    if (allocated(error)) return
-    may = is_blank(refused)
-    at = position(self%list, group, key)
-    if (at > 0 .and. .not. may) call fail_entry(self%list%entries(at), trim(refused), error)
-    if (.not. may) at = 0
-    call self%keys%add(group, key, at, may, waits)
+    if (present(waits)) key%waits = trim(waits)
+    if (present(refused)) key%refused = trim(refused)
+    if (len(key%waits) == 0 .and. .not. key%is_for(self%tasks)) key%waits = key%tasks
+    may_be = len(key%refused) == 0
+    if (.not. allocated(error)) then
+      at = position(self%list, key%group, key%name)
+      if (at > 0 .and. .not. may_be) call fail_entry(self%list%entries(at), key%refused, error)
+      if (.not. may_be) at = 0
+    end if
+    key%entry = at
+    call self%keys%add(key)
     if (at > 0) self%list%entries(at)%used = .true.
     if (present(given)) given = at > 0
-    if (present(required)) lacks = required .and. at == 0 .and. may .and. is_blank(waits)
+    if (key%is_required .and. at == 0 .and. may_be .and. len(key%waits) == 0) call self%miss(key)
   end subroutine find
 
-  pure subroutine miss(self, group, key, wanted)
+  pure subroutine miss(self, key)
     class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key, wanted
+    type(key_t), intent(in) :: key
+    character(:), allocatable :: rule
 
-    call fail(self%missing, code_input, '&'//group//' '//key//': missing; must be '//wanted)
+    select case (key%kind)
+    case (kind_logical)
+      rule = '.true. or .false.'
+    case (kind_text)
+      if (allocated(key%words)) call describe_texts(rule, key%words)
+      if (.not. allocated(key%words)) call describe_texts(rule)
+    case default
+      call key%bounds%describe(rule)
+    end select
+    call fail(self%missing, code_input, '&'//trim(key%group)//' '//trim(key%name)//': missing; must be '//rule)
   end subroutine miss
-
-  pure subroutine miss_number(self, group, key, bounds)
-    class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
-    type(bounds_t), intent(in) :: bounds
-    character(:), allocatable :: rule
-
-    call bounds%describe(rule)
-    call self%miss(group, key, rule)
-  end subroutine miss_number
-
-  pure subroutine miss_text(self, group, key, allowed)
-    class(reader_t), intent(inout) :: self
-    character(*), intent(in) :: group, key
-    character(*), intent(in), optional :: allowed(:)
-    character(:), allocatable :: rule
-
-    call describe_texts(rule, allowed)
-    call self%miss(group, key, rule)
-  end subroutine miss_text
-
-  pure logical function is_blank(words)
-    character(*), intent(in), optional :: words
-
-    is_blank = .true.
-    if (present(words)) is_blank = len_trim(words) == 0
-  end function is_blank
 
   pure integer function position(list, group, key) result(at)
     type(namelist_t), intent(in) :: list

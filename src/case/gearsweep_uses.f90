@@ -9,7 +9,9 @@ module gearsweep_uses
 
   integer, parameter :: longest = 120
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
-  character(*), parameter, public :: with_load = 'mesh, static, load, sweep or optimum', with_motion = 'load, sweep or optimum'
+  !> The tasks that need the mesh, the motion, and a body by finite elements, be it for the stiffness.
+  character(*), parameter, public :: with_load = 'mesh, static, load, sweep or optimum', with_motion = 'load, sweep or optimum', &
+                                     with_body = 'section, mesh, static, modal, load, sweep or optimum'
 
 contains
 
