@@ -46,7 +46,8 @@ module gearsweep
   use gearsweep_case_reader, only: read_case
   use gearsweep_study, only: study_t, run_study
   use gearsweep_report, only: report, write_report, failed_points
-  use gearsweep_tables, only: table_names, has_table, write_table
+  use gearsweep_table, only: table_t, column_t, kind_real, kind_integer, kind_text
+  use gearsweep_tables, only: table_names, make_table, write_table
   implicit none
   public
 end module gearsweep

@@ -8,7 +8,7 @@ module test_inputs
   use gearsweep_kinds, only: dp
   use gearsweep_report, only: write_report
   use gearsweep_study, only: run_study, study_t
-  use gearsweep_tables, only: has_table, table_names, write_table
+  use gearsweep_tables, only: table_names, write_table
   use testing, only: check_equal, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
@@ -447,8 +447,8 @@ contains
     call write_report(study, part)
     output%text = part(:index(part//lf//'Not used', lf//'Not used'))
     do i = 1, size(table_names)
-      if (.not. has_table(study, table_names(i))) cycle
-      call write_table(study, table_names(i), part)
+      call write_table(study, table_names(i), part, error)
+      if (.not. allocated(part)) cycle
       part = part(index(part, lf//'#', back=.true.) + 1:)
       output%text = output%text//part(index(part, lf):)
     end do

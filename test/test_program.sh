@@ -192,7 +192,8 @@ for kind in sweep mesh harmonics load vcurve; do
   [ $kind = mesh ] && wanted=$wanted$geometry_columns
   check "$kind: columns" test "$(columns $table)" = "$wanted"
   check "$kind: version" test "$(head -n 1 $table | grep -c "^# gearsweep $version:")" = 1
-  check "$kind: units" test "$(head -n 1 $table | grep -c 'units:')" = 1
+  check "$kind: what its columns mean" test "$(sed -n '/^# columns:$/,/^# case:$/s/^#   \([a-z_]*\)[ :].*/\1/p' $table |
+    paste -s -d, -)" = "$wanted"
   check "$kind: the case as read" echoes $table base.nml
   check "$kind: remarks come first" header_first $table
   check "$kind: numbers" well_formed $table

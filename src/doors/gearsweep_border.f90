@@ -7,6 +7,7 @@ module gearsweep_border
   use gearsweep_case, only: case_t, task_names
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t, fail, code_input, code_ok, code_partial, code_stopped
+  use gearsweep_decimal, only: in_um
   use gearsweep_disc, only: disc_t
   use gearsweep_fe_stiffness, only: fe_knots
   use gearsweep_memory, only: settle_memory
@@ -84,16 +85,6 @@ contains
     place = folder
     if (len(place) > 0) place(len(place):) = '/'
   end function in_folder
-
-  !> A relief (m) in um, with the digits of a table: as the case has it, before
-  !> its way through metres.
-  elemental real(dp) function in_um(relief)
-    real(dp), intent(in) :: relief
-    character(30) :: digits
-
-    write (digits, '(es30.14e3)') 1e6_dp*relief
-    read (digits, *) in_um
-  end function in_um
 
   !> Runs the case up to the mesh and the section's grid, without finite
   !> elements: `study` then has every size, but no true stiffness for model 'fe'.

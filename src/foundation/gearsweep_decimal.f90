@@ -6,7 +6,7 @@ module gearsweep_decimal
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: write_decimal
+  public :: write_decimal, in_um
 
   integer, parameter :: wide = selected_int_kind(38)
   integer, parameter :: binary = digits(1.0_dp)
@@ -95,4 +95,13 @@ contains
 
     figure = achar(iachar('0') + int(modulo(n, 10_int64)))
   end function figure
+
+  !> A length (m) in um, with the 15 digits of a table: a relief as the case has it, before its way through metres.
+  elemental real(dp) function in_um(length)
+    real(dp), intent(in) :: length
+    character(30) :: word
+
+    write (word, '(es30.14e3)') 1e6_dp*length
+    read (word, *) in_um
+  end function in_um
 end module gearsweep_decimal

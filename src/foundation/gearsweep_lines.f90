@@ -96,13 +96,17 @@ contains
 
     formula = is_formula(words)
     quoted = formula .or. scan(words, ',"'//achar(13)//new_line('a')) > 0
-    if (quoted) call self%put('"')
+    if (.not. quoted) then
+      call self%cell_word(words)
+      return
+    end if
+    call self%put('"')
     if (formula) call self%put('''')
     do i = 1, len(words)
       call self%put(words(i:i))
       if (words(i:i) == '"') call self%put('"')
     end do
-    call self%put(trim(merge('",', ', ', quoted)))
+    call self%put('",')
   end subroutine text_cell
 
   !> A lone sign, as for no unit, computes nothing.

@@ -2,8 +2,8 @@
 !> `sweep.dynamic_factor`, and with its shape.
 module gearsweep_numbers
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use gearsweep_border, only: in_um
   use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: lines_t

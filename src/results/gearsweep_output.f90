@@ -1,12 +1,13 @@
 !> The results as files, for every door that writes them.
 module gearsweep_output
+  use gearsweep_csv, only: csv_start
   use gearsweep_error, only: error_t
   use gearsweep_file_set, only: file_set_t
   use gearsweep_grid, only: grid_t
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_study, only: study_t
-  use gearsweep_tables, only: has_table, table_names, table_start, write_table
+  use gearsweep_tables, only: table_names, write_table
   use gearsweep_text, only: str
   use gearsweep_vtu, only: vtu_field_t, vtu_start, write_vtu
   implicit none
@@ -31,12 +32,11 @@ contains
     written = ''
     call files%begin(folder, error)
     do i = 1, size(table_names)
-      if (has_table(study, table_names(i))) then
-        call claim_text(trim(table_names(i))//'.csv', table_bytes(study, table_names(i)))
-        if (.not. allocated(error)) call write_table(study, table_names(i), text)
-        call put(trim(table_names(i))//'.csv', table_start)
+      call write_table(study, table_names(i), text, error)
+      if (allocated(text)) then
+        call put(trim(table_names(i))//'.csv', csv_start)
       else
-        call files%lacks(name//'.'//trim(table_names(i))//'.csv', table_start)
+        call files%lacks(name//'.'//trim(table_names(i))//'.csv', csv_start)
       end if
     end do
     if (allocated(study%section)) then
@@ -64,7 +64,7 @@ contains
       character(*), intent(in) :: ending
       real(dp), intent(in) :: bytes
 
-      call claim_memory(5*(bytes + 3.0_dp*len(study%case%text)), 'the text of '//name//'.'//ending, error)
+      call claim_memory(5*bytes, 'the text of '//name//'.'//ending, error)
     end subroutine claim_text
 
     subroutine put(ending, start)
@@ -76,35 +76,7 @@ contains
     end subroutine put
   end subroutine write_results
 
-  !> Length of a table's text, at most, where it may be large.
-  pure real(dp) function table_bytes(study, name) result(bytes)
-    type(study_t), intent(in) :: study
-    character(*), intent(in) :: name
-    real(dp), parameter :: number = 24
-    integer :: i, k
-
-    bytes = 1e5_dp
-    select case (name)
-    case ('mesh')
-      bytes = bytes + 11*number*sum([(sum(study%sharing(i)%pairs), i=1, size(study%sharing))])
-    case ('harmonics')
-      bytes = bytes + 8*number*size(study%harmonics)*(study%case%harmonics + 1)
-    case ('load')
-      do k = 1, size(study%response, 2)
-        do i = 1, size(study%response, 1)
-          bytes = bytes + 8*number*size(study%response(i, k)%s)
-        end do
-      end do
-    case ('sweep')
-      bytes = bytes + 11*number*size(study%sweep%status)
-    case ('outline')
-      bytes = bytes + 6*number*size(study%section%grid%node, 1)
-    case ('root')
-      bytes = bytes + 20*number*size(study%root)*(size(study%root(1)%s) + 1)
-    end select
-  end function table_bytes
-
-  !> The same of a grid with vector fields, which are copied once more.
+  !> Length of a grid's text, at most, with vector fields, which are copied once more.
   pure real(dp) function grid_bytes(grid, fields)
     type(grid_t), intent(in) :: grid
     integer, intent(in) :: fields

@@ -1,0 +1,246 @@
+!> A result as a table: named columns with unit, meaning and values, one below the other in rows of equal length.
+!> Every exit (CSV, VTU, screen, Fortran, C, Python) reads tables in a loop and knows no result by its name.
+!>
+!>     call table%begin('sweep', 'dynamic factor over speed and relief', rows, columns, error, extent=[reliefs, speeds])
+!>     if (allocated(error)) return
+!>     call table%add_index('relief_um', 'um', 'tip relief', each(amount, speeds))
+!>     call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(rpm, reliefs))
+!>     call table%add('dynamic_factor', '', 'largest load of a pair over the static load', [dynamic_factor])
+module gearsweep_table
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: claim_memory
+  implicit none
+  private
+  public :: column_t, table_t, each, over_and_over
+
+  !> What the values of a column are.
+  integer, parameter, public :: kind_real = 1, kind_integer = 2, kind_text = 3
+
+  type :: column_t
+    character(:), allocatable :: name            !< in full, with its unit: pair_load_n
+    character(:), allocatable :: unit            !< such as N; empty for none
+    character(:), allocatable :: meaning         !< a plain sentence or part of one
+    integer :: kind = kind_real
+    logical :: is_index = .false.                !< it says where its row lies; the others say what is found there
+    real(dp), allocatable :: numbers(:)          !< of kind_real and kind_integer, one a row
+    character(:), allocatable :: words(:)        !< of kind_text, one a row, padded with blanks
+  end type column_t
+
+  type :: table_t
+    character(:), allocatable :: name            !< not allocated: the study has no such table
+    character(:), allocatable :: meaning         !< what a row is
+    integer :: rows = 0
+    type(column_t), allocatable :: columns(:)    !< the index columns stand first
+    !> Where the rows are all combinations of the index columns' values, how many values each of these has. The first
+    !> varies slowest and the last fastest, as the indices of an array in C do. Otherwise not allocated.
+    integer, allocatable :: extent(:)
+    !> Of fields: the table of the nodes or elements that each combination's rows are the values at. Otherwise empty.
+    character(:), allocatable :: grid
+  contains
+    procedure :: begin
+    procedure, private :: add_reals, add_integers
+    !> `call table%add(name, unit, meaning, numbers)`, `numbers(rows)` of either kind.
+    generic :: add => add_reals, add_integers
+    procedure, private :: add_index_reals, add_index_integers, add_index_words
+    !> `call table%add_index(name, unit, meaning, values)`, numbers or words.
+    generic :: add_index => add_index_reals, add_index_integers, add_index_words
+    procedure :: add_words
+    procedure :: is_there
+    procedure :: position
+    procedure :: text_bytes
+  end type table_t
+
+  !> Each value so many times before the next.
+  interface each
+    module procedure each_real, each_integer
+  end interface each
+
+  !> All values, and again, so many times.
+  interface over_and_over
+    module procedure reals_over_and_over, integers_over_and_over
+  end interface over_and_over
+
+contains
+
+  !> Names an empty table. Memory for `rows` rows in at most `columns` columns is claimed first: `error` where it is
+  !> not there. `extent`: see the type; `grid`: of fields.
+  pure subroutine begin(self, name, meaning, rows, columns, error, extent, grid)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, meaning
+    integer, intent(in) :: rows, columns
+    type(error_t), allocatable, intent(inout) :: error
+    integer, intent(in), optional :: extent(:)
+    character(*), intent(in), optional :: grid
+
+    ! Each column once more as it is made; words are longer than numbers.
+    call claim_memory(16.0_dp*rows*(columns + 1), 'the table '//name, error)
+    if (allocated(error)) return
+    self%name = name
+    self%meaning = meaning
+    self%rows = rows
+    if (present(extent)) self%extent = extent
+    self%grid = ''
+    if (present(grid)) self%grid = grid
+    allocate (self%columns(0))
+  end subroutine begin
+
+  !> Appends a column without values.
+  pure subroutine add_column(self, name, unit, meaning, kind, is_index)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, unit, meaning
+    integer, intent(in) :: kind
+    logical, intent(in) :: is_index
+    type(column_t), allocatable :: larger(:)
+    integer :: i, n
+
+    n = size(self%columns)
+    allocate (larger(n + 1))
+    do i = 1, n
+      call move_column(self%columns(i), larger(i))
+    end do
+    larger(n + 1)%name = name
+    larger(n + 1)%unit = unit
+    larger(n + 1)%meaning = meaning
+    larger(n + 1)%kind = kind
+    larger(n + 1)%is_index = is_index
+    call move_alloc(larger, self%columns)
+  end subroutine add_column
+
+  !> Without a copy of its values.
+  pure subroutine move_column(from, to)
+    type(column_t), intent(inout) :: from
+    type(column_t), intent(out) :: to
+
+    call move_alloc(from%name, to%name)
+    call move_alloc(from%unit, to%unit)
+    call move_alloc(from%meaning, to%meaning)
+    to%kind = from%kind
+    to%is_index = from%is_index
+    call move_alloc(from%numbers, to%numbers)
+    call move_alloc(from%words, to%words)
+  end subroutine move_column
+
+  pure subroutine add_reals(self, name, unit, meaning, numbers)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, unit, meaning
+    real(dp), intent(in) :: numbers(:)
+
+    call add_column(self, name, unit, meaning, kind_real, is_index=.false.)
+    self%columns(size(self%columns))%numbers = numbers
+  end subroutine add_reals
+
+  pure subroutine add_integers(self, name, unit, meaning, numbers)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, unit, meaning
+    integer, intent(in) :: numbers(:)
+
+    call add_column(self, name, unit, meaning, kind_integer, is_index=.false.)
+    self%columns(size(self%columns))%numbers = real(numbers, dp)
+  end subroutine add_integers
+
+  !> `words(rows)`; they have no unit.
+  pure subroutine add_words(self, name, meaning, words)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, meaning, words(:)
+
+    call add_column(self, name, '', meaning, kind_text, is_index=.false.)
+    self%columns(size(self%columns))%words = words
+  end subroutine add_words
+
+  pure subroutine add_index_reals(self, name, unit, meaning, values)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, unit, meaning
+    real(dp), intent(in) :: values(:)
+
+    call add_column(self, name, unit, meaning, kind_real, is_index=.true.)
+    self%columns(size(self%columns))%numbers = values
+  end subroutine add_index_reals
+
+  pure subroutine add_index_integers(self, name, unit, meaning, values)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, unit, meaning
+    integer, intent(in) :: values(:)
+
+    call add_column(self, name, unit, meaning, kind_integer, is_index=.true.)
+    self%columns(size(self%columns))%numbers = real(values, dp)
+  end subroutine add_index_integers
+
+  pure subroutine add_index_words(self, name, unit, meaning, values)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, unit, meaning, values(:)
+
+    call add_column(self, name, unit, meaning, kind_text, is_index=.true.)
+    self%columns(size(self%columns))%words = values
+  end subroutine add_index_words
+
+  !> Does the study that was asked have this table?
+  pure logical function is_there(self)
+    class(table_t), intent(in) :: self
+
+    is_there = allocated(self%name)
+  end function is_there
+
+  !> Of the column with this name; 0 where there is none.
+  pure integer function position(self, name) result(at)
+    class(table_t), intent(in) :: self
+    character(*), intent(in) :: name
+
+    do at = size(self%columns), 1, -1
+      if (self%columns(at)%name == name) exit
+    end do
+  end function position
+
+  !> Length of all values as text, at most, with what separates them.
+  pure real(dp) function text_bytes(self) result(bytes)
+    class(table_t), intent(in) :: self
+    real(dp), parameter :: number = 24
+    integer :: i
+
+    bytes = 0
+    do i = 1, size(self%columns)
+      associate (column => self%columns(i))
+        bytes = bytes + 100 + len(column%name) + len(column%unit) + len(column%meaning)
+        if (column%kind /= kind_text) bytes = bytes + number*self%rows
+        ! A word may be one that quotation marks are doubled in.
+        if (column%kind == kind_text) bytes = bytes + (2.0_dp*len(column%words) + 4)*self%rows
+      end associate
+    end do
+  end function text_bytes
+
+  pure function each_real(values, times) result(rows)
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: times
+    real(dp) :: rows(size(values)*times)
+    integer :: i
+
+    do i = 1, size(values)
+      rows((i - 1)*times + 1:i*times) = values(i)
+    end do
+  end function each_real
+
+  pure function each_integer(values, times) result(rows)
+    integer, intent(in) :: values(:), times
+    integer :: rows(size(values)*times)
+
+    rows = nint(each_real(real(values, dp), times))
+  end function each_integer
+
+  pure function reals_over_and_over(values, times) result(rows)
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: times
+    real(dp) :: rows(size(values)*times)
+    integer :: i
+
+    do i = 1, times
+      rows((i - 1)*size(values) + 1:i*size(values)) = values
+    end do
+  end function reals_over_and_over
+
+  pure function integers_over_and_over(values, times) result(rows)
+    integer, intent(in) :: values(:), times
+    integer :: rows(size(values)*times)
+
+    rows = nint(reals_over_and_over(real(values, dp), times))
+  end function integers_over_and_over
+end module gearsweep_table
