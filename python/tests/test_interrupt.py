@@ -24,6 +24,14 @@ LONG = Case(PRESCRIBED).changed(
 SHORT = LONG.changed(sweep={'rpm_first': 5000, 'rpm_last': 9000, 'rpm_step': 50})
 
 
+@pytest.fixture(autouse=True)
+def heeds_ctrl_c():
+    """As in a terminal, also where the tests run in the background and Ctrl-C is ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def interrupt_after(seconds):
     """Ctrl-C, as the terminal sends it; also says when."""
     sent = []

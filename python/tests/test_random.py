@@ -5,6 +5,7 @@ import concurrent.futures
 import contextlib
 import ctypes
 import math
+import statistics
 import warnings
 
 import numpy as np
@@ -294,7 +295,8 @@ def heap_in_use() -> int:
 
 def test_no_leak(work):
     """Good and refused calls leave nothing behind; 1 kB a call would show, as it does where it is kept. What stays for
-    good comes with the first calls, or once with a later one, so that a leak is what shows every time."""
+    good comes with the first calls, or once with a later one; other things are freed now and then: a leak is what shows
+    most times."""
     good = Case(SMALL).changed(case={'tasks': 'mesh'})
     bad = good.changed(pinion={'teeth': -1})
 
@@ -310,11 +312,6 @@ def test_no_leak(work):
             gearsweep.mesh(bad, work=work)
 
     kept = []
-
-    def leak():
-        calls()
-        kept.append(np.zeros(128))
-
     growth(calls)
-    assert min(growth(leak) for _ in range(3)) >= 1024
-    assert min(growth(calls) for _ in range(3)) < 1024
+    assert growth(lambda: kept.append(np.zeros(128))) >= 1024
+    assert statistics.median(growth(calls) for _ in range(5)) < 1024
