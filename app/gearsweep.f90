@@ -200,8 +200,9 @@ contains
     told = now
     seconds = real(now - began, dp)/rate
     line = str(done)//' of '//str(total)//' points, '//str(int(100.0_dp*done/total))//' %'
-    if (seconds > 1 .and. done > first_done) &
+    if (seconds > 1 .and. done > first_done) then
       line = line//', '//duration(seconds*(total - done)/(done - first_done))//' left'
+    end if
     padded = line
     write (error_unit, '(a)', advance='no') achar(13)//padded
     flush (error_unit)
@@ -251,8 +252,9 @@ contains
         arguments%resume = .true.
       case ('--threads')
         call to_number(following(i, word), arguments%threads, ok)
-        if (.not. ok .or. arguments%threads < 1 .or. arguments%threads > 1024) &
+        if (.not. ok .or. arguments%threads < 1 .or. arguments%threads > 1024) then
           call usage('--threads: must be an integer from 1 to 1024')
+        end if
       case default
         if (index(word, '-') == 1 .and. len(word) > 1) call usage('unknown option '//word)
         if (allocated(arguments%case)) call usage('one case at a time: '//arguments%case//' and '//word)

@@ -8,6 +8,8 @@ log=$run_dir/log
 venv=$root/.venv
 # What pyproject.toml asks for before it can build, as no environment apart is made for it.
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
+# What checks the sources without running them.
+lint_tools='ruff==0.17.6 fortitude-lint==0.10.0'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all -ffpe-trap=invalid,zero,overflow'
 # For test/sanitize.sh; C callers are compiled and linked with the C flags. Where an array is assigned to that is not
 # allocated yet, gfortran 12 subtracts bounds that were never set and does not use what comes out: integers go unchecked.
@@ -177,6 +179,18 @@ build_package() {
       { rm -rf build/python; exit 1; }
     printf '#!/bin/sh\nexec "%s" -m gearsweep "$@"\n' "$venv/bin/python" >"$target" && chmod +x "$target" &&
       echo "$now" >"$target.stamp"
+  ) 9>"$run_dir/lock"
+}
+
+# install_lint: the linters, in .venv.
+install_lint() {
+  [ "$(cat "$run_dir/lint.stamp" 2>/dev/null)" = "$lint_tools" ] && return
+  mkdir -p "$run_dir" || return
+  (
+    await_lock
+    install_packages && make_venv || exit
+    quietly "fetching the linters, about 15 s" "$venv/bin/python" -m pip install --disable-pip-version-check $lint_tools || exit
+    echo "$lint_tools" >"$run_dir/lint.stamp"
   ) 9>"$run_dir/lock"
 }
 

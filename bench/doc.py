@@ -10,7 +10,7 @@ from report import BENCH, RESULTS, machine
 
 
 def between(begin, end, text, content):
-    return re.sub(rf'({begin}\n).*?({end})', lambda match: f'{match[1]}{content}\n{match[2]}', text, flags=re.S)
+    return re.sub(rf'({begin}\n).*?({end})', lambda match: f'{match[1]}{content}\n{match[2]}', text, flags=re.DOTALL)
 
 
 page = BENCH.parent / 'doc' / 'performance.md'

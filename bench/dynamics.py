@@ -14,7 +14,6 @@ from statistics import median
 
 import numpy as np
 import scipy
-
 from peers import scipy_march
 from report import BENCH, COLOURS, Report, first_line, machine, plt, run, save_figure, time_at
 
@@ -124,7 +123,7 @@ class Problem:
             return self.file.read_text()
         *lines, _, rpm, start = self.file.read_text().splitlines()
         rpm = rpm.split()[::share]
-        return '\n'.join(lines + [str(len(rpm)), ' '.join(rpm), start])
+        return '\n'.join([*lines, str(len(rpm)), ' '.join(rpm), start])
 
     def references_for(self, count):
         """Reference values at the speeds of as many points, per relief evenly thinned."""

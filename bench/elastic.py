@@ -14,7 +14,6 @@ from statistics import median
 import numpy as np
 import scipy
 import skfem
-
 from peers.elastic_peers import Grid, calculix_modes, calculix_static, scipy_modes, scipy_static, solvers
 from report import COLOURS, Report, first_line, machine, plt, run, save_figure
 
@@ -45,7 +44,7 @@ def make_grid(kind, across, folder):
 
 
 def times(values):
-    return ' | '.join('%.3g' % value for value in values)
+    return ' | '.join(f'{value:.3g}' for value in values)
 
 
 def apart(a, b):

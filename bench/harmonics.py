@@ -2,6 +2,8 @@
 
     python bench/harmonics.py PROGRAMS      (bench/run.sh harmonics sets up and does this)
 """
+import functools
+import itertools
 import pathlib
 import sys
 import time
@@ -9,7 +11,6 @@ from statistics import median
 
 import mpmath
 import numpy as np
-
 from peers.scipy_march import Problem
 from report import BENCH, COLOURS, Report, machine, plt, run, save_figure
 
@@ -71,9 +72,9 @@ class Static:
             e1, e2 = self.relief * (1 - phase / self.enters), self.relief * phase / self.enters
             return self.load - (k1 * (e2 - e1) if e2 > e1 else k2 * (e1 - e2))  # below 0: one pair carries alone
         ends = [mpmath.mpf(0), self.enters / 2, self.enters, mpmath.mpf(1)]
-        for a, b in zip(ends[:2], ends[1:3]):
+        for a, b in itertools.pairwise(ends):
             places = [a + (b - a) * (i + mpmath.mpf(1) / 1000) / 50 for i in range(50)]
-            for p, q in zip(places, places[1:]):
+            for p, q in itertools.pairwise(places):
                 if separates(p) * separates(q) < 0:
                     ends.append(mpmath.findroot(separates, (p, q), solver='anderson'))
         return sorted(ends)
@@ -81,7 +82,10 @@ class Static:
     def integrated(self):
         """By quadrature between the kinks, many digits."""
         ends = self.kinks()
-        return [2 * abs(mpmath.quad(lambda t: self.exact(t) * mpmath.expj(-2 * mpmath.pi * k * t), ends)) for k in range(1, HARMONICS + 1)]
+        def amplitude(k):
+            return 2 * abs(mpmath.quad(lambda t: self.exact(t) * mpmath.expj(-2 * mpmath.pi * k * t), ends))
+
+        return [amplitude(k) for k in range(1, HARMONICS + 1)]
 
 
 def timed(action):
@@ -116,7 +120,7 @@ def main():
         sampled = Static(problem, relief, float)
         curve = []
         for samples in SAMPLES:
-            found, taken = timed(lambda: sampled.amplitudes(samples))
+            found, taken = timed(functools.partial(sampled.amplitudes, samples))
             curve.append((samples, *errors(found, exact), taken))
             rows.append((label, 'FFT', *curve[-1]))
         *curve, coarse = curve

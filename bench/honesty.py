@@ -9,7 +9,6 @@ import sys
 import tempfile
 
 import numpy as np
-
 from honesty_bodies import compare
 from report import COLOURS, Report, machine, plt, run, save_figure
 

@@ -1,6 +1,5 @@
 """How honest the error estimates of the finite elements are: random gear bodies against grids three to four times as fine."""
 import numpy as np
-
 from report import run
 
 BODIES, MODES = 48, 8

@@ -10,7 +10,9 @@ import matplotlib
 import numpy as np
 
 matplotlib.use('Agg')
-import matplotlib.pyplot as plt  # noqa: E402
+import itertools
+
+import matplotlib.pyplot as plt
 
 BENCH = pathlib.Path(__file__).resolve().parent
 RESULTS = BENCH.parent / 'results' / 'bench'
@@ -27,14 +29,14 @@ plt.rcParams.update({
 
 def run(*command, **options):
     """What a program prints."""
-    answer = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+    answer = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False, **options)
     if answer.returncode:
         raise SystemExit(f'{command[0]} failed: {answer.stderr.strip()}')
     return answer.stdout
 
 
 def first_line(*command):
-    answer = subprocess.run(command, capture_output=True, text=True)
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
     return (answer.stdout + answer.stderr).strip().splitlines()[0].strip()
 
 
@@ -93,7 +95,7 @@ def time_at(aim, errors, seconds):
     for error, time in sorted(zip(errors, seconds), key=lambda point: point[1]):
         if np.isfinite(error) and (not best or error < best[-1][0]):
             best.append((max(error, 1e-16), time))
-    for (e1, t1), (e2, t2) in zip(best, best[1:]):
+    for (e1, t1), (e2, t2) in itertools.pairwise(best):
         if e2 <= aim < e1:
             return t1 * (t2 / t1)**(np.log(e1 / aim) / np.log(e1 / e2))
     return best[0][1] if best and best[0][0] <= aim else float('nan')

@@ -99,8 +99,8 @@ def seconds(program):
 def packages(report):
     table = []
     with tempfile.TemporaryDirectory() as out:
-        for title, program in PYTHON.items():
-            program = program.replace('{case!r}', repr(str(PRESCRIBED))).replace('{out!r}', repr(out))
+        for title, template in PYTHON.items():
+            program = template.replace('{case!r}', repr(str(PRESCRIBED))).replace('{out!r}', repr(out))
             loaded = modules(program)
             spared = [name for name in PACKAGES if name not in loaded]
             burdened = f'import {", ".join(spared)}; {program}' if spared else program

@@ -86,7 +86,7 @@ def table(path):
     """The columns of a table as texts; the case that stands before it is left out."""
     with open(path, newline='') as file:
         rows = list(csv.reader(line for line in file if not line.startswith('#')))
-    return dict(zip(rows[0], zip(*rows[1:]))) if len(rows) > 1 else {name: () for name in rows[0]}
+    return dict(zip(rows[0], zip(*rows[1:]))) if len(rows) > 1 else dict.fromkeys(rows[0], ())
 
 
 def is_number(text):

@@ -147,6 +147,8 @@ contains
     case ('tension')
       outcome%value = study%root(1)%stress%tension%stress*1e-6_dp
       outcome%error = study%root(1)%stress%error_estimate
+    case default
+      error stop 'extreme/cases.txt asks for an unknown quantity'
     end select
   end subroutine take
 

@@ -88,6 +88,8 @@ contains
       text = text//' Hz'
     case ('tension')
       text = text//' MPa'
+    case default
+      error stop 'extreme/cases.txt asks for an unknown quantity'
     end select
     if (outcome%status /= 'ok') text = text//', '//meaning(outcome%status)
   end function number_of
@@ -114,6 +116,8 @@ contains
       text = text//', no DF: contact opens and closes without end'
     case ('chaotic')
       text = text//', no DF: no periodic motion, disturbances grow'
+    case default
+      error stop 'a status that the table has no words for'
     end select
   end function meaning
 

@@ -8,7 +8,7 @@ module test_closed_estimates
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
   use reference_rows, only: prescribed
-  use stated_gears
+  use stated_gears, only: stated_t, examples, text_of
   use testing, only: tally_t, check_true, check_close
   implicit none
   private

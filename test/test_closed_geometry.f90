@@ -8,7 +8,8 @@ module test_closed_geometry
   use gearsweep_kinds, only: dp, pi
   use gearsweep_text, only: str
   use quantities, only: ask_geometry
-  use stated_gears
+  use stated_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &
+    & base_pitch, contact_ratio, half_tooth, degree, drive, coast
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private

@@ -6,7 +6,8 @@ module test_closed_limits
   use gearsweep_kinds, only: dp, pi
   use gearsweep_text, only: str
   use quantities, only: number_behind, refusal
-  use stated_gears
+  use stated_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &
+    & base_pitch, contact_ratio, half_tooth, degree, drive, coast
   use testing, only: tally_t, check_true, check_close, check_error
   implicit none
   private
@@ -168,20 +169,33 @@ contains
     do i = 1, 12
       spec = good
       select case (i)
-      case (1); spec%teeth = 4
-      case (2); spec%module = 0
-      case (3); spec%face_width = 0
-      case (4); spec%pressure_angle(2) = 0.049_dp
-      case (5); spec%pressure_angle(1) = 0.81_dp
-      case (6); spec%addendum = 0
-      case (7); spec%dedendum = 0
-      case (8); spec%rack_tip_radius = -1e-9_dp
-      case (9); spec%profile_shift = 5
-      case (10); spec%profile_shift = -5
-      case (11); spec%bore_radius = -1e-9_dp
+      case (1)
+        spec%teeth = 4
+      case (2)
+        spec%module = 0
+      case (3)
+        spec%face_width = 0
+      case (4)
+        spec%pressure_angle(2) = 0.049_dp
+      case (5)
+        spec%pressure_angle(1) = 0.81_dp
+      case (6)
+        spec%addendum = 0
+      case (7)
+        spec%dedendum = 0
+      case (8)
+        spec%rack_tip_radius = -1e-9_dp
+      case (9)
+        spec%profile_shift = 5
+      case (10)
+        spec%profile_shift = -5
+      case (11)
+        spec%bore_radius = -1e-9_dp
       case (12)
         spec%dedendum = 0.2_dp
         spec%rack_tip_radius = 0.21_dp
+      case default
+        error stop 'more rounds than ways to be impossible'
       end select
       call make_gear(spec, gear, error)
       call check_error(t, 'impossible gear '//str(i), error, trim(impossible(i)))

@@ -9,7 +9,7 @@ module test_closed_modes
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
   use random_numbers, only: random_t
-  use stated_gears
+  use stated_gears, only: stated_t, examples, text_of, degree
   use testing, only: tally_t, check_true, check_close, check_equal
   implicit none
   private

@@ -5,7 +5,8 @@ module test_closed_relief
   use gearsweep_motion, only: mobility
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
-  use stated_gears
+  use stated_gears, only: stated_t, examples, text_of, base_radius, tip_radius, working_angle, first_curvature, &
+    & base_pitch, contact_ratio, degree, drive
   use testing, only: tally_t, check_true, check_close, check_equal
   implicit none
   private

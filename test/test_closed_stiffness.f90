@@ -11,7 +11,8 @@ module test_closed_stiffness
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
   use reference_rows, only: prescribed
-  use stated_gears
+  use stated_gears, only: stated_t, examples, text_of, base_radius, working_angle, first_curvature, base_pitch, &
+    & contact_ratio, half_tooth, degree, drive
   use testing, only: tally_t, check_true, check_close, check_no_error
   implicit none
   private

@@ -11,7 +11,8 @@ module test_closed_stress
   use gearsweep_nodal_stress, only: nodal_stress
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
-  use stated_gears
+  use stated_gears, only: stated_t, examples, text_of, base_radius, tip_radius, working_angle, first_curvature, &
+    & base_pitch, contact_ratio, half_tooth, degree, drive, coast
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private

@@ -1,5 +1,6 @@
 !> Steps that grow behind the breaks: slow and heavily damped motions against closed forms and equal steps.
 module test_grading
+  use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_accuracy, only: accuracy_t, point_t, solve_point, tables_t, mesh_period
@@ -236,7 +237,7 @@ contains
       call check_close(t, 'side by side', one%dynamic_factor(i, 1), alone%dynamic_factor, absolute=2e-6_dp)
       if (.not. alone%resolution%graded_for > 0) cycle
       call solve_point(osc, mesh_period(25, rpm(i)), options%accuracy, tables, after)
-      call check_true(t, 'after others', transfer(after%dynamic_factor, 0_8) == transfer(alone%dynamic_factor, 0_8))
+      call check_true(t, 'after others', transfer(after%dynamic_factor, 0_int64) == transfer(alone%dynamic_factor, 0_int64))
     end do
   end subroutine same_bits
 

@@ -379,8 +379,9 @@ contains
       until = from + verify(text(from:)//' ', digits//'.') - 2
       point = index(text(from:until), '.')
       if (point > 0) last = 10.0_dp**(from + point - 1 - until)
-      if (is_exponent(text(until + 1:))) &
+      if (is_exponent(text(until + 1:))) then
         until = until + 1 + verify(text(until + 3:)//' ', digits)
+      end if
       read (text(at:until), *, iostat=info) value
       if (info /= 0) value = 0
       if (scan(text(at:until), 'eE') > 0) last = 0
@@ -492,8 +493,9 @@ contains
       if (any(settings(:i - 1)%group == settings(i)%group)) cycle
       text = text//'&'//trim(settings(i)%group)
       do k = i, size(settings)
-        if (settings(k)%group == settings(i)%group .and. settings(k)%value /= '') &
+        if (settings(k)%group == settings(i)%group .and. settings(k)%value /= '') then
           text = text//' '//trim(settings(k)%key)//' = '//trim(settings(k)%value)
+        end if
       end do
       text = text//' / '
     end do

@@ -1,6 +1,7 @@
 !> One operating point has one answer in one run: what the tasks load and sweep say of it is the same.
 module test_points
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t
@@ -98,8 +99,8 @@ contains
       call check_equal(t, what//': status', response%point%steady%status, sweep%status(k, 1))
       call check_equal(t, what//': periods', response%point%steady%periods, sweep%periods(k, 1))
       if (has_result(sweep%status(k, 1))) then
-        call check_true(t, what//': the same bits', transfer(response%point%dynamic_factor, 0_8) == &
-                        transfer(sweep%dynamic_factor(k, 1), 0_8))
+        call check_true(t, what//': the same bits', transfer(response%point%dynamic_factor, 0_int64) == &
+                        transfer(sweep%dynamic_factor(k, 1), 0_int64))
         call rows_fit(t, what, study, response)
       else
         call check_true(t, what//': one row without numbers', size(response%s) == 1 .and. all(ieee_is_nan(response%load)))
@@ -152,7 +153,7 @@ contains
 
     call study_of(t, 0.01_dp, 2.0_dp, 'up', 'rpm_first = 6800 rpm_last = 6800 rpm_step = 1', '6800', '''load''', load)
     call study_of(t, 0.01_dp, 2.0_dp, 'up', 'rpm_first = 6800 rpm_last = 6800 rpm_step = 1', '6800', '''sweep''', sweep)
-    call check_true(t, 'one speed', transfer(load%response(1, 1)%point%dynamic_factor, 0_8) == &
-                    transfer(sweep%sweep%dynamic_factor(1, 1), 0_8))
+    call check_true(t, 'one speed', transfer(load%response(1, 1)%point%dynamic_factor, 0_int64) == &
+                    transfer(sweep%sweep%dynamic_factor(1, 1), 0_int64))
   end subroutine alone
 end module test_points

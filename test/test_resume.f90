@@ -204,7 +204,7 @@ contains
     character(*), intent(in) :: text
     integer :: unit
 
-    open (newunit=unit, file=file, status='replace', access='stream', form='unformatted')
+    open (newunit=unit, file=file, status='replace', action='write', access='stream', form='unformatted')
     write (unit) text
     close (unit)
   end subroutine put

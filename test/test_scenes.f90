@@ -87,6 +87,8 @@ contains
       if (allocated(study%sweep)) numbers = reshape(study%sweep%dynamic_factor, [size(study%sweep%dynamic_factor)])
     case ('optimum')
       if (allocated(study%optimum)) numbers = [study%optimum%amount, study%optimum%dynamic_factor]
+    case default
+      error stop 'a task that these tests do not know'
     end select
   end function numbers_of
 

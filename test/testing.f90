@@ -130,7 +130,7 @@ contains
     real(dp), intent(in) :: actual, expected
     real(dp), intent(in), optional :: relative, absolute
     real(dp) :: tolerance, deviation
-    logical :: close
+    logical :: is_close
 
     tolerance = 0
     if (present(relative)) tolerance = relative*abs(expected)
@@ -139,13 +139,13 @@ contains
     ! Differences of what is not finite would trap.
     if (ieee_is_finite(actual) .and. ieee_is_finite(expected)) then
       deviation = actual - expected
-      close = abs(deviation) <= tolerance
+      is_close = abs(deviation) <= tolerance
     else
       deviation = 0
-      close = .false.
-      if (.not. (ieee_is_nan(actual) .or. ieee_is_nan(expected))) close = .not. (actual < expected .or. actual > expected)
+      is_close = .false.
+      if (.not. (ieee_is_nan(actual) .or. ieee_is_nan(expected))) is_close = .not. (actual < expected .or. actual > expected)
     end if
-    call check_true(t, name, close, str(actual, 15)//', expected '//str(expected, 15) &
+    call check_true(t, name, is_close, str(actual, 15)//', expected '//str(expected, 15) &
       & //', deviation '//str(deviation, 3)//', tolerance '//str(tolerance, 3))
   end subroutine check_close
 

@@ -4,8 +4,9 @@ import functools
 import re
 import warnings
 
-import gearsweep
 import numpy as np
+
+import gearsweep
 
 from . import dogan2021, hassan2009, ledger, quantities, thamba2020
 from .cases import case, given, result
@@ -123,7 +124,7 @@ def sweep_ms():
 def ten_modes():
     """Unknowns and seconds of the last grid, and how many times as long the peers take."""
     text = _performance().partition('**Ten modes on the same grid.**')[2].partition('\n**')[0]
-    last = re.findall(r'^\| (\d+) \| \d+ \| gearsweep \|.*?\| ([\d.]+) \|  \|  \|\n((?:\|  \|.*\n){3})', text, flags=re.M)[-1]
+    last = re.findall(r'^\| (\d+) \| \d+ \| gearsweep \|.*?\| ([\d.]+) \|  \|  \|\n((?:\|  \|.*\n){3})', text, flags=re.MULTILINE)[-1]
     peers = [float(line.split('|')[-3]) for line in last[2].splitlines()]
     return [float(last[0]), float(last[1]), *peers]
 
@@ -134,7 +135,7 @@ def _performance():
 
 def _row(begin):
     """The first row of a table that begins so, as numbers where it has them."""
-    cells = re.search(rf'^\| {begin}.*$', _performance(), flags=re.M)[0].strip('|').split('|')
+    cells = re.search(rf'^\| {begin}.*$', _performance(), flags=re.MULTILINE)[0].strip('|').split('|')
     return [float(cell) if re.fullmatch(r'[\d.e+-]+', cell.strip()) else cell for cell in map(str.strip, cells)]
 
 

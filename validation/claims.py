@@ -91,7 +91,7 @@ def content(path):
 def _prose(text):
     for begin, end in ((r'<!-- (?:validation|performance): begin.*?-->', r'<!-- (?:validation|performance): end -->'),
                        (r'<!-- begin \w+ -->', r'<!-- end \w+ -->'), ('```', '```'), (r'\n## Damping\n', r'\Z')):
-        text = re.sub(f'{begin}.*?{end}', '', text, flags=re.S)
+        text = re.sub(f'{begin}.*?{end}', '', text, flags=re.DOTALL)
     text = re.sub(r'(?m)^    .*$', '', text)
     return re.sub(r'\]\([^)]*\)', ']', text)
 
@@ -112,7 +112,7 @@ def _computed(call):
 
 def _found(place):
     path, _, pattern = place.partition(' :: ')
-    found = re.findall(pattern, content(path), flags=re.M)
+    found = re.findall(pattern, content(path), flags=re.MULTILINE)
     if len(found) != 1:
         raise ValueError(f'{path} has {pattern} {len(found)} times')
     return tuple(map(_number, (found[0],) if isinstance(found[0], str) else found[0]))

@@ -5,8 +5,9 @@ Arguments: a case's name; speeds in 1/min; reliefs in um, as the case lists them
 
 import functools
 
-import gearsweep
 import numpy as np
+
+import gearsweep
 
 from .cases import case, result, work
 

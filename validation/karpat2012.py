@@ -2,8 +2,9 @@
 
 import math
 
-import gearsweep
 import numpy as np
+
+import gearsweep
 
 from .cases import case, result, work
 

@@ -117,8 +117,8 @@ def check_row(row, seen):
 
     need(re.fullmatch(r'\w+', row.id) and row.id not in seen, 'the id is not a new word')
     need(row.kind in KINDS, f'kind = {row.kind}')
-    need(row.by in BY + ('',), f'by = {row.by}')
-    row.value, row.allowed
+    need(row.by in (*BY, ''), f'by = {row.by}')
+    _ = row.value, row.allowed  # which have their own errors
     if row.repeats:
         need(row.repeats in seen and not seen[row.repeats].repeats,
              f'repeats {row.repeats}, which does not stand before it')

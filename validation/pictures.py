@@ -64,8 +64,9 @@ def update():
 
 def _drawn(picture, ending):
     """The picture as the bytes of a file."""
-    from gearsweep import plots
     from matplotlib import pyplot
+
+    from gearsweep import plots
 
     file = io.BytesIO()
     figure = _figure(picture, plots)

@@ -3,8 +3,9 @@
 import math
 import re
 
-import gearsweep
 import numpy as np
+
+import gearsweep
 
 from .cases import case, given, result
 

@@ -46,7 +46,7 @@ def summary(outcomes):
     parts = [(title, [o for o in outcomes if o.row.paper == paper]) for paper, title in ledger.PAPERS.items()]
     parts = [(title, part) for title, part in parts if part]
     parts.append(('all', [o for _, part in parts for o in part]))
-    return header, [(title, len(part)) + _counts(part) for title, part in parts]
+    return header, [(title, len(part), *_counts(part)) for title, part in parts]
 
 
 def _counts(outcomes):

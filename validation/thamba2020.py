@@ -1,10 +1,11 @@
 """Thamba et al. 2020: two equal gears of 60 teeth, data/thamba.nml; `id` is that of another row."""
 
+import itertools
 import math
 
 from . import ledger, quantities
 from .cases import given
-from .quantities import hertz_half_width, load, pair_stiffness, point, radius, static_error
+from .quantities import hertz_half_width, load, pair_stiffness, radius, static_error
 
 CASE, WHOLE = 'thamba', 'thamba+whole'
 
@@ -120,7 +121,7 @@ def hertz():
 def alternating(cycles):
     """Stress, MPa, on the usual S-N curve of structural steel (ASME BPV VIII-2, 5-110.1), by logarithms between points."""
     curve = ((1e4, 262), (2e4, 214), (1e5, 138))
-    (n1, s1), (n2, s2) = next(ends for ends in zip(curve, curve[1:]) if ends[0][0] <= cycles <= ends[1][0])
+    (n1, s1), (n2, s2) = next(ends for ends in itertools.pairwise(curve) if ends[0][0] <= cycles <= ends[1][0])
     return s1 * (s2 / s1)**(math.log(cycles / n1) / math.log(n2 / n1))
 
 

@@ -184,9 +184,14 @@ def solvers(grid, mesh, loads):
     matrix, load, reading = body.matrix(), body.gathered(grid.load)[body.free], body.gathered(grid.reading)[body.free]
     order = np.lexsort((body.direction[body.free], body.node[body.free]))  # gearsweep's
     band = banded(matrix, order)
+
+    def banded_solver():
+        factor = cholesky_banded(band)
+        return lambda right: cho_solve_banded((factor, False), right)
+
     contenders = [('splu', lambda: splu(matrix.tocsc()).solve, slice(None)),
                   ('splu, symmetric', lambda: symmetric_factor(matrix).solve, slice(None)),
-                  ('cholesky_banded', lambda: lambda b, c=cholesky_banded(band): cho_solve_banded((c, False), b), order)]
+                  ('cholesky_banded', banded_solver, order)]
     for name, factor, rows in contenders:
         start = time.perf_counter()
         solve = factor()

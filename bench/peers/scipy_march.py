@@ -6,6 +6,8 @@ The solvers are stepped here, as solve_ivp's events fail where a leg begins on o
 The state is x in static deflections and dx/dt in static deflections times natural frequency;
 the time is the mesh phase.
 """
+import functools
+import itertools
 from math import ceil, exp, floor, log, sqrt
 
 import numpy as np
@@ -68,6 +70,10 @@ class Zone:
         a, b = (*self.error[j].coef, 0.0)[:2]
         return z[0] - a - b * t
 
+    def side(self, sign, j, dense, t):
+        """Of the gap at t, on a continuous solution: positive where the contact is as before."""
+        return sign * self.gap(j, t, dense(t))
+
     def change(self, contact, solver, before, t_before, turn):
         """Time and state at the first change of contact in the solver's last step, or None."""
         found, z, t = None, solver.y, solver.t
@@ -94,7 +100,7 @@ class Zone:
             if sign * self.gap(j, after, dense(after)) <= 0:
                 until = after
             elif sign * self.gap(j, until, dense(until)) < 0:
-                until = beyond(lambda at: sign * self.gap(j, at, dense(at)), after, until)
+                until = beyond(functools.partial(self.side, sign, j, dense), after, until)
             if found is None or until < found[0]:
                 found = until, dense(until)
         return found
@@ -126,7 +132,7 @@ class March:
         self.options = dict(rtol=max(tolerance, 1e-13), atol=tolerance)
         change = problem.contact_ratio % 1
         ends = [0, change, 1] if change > 0 else [0, 1]
-        self.zones = [Zone(problem, relief, a, b) for a, b in zip(ends, ends[1:])]
+        self.zones = [Zone(problem, relief, a, b) for a, b in itertools.pairwise(ends)]
 
     def dynamic_factor(self, rpm):
         """At a speed (1/min), from rest under the mean load."""

@@ -169,9 +169,8 @@ def answer(wanted: Arguments) -> None:
         if wanted.verbose:
             lines.append('\n' + stages.rstrip('\n'))
         say('\n'.join(lines + [f'Wrote              {path}' for path in written]))
-    if error is None or error.code == Code.PARTIAL:
-        if wanted.pictures:
-            draw(study(case, numbers), wanted, name)
+    if wanted.pictures and (error is None or error.code == Code.PARTIAL):
+        draw(study(case, numbers), wanted, name)
     if error is not None:
         raise error
 

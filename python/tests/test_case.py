@@ -129,7 +129,7 @@ def test_one_key_and_no_more(group, key, text):
 def test_a_misspelt_key_is_an_error_at_once():
     case = Case(GEARED)
     uses = [
-        lambda group, key: case.get(group, key),
+        case.get,
         lambda group, key: case.get(group, key, 7),
         lambda group, key: case.changed(**{group: {key: 1}}),
         lambda group, key: case.changed(**{group: {key: None}}),
@@ -141,7 +141,7 @@ def test_a_misspelt_key_is_an_error_at_once():
         assert caught.value.code == Code.INPUT
         with pytest.raises(Error, match=r'^&relef: unknown group \(did you mean &relief\?\)'):
             use('relef', 'amount_um')
-        with pytest.raises(Error, match='^&gear module_mm: unknown key; it belongs to &pair'):
+        with pytest.raises(Error, match=r'^&gear module_mm: unknown key; it belongs to &pair'):
             use('gear', 'module_mm')
     # A text that has one is mended by taking it out.
     assert Case('&pair modul_mm = 3 /').changed(pair={'modul_mm': None}).text == '&pair  /'

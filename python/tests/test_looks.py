@@ -36,7 +36,7 @@ def test_dir_loads_no_matplotlib():
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, check=True)
     assert done.stdout == 'False\n'
     with pytest.raises(AttributeError, match="no attribute 'plot_swep'"):
-        gearsweep.plot_swep
+        _ = gearsweep.plot_swep
 
 
 def test_errors_are_named_as_people_write_them():

@@ -279,7 +279,7 @@ def test_good_and_bad_calls_at_once():
 class _Heap(ctypes.Structure):
     """What the C library tells of its memory."""
 
-    _fields_ = [(name, ctypes.c_size_t) for name in 'arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost'.split()]
+    _fields_ = [(name, ctypes.c_size_t) for name in ['arena', 'ordblks', 'smblks', 'hblks', 'hblkhd', 'usmblks', 'fsmblks', 'uordblks', 'fordblks', 'keepcost']]
 
 
 def heap_in_use() -> int:

@@ -1,13 +1,14 @@
 """README's Python lines, as printed, with what README's own `pip install` brings."""
 
+import contextlib
 import importlib.metadata
 import os
 import re
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
+import tomllib
 from conftest import ROOT
 
 README = (ROOT / 'README.md').read_text()
@@ -22,7 +23,7 @@ def run(lines, folder, without=()):
         env=os.environ | {'MPLBACKEND': 'agg'},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=300, check=False,
     )
 
 
@@ -50,10 +51,9 @@ def brought():
         if name in found or 'extra ==' in requirement:
             continue
         found.add(name)
-        try:
+        # What is not found is for another system or version of Python.
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
             open_ones += importlib.metadata.requires(name) or []
-        except importlib.metadata.PackageNotFoundError:
-            pass  # for another system or version of Python
     return found
 
 

@@ -22,7 +22,7 @@ PAIR = ''.join(f'{1.6 * i / 8:.15g}, {400 - 120 * (i / 4 - 1) ** 2:.15g}\n' for 
 
 def python_program(*words, cwd):
     return subprocess.run(
-        [sys.executable, '-m', 'gearsweep', *words], cwd=cwd, capture_output=True, text=True, timeout=300
+        [sys.executable, '-m', 'gearsweep', *words], cwd=cwd, capture_output=True, text=True, timeout=300, check=False
     )
 
 
@@ -159,7 +159,7 @@ def test_files_lie_beside_the_case(tmp_path, monkeypatch):
         )
     )
     np.testing.assert_allclose(sweep.dynamic_factor, expected.dynamic_factor, rtol=1e-5)
-    with pytest.raises(gearsweep.Error, match='cannot read pair.csv') as caught:
+    with pytest.raises(gearsweep.Error, match=r'cannot read pair.csv') as caught:
         gearsweep.sweep(Case(TABLE))
     assert caught.value.code == gearsweep.Code.FILE
 

@@ -1,6 +1,7 @@
 """What the program's screen says, against values worked out here from its tables or from closed forms."""
 
 import csv
+import itertools
 import math
 import re
 
@@ -279,7 +280,7 @@ def test_geometry_lines(runs):
 def mean_and_range(run):
     """Mesh stiffness over a mesh period by the trapezoidal rule, and the range of one pair's."""
     rows = [row for row in run.numbers('mesh', 'relief_um', 's', 'pair_stiffness_n_um') if row[0] == run.numbers('mesh', 'relief_um')[0][0]]
-    area = sum((b[1] - a[1]) * (a[2] + b[2]) / 2 for a, b in zip(rows, rows[1:]))
+    area = sum((b[1] - a[1]) * (a[2] + b[2]) / 2 for a, b in itertools.pairwise(rows))
     return area, min(row[2] for row in rows), max(row[2] for row in rows)
 
 

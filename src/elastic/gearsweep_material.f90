@@ -20,7 +20,8 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     if (.not. material%young > 0) call fail(error, code_input, '&material young_gpa: must be above 0')
-    if (.not. (material%poisson > -1 .and. material%poisson < 0.5_dp)) &
+    if (.not. (material%poisson > -1 .and. material%poisson < 0.5_dp)) then
       call fail(error, code_input, '&material poisson: must lie between -1 and 0.5')
+    end if
   end subroutine check_material
 end module gearsweep_material

@@ -143,9 +143,10 @@ contains
     if (options%elements_across < 3 .or. options%elements_across > most_across) call fail(error, code_input, &
       '&section elements_across = '//str(options%elements_across)//': must lie between 3 and '//str(most_across))
     if (options%others_across /= 0 .and. (options%others_across < 3 .or. &
-                                          options%others_across > options%elements_across)) &
+                                          options%others_across > options%elements_across)) then
       call fail(error, code_input, '&section others_across = '//str(options%others_across)// &
       ': must be 0 or lie between 3 and '//str(options%elements_across))
+    end if
     if (.not. options%rim >= 0 .or. options%rim >= gear%root_radius) call fail(error, code_input, &
       '&section rim_mm = '//str(1000*options%rim)//': must be above 0 and below the root radius '// &
       str(1000*gear%root_radius)//' mm')
@@ -219,8 +220,9 @@ contains
     if (is_closed(section)) from = section%axis(1)
     allocate (top(2, 0))
     do k = 1, teeth
-      if (.not. (is_closed(section) .and. k == 1)) &
+      if (.not. (is_closed(section) .and. k == 1)) then
         call append(top, fillet_run(section%gear, block(k), coast, section%axis(k), from))
+      end if
       section%first_column(k) = max(0, size(top, 2) - 1)/2
       call append(top, turned(block(k)%bottom, section%axis(k)))
       to = section%middle + section%half_angle

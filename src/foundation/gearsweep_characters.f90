@@ -30,6 +30,7 @@ contains
         if (length == 2) then
           if (iachar(text(at + 1:at + 1)) < 160) return
         end if
+      case default
       end select
       at = at + length
     end do

@@ -280,8 +280,9 @@ contains
     ends = turning_points(slope)
     points = [-1.0_dp]
     do i = 1, size(ends) - 1
-      if (horner(slope, ends(i)) < 0 .neqv. horner(slope, ends(i + 1)) < 0) &
+      if (horner(slope, ends(i)) < 0 .neqv. horner(slope, ends(i + 1)) < 0) then
         points = [points, change_of_sign(slope, ends(i), ends(i + 1))]
+      end if
     end do
     points = [points, 1.0_dp]
   end function turning_points

@@ -147,9 +147,10 @@ contains
     character(:), allocatable :: group
 
     group = '&'//gear%spec%name//' '
-    if (.not. gear%spec%bore_radius >= 0 .or. gear%spec%bore_radius >= gear%root_radius) &
+    if (.not. gear%spec%bore_radius >= 0 .or. gear%spec%bore_radius >= gear%root_radius) then
       call fail(error, code_input, group//'bore_mm = '//str(2000*gear%spec%bore_radius)// &
       ': must be at least 0 and below the root diameter '//str(2000*gear%root_radius)//' mm')
+    end if
     if (gear%tip_radius <= maxval(gear%form_radius)) then
       call fail(error, code_input, group//'addendum = '//str(gear%spec%addendum)// &
         ': no involute is left between fillet and tip')

@@ -59,10 +59,12 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: same = 1e-12_dp
 
-    if (abs(pinion%spec%module - gear%spec%module) > same*pinion%spec%module) &
+    if (abs(pinion%spec%module - gear%spec%module) > same*pinion%spec%module) then
       call fail(error, code_input, '&pair module_mm: pinion and gear must have the same module')
-    if (any(abs(pinion%spec%pressure_angle - gear%spec%pressure_angle) > same)) &
+    end if
+    if (any(abs(pinion%spec%pressure_angle - gear%spec%pressure_angle) > same)) then
       call fail(error, code_input, '&pair pressure_angle_deg: pinion and gear must have the same angles')
+    end if
   end subroutine check_partners
 
   !> Working pressure angle of a side at a centre distance.

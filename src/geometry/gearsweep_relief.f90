@@ -32,10 +32,12 @@ contains
 
     if (any(.not. relief%amount >= 0)) call fail(error, code_input, &
       '&relief amount_um: must be at least 0')
-    if (relief%amount(1) > 0 .and. .not. (relief%start(1) >= 0 .and. relief%start(1) < contact_ratio)) &
+    if (relief%amount(1) > 0 .and. .not. (relief%start(1) >= 0 .and. relief%start(1) < contact_ratio)) then
       call no_room('pinion', relief%start(1), contact_ratio, error)
-    if (relief%amount(2) > 0 .and. .not. (relief%start(2) > 0 .and. relief%start(2) <= contact_ratio)) &
+    end if
+    if (relief%amount(2) > 0 .and. .not. (relief%start(2) > 0 .and. relief%start(2) <= contact_ratio)) then
       call no_room('gear', relief%start(2), contact_ratio, error)
+    end if
     if (allocated(error)) return
 
     middle = merge(relief%start, [contact_ratio, 0.0_dp], relief%amount > 0)

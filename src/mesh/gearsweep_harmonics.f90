@@ -178,10 +178,12 @@ contains
     largest = max(largest, maxval(x))
     highest = maxloc(x, 1) - 1
     lowest = minloc(x, 1) - 1
-    if (highest > 0 .and. highest <= points) &
+    if (highest > 0 .and. highest <= points) then
       largest = max(largest, summit(f, zone, phase(highest - 1), phase(highest + 1), 1))
-    if (lowest > 0 .and. lowest <= points) &
+    end if
+    if (lowest > 0 .and. lowest <= points) then
       least = min(least, -summit(f, zone, phase(lowest - 1), phase(lowest + 1), -1))
+    end if
   end subroutine extremes
 
   !> The largest value of way*x between two phases with one summit between them, by golden section.

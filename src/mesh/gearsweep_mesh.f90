@@ -83,8 +83,9 @@ contains
     do i = 1, size(mesh%profile_error%breaks)
       breaks = [breaks, phase(mesh%profile_error%breaks(i))]
     end do
-    if (friction .and. mesh%pitch_point > 0 .and. mesh%pitch_point < mesh%contact_ratio) &
+    if (friction .and. mesh%pitch_point > 0 .and. mesh%pitch_point < mesh%contact_ratio) then
       breaks = [breaks, phase(mesh%pitch_point)]
+    end if
     breaks = sorted(breaks)
 
     allocate (zones(size(breaks) - 1))

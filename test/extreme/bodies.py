@@ -127,8 +127,8 @@ def elements(case):
 
 def first_mode(case, across):
     import skfem
-    from skfem.helpers import ddot, dot, eye, sym_grad, trace
     from scipy.sparse.linalg import eigsh
+    from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
     young, nu = number(case, "material young_gpa", 206.0) * 1e9, number(case, "material poisson", 0.3)
     plane_stress = "stress" in case.get("section plane", "")
@@ -155,7 +155,6 @@ def first_mode(case, across):
 
 def held_facets(mesh):
     """Facets of the inner edge and of the two cut sides."""
-    import skfem
     outer = mesh.boundary_facets()
     x, y = mesh.p[:, mesh.facets[:, outer]]
     radius, angle = np.hypot(x, y), np.abs(np.arctan2(x, y))

@@ -17,6 +17,7 @@ exponent    growth of the distance of two neighbours, marched
 geometry, iso, Weber, elements: see bodies.py
 """
 import csv
+import itertools
 import re
 import sys
 from math import log, pi, radians, sqrt, tan
@@ -25,27 +26,26 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "reference"))
 
+import bodies
 import mpmath
 import numpy as np
+from model import Mesh, Row, pval
 from mpmath import mp
+from propagate import Period, exact_piece, jacobian, largest_multiplier, taylor_piece
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-import bodies
-from model import Mesh, Row, pval
-from propagate import Period, exact_piece, jacobian, largest_multiplier, taylor_piece
-
 mp.dps = 40
-FIELDS = "title base changes quantity status expected within origin".split()
+FIELDS = ["title", "base", "changes", "quantity", "status", "expected", "within", "origin"]
 
 
 def read_base(name):
     """A case file as {'group key': text}."""
     text = re.sub(r"!.*", "", (HERE / f"{name}.nml").read_text())
     case = {}
-    for group, body in re.findall(r"&(\w+)\s(.*?)/", text, re.S):
-        for key, value in re.findall(r"(\w+)\s*=\s*('[^']*'|[^=]*?)(?=\s+\w+\s*=|\s*$)", body, re.S):
+    for group, body in re.findall(r"&(\w+)\s(.*?)/", text, re.DOTALL):
+        for key, value in re.findall(r"(\w+)\s*=\s*('[^']*'|[^=]*?)(?=\s+\w+\s*=|\s*$)", body, re.DOTALL):
             case[f"{group} {key}"] = value.strip()
     return case
 
@@ -54,8 +54,8 @@ def case_of(row):
     case = read_base(row["base"])
     for change in filter(None, (c.strip() for c in row["changes"].split(";"))):
         key, value = (part.strip() for part in change.split("=", 1))
-        for key in ["sweep rpm_first", "sweep rpm_last"] if key == "rpm" else [key]:
-            case[key] = value
+        for changed in ["sweep rpm_first", "sweep rpm_last"] if key == "rpm" else [key]:
+            case[changed] = value
     return case
 
 
@@ -140,7 +140,10 @@ class Motion:
     def closed(self, y, periods=1, bonded=False, tight=None):
         """Newton's method from y; the periodic state and its map, or None."""
         tight = tight or (1e-11 if self.ctx is mpmath.fp else mp.mpf(10) ** -25)
-        step = lambda s: self.run(s, periods, bonded)
+
+        def step(state):
+            return self.run(state, periods, bonded)
+
         scale = (self.size * (1e-6 if self.ctx is mpmath.fp else 1), self.unit * self.size * (1e-6 if self.ctx is mpmath.fp else 1))
         for _ in range(20):
             z = step(y)
@@ -230,7 +233,7 @@ def pair_curves(case):
     """Stiffness [N/m] and weight of one pair over s, for the mean force."""
     ratio = number(case, "mesh contact_ratio")
     if "table" in case["mesh model"]:
-        rows = [r for r in csv.reader(open(HERE / case["mesh file"].strip("'"))) if not r[0].startswith("#")]
+        rows = [r for r in csv.reader((HERE / case["mesh file"].strip("'")).read_text().splitlines()) if not r[0].startswith("#")]
         s, k = np.array(rows, float).T
         curve = CubicSpline(s, k, bc_type="not-a-knot")
         return ratio, lambda x: float(curve(x))
@@ -262,7 +265,7 @@ def fast_limit(case):
             cuts |= {float(start)} | ({start + (tip - start) * x / amount} if amount > x else set())
         cuts = sorted(c for c in cuts if 0 <= c <= ratio)
         return sum(quad(lambda s: f(s) * K(s) * max(0.0, x - e(s)), a, b, epsabs=0, epsrel=1e-12, limit=500)[0]
-                   for a, b in zip(cuts, cuts[1:]) if b > a)
+                   for a, b in itertools.pairwise(cuts) if b > a)
 
     mean = load(1.0) if not row.cp and not row.cg else row.Fs
     x = row.Fs / mean if not row.cp and not row.cg else brentq(lambda q: load(q) - row.Fs, 1e-12, 1e7, rtol=1e-14)

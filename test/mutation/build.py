@@ -7,7 +7,6 @@ import re
 import shutil
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 # Those of fpm's release profile, with which people build; long lines, as a change may lengthen one.
 RELEASE = '-O3 -funroll-loops -fPIC -fmax-errors=1 -fcoarray=single -fopenmp -fimplicit-none -ffree-form -ffree-line-length-none'
@@ -22,7 +21,7 @@ class CompileError(Exception):
 
 
 def command(words, **options):
-    done = subprocess.run(words, capture_output=True, text=True, errors='replace', **options)
+    done = subprocess.run(words, capture_output=True, text=True, errors='replace', check=False, **options)
     if done.returncode:
         raise CompileError(done.stderr[-2000:])
     return done.stdout
@@ -140,8 +139,8 @@ class Extension:
         folder.mkdir(parents=True, exist_ok=True)
         pyf = root / 'python/gearsweep/flat.pyf'
         command([python, '-m', 'numpy.f2py', str(pyf), '--lower', '--quiet', '--build-dir', str(folder)], cwd=folder)
-        ask = 'import numpy, numpy.f2py, sysconfig; print(numpy.get_include()); print(numpy.f2py.get_include()); ' \
-              'print(sysconfig.get_path("include")); print(sysconfig.get_config_var("EXT_SUFFIX"))'
+        ask = ('import numpy, numpy.f2py, sysconfig; print(numpy.get_include()); print(numpy.f2py.get_include()); '
+               'print(sysconfig.get_path("include")); print(sysconfig.get_config_var("EXT_SUFFIX"))')
         *includes, self.suffix = command([python, '-c', ask]).split()
         self.objects = []
         for source in (folder / '_flatmodule.c', root / 'python/gearsweep/f2py_support.c'):

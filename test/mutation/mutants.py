@@ -10,6 +10,7 @@ every machine and stays the same where other lines are added or moved.
 
 import hashlib
 import io
+import itertools
 import re
 import tokenize
 from dataclasses import dataclass
@@ -130,11 +131,8 @@ def python_statements(text):
 
 # --- what is left alone ------------------------------------------------------
 
-FORTRAN_HEADS = (
-    'use implicit module program end endif enddo interface contains import private public select abstract '
-    'procedure generic allocate deallocate subroutine function pure elemental recursive submodule block else continue'
-).split()
-PYTHON_HEADS = 'import from def class @ try except finally else global nonlocal with async pass raise'.split()
+FORTRAN_HEADS = ['use', 'implicit', 'module', 'program', 'end', 'endif', 'enddo', 'interface', 'contains', 'import', 'private', 'public', 'select', 'abstract', 'procedure', 'generic', 'allocate', 'deallocate', 'subroutine', 'function', 'pure', 'elemental', 'recursive', 'submodule', 'block', 'else', 'continue']
+PYTHON_HEADS = ['import', 'from', 'def', 'class', '@', 'try', 'except', 'finally', 'else', 'global', 'nonlocal', 'with', 'async', 'pass', 'raise']
 
 
 def mutable_tokens(statement, is_fortran):
@@ -147,9 +145,8 @@ def mutable_tokens(statement, is_fortran):
         return () if words[0] in PYTHON_HEADS or words == ['""'] else statement.tokens
     if words[0] == 'else' and words[1:2] == ['if']:
         return statement.tokens
-    if words[0] in FORTRAN_HEADS or words[0] == 'type' and words[1:2] != ['=']:
-        if '::' not in words:
-            return ()
+    if '::' not in words and (words[0] in FORTRAN_HEADS or (words[0] == 'type' and words[1:2] != ['='])):
+        return ()
     if '::' in words:
         if '=' not in words[words.index('::') :]:
             return ()
@@ -211,7 +208,7 @@ def is_name(word):
 
 def other_number(word, factor):
     """A constant that a slip might have put in its place; a large one changes by a factor."""
-    value, kind = (word.split('_', 1) + [''])[:2]
+    value, kind = ([*word.split('_', 1), ''])[:2]
     kind = '_' + kind if kind else ''
     if value.isdigit():
         number = int(value)
@@ -273,7 +270,7 @@ def arguments(words, i):
             depth += 1
         elif words[k] in CLOSING:
             depth -= 1
-        if depth == 0 or depth == 1 and words[k] == ',':
+        if depth == 0 or (depth == 1 and words[k] == ','):
             spans.append((begin, k))
             begin = k + 1
         if depth == 0:
@@ -304,7 +301,7 @@ def changes(text, statement, tokens, is_fortran):
             yield 'sign', start, end, ' '
         elif word in swaps and not is_keyword:
             for kind, other in swaps[word]:
-                if kind != 'function' or is_fortran and not is_member or not is_fortran:
+                if kind != 'function' or (is_fortran and not is_member) or not is_fortran:
                     yield kind, start, end, other
         if word in TURNED:
             yield 'comparison', start, end, TURNED[word]
@@ -316,15 +313,15 @@ def changes(text, statement, tokens, is_fortran):
                 yield 'index' if in_index else 'constant', start, end, other
         if word in ('sqrt', 'abs') and words[i + 1 : i + 2] == ['('] and is_fortran:
             yield 'function', start, end, ''
-        if word == '.not.' or word == 'not' and words[i - 1 : i] != ['is'] and words[i + 1 : i + 2] != ['in']:
+        if word == '.not.' or (word == 'not' and words[i - 1 : i] != ['is'] and words[i + 1 : i + 2] != ['in']):
             yield 'condition negated', start, end, ''
         drop = dropped(words, i, is_fortran)
         if drop and drop[1] > i + 1:
             yield drop[0], start, tokens[drop[1] - 1][2], ''
         if word == '(' and i and is_name(words[i - 1]) and words[i - 1] not in COMMUTE:
             spans = arguments(words, i)
-            for (a, b), (c, d) in zip(spans, spans[1:]):
-                plain = all(k < l and '=' not in words[k:l] and words[k:l] != [':'] for k, l in ((a, b), (c, d)))
+            for (a, b), (c, d) in itertools.pairwise(spans):
+                plain = all(k < m and '=' not in words[k:m] and words[k:m] != [':'] for k, m in ((a, b), (c, d)))
                 if plain and said(a, b) != said(c, d) and not (words[a][0] in '\'"' or words[c][0] in '\'"'):
                     yield 'arguments swapped', tokens[a][1], tokens[d - 1][2], f'{said(c, d)}, {said(a, b)}'
     yield from whole_changes(text, statement, words, tokens, is_fortran)
@@ -342,11 +339,11 @@ def whole_changes(text, statement, words, tokens, is_fortran):
             yield 'condition negated', tokens[opening][2], tokens[end][1], f'.not. ({condition})'
             if words[-1] == 'then' or opening == 2:
                 return
-        if words[0] in ('call', 'if', 'return', 'cycle', 'exit') or '=' in words and words[0] not in ('do', 'case', 'where'):
+        if words[0] in ('call', 'if', 'return', 'cycle', 'exit') or ('=' in words and words[0] not in ('do', 'case', 'where')):
             yield 'statement dropped', statement.start, statement.end, 'continue'
         return
     if words[0] in ('if', 'while', 'elif'):
-        if ':' == words[-1]:
+        if words[-1] == ':':
             condition = text[tokens[0][2] : tokens[-1][1]]
             yield 'condition negated', tokens[0][2], tokens[-1][1], f' not ({condition.strip()})'
     elif words[0] == 'return':

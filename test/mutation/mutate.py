@@ -12,9 +12,10 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import build
 import mutants
 import trials
+
+import build
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRATCH = ROOT / 'build/mutate'
@@ -221,7 +222,7 @@ def report(results):
         rows.append((room, len(found), *(count[verdict] for verdict in VERDICTS)))
     for wanted in VERDICTS[1:]:
         for entry in (entry for found in results.values() for entry in found if entry['verdict'] == wanted):
-            file, before, after = entry['key'].split('\n')
+            _file, before, after = entry['key'].split('\n')
             print(f"{wanted}: {entry['file']}:{entry['line']} ({entry['kind']})\n  - {before}\n  + {after}")
             if wanted == 'explained':
                 print(f'  {why[entry["key"]]}')

@@ -2,6 +2,7 @@
 
 Written from the equation of motion, sharing only the input row with the other route.
 """
+import itertools
 from math import floor, pi, radians, sqrt, tan
 
 import numpy as np
@@ -66,7 +67,8 @@ class Direct:
         marks = list(nominal) + (["back"] if r.backlash >= 0 else [])
         events = []
         for j in marks:
-            ev = lambda q, z, l=level(j): z[0] - l(q)
+            line = level(j)
+            ev = lambda q, z, line=line: z[0] - line(q)
             above = (j in contact) if j != "back" else not back
             ev.terminal, ev.direction = True, (-1 if above else 1)
             events.append(ev)
@@ -77,8 +79,8 @@ class Direct:
             who = next(j for j, te_ in zip(marks, sol.t_events) if len(te_))
             for _ in range(3):                     # sharpen the located time
                 ye = self.run(fun, t, te, y).y[:, -1]
-                l, d = level(who), 1e-6 * self.T
-                te -= (ye[0] - l(te)) / (ye[1] - (l(te + d) - l(te - d)) / (2 * d))
+                line, d = level(who), 1e-6 * self.T
+                te -= (ye[0] - line(te)) / (ye[1] - (line(te + d) - line(te - d)) / (2 * d))
         ye = self.run(fun, t, te, y).y[:, -1]
         self.largest(fun, sol.sol, t, te, y, mid, contact)
         return te, ye, who
@@ -112,7 +114,7 @@ class Direct:
         self.peaks, self.peak = peaks, 0.0
         marks = {0.0, r.c - self.N, 1.0} | ({r.sp - floor(r.sp)} if r.mu else set())
         marks = sorted(marks)
-        for a, b in zip(marks, marks[1:]):
+        for a, b in itertools.pairwise(marks):
             mid = (a + b) / 2
             nominal = [j for j in range(self.N + 1) if mid + j < r.c]
             contact = [j for j in nominal if y[0] > self.e(a + j, mid + j)]

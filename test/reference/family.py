@@ -2,10 +2,9 @@
 from multiprocessing import Pool
 
 import mpmath
-from mpmath import mp
-
 from confirm import confirm
 from model import Mesh, static_deflection, write_table
+from mpmath import mp
 from propagate import march, solve, taylor_piece
 
 mp.dps = 40
@@ -50,7 +49,7 @@ def family(path, title, piece, jobs):
     """jobs: list of (row, lossy); lossy rows are marched before Newton."""
     with Pool() as pool:
         res = pool.map(compute, [(row, piece, lossy) for row, lossy in jobs], chunksize=1)
-    for i, ((row, lossy), r) in enumerate(zip(jobs, res), 1):
+    for i, ((row, _), r) in enumerate(zip(jobs, res), 1):
         if r["mu_max"] > 1 + mp.mpf(10) ** -20:
             raise ValueError(f"row {i} unstable")
         print(f"{i:3d} c {row.c} zeta {row.zeta} rpm {row.rpm} DF {mp.nstr(r['DF'], 12)} "

@@ -9,7 +9,6 @@ from math import hypot, log, sqrt
 from multiprocessing import Pool
 
 import mpmath
-
 from model import Mesh, Row, static_deflection
 from propagate import Period, exact_piece
 
@@ -48,9 +47,7 @@ if __name__ == "__main__":
     with Pool() as pool:
         found = pool.map(exponent, CASES)
     with open("chaos.dat", "w") as f:
-        for line in (__doc__.strip() + "\nContact ratio 1.6, pair stiffness 400 N/um, 25 teeth, 0.8 kg, 7000 N, no relief.\n"
+        f.writelines(("# " + line).rstrip() + "\n" for line in (__doc__.strip() + "\nContact ratio 1.6, pair stiffness 400 N/um, 25 teeth, 0.8 kg, 7000 N, no relief.\n"
                      f"Means over {BLOCKS} blocks of {LENGTH} mesh periods after {SETTLE}; error: standard error of the mean.\n"
-                     "zeta [-], rpm [1/min] of pinion, exponent [1/mesh period], error").split("\n"):
-            f.write(("# " + line).rstrip() + "\n")
-        for row, (mean, error) in zip(CASES, found):
-            f.write(f"{row.zeta} {row.rpm} {mean:.5f} {error:.5f}\n")
+                     "zeta [-], rpm [1/min] of pinion, exponent [1/mesh period], error").split("\n"))
+        f.writelines(f"{row.zeta} {row.rpm} {mean:.5f} {error:.5f}\n" for row, (mean, error) in zip(CASES, found))

@@ -9,7 +9,6 @@ Taylor series between located events.
 from multiprocessing import Pool
 
 import mpmath
-
 from model import Mesh, Row, static_deflection
 from propagate import Period, exact_piece, jacobian, march, taylor_piece
 
@@ -88,11 +87,10 @@ if __name__ == "__main__":
     with Pool() as pool:
         found = pool.map(follow, CASES, chunksize=1)
     with open("jumps.dat", "w") as f:
-        for line in (__doc__.strip() + "\nContact ratio 1.6, 25 teeth, 0.8 kg, 7000 N, no relief.\n"
+        f.writelines(("# " + line).rstrip() + "\n" for line in (__doc__.strip() + "\nContact ratio 1.6, 25 teeth, 0.8 kg, 7000 N, no relief.\n"
                      "coef0 coef1 coef2 [N/um] (pair stiffness, ascending powers of u = 2 s/contact_ratio - 1), zeta [-],\n"
                      "rpm [1/min] from where it is followed, direction, rpm_end, kind (1 fold, -1 flip), DF there [-],\n"
-                     "last step [1/min]").split("\n"):
-            f.write(("# " + line).rstrip() + "\n")
+                     "last step [1/min]").split("\n"))
         for (row, direction), (rpm, kind, factor, step) in zip(CASES, found):
-            coef = (list(row.coef) + [0.0, 0.0])[:3]
+            coef = ([*list(row.coef), 0.0, 0.0])[:3]
             f.write(f"{coef[0]:g} {coef[1]:g} {coef[2]:g} {row.zeta:g} {row.rpm:g} {direction} {rpm:.5f} {kind} {factor:.6f} {step:.1g}\n")

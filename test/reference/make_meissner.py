@@ -83,8 +83,7 @@ def closing(case, n, lo, hi):
 def integrated_trace(case, rpm):
     """Trace of the undamped map by DOP853."""
     M = np.eye(2)
-    for w, t in segments(case, rpm):
-        w, t = float(w), float(t)
+    for w, t in ([float(one) for one in segment] for segment in segments(case, rpm)):
         P = np.empty((2, 2))
         for i in range(2):
             P[:, i] = solve_ivp(lambda q, y: [w * y[1], -w * y[0]], (0, t), np.eye(2)[i],
@@ -124,7 +123,7 @@ z1 (pinion teeth), contact_ratio [base pitches], coef0 = K [N/um], m1 m2 [kg],
 rpm_boundary [1/min], tongue_index, zeta_closing [-], rpm_closing [1/min]
 z1 contact_ratio coef0 m1 m2 rpm_boundary tongue_index zeta_closing rpm_closing"""
     with open("meissner.dat", "w") as f:
-        f.write("".join("# " + l + "\n" for l in head.split("\n")) + "\n".join(lines) + "\n")
+        f.write("".join("# " + line + "\n" for line in head.split("\n")) + "\n".join(lines) + "\n")
     print(len(lines), "rows, |trace| confirmed to", worst)
 
 

@@ -5,7 +5,6 @@ and after two mesh periods.  Started from a disturbed rest, 1.5 static deflectio
 the motion with all pairs in contact repels.
 """
 import numpy as np
-
 from confirm import Direct
 from model import Row
 

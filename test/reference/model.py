@@ -165,10 +165,8 @@ def static_deflection(row):
 
 def write_table(path, title, rows, results, extra=()):
     """Write the table; results are tuples (DF, mu_max, x0, v0, loss) of strings."""
-    names = COLUMNS + ["DF", "mu_max", "x0_um", "v0_m_per_s", "loss"] + list(extra)
+    names = [*COLUMNS, "DF", "mu_max", "x0_um", "v0_m_per_s", "loss", *list(extra)]
     with open(path, "w") as f:
-        for line in (title.strip() + "\nColumns:\n" + UNITS).split("\n"):
-            f.write(("# " + line).rstrip() + "\n")
+        f.writelines(("# " + line).rstrip() + "\n" for line in (title.strip() + "\nColumns:\n" + UNITS).split("\n"))
         f.write("# " + " ".join(names) + "\n")
-        for i, (row, res) in enumerate(zip(rows, results), 1):
-            f.write(" ".join([str(i)] + [str(v) for v in row.fields()] + list(res)) + "\n")
+        f.writelines(" ".join([str(i)] + [str(v) for v in row.fields()] + list(res)) + "\n" for i, (row, res) in enumerate(zip(rows, results), 1))

@@ -12,7 +12,7 @@ def exact_piece(ctx, W, R, zeta, x, v):
         raise ValueError("stiffness not constant")
     if W[0] == 0:
         return lambda t: (x + v * t + R[0] * t * t / 2, v + R[0] * t)
-    W, r = W[0], (R + [0, 0])[:3]
+    W, r = W[0], ([*R, 0, 0])[:3]
     d = 2 * zeta * ctx.sqrt(W)
     p2 = r[2] / W
     p1 = (r[1] - 2 * d * p2) / W
@@ -124,6 +124,7 @@ class Period:
         """Time in (0, h) at which the slope changes sign, or None."""
         if (slope(0 * h) > 0) != (slope(h) > 0):
             return find_root(slope, 0 * h, h, self.eps)
+        return None
 
     def crossing(self, at, level, above, h):
         """First time at which x - level leaves its side (above or below)."""
@@ -135,6 +136,7 @@ class Period:
             return find_root(g, 0 * h, t0, self.eps)
         if side * g(h) < 0:
             return find_root(g, 0 * h if t0 is None else t0, h, self.eps)
+        return None
 
     def load_peak(self, at, K, e, h):
         dK, de = pder(K), pder(e)

@@ -27,7 +27,7 @@ def test_a_changed_number_is_found(claim, monkeypatch):
     text = claims.content(claim.file)
     said = claim.pattern.search(text)
     for changed in (text.replace(said[0], said[0].replace(said[1], '137')), text.replace(said[0], '')):
-        monkeypatch.setattr(claims, 'content', lambda path: changed)
+        monkeypatch.setattr(claims, 'content', lambda path, changed=changed: changed)
         assert claims.wrong(claim)
 
 

@@ -5,9 +5,9 @@ import dataclasses
 import math
 import re
 
-import gearsweep
 import pytest
 
+import gearsweep
 from validation import __main__ as runner
 from validation import cases, check, ledger, pictures, published, readme, report, spread
 
@@ -97,7 +97,7 @@ def test_program_and_ledger_say_the_same():
     """Of each printed number that the program sets beside ours: printed, our value, status."""
     said = gearsweep.report(cases.case('hassan')).partition('Printed values and ours')[2].splitlines()[2:]
     said = [re.split(r' {2,}', line.strip(), maxsplit=1) for line in said if line.strip()]
-    said = {name: rest for name, rest in said}
+    said = dict(said)
     rows = [row for row in ledger.read('hassan2009') if re.fullmatch(published.KNOWN, row.id)]
     assert list(said) == [row.id for row in rows] and rows
     for row in rows:

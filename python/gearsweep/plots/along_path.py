@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import floor
 
 import numpy as np
@@ -166,7 +166,7 @@ def _curves(ax: Axes, case: Case, curves: Iterable[tuple[Reals, ...]]) -> set[in
     return found
 
 
-def _finish(ax: Axes, case: Case, label: str, more: list[Artist] = []) -> None:
+def _finish(ax: Axes, case: Case, label: str, more: Sequence[Artist] = ()) -> None:
     """Points of contact, with those letters in one that would overlap; labels and legend."""
     points = sorted(contact_points(case).items(), key=lambda point: point[1])
     length = points[-1][1]

@@ -1,0 +1,28 @@
+#!/bin/sh
+# What can be said of the sources without running them: sh test/lint.sh
+# ruff over Python, fortitude over Fortran; pyproject.toml has the rules, and why others are left out.
+# The last line is `N passed, N failed`; a check is one tool over one folder.
+root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
+. "$root/test/checks.sh"
+install_lint || exit
+cd "$root" || exit
+
+# check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
+check() {
+  title=$1
+  shift
+  if "$@" >"$work/said" 2>&1; then
+    pass
+  else
+    fails "$title"
+    sed 's/^/  /' "$work/said"
+  fi
+}
+
+for folder in python validation bench test; do
+  check "ruff: $folder" "$venv/bin/ruff" check --quiet --no-cache --output-format concise "$folder"
+done
+for folder in src app test; do
+  check "fortitude: $folder" "$venv/bin/fortitude" check --quiet --output-format concise "$folder"
+done
+finish
