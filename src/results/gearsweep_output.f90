@@ -18,8 +18,8 @@ contains
 
   !> Writes every table and grid that the study has as `name`.sweep.csv and so on into a folder that is there. They
   !> appear all at once or, after an error, not at all, and what was there before stays. Tables and grids of that name
-  !> that this study lacks are of an earlier one and get the ending `.old`, as does what is no table of ours. `written` names the files, a line each;
-  !> empty after an error.
+  !> that this study lacks are of an earlier one and get the ending `.old`, as does what is no table of ours.
+  !> `written` names the files, a line each; empty after an error.
   subroutine write_results(study, folder, name, written, error)
     type(study_t), intent(in) :: study
     character(*), intent(in) :: folder, name

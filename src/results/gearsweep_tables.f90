@@ -45,6 +45,7 @@ contains
       call mode_table(study, table, error)
     case ('published')
       call published_table(study, table, error)
+    case default  ! `table` stays one that is not there
     end select
   end subroutine make_table
 
