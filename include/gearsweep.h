@@ -86,12 +86,12 @@ int gsc_report(const char *text, size_t text_length, const char *folder, int nwo
    written, all or, where one cannot be (GSC_FILE), none, and those of before stay; a line each. The texts
    may be NULL with size 0 and are cut where they are too long; length is that of the whole answer. They
    are filled also where a file cannot be written. */
-int gsc_write(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
+int gsc_files(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
               int threads, const char *out, const char *name, char *answer, size_t answer_size,
               size_t *length, char *stages, size_t stages_size, char *files, size_t files_size,
               char *message, size_t message_size);
 
-/* As gsc_write, and the caller may watch the run, end it, and go on from there.
+/* As gsc_files, and the caller may watch the run, end it, and go on from there.
    watch[3]: watch[0] is 0; whoever sets it to another number while the call computes, a signal's handler or another
    thread, ends the run soon (GSC_INTERRUPTED; the files of what is done are written). watch[1]: operating points done
    so far, never fewer than before, watch[2]: of how many. NULL: the run is not watched
@@ -99,7 +99,7 @@ int gsc_write(const char *text, size_t text_length, const char *folder, int nwor
    version, or of a case that differs, is refused. NULL or empty: begins anew
    keep: file that is written where the run is interrupted, and removed where it is not; may be that of resume;
    NULL or empty: none */
-int gsc_run(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
+int gsc_all(const char *text, size_t text_length, const char *folder, int nwork, const double *work,
             int threads, const char *out, const char *name, int *watch, const char *resume,
             const char *keep, char *answer, size_t answer_size, size_t *length, char *stages,
             size_t stages_size, char *files, size_t files_size, char *message, size_t message_size);

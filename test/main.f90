@@ -6,6 +6,7 @@ program check
   use extreme_table, only: print_limits
   use test_band, only: run_band => run
   use test_branches, only: run_branches => run
+  use test_calls, only: run_calls => run
   use test_closed_estimates, only: run_closed_estimates => run
   use test_closed_geometry, only: run_closed_geometry => run
   use test_closed_limits, only: run_closed_limits => run
@@ -80,6 +81,7 @@ program check
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('elastic_disc', run_elastic_disc), &
     & suite_t('scenes', run_scenes), &
+    & suite_t('calls', run_calls), &
     & suite_t('flat', run_flat)])
   print '(i0, a, i0, a)', passed, ' passed, ', failed, ' failed'
   if (failed > 0 .or. passed == 0) stop 1, quiet=.true.

@@ -313,7 +313,7 @@ contains
 
     none = 0
     used = 0
-    call gs_write(case, '', 0, none, 1, '', '', size(values), values, used, names, answer, length, stages, files, info, message)
+    call gs_files(case, '', 0, none, 1, '', '', size(values), values, used, names, answer, length, stages, files, info, message)
   end subroutine find_numbers
 
   !> The program's files.
@@ -331,24 +331,24 @@ contains
 
     none = 0
     out = new_folder()
-    call gs_write(with_section, '', 0, none, 1, out, 'case', 0, none, used, names, answer, length, stages, files, info, message)
+    call gs_files(with_section, '', 0, none, 1, out, 'case', 0, none, used, names, answer, length, stages, files, info, message)
     call check_true(t, 'write', info == code_ok .and. index(stages, 'sweep') > 0)
     inquire (file=out//'/case.sweep.csv', exist=there)
     call check_true(t, 'the table is there', there .and. index(files, out//'/case.sweep.csv'//new_line('a')) > 0)
     call gs_report(with_section, '', 0, none, 1, said, length, info, message)
     call check_true(t, 'the answer is the report', info == code_ok .and. answer == said)
-    call gs_write(with_section, '', 0, none, 1, out//'/no/folder', 'case', 0, none, used, names, answer, length, stages, &
+    call gs_files(with_section, '', 0, none, 1, out//'/no/folder', 'case', 0, none, used, names, answer, length, stages, &
                   files, info, message)
     call check_equal(t, 'no folder', info, code_file)
     do i = 1, size(bad)
-      call gs_write(with_section, '', 0, none, 1, out, bad(i), 0, none, used, names, answer, length, stages, files, info, message)
+      call gs_files(with_section, '', 0, none, 1, out, bad(i), 0, none, used, names, answer, length, stages, files, info, message)
       call check_true(t, 'no name: '//bad(i), info == code_input .and. index(message, 'name') == 1)
     end do
     values = -1
-    call gs_write(with_section, '', 0, none, 1, ' ', 'case', 1, values, used, names, answer, length, stages, files, info, message)
+    call gs_files(with_section, '', 0, none, 1, ' ', 'case', 1, values, used, names, answer, length, stages, files, info, message)
     call check_true(t, 'too many numbers: untouched', info == code_ok .and. used > 1 .and. all(values < 0))
     allocate (numbers(used + 1), source=-1.0_dp)
-    call gs_write(with_section, '', 0, none, 1, ' ', 'case', size(numbers), numbers, used, names, answer, length, stages, files, &
+    call gs_files(with_section, '', 0, none, 1, ' ', 'case', size(numbers), numbers, used, names, answer, length, stages, files, &
                 info, message)
     call check_true(t, 'numbers alone: no file', info == code_ok .and. files == '')
     call check_true(t, 'the numbers that are told', used == size(numbers) - 1 .and. numbers(used + 1) < 0)

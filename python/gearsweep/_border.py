@@ -193,7 +193,7 @@ def run(
         given, team, rows = _work(work), _threads(threads), room
 
         def call(watch: np.ndarray) -> tuple:
-            return _flat.gs_run(*words[:2], given, team, *words[2:4], watch, *words[4:], rows, answer)
+            return _flat.gs_all(*words[:2], given, team, *words[2:4], watch, *words[4:], rows, answer)
 
         found, cause = watched(call, progress)
         values, used, names, length, stages, files, info, message = found

@@ -128,8 +128,8 @@ def test_pictures_compute_nothing_again(tmp_path, monkeypatch):
     Case(GEARED).write(tmp_path / 'case.nml')
     assert __main__.main([str(tmp_path / 'case.nml'), '--quiet', '--out', str(tmp_path)]) == 0
     assert (tmp_path / 'case.sweep.csv').exists() and (tmp_path / 'case.sweep.png').exists()
-    assert called.count('gs_run') == 1
-    assert set(called) <= {'gs_run', 'gs_sizes', 'gs_complete', 'gs_change', 'gs_geometry', 'gs_outline', 'gs_section', 'gs_prepare',
+    assert called.count('gs_all') == 1
+    assert set(called) <= {'gs_all', 'gs_sizes', 'gs_complete', 'gs_change', 'gs_geometry', 'gs_outline', 'gs_section', 'gs_prepare',
                            'gs_resonances', 'gs_stress'}  # fmt: skip
     assert called.count('gs_section') == called.count('gs_stress') == called.count('gs_prepare') == 1
 

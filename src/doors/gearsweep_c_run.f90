@@ -2,15 +2,15 @@
 module gearsweep_c_run
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr, c_size_t
   use gearsweep_c_border, only: give_text, longest_message, make_room, need_all, numbers, take_string, take_text
-  use gearsweep_calls, only: gs_run
+  use gearsweep_calls, only: gs_all
   use gearsweep_error, only: code_ok
   implicit none
   private
-  public :: gsc_write, gsc_run
+  public :: gsc_files, gsc_all
 
 contains
 
-  function gsc_write(text, text_length, folder, nwork, work, threads, out, name, answer, answer_size, length, &
+  function gsc_files(text, text_length, folder, nwork, work, threads, out, name, answer, answer_size, length, &
                      stages, stages_size, files, files_size, message, message_size) result(info) bind(c)
     type(c_ptr), value :: text, folder, work, out, name, answer, stages, files, message
     integer(c_size_t), value :: text_length, answer_size, stages_size, files_size, message_size
@@ -18,13 +18,13 @@ contains
     integer(c_size_t), intent(inout), optional :: length
     integer(c_int) :: info
 
-    info = gsc_run(text, text_length, folder, nwork, work, threads, out, name, resume=c_null_ptr, keep=c_null_ptr, &
+    info = gsc_all(text, text_length, folder, nwork, work, threads, out, name, resume=c_null_ptr, keep=c_null_ptr, &
                    answer=answer, answer_size=answer_size, length=length, stages=stages, stages_size=stages_size, &
                    files=files, files_size=files_size, message=message, message_size=message_size)
-  end function gsc_write
+  end function gsc_files
 
   !> `length` is that of the whole answer without its NUL.
-  function gsc_run(text, text_length, folder, nwork, work, threads, out, name, watch, resume, keep, answer, answer_size, &
+  function gsc_all(text, text_length, folder, nwork, work, threads, out, name, watch, resume, keep, answer, answer_size, &
                    length, stages, stages_size, files, files_size, message, message_size) result(info) bind(c)
     type(c_ptr), value :: text, folder, work, out, name, resume, keep, answer, stages, files, message
     integer(c_size_t), value :: text_length, answer_size, stages_size, files_size, message_size
@@ -56,7 +56,7 @@ contains
     unwatched = 0
     mark => unwatched
     if (present(watch)) mark => watch
-    if (info == code_ok) call gs_run(case, place, nwork, numbers(work, nwork), threads, folder_out, stem, mark, before, later, &
+    if (info == code_ok) call gs_all(case, place, nwork, numbers(work, nwork), threads, folder_out, stem, mark, before, later, &
                                      0, none, listed, names, answer_room, used, stages_room, files_room, info, words)
     if (used >= 0) then
       length = used
@@ -65,5 +65,5 @@ contains
       call give_text(trim(files_room), files, files_size)
     end if
     call give_text(trim(words), message, message_size)
-  end function gsc_run
+  end function gsc_all
 end module gearsweep_c_run

@@ -18,23 +18,6 @@
 ! computes, OpenBLAS is kept to one thread; the number before comes back when the last call ends.
 ! gearsweep_calls has the interfaces for modern Fortran.
 
-!> Version of the library, as 0.1.0.
-subroutine gs_version(version, info, message)
-  use gearsweep_border, only: begin_call, need_room, tell
-  use gearsweep_error, only: error_t
-  use gearsweep_version, only: this => version
-  implicit none
-  character(*), intent(inout) :: version
-  integer, intent(out) :: info
-  character(*), intent(out) :: message
-  type(error_t), allocatable :: error
-
-  call begin_call()
-  call need_room('len(version)', len(version), len(this), error)
-  if (.not. allocated(error)) version = this
-  call tell(error, info, message)
-end subroutine gs_version
-
 !> Sizes of the results, 0 for tasks that the case does not name. No finite elements run.
 !>
 !> speeds, reliefs  of the sweep                rows             of gs_mesh, over all reliefs
@@ -160,9 +143,9 @@ end subroutine gs_report
 !>
 !> The texts are cut where they are too long; `length` is that of the whole answer. They are filled also
 !> where a file cannot be written.
-subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values, used, names, answer, length, stages, &
+subroutine gs_files(text, folder, nwork, work, threads, out, name, room, values, used, names, answer, length, stages, &
                     files, info, message)
-  use gearsweep_calls, only: gs_run
+  use gearsweep_calls, only: gs_all
   implicit none
   character(*), intent(in) :: text, folder, out, name
   integer, intent(in) :: nwork, threads, room
@@ -175,9 +158,9 @@ subroutine gs_write(text, folder, nwork, work, threads, out, name, room, values,
   integer :: watch(3)
 
   watch = 0
-  call gs_run(text, folder, nwork, work, threads, out, name, watch, '', '', room, values, used, names, answer, length, &
+  call gs_all(text, folder, nwork, work, threads, out, name, watch, '', '', room, values, used, names, answer, length, &
               stages, files, info, message)
-end subroutine gs_write
+end subroutine gs_files
 
 !> The case with every key that it leaves to its default written out, lines ended by char(10). It gives
 !> the same answer.

@@ -1,7 +1,7 @@
 ! The flat layer: a whole run that can be watched, ended and gone on with. What the arguments are is told in
 ! gearsweep_flat.
 
-!> As gs_write, and the caller may watch the run, end it, and go on from there.
+!> As gs_files, and the caller may watch the run, end it, and go on from there.
 !>
 !> watch(1)  0; whoever sets it to another number while the call computes, a signal or another thread, ends the run
 !>           soon: tables of what is done are written, operating points that are not computed have the status 9
@@ -12,7 +12,7 @@
 !>           version, or of a case that differs, is refused. Blank: begins anew
 !> keep      file that is written where the run is interrupted, and removed where it is not; may be that of resume.
 !>           Blank: none
-subroutine gs_run(text, folder, nwork, work, threads, out, name, watch, resume, keep, room, values, used, names, answer, &
+subroutine gs_all(text, folder, nwork, work, threads, out, name, watch, resume, keep, room, values, used, names, answer, &
                   length, stages, files, info, message)
   use gearsweep_border, only: begin_call, in_folder, open_case, run_case, tell
   use gearsweep_case, only: case_t
@@ -81,4 +81,4 @@ subroutine gs_run(text, folder, nwork, work, threads, out, name, watch, resume, 
   end if
   if (allocated(error) .and. made) call remove_folder(trim(out))
   call tell(error, info, message, study)
-end subroutine gs_run
+end subroutine gs_all

@@ -249,7 +249,7 @@ static int write_tables(const char *folder, const char *name)
 {
   static char answer[4000];
   size_t length;
-  return gsc_write(prescribed, sizeof prescribed - 1, NULL, 0, NULL, 1, folder, name, answer, sizeof answer, &length, NULL,
+  return gsc_files(prescribed, sizeof prescribed - 1, NULL, 0, NULL, 1, folder, name, answer, sizeof answer, &length, NULL,
                    0, files, sizeof files, M);
 }
 
@@ -287,7 +287,7 @@ static void *writer(void *what)
 {
   size_t length;
   (void)what;
-  return gsc_write(prescribed, sizeof prescribed - 1, NULL, 0, NULL, 1, "crowded", "x", NULL, 0, &length, NULL, 0, NULL, 0,
+  return gsc_files(prescribed, sizeof prescribed - 1, NULL, 0, NULL, 1, "crowded", "x", NULL, 0, &length, NULL, 0, NULL, 0,
                    NULL, 0) == GSC_PARTIAL ? "" : NULL;
 }
 

@@ -137,7 +137,7 @@ int gsc_report(text_t text, size_t n, text_t folder, int nwork, work_t work, int
   return give(info, answer, used, length, message, room);
 }
 
-int gsc_write(text_t text, size_t n, text_t folder, int nwork, work_t work, int threads, text_t out, text_t name,
+int gsc_files(text_t text, size_t n, text_t folder, int nwork, work_t work, int threads, text_t out, text_t name,
               char *answer, size_t size, size_t *length, char *stages, size_t stages_size, char *files, size_t files_size,
               SAY)
 {

@@ -271,7 +271,7 @@ static void spoilt_size(void)
       char name[20];
       sprintf(name, "%s%d", below(4) ? "case" : "no/folder/", number);
       a = (int)below(6000), b = (int)below(400);
-      info = gsc_write(t, length, NULL, n, w, threads, below(4) ? folder : "/dev/null/none", name, fresh(a, 1), a,
+      info = gsc_files(t, length, NULL, n, w, threads, below(4) ? folder : "/dev/null/none", name, fresh(a, 1), a,
                        &answer_length, fresh(b, 1), b, fresh(b, 1), b, message, words_room());
       break;
     }

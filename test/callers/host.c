@@ -36,7 +36,7 @@ static void *call_all(void *name)
   note("unused", gsc_unused(text, n, words, sizeof words, &length, M));
   note("change", gsc_change(text, n, "pair", "module_mm", "2.5", words, sizeof words, &length, M));
   note("report", gsc_report(text, n, folder, 0, NULL, 2, words, sizeof words, &length, M));
-  note("write", gsc_write(text, n, folder, 0, NULL, 2, "host.out", name, words, sizeof words, &length, NULL, 0,
+  note("write", gsc_files(text, n, folder, 0, NULL, 2, "host.out", name, words, sizeof words, &length, NULL, 0,
                           NULL, 0, M));
   info = gsc_sizes(text, n, folder, size, size + 1, size + 2, size + 3, size + 4, size + 5, size + 6, size + 7, size + 8,
                    size + 9, M);

@@ -1,0 +1,309 @@
+!> What the calls of all languages do; gearsweep_flat hands it to Fortran 77 and Python, gearsweep_c to C.
+module gearsweep_api
+  use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case_reader, only: check_key, complete_case, read_case
+  use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record
+  use gearsweep_edit, only: change_key
+  use gearsweep_error, only: code_input, code_ok, code_partial, code_stopped, error_t, fail
+  use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
+  use gearsweep_kept, only: fail_name, find_column, find_table, hand_out, kept_t, take
+  use gearsweep_kinds, only: dp
+  use gearsweep_json, only: list_tables, list_words
+  use gearsweep_memory, only: settle_memory
+  use gearsweep_output, only: write_results
+  use gearsweep_report, only: failed_points, write_report
+  use gearsweep_study, only: record_t, run_study
+  use gearsweep_table, only: column_t, kind_text, table_t
+  use gearsweep_tables, only: make_table, table_names
+  use gearsweep_text, only: str
+  use gearsweep_traps, only: bring_traps_back, set_traps_aside
+  implicit none
+  private
+  public :: begin_call, end_call, describe, edit, run, text_of, size_of, numbers_of, word_of, write_files, give
+
+  integer, parameter :: most_threads = 1024
+  integer, parameter, public :: longest_text = 10**9
+
+contains
+
+  !> First of all in each call, which `end_call` ends.
+  subroutine begin_call()
+    call set_traps_aside()
+  end subroutine begin_call
+
+  !> Code and message of a call; blank where all is well. Last of all in each call.
+  subroutine end_call(error, info, message)
+    type(error_t), allocatable, intent(in) :: error
+    integer, intent(out) :: info
+    character(*), intent(out) :: message
+
+    info = code_ok
+    message = ''
+    if (allocated(error)) then
+      info = error%code
+      message = error%message
+    end if
+    call settle_memory()
+    call bring_traps_back()
+  end subroutine end_call
+
+  !> What the library has, as text in JSON.
+  subroutine describe(what, words, error)
+    character(*), intent(in) :: what
+    character(:), allocatable, intent(out) :: words
+    type(error_t), allocatable, intent(inout) :: error
+
+    select case (what)
+    case ('tasks')
+      call list_words(task_names, words)
+    case default
+      call fail_name('what', what, ['tasks'], error)
+    end select
+  end subroutine describe
+
+  !> A case's text with every default (`complete`), with another value of a key (`change`), or what it gives but does
+  !> not use (`unused`).
+  subroutine edit(action, text, group, key, value, words, error)
+    character(*), intent(in) :: action, text, group, key, value
+    character(:), allocatable, intent(out) :: words
+    type(error_t), allocatable, intent(inout) :: error
+    type(case_t) :: case
+
+    call check_length(text, error)
+    if (allocated(error)) return
+    select case (action)
+    case ('complete')
+      call complete_case(text, words, error)
+    case ('unused')
+      call read_case(text, case, error)
+      if (.not. allocated(error)) words = case%unused
+    case ('change')
+      call change_key(text, group, key, value, words, error)
+      if (allocated(error)) return
+      if (len(value) > 0 .or. words == text) call check_key(group, key, error)
+    case default
+      call fail_name('action', action, [character(8) :: 'complete', 'change', 'unused'], error)
+    end select
+  end subroutine edit
+
+  !> Runs a case. `study` is the number of what it found, which the caller owns. It is there also after an error with the
+  !> codes `code_partial` and `code_stopped`, which only tell what it lacks.
+  subroutine run(text, folder, threads, earlier, watch, resume, keep, study, error)
+    character(*), intent(in) :: text, folder, resume, keep
+    integer, intent(in) :: threads
+    integer(int64), intent(in) :: earlier
+    integer, intent(inout), target :: watch(3)
+    integer(int64), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    type(case_t) :: case
+    type(kept_t), pointer :: kept, before
+    type(record_t), allocatable :: record        ! one that is not allocated counts as not passed
+
+    call check_length(text, error)
+    if (allocated(error)) return
+    nullify (before)
+    if (earlier /= 0) call take(earlier, before, error)
+    if (threads < 0 .or. threads > most_threads) &
+      call fail(error, code_input, 'threads = '//str(threads)//': must lie between 0 (all) and '//str(most_threads))
+    if (.not. allocated(error)) call read_case(text, case, error)
+    if (resume /= '' .or. keep /= '') allocate (record)
+    if (.not. allocated(error) .and. resume /= '') call load_record(resume, case, place(folder), record, error)
+    if (allocated(error)) return
+    allocate (kept)
+    call run_study(case, place(folder), threads, kept%study, error, watch=watch, record=record)
+    if (.not. allocated(error)) call make_tables(kept, error)
+    if (.not. allocated(error) .and. keep /= '') then
+      if (kept%study%stopped) call save_record(record, case, place(folder), keep, error)
+      if (.not. kept%study%stopped) call drop_checkpoint(keep)
+    end if
+    if (allocated(error)) then
+      deallocate (kept)
+      return
+    end if
+    call hand_out(kept, study)
+    if (kept%study%stopped) then
+      call fail(error, code_stopped, 'interrupted: what was computed by then is there; points that were not have the '// &
+                'status stopped')
+    else if (failed_points(kept%study) > 0) then
+      call fail(error, code_partial, str(failed_points(kept%study))//' operating points have no answer (NaN); their '// &
+                'status says why')
+    end if
+  end subroutine run
+
+  !> All tables that a study can have; `is_there` tells which it has.
+  subroutine make_tables(kept, error)
+    type(kept_t), intent(inout) :: kept
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    allocate (kept%tables(size(table_names)))
+    do i = 1, size(table_names)
+      call make_table(kept%study, trim(table_names(i)), kept%tables(i), error)
+    end do
+  end subroutine make_tables
+
+  !> One of a study's texts.
+  subroutine text_of(study, what, words, error)
+    integer(int64), intent(in) :: study
+    character(*), intent(in) :: what
+    character(:), allocatable, intent(out) :: words
+    type(error_t), allocatable, intent(inout) :: error
+    type(kept_t), pointer :: kept
+
+    call take(study, kept, error)
+    if (allocated(error)) return
+    select case (what)
+    case ('report')
+      call write_report(kept%study, words)
+    case ('log')
+      words = kept%study%log
+    case ('tables')
+      call list_tables(kept%tables, words)
+    case ('case')
+      words = kept%study%case%text
+    case default
+      call fail_name('what', what, [character(6) :: 'report', 'log', 'tables', 'case'], error)
+    end select
+  end subroutine text_of
+
+  !> How many rows a table has, of what kind a column of it is, and how long its longest text is.
+  subroutine size_of(study, table_name, column_name, rows, kind, width, error)
+    integer(int64), intent(in) :: study
+    character(*), intent(in) :: table_name, column_name
+    integer, intent(inout) :: rows, kind, width
+    type(error_t), allocatable, intent(inout) :: error
+    type(table_t), pointer :: table
+    type(column_t), pointer :: column
+
+    call find(study, table_name, column_name, table, column, error)
+    if (allocated(error)) return
+    rows = table%rows
+    kind = column%kind
+    width = 0
+    if (kind == kind_text) width = longest_word(column)
+  end subroutine size_of
+
+  !> The numbers of a column into the first of `values`.
+  subroutine numbers_of(study, table_name, column_name, values, error)
+    integer(int64), intent(in) :: study
+    character(*), intent(in) :: table_name, column_name
+    real(dp), intent(inout) :: values(:)
+    type(error_t), allocatable, intent(inout) :: error
+    type(table_t), pointer :: table
+    type(column_t), pointer :: column
+
+    call find(study, table_name, column_name, table, column, error)
+    if (allocated(error)) return
+    if (column%kind == kind_text) then
+      call fail(error, code_input, 'column = '//column%name//': has words, not numbers')
+    else
+      call need_room('rows', size(values), table%rows, error)
+    end if
+    if (.not. allocated(error)) values(:table%rows) = column%numbers
+  end subroutine numbers_of
+
+  !> The words of a text column in one row; the first has the number `first`.
+  subroutine word_of(study, table_name, column_name, row, first, word, error)
+    integer(int64), intent(in) :: study
+    character(*), intent(in) :: table_name, column_name
+    integer, intent(in) :: row, first
+    character(:), allocatable, intent(out) :: word
+    type(error_t), allocatable, intent(inout) :: error
+    type(table_t), pointer :: table
+    type(column_t), pointer :: column
+
+    call find(study, table_name, column_name, table, column, error)
+    if (allocated(error)) return
+    if (column%kind /= kind_text) then
+      call fail(error, code_input, 'column = '//column%name//': has numbers, not words')
+    else if (row < first .or. row > table%rows - 1 + first) then
+      call fail(error, code_input, 'row = '//str(row)//': must be from '//str(first)//' to '//str(table%rows - 1 + first))
+    else
+      word = trim(column%words(row - first + 1))
+    end if
+  end subroutine word_of
+
+  subroutine find(study, table_name, column_name, table, column, error)
+    integer(int64), intent(in) :: study
+    character(*), intent(in) :: table_name, column_name
+    type(table_t), pointer, intent(out) :: table
+    type(column_t), pointer, intent(out) :: column
+    type(error_t), allocatable, intent(inout) :: error
+    type(kept_t), pointer :: kept
+
+    call take(study, kept, error)
+    call find_table(kept, table_name, table, error)
+    call find_column(table, column_name, column, error)
+  end subroutine find
+
+  pure integer function longest_word(column)
+    type(column_t), intent(in) :: column
+    integer :: i
+
+    longest_word = 0
+    do i = 1, size(column%words)
+      longest_word = max(longest_word, len_trim(column%words(i)))
+    end do
+  end function longest_word
+
+  !> Writes the tables and grids as files name.sweep.csv and so on into a folder, which is made if missing. `written`
+  !> names them, a line each.
+  subroutine write_files(study, folder, name, written, error)
+    integer(int64), intent(in) :: study
+    character(*), intent(in) :: folder, name
+    character(:), allocatable, intent(out) :: written
+    type(error_t), allocatable, intent(inout) :: error
+    type(kept_t), pointer :: kept
+    logical :: made
+
+    call take(study, kept, error)
+    if (folder == '') call fail(error, code_input, 'folder: is empty; the current one is .')
+    call check_folder(folder, error)
+    call check_name(name, error)
+    if (allocated(error)) return
+    call make_folder(folder, made, error)
+    if (.not. allocated(error)) call write_results(kept%study, folder, name, written, error)
+    if (allocated(error) .and. made) call remove_folder(folder)
+  end subroutine write_files
+
+  !> Hands a text out, or tells the length that it needs. Nothing is done after an error.
+  subroutine give(name, words, buffer, length, error)
+    character(*), intent(in) :: name
+    character(:), allocatable, intent(in) :: words
+    character(*), intent(inout) :: buffer
+    integer, intent(inout) :: length
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (allocated(error)) return
+    length = len(words)
+    call need_room('len('//name//')', len(buffer), length, error)
+    if (.not. allocated(error)) buffer = words
+  end subroutine give
+
+  !> Refuses room that is too small.
+  subroutine need_room(name, have, need, error)
+    character(*), intent(in) :: name
+    integer, intent(in) :: have, need
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (have < need) call fail(error, code_input, name//' = '//str(have)//': too small, must be at least '//str(need))
+  end subroutine need_room
+
+  subroutine check_length(text, error)
+    character(*), intent(in) :: text
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (len(text, int64) > longest_text) &
+      call fail(error, code_input, 'text: longer than '//str(longest_text)//' characters')
+  end subroutine check_length
+
+  !> A folder as the study takes it: empty for the current one, else with its slash.
+  pure function place(folder)
+    character(*), intent(in) :: folder
+    character(len_trim(folder) + merge(1, 0, index(folder, '/', back=.true.) /= len_trim(folder))) :: place
+
+    place = folder
+    if (len(place) > 0) place(len(place):) = '/'
+  end function place
+end module gearsweep_api

@@ -1,0 +1,256 @@
+!> The calls for other languages under run-time checks: what they give, what they refuse, what they leave alone.
+module test_calls
+  use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_calls, only: gs_column, gs_describe, gs_edit, gs_free, gs_run, gs_size, gs_text, gs_version, gs_words, gs_write
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_error, only: code_file, code_input, code_ok, error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_study, only: run_study, study_t
+  use gearsweep_table, only: kind_text, table_t
+  use gearsweep_tables, only: make_table, table_names
+  use testing, only: check_equal, check_true, new_folder, remove_folder, tally_t
+  implicit none
+  private
+  public :: run
+
+  character(*), parameter :: pair = '&pair module_mm = 3 face_width_mm = 20 / '// &
+    '&pinion teeth = 21 effective_mass_kg = 0.5 / &gear teeth = 34 effective_mass_kg = 0.9 / '// &
+    '&load normal_force_n = 4000 / &relief amount_um = 0, 10 / &section elements_across = 4 / '
+  character(*), parameter :: text = '&case tasks = ''mesh'', ''load'', ''sweep'', ''static'', ''modal'', ''section'' / '// &
+    pair//'&mesh model = ''fe'' / &static positions = 5 / &modal modes = 3 / '// &
+    '&sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 load_rpm = 4000 /    '
+  character(*), parameter :: small = '&case tasks = ''mesh'' / '//pair
+  integer(int64), parameter :: none = 0
+  real(dp), parameter :: mark = -7
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    call test_columns(t)
+    call test_texts(t)
+    call test_refusals(t)
+    call test_edit(t)
+    call test_files(t)
+  end subroutine run
+
+  !> Every column of every table is what the study holds; the study is made a second time, by itself.
+  subroutine test_columns(t)
+    type(tally_t), intent(inout) :: t
+    type(case_t) :: case
+    type(study_t) :: own
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    character(200) :: message
+    integer(int64) :: study
+    integer :: watch(3), info, i, k, tables
+
+    watch = 0
+    study = 0
+    call gs_run(text, '', 1, none, watch, '', '', study, info, message)
+    call check_true(t, 'a run makes a study', info == code_ok .and. message == '' .and. study /= 0)
+    call check_true(t, 'it told how far it was', watch(1) == 0 .and. watch(2) == 8 .and. watch(3) == 8)
+    call read_case(text, case, error)
+    call run_study(case, '', 2, own, error)
+    tables = 0
+    do i = 1, size(table_names)
+      call make_table(own, trim(table_names(i)), table, error)
+      if (.not. table%is_there()) cycle
+      tables = tables + 1
+      do k = 1, size(table%columns)
+        call compare_column(t, study, table, k)
+      end do
+    end do
+    call check_true(t, 'tables', tables > 5)
+    call gs_free(study)
+    call check_true(t, 'a study that is freed is 0', study == 0)
+    call gs_free(study)
+    call check_true(t, 'and may be freed again', study == 0)
+  end subroutine test_columns
+
+  subroutine compare_column(t, study, table, k)
+    type(tally_t), intent(inout) :: t
+    integer(int64), intent(in) :: study
+    type(table_t), intent(in) :: table
+    integer, intent(in) :: k
+    real(dp), allocatable :: values(:)
+    character(:), allocatable :: word
+    character(200) :: message
+    integer :: rows, kind, width, info, i
+    logical :: same
+
+    associate (column => table%columns(k))
+      call gs_size(study, table%name, column%name, rows, kind, width, info, message)
+      call check_true(t, table%name//' '//column%name, info == code_ok .and. rows == table%rows .and. kind == column%kind)
+      if (kind == kind_text) then
+        same = .true.
+        allocate (character(width) :: word)
+        do i = 1, rows
+          call gs_words(study, table%name, column%name, i, word, info, message)
+          same = same .and. info == code_ok .and. word == column%words(i)
+        end do
+      else
+        allocate (values(rows + 1), source=mark)
+        call gs_column(study, table%name, column%name, rows + 1, values, info, message)
+        same = info == code_ok .and. all(transfer(values(:rows), [0_int64]) == transfer(column%numbers, [0_int64])) .and. &
+               .not. abs(values(rows + 1) - mark) > 0
+      end if
+      call check_true(t, table%name//' '//column%name//': its values, and no more', same)
+    end associate
+  end subroutine compare_column
+
+  subroutine test_texts(t)
+    type(tally_t), intent(inout) :: t
+    character(20000) :: buffer
+    character(200) :: message
+    character(5) :: version
+    integer(int64) :: study
+    integer :: watch(3), length, info
+
+    call gs_version(version, info, message)
+    call check_true(t, 'version', info == code_ok .and. index(version, '.') > 0)
+    call gs_version(version(:2), info, message)
+    call check_true(t, 'version: too little room', info == code_input .and. index(message, 'at least 5') > 0)
+    call gs_describe('tasks', buffer, length, info, message)
+    call check_true(t, 'tasks', info == code_ok .and. index(buffer, '["geometry", ') == 1)
+    call gs_describe('task', buffer, length, info, message)
+    call check_true(t, 'what is not described', info == code_input .and. index(message, 'did you mean tasks?') > 0)
+    watch = 0
+    study = 0
+    call gs_run(small, '', 1, none, watch, '', '', study, info, message)
+    buffer = 'x'
+    length = 0
+    call gs_text(study, 'report', buffer(:9), length, info, message)
+    call check_true(t, 'a text needs room', info == code_input .and. length > 9 .and. buffer == 'x')
+    call gs_text(study, 'report', buffer, length, info, message)
+    call check_true(t, 'the report', info == code_ok .and. index(buffer, 'Pair ') == 1 .and. len_trim(buffer) <= length)
+    call gs_text(study, 'log', buffer, length, info, message)
+    call check_true(t, 'the log', index(buffer(:length), 'sweep left out: not among the tasks') > 0)
+    call gs_text(study, 'case', buffer, length, info, message)
+    call check_true(t, 'the case', buffer == small)
+    call gs_text(study, 'tables', buffer, length, info, message)
+    call check_true(t, 'the tables', index(buffer, '{"name": "mesh", ') > 0 .and. &
+                    index(buffer, '{"name": "load_share", "unit": "", ') > 0 .and. index(buffer, '"sweep"') == 0)
+    call gs_text(study, 'tabels', buffer, length, info, message)
+    call check_true(t, 'a text that is none', info == code_input .and. index(message, 'did you mean tables?') > 0)
+    call gs_free(study)
+  end subroutine test_texts
+
+  !> What is refused leaves all as it was.
+  subroutine test_refusals(t)
+    type(tally_t), intent(inout) :: t
+    character(200) :: message
+    character(6) :: short
+    integer(int64) :: study
+    real(dp) :: values(2)
+    integer :: watch(3), info, rows, kind, width
+
+    watch = 0
+    study = -7
+    call gs_run('', '', 1, none, watch, '', '', study, info, message)
+    call check_true(t, 'an empty case', info == code_input .and. index(message, '&') > 0 .and. study == -7)
+    call gs_run('&colour red = 1 /', '', 1, none, watch, '', '', study, info, short)
+    call check_true(t, 'a short message is cut', info == code_input .and. len_trim(short) == 6 .and. study == -7)
+    call gs_run(small, '', -1, none, watch, '', '', study, info, message)
+    call check_true(t, 'threads', info == code_input .and. index(message, 'threads = -1') == 1 .and. study == -7)
+    call gs_run(small, '', 1, none, watch, 'no/such.checkpoint', '', study, info, message)
+    call check_true(t, 'no checkpoint', info == code_file .and. study == -7)
+    study = 0
+    call gs_size(study, 'mesh', 's', rows, kind, width, info, message)
+    call check_true(t, 'no study', info == code_input .and. index(message, 'study: is 0') == 1)
+    call gs_run(small, '', 1, none, watch, '', '', study, info, message)
+    rows = -7
+    call gs_size(study, 'meshes', 's', rows, kind, width, info, message)
+    call check_true(t, 'a misspelt table', info == code_input .and. rows == -7 .and. &
+                    index(message, 'table = meshes: unknown (did you mean mesh?)') == 1)
+    call gs_size(study, 'mesh', 'load_shar', rows, kind, width, info, message)
+    call check_true(t, 'a misspelt column', info == code_input .and. rows == -7 .and. &
+                    index(message, 'column of mesh = load_shar: unknown (did you mean load_share?)') == 1)
+    call gs_size(study, 'mesh', 'colour', rows, kind, width, info, message)
+    call check_true(t, 'another column: all are told', info == code_input .and. index(message, 'there is relief_um, s, ') > 0)
+    values = mark
+    call gs_column(study, 'mesh', 's', 2, values, info, message)
+    call check_true(t, 'too few rows', info == code_input .and. index(message, 'rows = 2: too small, must be at least ') == 1 &
+                    .and. all(.not. abs(values - mark) > 0))
+    call gs_words(study, 'mesh', 's', 1, short, info, message)
+    call check_true(t, 'numbers are no words', info == code_input .and. index(message, 'column = s: has numbers') == 1)
+    call gs_free(study)
+  end subroutine test_refusals
+
+  subroutine test_edit(t)
+    type(tally_t), intent(inout) :: t
+    character(9000) :: complete, changed
+    integer :: length, info
+    character(200) :: message
+
+    call edit('change', text, 'pair', 'module_mm', '3.5')
+    call check_true(t, 'a key is changed', info == code_ok .and. index(changed, 'module_mm = 3.5 face') > 0)
+    call edit('change', text, 'pair', 'backlash_um', '')
+    call check_true(t, 'a key that is not there is taken out', info == code_ok .and. changed == text)
+    call edit('change', text, 'pair', 'backlash_um', '5 / &x y = 1')
+    call check_equal(t, 'one key and no more', info, code_input)
+    call edit('change', text, 'pair', 'modul_mm', '3.5')
+    call check_true(t, 'a misspelt key', info == code_input .and. &
+                    index(message, '&pair modul_mm: unknown key (did you mean module_mm?)') == 1)
+    call edit('change', text, 'pairs', 'module_mm', '3.5')
+    call check_true(t, 'a misspelt group', info == code_input .and. &
+                    index(message, '&pairs: unknown group (did you mean &pair?)') == 1)
+    call edit('change', text, 'pair', 'modul_mm', '')
+    call check_equal(t, 'a misspelt key taken out', info, code_input)
+    call edit('change', '&pair modul_mm = 3 /', 'pair', 'modul_mm', '')
+    call check_true(t, 'one that the text has is taken out', info == code_ok .and. index(changed, 'modul') == 0)
+    call gs_edit('complete', text, '', '', '', complete(:5), length, info, message)
+    call check_true(t, 'the complete case needs room', info == code_input .and. length > len(text))
+    call edit('complete', text, '', '', '')
+    complete = changed
+    call check_true(t, 'defaults', info == code_ok .and. index(complete, 'damping_ratio = 0.17') > 0)
+    call edit('complete', complete(:length), '', '', '')
+    call check_true(t, 'the complete case is complete', info == code_ok .and. changed == complete)
+    call edit('unused', '&case tasks = ''geometry'' / '//text(index(text, '/') + 1:), '', '', '')
+    call check_true(t, 'what other tasks would use', info == code_ok .and. &
+                    index(changed(:length), 'sweep or optimum: &sweep rpm_first, rpm_last, rpm_step'//achar(10)) > 0)
+    call edit('unused', text, '', '', '')
+    call check_true(t, 'all is used', info == code_ok .and. length == 0)
+    call edit('chance', text, '', '', '')
+    call check_true(t, 'what is no action', info == code_input .and. index(message, 'did you mean change?') > 0)
+
+  contains
+
+    subroutine edit(action, case, group, key, value)
+      character(*), intent(in) :: action, case, group, key, value
+
+      call gs_edit(action, case, group, key, value, changed, length, info, message)
+    end subroutine edit
+  end subroutine test_edit
+
+  subroutine test_files(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: bad(*) = [character(4) :: '', '.', '..', '../x', 'a/b', '/x', 'a'//achar(10)//'b', achar(27)]
+    character(:), allocatable :: folder
+    character(2000) :: files
+    character(200) :: message
+    integer(int64) :: study
+    integer :: watch(3), length, info, i
+    logical :: there
+
+    folder = new_folder()
+    watch = 0
+    study = 0
+    call gs_run(small, '', 1, none, watch, '', '', study, info, message)
+    call gs_write(study, folder, 'case', files, length, info, message)
+    inquire (file=folder//'/case.mesh.csv', exist=there)
+    call check_true(t, 'files', info == code_ok .and. there .and. index(files, folder//'/case.mesh.csv'//new_line('a')) > 0)
+    call gs_write(study, folder//'/no/folder', 'case', files, length, info, message)
+    call check_equal(t, 'no folder', info, code_file)
+    call gs_write(study, ' ', 'case', files, length, info, message)
+    call check_true(t, 'a folder without a name', info == code_input .and. index(message, 'folder') == 1)
+    do i = 1, size(bad)
+      call gs_write(study, folder, bad(i), files, length, info, message)
+      call check_true(t, 'no name: '//bad(i), info == code_input .and. index(message, 'name') == 1)
+    end do
+    call gs_free(study)
+    call remove_folder(folder)
+  end subroutine test_files
+end module test_calls
