@@ -1,5 +1,5 @@
-!> Runs the test suites, or only those named as arguments; with `limits` alone,
-!> prints the table of doc/limits.md instead. Where the environment's GEARSWEEP_CHECKS names a file, each check
+!> Runs the test suites, or only those named as arguments: SUITE, or SUITE:TEST for its tests whose names contain TEST.
+!> With `limits` alone, prints the table of doc/limits.md instead. Where the environment's GEARSWEEP_CHECKS names a file, each check
 !> is added to it as a line `passed SUITE: NAME` or `failed SUITE: NAME`.
 program check
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
@@ -42,8 +42,9 @@ program check
   use testing, only: suite_t, tally_t
   implicit none
   integer :: passed = 0, failed = 0
+  character(:), allocatable :: ignored
 
-  if (command_argument_count() == 1 .and. is_wanted('limits')) then
+  if (command_argument_count() == 1 .and. is_asked(1, 'limits', ignored)) then
     call print_limits()
     stop
   end if
@@ -90,26 +91,33 @@ contains
 
   subroutine run_wanted(suites)
     type(suite_t), intent(in) :: suites(:)
-    integer :: i
+    character(:), allocatable :: test
+    integer :: i, k
 
     do i = 1, size(suites)
-      if (is_wanted(suites(i)%name)) call run_suite(suites(i))
+      do k = 0, command_argument_count()
+        if (is_asked(k, suites(i)%name, test)) call run_suite(suites(i), test)
+      end do
     end do
   end subroutine run_wanted
 
-  subroutine run_suite(suite)
+  !> `test` is part of the names of the tests to be run, empty for all.
+  subroutine run_suite(suite, test)
     type(suite_t), intent(in) :: suite
+    character(*), intent(in) :: test
     type(tally_t) :: one
     integer(int64) :: start, finish, rate
 
     print '(a)', trim(suite%name)//' ...'
     flush (output_unit)
+    one%only = test
     call system_clock(start, rate)
     call suite%run(one)
     call system_clock(finish)
     print '(a, i6, a, i3, a, f8.2, a)', suite%name, one%passed(), ' passed, ', one%failed(), &
       & ' failed, ', real(finish - start)/real(rate), ' s'
     flush (output_unit)
+    if (one%count == 0 .and. allocated(one%tests)) print '(a)', trim(suite%name)//' has no test of that name, but these:'//one%tests
     call list_checks(trim(suite%name), one)
     passed = passed + one%passed()
     failed = failed + one%failed()
@@ -130,16 +138,22 @@ contains
     close (unit)
   end subroutine list_checks
 
-  !> Without arguments every suite is wanted.
-  logical function is_wanted(name)
-    character(*), intent(in) :: name
-    character(len(name)) :: argument
-    integer :: i
+  !> Whether argument k asks for the suite, and for which of its tests. Argument 0 stands for all suites where there is
+  !> no other.
+  logical function is_asked(k, suite, test)
+    integer, intent(in) :: k
+    character(*), intent(in) :: suite
+    character(:), allocatable, intent(out) :: test
+    character(200) :: argument
+    integer :: colon
 
-    is_wanted = command_argument_count() == 0
-    do i = 1, command_argument_count()
-      call get_command_argument(i, argument)
-      if (argument == name) is_wanted = .true.
-    end do
-  end function is_wanted
+    test = ''
+    is_asked = command_argument_count() == 0
+    if (k == 0) return
+    call get_command_argument(k, argument)
+    colon = index(argument, ':')
+    if (colon > 0) test = trim(argument(colon + 1:))
+    if (colon > 0) argument = argument(:colon - 1)
+    is_asked = argument == suite
+  end function is_asked
 end program check

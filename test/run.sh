@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs every test, or only the suites named: sh test/run.sh [suite ...]
+# Runs every test, or only the suites named: sh test/run.sh [SUITE | SUITE:TEST ...]
+# SUITE:TEST stands for the suite's tests whose names contain TEST; where there is none, the names are listed.
 # Sets up and builds first where needed. The last line is `N passed, N failed`. A check counts once, however often
 # it is looked at: in a loop, or with run-time checks and as released; it fails if it failed once.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit

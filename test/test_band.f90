@@ -14,13 +14,13 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call solves(t, 1, 1)
-    call solves(t, 7, 3)
-    call solves(t, 40, 32)
-    call solves(t, 150, 33)
-    call solves(t, 200, 100)
-    call solves(t, 60, 90)
-    call refusals(t)
+    if (t%wants('solves')) call solves(t, 1, 1)
+    if (t%wants('solves')) call solves(t, 7, 3)
+    if (t%wants('solves')) call solves(t, 40, 32)
+    if (t%wants('solves')) call solves(t, 150, 33)
+    if (t%wants('solves')) call solves(t, 200, 100)
+    if (t%wants('solves')) call solves(t, 60, 90)
+    if (t%wants('refusals')) call refusals(t)
   end subroutine run
 
   !> A matrix of order n with pseudo-random entries within the width.

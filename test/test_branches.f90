@@ -25,12 +25,12 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call ends_of_motions(t)
-    call doubling_at_the_tongue(t)
-    call chaos(t)
-    call one_speed_alone(t)
-    call strobe_of_a_steady_motion(t)
-    call too_slow(t)
+    if (t%wants('ends_of_motions')) call ends_of_motions(t)
+    if (t%wants('doubling_at_the_tongue')) call doubling_at_the_tongue(t)
+    if (t%wants('chaos')) call chaos(t)
+    if (t%wants('one_speed_alone')) call one_speed_alone(t)
+    if (t%wants('strobe_of_a_steady_motion')) call strobe_of_a_steady_motion(t)
+    if (t%wants('too_slow')) call too_slow(t)
   end subroutine run
 
   !> 25 teeth, 0.8 kg, 7000 N, contact ratio 1.6, no relief; stiffness in N/um.

@@ -19,8 +19,8 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call root_stress(t)
-    call harmonics(t)
+    if (t%wants('root_stress')) call root_stress(t)
+    if (t%wants('harmonics')) call harmonics(t)
   end subroutine run
 
   !> Both peaks on coarse grids, beside those of a grid three times as fine or more: twice the estimate is exceeded by one in

@@ -20,10 +20,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call radii(t)
-    call backlash_by_turning(t)
-    call outline_as_cut(t)
-    call tips_and_outlines(t)
+    if (t%wants('radii')) call radii(t)
+    if (t%wants('backlash_by_turning')) call backlash_by_turning(t)
+    if (t%wants('outline_as_cut')) call outline_as_cut(t)
+    if (t%wants('tips_and_outlines')) call tips_and_outlines(t)
   end subroutine run
 
   !> The geometry call, number by number. Backlash after ISO 21771: pitch less both thicknesses on the working circles,

@@ -23,10 +23,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call generation(t)
-    call meshing(t)
-    call bodies_and_loads(t)
-    call impossible_gears(t)
+    if (t%wants('generation')) call generation(t)
+    if (t%wants('meshing')) call meshing(t)
+    if (t%wants('bodies_and_loads')) call bodies_and_loads(t)
+    if (t%wants('impossible_gears')) call impossible_gears(t)
   end subroutine run
 
   !> The number behind `words` in what is said of a case.

@@ -20,10 +20,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call energies(t, 'strain')
-    call energies(t, 'stress')
-    call surfaces(t)
-    call places_in_elements(t)
+    if (t%wants('energies strain')) call energies(t, 'strain')
+    if (t%wants('energies stress')) call energies(t, 'stress')
+    if (t%wants('surfaces')) call surfaces(t)
+    if (t%wants('places_in_elements')) call places_in_elements(t)
   end subroutine run
 
   !> The shapes for a modal mass of 1 kg: both energies of every pair of modes, by Gauss's rule of four points, are those of

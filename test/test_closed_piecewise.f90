@@ -18,9 +18,9 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call random_pieces(t)
-    call splines(t)
-    call picture_read_back(t)
+    if (t%wants('random_pieces')) call random_pieces(t)
+    if (t%wants('splines')) call splines(t)
+    if (t%wants('picture_read_back')) call picture_read_back(t)
   end subroutine run
 
   !> Pieces of degrees 0 to 6 with jumps between them.

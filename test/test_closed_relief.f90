@@ -19,10 +19,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call relief_by_roll_angle(t)
-    call relief_by_length(t)
-    call masses_and_loads(t)
-    call friction_factors(t)
+    if (t%wants('relief_by_roll_angle')) call relief_by_roll_angle(t)
+    if (t%wants('relief_by_length')) call relief_by_length(t)
+    if (t%wants('masses_and_loads')) call masses_and_loads(t)
+    if (t%wants('friction_factors')) call friction_factors(t)
   end subroutine run
 
   !> Relief that begins at stated roll angles grows in proportion to them up to the tip (Dogan et al. 2021,

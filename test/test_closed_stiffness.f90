@@ -23,11 +23,11 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call iso_single_stiffness(t)
-    call weber_by_printed_constants(t)
-    call parted_pairs(t)
-    call slope_of_the_load(t)
-    call unlike_gears(t)
+    if (t%wants('iso_single_stiffness')) call iso_single_stiffness(t)
+    if (t%wants('weber_by_printed_constants')) call weber_by_printed_constants(t)
+    if (t%wants('parted_pairs')) call parted_pairs(t)
+    if (t%wants('slope_of_the_load')) call slope_of_the_load(t)
+    if (t%wants('unlike_gears')) call unlike_gears(t)
   end subroutine run
 
   !> ISO 6336-1:2006, 9.3: q' of Table 8, c'_th = 1/q', c' = c'_th C_M C_R C_B E/E_st with C_M = 0.8, C_R = 1 for solid

@@ -26,11 +26,11 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call constant_strain(t)
-    call formulas_on_the_outline(t)
-    call components_of_the_field(t)
-    call peaks_and_tangents(t)
-    call positions_and_shares(t)
+    if (t%wants('constant_strain')) call constant_strain(t)
+    if (t%wants('formulas_on_the_outline')) call formulas_on_the_outline(t)
+    if (t%wants('components_of_the_field')) call components_of_the_field(t)
+    if (t%wants('peaks_and_tangents')) call peaks_and_tangents(t)
+    if (t%wants('positions_and_shares')) call positions_and_shares(t)
   end subroutine run
 
   !> Displacements that are linear in x and y, on a crooked grid: stress by Hooke's law at every node, and work of the

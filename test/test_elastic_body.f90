@@ -23,12 +23,12 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call patch_and_rigid(t)
-    call mass_and_area(t)
-    call cantilevers(t)
-    call thick_ring(t)
-    call sections(t)
-    call refusals(t)
+    if (t%wants('patch_and_rigid')) call patch_and_rigid(t)
+    if (t%wants('mass_and_area')) call mass_and_area(t)
+    if (t%wants('cantilevers')) call cantilevers(t)
+    if (t%wants('thick_ring')) call thick_ring(t)
+    if (t%wants('sections')) call sections(t)
+    if (t%wants('refusals')) call refusals(t)
   end subroutine run
 
   type(gear_t) function sample(teeth, angles, rounding) result(gear)

@@ -28,10 +28,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call annulus(t)
-    call small_bores(t)
-    call two_teeth(t)
-    call shrinking_bore(t)
+    if (t%wants('annulus')) call annulus(t)
+    if (t%wants('small_bores')) call small_bores(t)
+    if (t%wants('two_teeth')) call two_teeth(t)
+    if (t%wants('shrinking_bore')) call shrinking_bore(t)
   end subroutine run
 
   type(gear_t) function dogan_gear(bore) result(gear)

@@ -36,14 +36,14 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call rod(t)
-    call tapered_cantilever(t)
-    call hassan_section(t)
-    call whole_gear_densely(t)
-    call small_bore(t)
-    call honest_estimates(t)
-    call own_material(t)
-    call refusals(t)
+    if (t%wants('rod')) call rod(t)
+    if (t%wants('tapered_cantilever')) call tapered_cantilever(t)
+    if (t%wants('hassan_section')) call hassan_section(t)
+    if (t%wants('whole_gear_densely')) call whole_gear_densely(t)
+    if (t%wants('small_bore')) call small_bore(t)
+    if (t%wants('honest_estimates')) call honest_estimates(t)
+    if (t%wants('own_material')) call own_material(t)
+    if (t%wants('refusals')) call refusals(t)
   end subroutine run
 
   !> Modes of a rectangle or trapezoid held at its left end.

@@ -23,12 +23,12 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call flattening(t)
-    call convergence(t)
-    call depth(t)
-    call supports(t)
-    call exchange(t)
-    call refusals(t)
+    if (t%wants('flattening')) call flattening(t)
+    if (t%wants('convergence')) call convergence(t)
+    if (t%wants('depth')) call depth(t)
+    if (t%wants('supports')) call supports(t)
+    if (t%wants('exchange')) call exchange(t)
+    if (t%wants('refusals')) call refusals(t)
   end subroutine run
 
   type(pair_t) function dogan_pair(teeth, bore, angles) result(pair)

@@ -24,13 +24,13 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call hassan_root(t)
-    call load_and_sides(t)
-    call whole_gear(t)
-    call beams(t)
-    call forms(t)
-    call outline(t)
-    call picture(t)
+    if (t%wants('hassan_root')) call hassan_root(t)
+    if (t%wants('load_and_sides')) call load_and_sides(t)
+    if (t%wants('whole_gear')) call whole_gear(t)
+    if (t%wants('beams')) call beams(t)
+    if (t%wants('forms')) call forms(t)
+    if (t%wants('outline')) call outline(t)
+    if (t%wants('picture')) call picture(t)
   end subroutine run
 
   type(gear_t) function hassan_gear(teeth) result(gear)

@@ -26,14 +26,14 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call test_messages(t)
-    call test_geometry_call(t)
-    call test_results(t)
-    call test_static_results(t)
-    call test_shapes(t)
-    call test_texts(t)
-    call test_complete_texts(t)
-    call test_files(t)
+    if (t%wants('messages')) call test_messages(t)
+    if (t%wants('geometry_call')) call test_geometry_call(t)
+    if (t%wants('results')) call test_results(t)
+    if (t%wants('static_results')) call test_static_results(t)
+    if (t%wants('shapes')) call test_shapes(t)
+    if (t%wants('texts')) call test_texts(t)
+    if (t%wants('complete_texts')) call test_complete_texts(t)
+    if (t%wants('files')) call test_files(t)
   end subroutine run
 
   subroutine test_messages(t)

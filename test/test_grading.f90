@@ -23,12 +23,12 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call piecewise_constant(t)
-    call slow_limit(t)
-    call as_equal_steps(t)
-    call bounded_steps(t)
-    call same_bits(t)
-    call slow_path_of_a_pair(t)
+    if (t%wants('piecewise_constant')) call piecewise_constant(t)
+    if (t%wants('slow_limit')) call slow_limit(t)
+    if (t%wants('as_equal_steps')) call as_equal_steps(t)
+    if (t%wants('bounded_steps')) call bounded_steps(t)
+    if (t%wants('same_bits')) call same_bits(t)
+    if (t%wants('slow_path_of_a_pair')) call slow_path_of_a_pair(t)
   end subroutine run
 
   !> Constant pair stiffness, where the motion has a closed form: dynamic factor within the tolerance, and the

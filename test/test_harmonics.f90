@@ -21,14 +21,14 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call quadrature(t)
-    call rectangle(t)
-    call ramp_with_separation(t)
-    call trapezium(t)
-    call samples_converge(t)
-    call energy(t)
-    call smooth_meshes(t)
-    call summits(t)
+    if (t%wants('quadrature')) call quadrature(t)
+    if (t%wants('rectangle')) call rectangle(t)
+    if (t%wants('ramp_with_separation')) call ramp_with_separation(t)
+    if (t%wants('trapezium')) call trapezium(t)
+    if (t%wants('samples_converge')) call samples_converge(t)
+    if (t%wants('energy')) call energy(t)
+    if (t%wants('smooth_meshes')) call smooth_meshes(t)
+    if (t%wants('summits')) call summits(t)
   end subroutine run
 
   !> Polynomials up to degree 2 n - 1 are integrated exactly.

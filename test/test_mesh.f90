@@ -23,15 +23,15 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call piecewise_exactness(t)
-    call spline_order(t)
-    call iso_numbers(t)
-    call weber_against_iso(t)
-    call tables(t)
-    call deflection(t)
-    call sharing_identities(t)
-    call slow_relief(t)
-    call discs(t)
+    if (t%wants('piecewise_exactness')) call piecewise_exactness(t)
+    if (t%wants('spline_order')) call spline_order(t)
+    if (t%wants('iso_numbers')) call iso_numbers(t)
+    if (t%wants('weber_against_iso')) call weber_against_iso(t)
+    if (t%wants('tables')) call tables(t)
+    if (t%wants('deflection')) call deflection(t)
+    if (t%wants('sharing_identities')) call sharing_identities(t)
+    if (t%wants('slow_relief')) call slow_relief(t)
+    if (t%wants('discs')) call discs(t)
   end subroutine run
 
   type(pair_t) function pair_of(teeth) result(pair)

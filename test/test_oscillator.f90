@@ -22,12 +22,12 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call refusals(t)
-    call derived(t)
-    call quintics(t)
-    call turning_points(t)
-    call first_zeros(t)
-    call tops(t)
+    if (t%wants('refusals')) call refusals(t)
+    if (t%wants('derived')) call derived(t)
+    if (t%wants('quintics')) call quintics(t)
+    if (t%wants('turning_points')) call turning_points(t)
+    if (t%wants('first_zeros')) call first_zeros(t)
+    if (t%wants('tops')) call tops(t)
   end subroutine run
 
   !> Each value out of its range is refused by name; at the bounds that belong to it none is.

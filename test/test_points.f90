@@ -23,10 +23,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call the_point_that_differed(t)
-    call random_points(t)
-    call between_the_speeds(t)
-    call alone(t)
+    if (t%wants('the_point_that_differed')) call the_point_that_differed(t)
+    if (t%wants('random_points')) call random_points(t)
+    if (t%wants('between_the_speeds')) call between_the_speeds(t)
+    if (t%wants('alone')) call alone(t)
   end subroutine run
 
   !> A prescribed mesh over a resonance, where motions with and without loss of contact exist side by side.

@@ -23,10 +23,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call shares_add_up(t)
-    call hassan(t)
-    call reliefs_share_one_solution(t)
-    call malformed_tables(t)
+    if (t%wants('shares_add_up')) call shares_add_up(t)
+    if (t%wants('hassan')) call hassan(t)
+    if (t%wants('reliefs_share_one_solution')) call reliefs_share_one_solution(t)
+    if (t%wants('malformed_tables')) call malformed_tables(t)
   end subroutine run
 
   !> The pairs at one phase carry the load together.

@@ -26,10 +26,10 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call sides_of_a_maximum(t)
-    call random_curves(t)
-    call parabolas(t)
-    call case_2_has_none_at_666_rpm(t)
+    if (t%wants('sides_of_a_maximum')) call sides_of_a_maximum(t)
+    if (t%wants('random_curves')) call random_curves(t)
+    if (t%wants('parabolas')) call parabolas(t)
+    if (t%wants('case_2_has_none_at_666_rpm')) call case_2_has_none_at_666_rpm(t)
   end subroutine run
 
   !> Does the maximum at `i` stand out, by the definition: to the left and to the right there is a place

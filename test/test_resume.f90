@@ -34,13 +34,15 @@ contains
 
     folder = new_folder()
     file = folder//'/test.checkpoint'
-    call whole_again(t, 'up', '''sweep'', ''load''', '', 1)
-    call whole_again(t, 'down', '''sweep'', ''load''', '', 2)
-    call whole_again(t, 'each', '''sweep'', ''load''', '', 2)
-    call whole_again(t, 'up', '''sweep'', ''optimum''', '', 2)
-    call whole_again(t, 'each', '''sweep''', '&numerics steady_state = ''march'' tolerance = 1e-4 /', 1)
-    call refused(t)
-    call ended_at_once(t)
+    if (t%wants('whole_again up')) call whole_again(t, 'up', '''sweep'', ''load''', '', 1)
+    if (t%wants('whole_again down')) call whole_again(t, 'down', '''sweep'', ''load''', '', 2)
+    if (t%wants('whole_again each')) call whole_again(t, 'each', '''sweep'', ''load''', '', 2)
+    if (t%wants('whole_again up')) call whole_again(t, 'up', '''sweep'', ''optimum''', '', 2)
+    if (t%wants('whole_again march')) then
+      call whole_again(t, 'each', '''sweep''', '&numerics steady_state = ''march'' tolerance = 1e-4 /', 1)
+    end if
+    if (t%wants('refused')) call refused(t)
+    if (t%wants('ended_at_once')) call ended_at_once(t)
     call remove_folder(folder)
   end subroutine run
 

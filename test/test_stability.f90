@@ -27,14 +27,14 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call meissner_tongues(t)
-    call meissner_map(t)
-    call coexistence(t)
-    call mathieu_tongues(t)
-    call edges_of_a_curved_stiffness(t)
-    call same_as_the_sweep(t)
-    call load_and_relief_drop_out(t)
-    call too_slow(t)
+    if (t%wants('meissner_tongues')) call meissner_tongues(t)
+    if (t%wants('meissner_map')) call meissner_map(t)
+    if (t%wants('coexistence')) call coexistence(t)
+    if (t%wants('mathieu_tongues')) call mathieu_tongues(t)
+    if (t%wants('edges_of_a_curved_stiffness')) call edges_of_a_curved_stiffness(t)
+    if (t%wants('same_as_the_sweep')) call same_as_the_sweep(t)
+    if (t%wants('load_and_relief_drop_out')) call load_and_relief_drop_out(t)
+    if (t%wants('too_slow')) call too_slow(t)
   end subroutine run
 
   !> A mesh without relief, N/um.

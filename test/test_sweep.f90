@@ -22,15 +22,15 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call published_case_1(t)
-    call published_case_2(t)
-    call any_stiffness(t)
-    call threads_agree(t)
-    call branches(t)
-    call marching_agrees(t)
-    call failures_stay_local(t)
-    call too_many_points(t)
-    call resonances(t)
+    if (t%wants('published_case_1')) call published_case_1(t)
+    if (t%wants('published_case_2')) call published_case_2(t)
+    if (t%wants('any_stiffness')) call any_stiffness(t)
+    if (t%wants('threads_agree')) call threads_agree(t)
+    if (t%wants('branches')) call branches(t)
+    if (t%wants('marching_agrees')) call marching_agrees(t)
+    if (t%wants('failures_stay_local')) call failures_stay_local(t)
+    if (t%wants('too_many_points')) call too_many_points(t)
+    if (t%wants('resonances')) call resonances(t)
   end subroutine run
 
   !> Runs a case, with `change(1)` replaced by `change(2)`; `dropped` lines of

@@ -20,11 +20,13 @@ module testing
 
   !> What the checks of a suite came to. Each name counts once.
   type :: tally_t
+    character(:), allocatable :: only            !< part of the names of the tests that are wanted; empty for all
+    character(:), allocatable :: tests           !< the tests that the suite could have run, a line each
     integer :: count = 0
     type(check_t), allocatable :: check(:)
     integer(int64), allocatable, private :: mark(:)    !< of the names
   contains
-    procedure :: passed, failed
+    procedure :: passed, failed, wants
     procedure, private :: note
   end type tally_t
 
@@ -69,6 +71,17 @@ contains
 
     failed = self%count - self%passed()
   end function failed
+
+  !> Whether to run the test of this name, which is then in the list of tests.
+  logical function wants(self, test)
+    class(tally_t), intent(inout) :: self
+    character(*), intent(in) :: test
+
+    if (.not. allocated(self%only)) self%only = ''
+    if (.not. allocated(self%tests)) self%tests = new_line('a')
+    if (index(self%tests, new_line('a')//test//new_line('a')) == 0) self%tests = self%tests//test//new_line('a')
+    wants = index(test, self%only) > 0
+  end function wants
 
   subroutine note(self, name, held)
     class(tally_t), intent(inout) :: self
