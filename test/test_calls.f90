@@ -29,11 +29,11 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
-    call test_columns(t)
-    call test_texts(t)
-    call test_refusals(t)
-    call test_edit(t)
-    call test_files(t)
+    if (t%wants('columns')) call test_columns(t)
+    if (t%wants('texts')) call test_texts(t)
+    if (t%wants('refusals')) call test_refusals(t)
+    if (t%wants('edit')) call test_edit(t)
+    if (t%wants('files')) call test_files(t)
   end subroutine run
 
   !> Every column of every table is what the study holds; the study is made a second time, by itself.
