@@ -1,10 +1,11 @@
 #!/bin/sh
 # What can be said of the sources without running them: sh test/lint.sh
 # ruff over Python, fortitude over Fortran; pyproject.toml has the rules, and why others are left out.
+# Then doc/architecture.py: rooms use those below them, and the page has every file.
 # The last line is `N passed, N failed`; a check is one tool over one folder.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/test/checks.sh"
-install_lint || exit
+install_lint && find_python || exit
 cd "$root" || exit
 
 # check TITLE COMMAND...: the command must succeed; what it said is shown where it does not.
@@ -19,10 +20,12 @@ check() {
   fi
 }
 
-for folder in python validation bench test; do
+for folder in python validation bench test doc; do
   check "ruff: $folder" "$venv/bin/ruff" check --quiet --no-cache --output-format concise "$folder"
 done
 for folder in src app test; do
   check "fortitude: $folder" "$venv/bin/fortitude" check --quiet --output-format concise "$folder"
 done
+check 'rooms: each uses those below it only' "$python" doc/architecture.py --rooms
+check 'doc/architecture.md has every file, and none that is not there' "$python" doc/architecture.py --stale
 finish

@@ -12,7 +12,8 @@ module gearsweep_json
 contains
 
   !> The tables that are there, with all but their values: name, meaning, rows, extent (null where the rows are not all
-  !> combinations of the index columns' values), grid and columns; of each column name, unit, meaning, kind and whether it is an index.
+  !> combinations of the index columns' values), grid and columns;
+  !> of each column name, unit, meaning, kind and whether it is an index.
   pure subroutine list_tables(tables, words)
     type(table_t), intent(in) :: tables(:)
     character(:), allocatable, intent(out) :: words
