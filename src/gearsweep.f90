@@ -33,15 +33,15 @@ module gearsweep
   use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
-  use gearsweep_motion, only: oscillator_t, make_oscillator
-  use gearsweep_accuracy, only: accuracy_t
+  use gearsweep_continuation, only: branch_t, change_t, branch_options_t, follow_branch
+  use gearsweep_error_estimate, only: accuracy_t
+  use gearsweep_optimum, only: optimum_t, peak_t, find_optimum, find_resonances
+  use gearsweep_oscillator, only: oscillator_t, make_oscillator
+  use gearsweep_poincare, only: section_points_t, sample_section
   use gearsweep_response, only: response_t, find_response
   use gearsweep_stability, only: stability_t, map_stability
-  use gearsweep_tongues, only: tongue_t, find_tongues
-  use gearsweep_branches, only: branch_t, change_t, follow_branch
-  use gearsweep_strobe, only: strobe_t, strobe_motion
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down
-  use gearsweep_optimum, only: optimum_t, peak_t, find_optimum, find_resonances
+  use gearsweep_tongues, only: tongue_t, find_tongues
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_study, only: study_t, run_study

@@ -4,7 +4,11 @@ module extreme_cases
   use gearsweep_kinds, only: dp
   use, intrinsic :: iso_fortran_env, only: int64
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use gearsweep_accuracy, only: point_t, solve_point, tables_t, mesh_period
+  use gearsweep_error_estimate, only: point_t
+  use gearsweep_operating_point, only: solve_point
+  use gearsweep_oscillator, only: mesh_period
+  use gearsweep_refinement, only: levels_t
+  use gearsweep_sweep, only: down, each
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_edit, only: change_key
@@ -12,7 +16,6 @@ module extreme_cases
   use gearsweep_files, only: read_text
   use gearsweep_status, only: status_name
   use gearsweep_study, only: study_t, run_study
-  use gearsweep_sweep, only: down, each
   use gearsweep_text, only: to_number
   implicit none
   private
@@ -35,7 +38,7 @@ module extreme_cases
     character(:), allocatable :: status          !< of the point, or ok
     real(dp) :: value = 0, error = 0             !< error: estimated, relative
     real(dp) :: work = 0                         !< steps that the point took, by itself
-    real(dp) :: alone = 0                        !< the dynamic factor without lanes, where it must be the same
+    real(dp) :: alone = 0                        !< the dynamic factor without a batch, where it must be the same
     real(dp) :: seconds = 0
   end type outcome_t
 
@@ -199,7 +202,7 @@ contains
     type(row_t), intent(in) :: row
     type(study_t), intent(in) :: study
     type(outcome_t), intent(inout) :: outcome
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: tables
     type(point_t) :: point
     integer :: k
 

@@ -4,7 +4,7 @@ module random_meshes
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_oscillator, only: oscillator_t, make_oscillator
   use gearsweep_relief, only: relief_t, profile_error
   use gearsweep_stiffness, only: polynomial_stiffness
   use random_numbers, only: random_t

@@ -3,7 +3,7 @@
 module reference_rows
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
-  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_oscillator, only: oscillator_t, make_oscillator
   use gearsweep_relief, only: relief_t, profile_error
   use gearsweep_stiffness, only: polynomial_stiffness
   implicit none

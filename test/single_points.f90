@@ -2,8 +2,10 @@
 module single_points
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
-  use gearsweep_accuracy, only: accuracy_t, point_t, solve_point, tables_t, mesh_period
-  use gearsweep_motion, only: oscillator_t, make_oscillator
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_operating_point, only: solve_point
+  use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
+  use gearsweep_refinement, only: levels_t
   use reference_rows, only: prescribed
   implicit none
   private
@@ -35,7 +37,7 @@ contains
     type(accuracy_t), intent(in) :: options
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: tables
 
     allocate (tables)
     call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm), options, tables, point, start)

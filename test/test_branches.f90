@@ -3,15 +3,17 @@
 module test_branches
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_kinds, only: dp
-  use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t, solve_point, tables_t
-  use gearsweep_branches, only: branch_t, follow_branch
-  use gearsweep_error, only: error_t
-  use gearsweep_motion, only: oscillator_t, make_oscillator
-  use gearsweep_steady, only: steady_options_t
-  use gearsweep_status, only: has_result, status_chaotic, status_name, status_ok, status_subharmonic
-  use gearsweep_strobe, only: strobe_motion, strobe_t
-  use gearsweep_text, only: str
+  use gearsweep_continuation, only: branch_t, branch_options_t, follow_branch
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_operating_point, only: solve_point
+  use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
+  use gearsweep_poincare, only: sample_section, section_points_t
+  use gearsweep_refinement, only: levels_t
   use gearsweep_tongues, only: find_tongues, tongue_t
+  use gearsweep_transient, only: steady_options_t
+  use gearsweep_error, only: error_t
+  use gearsweep_status, only: has_result, status_chaotic, status_name, status_ok, status_subharmonic
+  use gearsweep_text, only: str
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
@@ -29,7 +31,7 @@ contains
     if (t%wants('doubling_at_the_tongue')) call doubling_at_the_tongue(t)
     if (t%wants('chaos')) call chaos(t)
     if (t%wants('one_speed_alone')) call one_speed_alone(t)
-    if (t%wants('strobe_of_a_steady_motion')) call strobe_of_a_steady_motion(t)
+    if (t%wants('section_of_a_steady_motion')) call section_of_a_steady_motion(t)
     if (t%wants('too_slow')) call too_slow(t)
   end subroutine run
 
@@ -67,7 +69,8 @@ contains
       row = row + 1
       name = 'row '//str(row)//', '
       read (line, *) coef, zeta, rpm, direction, rpm_end, kind, factor, last_step
-      call follow_branch(mesh_of(coef, zeta), rpm + [(i, i=0, 10)]/9.5_dp*(rpm_end - rpm), accuracy_t(), jump, closeness, branch)
+      call follow_branch(mesh_of(coef, zeta), rpm + [(i, i=0, 10)]/9.5_dp*(rpm_end - rpm), &
+                         branch_options_t(accuracy_t(), jump, closeness), branch)
       call check_true(t, name//'it ends', size(branch%change) > 0)
       if (size(branch%change) == 0) cycle
       associate (change => branch%change(1))
@@ -89,7 +92,7 @@ contains
     type(oscillator_t) :: osc
     type(tongue_t) :: tongue(1)
     type(branch_t) :: branch
-    type(strobe_t) :: strobe
+    type(section_points_t) :: section
     type(error_t), allocatable :: error
     integer :: side, i
 
@@ -98,14 +101,14 @@ contains
     call check_no_error(t, 'tongue', error)
     do side = 1, 2
       associate (edge => tongue(1)%edge(side, 1), inwards => 3 - 2*side)
-        call follow_branch(osc, edge*(1 + inwards*0.01_dp*[(i, i=-3, 1)]), accuracy_t(), 0.02_dp, 1e-7_dp, branch)
+        call follow_branch(osc, edge*(1 + inwards*0.01_dp*[(i, i=-3, 1)]), branch_options_t(accuracy_t(), 0.02_dp, 1e-7_dp), branch)
         call check_equal(t, 'changes', size(branch%change), 1)
         associate (change => branch%change(1))
           call check_close(t, 'at the edge', change%rpm(1), edge, relative=2e-6_dp)
           call check_true(t, 'doubled', all(change%point%steady%periods == [1, 2]))
         end associate
-        call strobe_motion(osc, edge*(1 + inwards*0.01_dp*[-1, 1]), 1000, 100, strobe)
-        call check_true(t, 'named', all(strobe%status == [status_ok, status_subharmonic]) .and. all(strobe%periods == [1, 2]))
+        call sample_section(osc, edge*(1 + inwards*0.01_dp*[-1, 1]), 1000, 100, section)
+        call check_true(t, 'named', all(section%status == [status_ok, status_subharmonic]) .and. all(section%periods == [1, 2]))
       end associate
     end do
   end subroutine doubling_at_the_tongue
@@ -116,9 +119,9 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: kept = 2000, kept_there = 20000
     real(dp), parameter :: rest(2) = [7000/800e6_dp, 0.0_dp]
-    type(strobe_t) :: strobe
+    type(section_points_t) :: section
     type(point_t) :: point
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: tables
     type(oscillator_t) :: osc
     real(dp) :: zeta, rpm, exponent, deviation, start(2)
     character(200) :: line
@@ -141,10 +144,10 @@ contains
                        absolute=4*deviation*(1 + sqrt(real(kept_there)/450)))
       start = rest
       if (has_result(point%steady%status)) start = point%steady%state/[1.0_dp, mesh_period(25, rpm)]
-      call strobe_motion(osc, [rpm], 500, kept, strobe, start)
-      call check_equal(t, 'named', strobe%status(1), merge(status_chaotic, status_ok, exponent > 0))
-      call check_equal(t, 'periods', strobe%periods(1), merge(0, 1, exponent > 0))
-      call check_close(t, 'exponent '//str(rows), strobe%exponent(1), exponent, &
+      call sample_section(osc, [rpm], 500, kept, section, start)
+      call check_equal(t, 'named', section%status(1), merge(status_chaotic, status_ok, exponent > 0))
+      call check_equal(t, 'periods', section%periods(1), merge(0, 1, exponent > 0))
+      call check_close(t, 'exponent '//str(rows), section%exponent(1), exponent, &
                        absolute=4*deviation*(1 + sqrt(real(kept_there)/kept)))
     end do
     close (unit)
@@ -157,14 +160,14 @@ contains
     type(oscillator_t) :: osc
     type(branch_t) :: up, down
     type(point_t) :: point
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: tables
     real(dp) :: rpm(5)
     integer :: i
 
     osc = mesh_of(curved, 0.05_dp)
     rpm = [(9000 + 1000*i, i=0, 4)]
-    call follow_branch(osc, rpm, accuracy_t(), 0.02_dp, 1e-6_dp, up)
-    call follow_branch(osc, rpm(5:1:-1), accuracy_t(), 0.02_dp, 1e-6_dp, down)
+    call follow_branch(osc, rpm, branch_options_t(accuracy_t(), 0.02_dp, 1e-6_dp), up)
+    call follow_branch(osc, rpm(5:1:-1), branch_options_t(accuracy_t(), 0.02_dp, 1e-6_dp), down)
     call check_true(t, 'all answered', all(has_result(up%point%steady%status)) .and. all(has_result(down%point%steady%status)))
     call check_true(t, 'two motions', down%point(4)%dynamic_factor > up%point(2)%dynamic_factor + 0.5_dp)
     call check_close(t, 'one motion', down%point(1)%dynamic_factor, up%point(5)%dynamic_factor, absolute=2e-6_dp)
@@ -176,12 +179,12 @@ contains
   end subroutine one_speed_alone
 
   !> It stays where the sweep's motion is, and disturbances shrink by its multiplier.
-  subroutine strobe_of_a_steady_motion(t)
+  subroutine section_of_a_steady_motion(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t) :: osc
-    type(strobe_t) :: strobe
+    type(section_points_t) :: section
     type(point_t) :: point
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: tables
     real(dp) :: duration, v
 
     osc = mesh_of(curved, 0.1_dp)
@@ -189,27 +192,27 @@ contains
     allocate (tables)
     call solve_point(osc, duration, accuracy_t(steady=steady_options_t(tolerance=1e-10_dp)), tables, point)
     v = point%steady%state(2)/duration
-    call strobe_motion(osc, [9000.0_dp], 300, 200, strobe, [0.0_dp, 0.0_dp])
-    call check_close(t, 'x', maxval(abs(strobe%x - point%steady%state(1))), 0.0_dp, absolute=1e-7_dp*osc%static_scale)
-    call check_close(t, 'v', maxval(abs(strobe%v - v)), 0.0_dp, absolute=1e-6_dp*abs(v))
+    call sample_section(osc, [9000.0_dp], 300, 200, section, [0.0_dp, 0.0_dp])
+    call check_close(t, 'x', maxval(abs(section%x - point%steady%state(1))), 0.0_dp, absolute=1e-7_dp*osc%static_deflection)
+    call check_close(t, 'v', maxval(abs(section%v - v)), 0.0_dp, absolute=1e-6_dp*abs(v))
     ! A complex pair turns disturbances on their way, which the mean forgets as 1/periods.
-    call check_close(t, 'exponent', strobe%exponent(1), log(point%steady%multiplier), absolute=0.01_dp)
-    call strobe_motion(osc, [9000.0_dp, 9001.0_dp], 0, 3, strobe, [point%steady%state(1), v])
-    call check_close(t, 'from its state', maxval(abs(strobe%x(:, 1) - point%steady%state(1))), 0.0_dp, &
-                     absolute=1e-7_dp*osc%static_scale)
-    call check_true(t, 'on from there', all(abs(strobe%x(:, 2) - point%steady%state(1)) < 0.01_dp*osc%static_scale))
-  end subroutine strobe_of_a_steady_motion
+    call check_close(t, 'exponent', section%exponent(1), log(point%steady%multiplier), absolute=0.01_dp)
+    call sample_section(osc, [9000.0_dp, 9001.0_dp], 0, 3, section, [point%steady%state(1), v])
+    call check_close(t, 'from its state', maxval(abs(section%x(:, 1) - point%steady%state(1))), 0.0_dp, &
+                     absolute=1e-7_dp*osc%static_deflection)
+    call check_true(t, 'on from there', all(abs(section%x(:, 2) - point%steady%state(1)) < 0.01_dp*osc%static_deflection))
+  end subroutine section_of_a_steady_motion
 
   subroutine too_slow(t)
     type(tally_t), intent(inout) :: t
-    type(strobe_t) :: strobe
+    type(section_points_t) :: section
     type(branch_t) :: branch
 
-    call strobe_motion(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], 100, 40, strobe)
-    call check_equal(t, 'too slow', status_name(strobe%status(1)), 'unresolved')
-    call check_true(t, 'no numbers', all(ieee_is_nan(strobe%x(:, 1))))
-    call check_equal(t, 'fast enough', status_name(strobe%status(2)), 'ok')
-    call follow_branch(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], accuracy_t(), 0.02_dp, 1e-3_dp, branch)
+    call sample_section(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], 100, 40, section)
+    call check_equal(t, 'too slow', status_name(section%status(1)), 'unresolved')
+    call check_true(t, 'no numbers', all(ieee_is_nan(section%x(:, 1))))
+    call check_equal(t, 'fast enough', status_name(section%status(2)), 'ok')
+    call follow_branch(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], branch_options_t(accuracy_t(), 0.02_dp, 1e-3_dp), branch)
     call check_equal(t, 'a branch from there', status_name(branch%point(2)%steady%status), 'ok')
   end subroutine too_slow
 end module test_branches

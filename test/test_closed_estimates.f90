@@ -3,7 +3,7 @@
 module test_closed_estimates
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_piecewise, only: piecewise_t, polynomial
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask

@@ -2,7 +2,7 @@
 !> friction factors, for equal and unequal flanks, shifted and spread gears.
 module test_closed_relief
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_motion, only: mobility
+  use gearsweep_oscillator, only: mobility
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
   use stated_gears, only: stated_t, examples, text_of, base_radius, tip_radius, working_angle, first_curvature, &
@@ -185,7 +185,8 @@ contains
           call check_close(t, 'friction factors, pair '//str(n), mobility(answer%study%motion(1), s, s > pitch), &
                            sum((1 + sense*mu*rho/rb)/mass), relative=1e-10_dp)
         end do
-        call check_close(t, 'break at the pitch point', minval(abs(answer%study%motion(1)%zones%first - modulo(pitch, 1.0_dp))), &
+        call check_close(t, 'break at the pitch point', &
+                         minval(abs(answer%study%motion(1)%intervals%first - modulo(pitch, 1.0_dp))), &
                          0.0_dp, absolute=1e-9_dp)
       end associate
     end do

@@ -6,7 +6,7 @@ module test_closed_stiffness
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask

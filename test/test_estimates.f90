@@ -4,15 +4,17 @@
 module test_estimates
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
-  use gearsweep_accuracy, only: accuracy_t, mesh_period, point_t
-  use gearsweep_gauss, only: lanes
-  use gearsweep_maps, only: begin_maps, maps_t
-  use gearsweep_motion, only: oscillator_t, resolution_t, table_t, tabulate
+  use gearsweep_coefficients, only: resolution_t, coefficients_t, tabulate
+  use gearsweep_contact_set, only: period_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_gauss, only: batch_size
   use gearsweep_optimum, only: find_optimum, optimum_t
-  use gearsweep_orbit, only: shoot, steady_t
-  use gearsweep_period, only: period_t, run_lanes, run_period
-  use gearsweep_steady, only: solve_in_contact
-  use gearsweep_strobe, only: strobe_motion, strobe_t
+  use gearsweep_oscillator, only: mesh_period, oscillator_t
+  use gearsweep_period, only: run_batch, run_period
+  use gearsweep_period_map, only: discretise, set_durations, period_map_t
+  use gearsweep_periodic_orbit, only: shoot, steady_t
+  use gearsweep_poincare, only: sample_section, section_points_t
+  use gearsweep_steady, only: solve_full_contact
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
   use gearsweep_text, only: str
   use random_numbers, only: random_t
@@ -37,7 +39,7 @@ contains
     if (t%wants('loads_while_contact_changes')) call loads_while_contact_changes(t)
     if (t%wants('steps_that_are_told')) call steps_that_are_told(t)
     if (t%wants('derivative_of_a_period')) call derivative_of_a_period(t)
-    if (t%wants('lanes_side_by_side')) call lanes_side_by_side(t)
+    if (t%wants('speeds_side_by_side')) call speeds_side_by_side(t)
     if (t%wants('stroboscopic_points')) call stroboscopic_points(t)
     if (t%wants('many_bounces')) call many_bounces(t)
     if (t%wants('growth_of_a_disturbance')) call growth_of_a_disturbance(t)
@@ -153,33 +155,34 @@ contains
     call check_true(t, 'the other counts', all(abs(optimum%rpm - 9000) < 1e-9_dp))
   end subroutine optimum_without_answers
 
-  !> A motion that repeats every period repeats after two and three, too: the same state, peak and mark, which
-  !> is a mean over the periods; multipliers multiply.
+  !> A motion that repeats every period repeats after two and three, too: the same state, peak and checksum,
+  !> which is a mean over the periods; multipliers multiply.
   subroutine two_periods_of_one(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: rpm(3) = [3000, 7000, 12000]
     type(oscillator_t) :: osc
-    type(table_t) :: table
-    type(maps_t) :: maps
+    type(period_map_t) :: map
     type(steady_t) :: one, more
     real(dp) :: duration
     integer :: i, periods
 
     osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [2.0_dp, 3.0_dp], 0.17_dp)
-    call tabulate(osc, resolution_t(40.0_dp, 2), table)
+    call discretise(osc, resolution_t(40.0_dp, 2), map)
     do i = 1, size(rpm)
       duration = mesh_period(25, rpm(i))
-      call begin_maps(table, maps)
-      call shoot(osc, table, duration, 1e-8_dp, 1, [osc%rest, 0.0_dp], maps, one)
+      call set_durations(map, [duration])
+      call shoot(map, 1e-8_dp, 1, [osc%mean_deflection, 0.0_dp], one)
       do periods = 2, 3
-        call begin_maps(table, maps)
-        call shoot(osc, table, duration, 1e-8_dp, periods, one%state, maps, more)
+        call set_durations(map, [duration])
+        call shoot(map, 1e-8_dp, periods, one%state, more)
         call check_equal(t, 'periods', more%periods, periods)
-        call check_close(t, 'mark', more%mark, one%mark, 1e-9_dp)
+        call check_close(t, 'checksum', more%checksum, one%checksum, 1e-9_dp)
         call check_close(t, 'peak', more%peak, one%peak, 1e-9_dp)
         call check_close(t, 'multiplier', more%multiplier, one%multiplier**periods, 1e-7_dp)
       end do
-      call check_true(t, 'the mark is a sum of deflections', one%mark > osc%static_scale .and. one%mark < 10*osc%static_scale)
+      associate (deflections => one%checksum/osc%static_deflection)
+        call check_true(t, 'the checksum is a sum of deflections', deflections > 1 .and. deflections < 10)
+      end associate
     end do
   end subroutine two_periods_of_one
 
@@ -189,8 +192,7 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: starts = 1000
     type(oscillator_t) :: osc
-    type(table_t) :: table
-    type(maps_t) :: maps
+    type(period_map_t) :: map
     type(period_t) :: run
     type(random_t) :: random
     real(dp) :: duration, start(2), state(2), peak(2), worst(2)
@@ -202,17 +204,17 @@ contains
     second = 0
     do i = 1, starts
       duration = mesh_period(25, random%between(4000.0_dp, 15000.0_dp))
-      start = osc%static_scale*[random%between(-1.0_dp, 2.0_dp), random%between(-6.0_dp, 6.0_dp)]
+      start = osc%static_deflection*[random%between(-1.0_dp, 2.0_dp), random%between(-6.0_dp, 6.0_dp)]
       ! So few that a pair may touch and have its largest load within one step: two radians of the natural motion.
-      call tabulate(osc, resolution_t(osc%natural_frequency*duration/2, 1), table)
-      call begin_maps(table, maps)
-      call run_period(osc, table, duration, start, maps, run)
+      call discretise(osc, resolution_t(osc%natural_frequency*duration/2, 1), map)
+      call set_durations(map, [duration])
+      call run_period(map, start, run)
       if (run%failed) cycle
       call small_steps(osc, duration, start, state, peak)
       if (run%events > 0) changed = changed + 1
       if (run%events > 0 .and. peak(2) > peak(1)) second = second + 1
       worst(1) = max(worst(1), abs(run%peak - maxval(peak))/osc%load)
-      worst(2) = max(worst(2), abs(run%state(1) - state(1))/osc%static_scale)
+      worst(2) = max(worst(2), abs(run%state(1) - state(1))/osc%static_deflection)
     end do
     call check_close(t, 'largest loads', worst(1), 0.0_dp, absolute=3e-3_dp)
     call check_close(t, 'ends', worst(2), 0.0_dp, absolute=1e-2_dp)
@@ -287,7 +289,7 @@ contains
     type(oscillator_t) :: osc
     type(accuracy_t) :: options
     type(point_t) :: point
-    type(table_t) :: table
+    type(coefficients_t) :: table
     integer :: i
 
     osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], none, 0.03_dp)
@@ -299,18 +301,17 @@ contains
     options%steps = 300
     call solve(osc, 9000.0_dp, options, point)
     call check_true(t, 'steps asked for', point%steps >= 300 .and. point%steps <= 304, str(point%steps))
-    call check_true(t, 'work counts both tables', point%work >= 450)
+    call check_true(t, 'work counts both solutions', point%work >= 450)
   end subroutine steps_that_are_told
 
   !> The derivative of a period by its start is that of small differences, where pairs part and touch, too; and
-  !> what the maps were used for before, here a motion in contact, changes nothing.
+  !> what the map was used for before, here a motion in contact, changes nothing.
   subroutine derivative_of_a_period(t)
     type(tally_t), intent(inout) :: t
     integer, parameter :: starts = 40
     real(dp), parameter :: h = 1e-5_dp
     type(oscillator_t) :: osc
-    type(table_t) :: table
-    type(maps_t) :: maps, used
+    type(period_map_t) :: map, used
     type(period_t) :: run, again, above, below
     type(steady_t) :: steady
     type(random_t) :: random
@@ -322,68 +323,70 @@ contains
     changed = 0
     do i = 1, starts
       duration = mesh_period(25, random%between(4000.0_dp, 15000.0_dp))
-      call tabulate(osc, resolution_t(2*osc%natural_frequency*duration, 1), table)
-      unit = osc%static_scale*[1.0_dp, osc%natural_frequency*duration]
+      call discretise(osc, resolution_t(2*osc%natural_frequency*duration, 1), map)
+      used = map
+      unit = osc%static_deflection*[1.0_dp, osc%natural_frequency*duration]
       start = unit*[random%between(0.2_dp, 2.0_dp), random%between(-0.5_dp, 0.5_dp)]
-      call begin_maps(table, maps)
-      call run_period(osc, table, duration, start, maps, run)
-      call begin_maps(table, used)
-      call solve_in_contact(osc, table, duration, used, ignored, steady)
-      call run_period(osc, table, duration, start, used, again)
+      call set_durations(map, [duration])
+      call run_period(map, start, run)
+      call set_durations(used, [duration])
+      call solve_full_contact(used, ignored, steady)
+      call run_period(used, start, again)
       worst(1) = max(worst(1), maxval(abs(again%state - run%state)/unit), abs(again%peak - run%peak)/osc%load, &
-                     maxval(abs(again%map - run%map)*spread(unit, 1, 2)/spread(unit, 2, 2)))
+                     maxval(abs(again%monodromy - run%monodromy)*spread(unit, 1, 2)/spread(unit, 2, 2)))
       do k = 1, 2
-        call run_period(osc, table, duration, start + h*unit*[2 - k, k - 1], maps, above)
-        call run_period(osc, table, duration, start - h*unit*[2 - k, k - 1], maps, below)
+        call run_period(map, start + h*unit*[2 - k, k - 1], above)
+        call run_period(map, start - h*unit*[2 - k, k - 1], below)
         difference(:, k) = (above%state - below%state)/(2*h*unit(k))
       end do
       if (run%failed .or. above%events /= run%events .or. below%events /= run%events) cycle
       if (run%events > 0) changed = changed + 1
-      worst(2) = max(worst(2), maxval(abs(difference - run%map)*spread(unit, 1, 2)/spread(unit, 2, 2)))
+      worst(2) = max(worst(2), maxval(abs(difference - run%monodromy)*spread(unit, 1, 2)/spread(unit, 2, 2)))
     end do
     call check_true(t, 'contact changes', changed >= starts/4, str(changed))
-    call check_close(t, 'maps used before', worst(1), 0.0_dp, absolute=1e-10_dp)
+    call check_close(t, 'map used before', worst(1), 0.0_dp, absolute=1e-10_dp)
     call check_close(t, 'derivative', worst(2), 0.0_dp, absolute=1e-3_dp)
   end subroutine derivative_of_a_period
 
   !> Several periods side by side are each what it is alone, with all that is told of it, while contact changes.
-  subroutine lanes_side_by_side(t)
+  subroutine speeds_side_by_side(t)
     type(tally_t), intent(inout) :: t
     integer, parameter :: groups = 60
     type(oscillator_t) :: osc
-    type(table_t) :: table
-    type(maps_t) :: maps, alone
-    type(period_t) :: run, all(lanes)
+    type(period_map_t) :: map, alone
+    type(period_t) :: run, all(batch_size)
     type(random_t) :: random
-    real(dp) :: duration(lanes), start(2, lanes), worst
+    real(dp) :: duration(batch_size), start(2, batch_size), worst
     integer :: i, l, changed, unlike
 
     osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [14.0_dp, 14.0_dp], 0.08_dp)
-    call tabulate(osc, resolution_t(8.0_dp, 1), table)
+    call discretise(osc, resolution_t(8.0_dp, 1), map)
+    alone = map
     worst = 0
     changed = 0
     unlike = 0
     do i = 1, groups
-      do l = 1, lanes
+      do l = 1, batch_size
         duration(l) = mesh_period(25, random%between(6000.0_dp, 15000.0_dp))
-        start(:, l) = osc%static_scale*[random%between(-1.0_dp, 2.0_dp), random%between(-6.0_dp, 6.0_dp)]
+        start(:, l) = osc%static_deflection*[random%between(-1.0_dp, 2.0_dp), random%between(-6.0_dp, 6.0_dp)]
       end do
-      call begin_maps(table, maps)
-      call run_lanes(osc, table, duration, start, [(.true., l=1, lanes)], .true., maps, all)
-      do l = 1, lanes
-        call begin_maps(table, alone)
-        call run_period(osc, table, duration(l), start(:, l), alone, run)
-        worst = max(worst, maxval(abs(all(l)%state - run%state))/osc%static_scale, maxval(abs(all(l)%map - run%map)), &
-                    abs(all(l)%peak - run%peak)/osc%load, abs(all(l)%mark - run%mark)/osc%static_scale)
+      call set_durations(map, duration)
+      call run_batch(map, start, [(.true., l=1, batch_size)], .true., all)
+      do l = 1, batch_size
+        call set_durations(alone, duration(l:l))
+        call run_period(alone, start(:, l), run)
+        worst = max(worst, maxval(abs(all(l)%state - run%state))/osc%static_deflection, &
+                    maxval(abs(all(l)%monodromy - run%monodromy)), &
+                    abs(all(l)%peak - run%peak)/osc%load, abs(all(l)%checksum - run%checksum)/osc%static_deflection)
         if (run%events > 0) changed = changed + 1
-        if (all(l)%events /= run%events .or. (all(l)%partial .neqv. run%partial) .or. (all(l)%flight .neqv. run%flight) &
+        if (all(l)%events /= run%events .or. (all(l)%partial .neqv. run%partial) .or. (all(l)%lost .neqv. run%lost) &
             .or. (all(l)%failed .neqv. run%failed)) unlike = unlike + 1
       end do
     end do
-    call check_true(t, 'contact changes in many lanes', changed > groups*lanes/2, str(changed))
-    call check_equal(t, 'what a lane tells', unlike, 0)
-    call check_close(t, 'what a lane gives', worst, 0.0_dp, absolute=1e-9_dp)
-  end subroutine lanes_side_by_side
+    call check_true(t, 'contact changes at many speeds', changed > groups*batch_size/2, str(changed))
+    call check_equal(t, 'events of a speed of the batch', unlike, 0)
+    call check_close(t, 'motion of a speed of the batch', worst, 0.0_dp, absolute=1e-9_dp)
+  end subroutine speeds_side_by_side
 
   !> A transient that has died out shows the steady motion once a period, to some 1e-9 by its steps.
   subroutine stroboscopic_points(t)
@@ -392,17 +395,17 @@ contains
     type(oscillator_t) :: osc
     type(accuracy_t) :: options
     type(point_t) :: point
-    type(strobe_t) :: strobe
+    type(section_points_t) :: section
     real(dp) :: worst
     integer :: i
 
     osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [2.0_dp, 3.0_dp], 0.17_dp)
     options%steady%tolerance = 1e-11_dp
-    call strobe_motion(osc, rpm, 60, 8, strobe)
+    call sample_section(osc, rpm, 60, 8, section)
     worst = 0
     do i = 1, size(rpm)
       call solve(osc, rpm(i), options, point)
-      worst = max(worst, maxval(abs(strobe%x(:, i) - point%steady%state(1)))/osc%static_scale)
+      worst = max(worst, maxval(abs(section%x(:, i) - point%steady%state(1)))/osc%static_deflection)
     end do
     call check_close(t, 'stroboscopic points', worst, 0.0_dp, absolute=4e-9_dp)
   end subroutine stroboscopic_points
@@ -412,16 +415,15 @@ contains
   subroutine many_bounces(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t) :: osc
-    type(table_t) :: table
-    type(maps_t) :: maps
+    type(period_map_t) :: map
     type(period_t) :: run
     real(dp) :: duration
 
     osc = mesh_of(ratio, [400.0_dp], none, 0.0_dp)
     duration = mesh_period(25, 15.0_dp)
-    call tabulate(osc, resolution_t(osc%natural_frequency*duration, 1), table)
-    call begin_maps(table, maps)
-    call run_period(osc, table, duration, [-2*osc%static_scale, 0.0_dp], maps, run)
+    call discretise(osc, resolution_t(osc%natural_frequency*duration, 1), map)
+    call set_durations(map, [duration])
+    call run_period(map, [-2*osc%static_deflection, 0.0_dp], run)
     call check_true(t, 'no chatter', .not. run%failed)
     call check_true(t, 'more than a thousand changes', run%events > 1100, str(run%events))
   end subroutine many_bounces
@@ -431,13 +433,13 @@ contains
   subroutine growth_of_a_disturbance(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t) :: osc
-    type(strobe_t) :: strobe
+    type(section_points_t) :: section
     real(dp) :: dynamic_factor, multiplier
 
     osc = mesh_of(ratio, [400.0_dp], none, 1.5_dp)
-    call strobe_motion(osc, [20000.0_dp], 40, 8, strobe)
+    call sample_section(osc, [20000.0_dp], 40, 8, section)
     call closed_form(osc%natural_frequency, 1.5_dp, mesh_period(25, 20000.0_dp), dynamic_factor, multiplier)
-    call check_close(t, 'exponent', strobe%exponent(1), log(multiplier), 1e-6_dp)
-    call check_equal(t, 'it repeats every period', strobe%periods(1), 1)
+    call check_close(t, 'exponent', section%exponent(1), log(multiplier), 1e-6_dp)
+    call check_equal(t, 'it repeats every period', section%periods(1), 1)
   end subroutine growth_of_a_disturbance
 end module test_estimates

@@ -86,7 +86,7 @@ contains
   end subroutine check_case
 
   !> Within twice the estimated error and what is known of the expected value; grids of the same
-  !> fineness err alike, so that they compare by the latter only. By lanes and by itself the same.
+  !> fineness err alike, so that they compare by the latter only. In a batch and by itself the same.
   subroutine check_value(t, row, outcome, expected)
     type(tally_t), intent(inout) :: t
     type(row_t), intent(in) :: row

@@ -3,12 +3,14 @@ module test_grading
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
-  use gearsweep_accuracy, only: accuracy_t, point_t, solve_point, tables_t, mesh_period
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_operating_point, only: solve_point
+  use gearsweep_oscillator, only: mesh_period, oscillator_t
+  use gearsweep_periodic_orbit, only: largest_multiplier
+  use gearsweep_refinement, only: levels_t
   use gearsweep_response, only: response_t, find_response
-  use gearsweep_steady, only: largest_multiplier
-  use gearsweep_status, only: status_ok
   use gearsweep_sweep, only: run_sweep, sweep_t, sweep_options_t
+  use gearsweep_status, only: status_ok
   use gearsweep_text, only: str
   use single_points, only: mesh_of, solve
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
@@ -218,7 +220,7 @@ contains
     type(sweep_options_t) :: options
     type(sweep_t) :: one, two
     type(error_t), allocatable :: error
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: tables
     type(point_t) :: alone, after
     real(dp) :: rpm(40)
     integer :: i

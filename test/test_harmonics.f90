@@ -2,7 +2,7 @@
 module test_harmonics
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: segment_t, smooth_segments
   use gearsweep_mesh, only: zone_t

@@ -6,7 +6,7 @@ module test_mesh
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_material, only: material_t
   use gearsweep_mesh, only: mesh_t
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_pair, only: pair_t, make_pair, free_centre_distance
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_sharing, only: sharing_t, share_load, static_deflection

@@ -2,11 +2,14 @@
 module test_motion
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
-  use gearsweep_accuracy, only: accuracy_t, point_t, mesh_period
-  use gearsweep_motion, only: oscillator_t, make_oscillator, resolution_t, table_t, tabulate
-  use gearsweep_period, only: period_t, maps_t, begin_maps, hold_period
+  use gearsweep_coefficients, only: resolution_t
+  use gearsweep_contact_set, only: period_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
+  use gearsweep_periodic_orbit, only: largest_multiplier
   use gearsweep_response, only: response_t, find_response
-  use gearsweep_steady, only: by_marching, largest_multiplier
+  use gearsweep_transient, only: by_marching
   use gearsweep_status, only: has_result, status_marginal, status_name, status_ok, status_unresolved
   use gearsweep_text, only: str
   use reference_rows, only: row_t, read_rows, oscillator_of
@@ -69,7 +72,7 @@ contains
                       abs(point%dynamic_factor - rows(i)%dynamic_factor) <= 2*point%estimate + 1e-12_dp)
       call check_close(t, row//' multiplier', point%steady%multiplier, rows(i)%multiplier, absolute=2e-8_dp)
       call check_true(t, row//' contact', (rows(i)%loss > 0 .eqv. point%steady%partial) .and. &
-                      (rows(i)%loss > 1 .eqv. point%steady%flight) .and. (rows(i)%loss > 2 .eqv. point%steady%coast))
+                      (rows(i)%loss > 1 .eqv. point%steady%lost) .and. (rows(i)%loss > 2 .eqv. point%steady%coast))
       call check_equal(t, row//' status', point%steady%status, merge(status_marginal, status_ok, rows(i)%zeta <= 0))
     end do
   end subroutine references
@@ -287,18 +290,17 @@ contains
       real(dp), intent(in) :: rpm
       type(oscillator_t) :: osc
       type(error_t), allocatable :: error
-      type(table_t) :: table
-      type(period_t) :: run
-      type(maps_t) :: maps
+      type(period_t) :: run(1)
+      type(period_map_t) :: map
 
       osc = mesh_of(ratio, [stiffness], [0.0_dp, 0.0_dp], 0.0_dp)
       osc%mass = mass
       osc%mesh%teeth = teeth
       call make_oscillator(osc, error)
-      call tabulate(osc, resolution_t(4000.0_dp, 1), table)
-      call begin_maps(table, maps)
-      call hold_period(osc, table, mesh_period(teeth, rpm), [0.0_dp, 0.0_dp], maps, run)
-      attracts = largest_multiplier(run%map) < 1 + 1e-7_dp
+      call discretise(osc, resolution_t(4000.0_dp, 1), map)
+      call set_durations(map, [mesh_period(teeth, rpm)])
+      call run_full_contact(map, reshape([0.0_dp, 0.0_dp], [2, 1]), run)
+      attracts = largest_multiplier(run(1)%monodromy) < 1 + 1e-7_dp
     end function attracts
   end subroutine meissner_boundaries
 
@@ -334,7 +336,7 @@ contains
     call check_equal(t, 'status in the tongue', status_name(point%steady%status), 'subharmonic')
     call check_equal(t, 'two periods', point%steady%periods, 2)
     call check_close(t, 'its dynamic factor', point%dynamic_factor, 1.5806300622426337_dp, absolute=2e-9_dp)
-    call check_true(t, 'it loses contact and attracts', point%steady%flight .and. point%steady%multiplier < 1)
+    call check_true(t, 'it loses contact and attracts', point%steady%lost .and. point%steady%multiplier < 1)
     call solve(osc, 32000.0_dp, options, point)
     call check_equal(t, 'status beside it', status_name(point%steady%status), 'ok')
   end subroutine subharmonic

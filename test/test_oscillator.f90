@@ -3,9 +3,11 @@
 module test_oscillator
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t
-  use gearsweep_motion, only: make_oscillator, oscillator_t, resolution_t, table_t, tabulate
-  use gearsweep_peaks, only: may_top, note_top, raise_to_top, top_t, tops_t
-  use gearsweep_quintic, only: bend_of, evaluate, first_zero, may_pass, quintic, slope_of, top_of, value_of
+  use gearsweep_coefficients, only: resolution_t, coefficients_t, tabulate
+  use gearsweep_load_peaks, only: may_exceed, add_candidate, raise_to_maximum, candidate_t, candidates_t
+  use gearsweep_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_quintic, only: second_derivative_of, evaluate, first_zero, may_cross_zero, quintic, derivative_of, maximum_of, &
+                               value_of
   use gearsweep_text, only: str
   use random_numbers, only: random_t
   use reference_rows, only: prescribed
@@ -108,24 +110,24 @@ contains
     call make_oscillator(osc, error)
     call check_no_error(t, 'oscillator', error)
     call check_equal(t, 'pairs', osc%pairs, 2)
-    call check_equal(t, 'members', osc%members, 2)
+    call check_equal(t, 'members', osc%contacts, 2)
     call check_close(t, 'natural frequency', osc%natural_frequency, sqrt(ratio*400e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-12_dp)
     call check_true(t, 'two pairs are no faster than the bound', osc%highest_frequency >= &
                     (1 - 1e-12_dp)*sqrt(2*400e6_dp*(1/0.8_dp + 1/0.9_dp)))
-    call check_close(t, 'mean deflection', osc%static_scale, 7000/(ratio*400e6_dp), 1e-12_dp)
-    call check_close(t, 'at high speed', osc%rest, 7000/(ratio*400e6_dp), 1e-9_dp)
+    call check_close(t, 'mean deflection', osc%static_deflection, 7000/(ratio*400e6_dp), 1e-12_dp)
+    call check_close(t, 'at high speed', osc%mean_deflection, 7000/(ratio*400e6_dp), 1e-9_dp)
     call check_close(t, 'lowest frequency of a zone', minval(osc%frequency), sqrt(400e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
     call check_close(t, 'highest frequency of a zone', maxval(osc%frequency), sqrt(800e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
     osc = stated()
     osc%has_backlash = .true.
     osc%backlash = 1e-4_dp
     call make_oscillator(osc, error)
-    call check_equal(t, 'the coast side is a member', osc%members, 3)
+    call check_equal(t, 'the coast side is a member', osc%contacts, 3)
     osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [14.0_dp, 9.0_dp], 0.1_dp)
     mean = 0
     do i = 1, samples
       s = ratio*(i - 0.5_dp)/samples
-      mean = mean + max(0.0_dp, osc%mesh%stiffness%value(s)*(osc%rest - osc%mesh%profile_error%value(s)))*ratio/samples
+      mean = mean + max(0.0_dp, osc%mesh%stiffness%value(s)*(osc%mean_deflection - osc%mesh%profile_error%value(s)))*ratio/samples
     end do
     call check_close(t, 'mean load at high speed', mean, 7000.0_dp, 1e-3_dp)
   end subroutine derived
@@ -144,14 +146,16 @@ contains
       c = quintic(ends(:, 1), ends(:, 2))
       do k = 1, 2
         call check_close(t, 'value at end '//str(k)//' of '//str(i), value_of(c, k - 1.0_dp), ends(0, k), absolute=1e-13_dp)
-        call check_close(t, 'slope at end '//str(k)//' of '//str(i), slope_of(c, k - 1.0_dp), ends(1, k), absolute=1e-12_dp)
-        call check_close(t, 'bend at end '//str(k)//' of '//str(i), bend_of(c, k - 1.0_dp), ends(2, k), absolute=1e-12_dp)
+        call check_close(t, 'slope at end '//str(k)//' of '//str(i), derivative_of(c, k - 1.0_dp), ends(1, k), absolute=1e-12_dp)
+        call check_close(t, 'second derivative at end '//str(k)//' of '//str(i), second_derivative_of(c, k - 1.0_dp), &
+                         ends(2, k), absolute=1e-12_dp)
       end do
       at = random%between(0.1_dp, 0.9_dp)
       call evaluate(c, at, value, slope)
       call check_close(t, 'value of '//str(i), value, sum(c*[1.0_dp, at, at**2, at**3, at**4, at**5]), absolute=1e-13_dp)
       call check_close(t, 'slope of '//str(i), slope, (value_of(c, at + h) - value_of(c, at - h))/(2*h), absolute=1e-5_dp)
-      call check_close(t, 'bend of '//str(i), bend_of(c, at), (slope_of(c, at + h) - slope_of(c, at - h))/(2*h), absolute=1e-5_dp)
+      call check_close(t, 'second derivative of '//str(i), second_derivative_of(c, at), &
+                       (derivative_of(c, at + h) - derivative_of(c, at - h))/(2*h), absolute=1e-5_dp)
     end do
   end subroutine quintics
 
@@ -170,20 +174,20 @@ contains
       load(:, 1) = [1.0_dp, place, -1.0_dp]
       load(:, 2) = [1 + place - 0.5_dp + b*(place/3 - 0.25_dp), (place - 1)*(1 + b), -(1 + b) + (place - 1)*2*b]
       c = quintic(load(:, 1), load(:, 2))
-      call check_close(t, 'turning point '//str(i), top_of(c), place, absolute=1e-8_dp)
-      call check_true(t, 'may have a top '//str(i), may_top(load, max(load(0, 1), load(0, 2))))
+      call check_close(t, 'turning point '//str(i), maximum_of(c), place, absolute=1e-8_dp)
+      call check_true(t, 'may have a top '//str(i), may_exceed(load, max(load(0, 1), load(0, 2))))
       peak = 0
-      call raise_to_top(load, peak)
+      call raise_to_maximum(load, peak)
       top = maxval([(value_of(c, k/1000.0_dp), k=0, 1000)])
       call check_close(t, 'top '//str(i), peak, top, absolute=3e-6_dp)
       peak = 100
-      call raise_to_top(load, peak)
+      call raise_to_maximum(load, peak)
       call check_close(t, 'a higher peak stays '//str(i), peak, 100.0_dp)
     end do
-    call check_true(t, 'rising has no top', .not. may_top(ends(1.0_dp, 1.0_dp, 2.0_dp, 1.0_dp), 0.0_dp))
-    call check_true(t, 'falling has none', .not. may_top(ends(2.0_dp, -1.0_dp, 1.0_dp, -1.0_dp), 0.0_dp))
-    call check_true(t, 'below the peak', .not. may_top(ends(1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp), 1.51_dp))
-    call check_true(t, 'above it', may_top(ends(1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp), 1.49_dp))
+    call check_true(t, 'rising has no top', .not. may_exceed(ends(1.0_dp, 1.0_dp, 2.0_dp, 1.0_dp), 0.0_dp))
+    call check_true(t, 'falling has none', .not. may_exceed(ends(2.0_dp, -1.0_dp, 1.0_dp, -1.0_dp), 0.0_dp))
+    call check_true(t, 'below the peak', .not. may_exceed(ends(1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp), 1.51_dp))
+    call check_true(t, 'above it', may_exceed(ends(1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp), 1.49_dp))
   end subroutine turning_points
 
   !> A load with its slope at the left end, and at the right; without curvature.
@@ -210,19 +214,21 @@ contains
       call first_zero(c, place, found)
       call check_true(t, 'passes zero '//str(i), found)
       call check_close(t, 'place '//str(i), place, a, absolute=1e-9_dp)
-      call check_true(t, 'may pass '//str(i), may_pass(value_of(c, 0.0_dp), value_of(c, 1.0_dp), c(1), slope_of(c, 1.0_dp)))
+      call check_true(t, 'may pass '//str(i), &
+                      may_cross_zero(value_of(c, 0.0_dp), value_of(c, 1.0_dp), c(1), derivative_of(c, 1.0_dp)))
       ! (a - x)(b - x)
       c = [a*b, -(a + b), 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       call first_zero(c, place, found)
       call check_true(t, 'dips below zero '//str(i), found)
       call check_close(t, 'first of two places '//str(i), place, a, absolute=1e-9_dp)
-      call check_true(t, 'may dip '//str(i), may_pass(value_of(c, 0.0_dp), value_of(c, 1.0_dp), c(1), slope_of(c, 1.0_dp)))
+      call check_true(t, 'may dip '//str(i), &
+                      may_cross_zero(value_of(c, 0.0_dp), value_of(c, 1.0_dp), c(1), derivative_of(c, 1.0_dp)))
       ! The same, lifted above zero.
       c(0) = c(0) + (b - a)**2/4 + 0.01_dp
       call first_zero(c, place, found)
       call check_true(t, 'stays above zero '//str(i), .not. found)
     end do
-    call check_true(t, 'far above', .not. may_pass(2.0_dp, 2.0_dp, -1.0_dp, 1.0_dp))
+    call check_true(t, 'far above', .not. may_cross_zero(2.0_dp, 2.0_dp, -1.0_dp, 1.0_dp))
   end subroutine first_zeros
 
   !> More places than the list holds: those below the peak are forgotten; if there are none, all are looked at,
@@ -230,20 +236,20 @@ contains
   subroutine tops(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t) :: osc
-    type(table_t) :: table
-    type(tops_t) :: list
-    type(top_t) :: top
+    type(coefficients_t) :: table
+    type(candidates_t) :: list
+    type(candidate_t) :: top
     real(dp) :: duration, peak
     integer :: i
 
     osc = mesh_of(ratio, [400.0_dp], none, 0.1_dp)
     call tabulate(osc, resolution_t(40.0_dp, 1), table)
     duration = 60/(25*8000.0_dp)
-    top = top_t(bound=10.0_dp, x=[1e-5_dp, 1e-5_dp], y=[1e-6_dp, -1e-6_dp], step=30, pair=1, touch=1)
+    top = candidate_t(bound=10.0_dp, x=[1e-5_dp, 1e-5_dp], y=[1e-6_dp, -1e-6_dp], step=30, pair=1, contact_set=1)
     list%count = 0
     peak = 20
     do i = 1, 17
-      call note_top(osc, table, duration, top, list, peak)
+      call add_candidate(osc, table, duration, top, list, peak)
     end do
     call check_equal(t, 'what the peak has passed is forgotten', list%count, 1)
     call check_close(t, 'the peak stays', peak, 20.0_dp)
@@ -252,7 +258,7 @@ contains
     peak = 0
     do i = 1, 17
       top%bound = 1e5_dp + i
-      call note_top(osc, table, duration, top, list, peak)
+      call add_candidate(osc, table, duration, top, list, peak)
     end do
     call check_equal(t, 'all are looked at', list%count, 1)
     call check_true(t, 'and raise the peak', peak > 4000 .and. peak < 4500, str(peak))

@@ -6,7 +6,7 @@ module test_rating
   use gearsweep_case_reader, only: read_case
   use gearsweep_files, only: read_text
   use gearsweep_gear, only: coast
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_published, only: published_t, read_published
   use gearsweep_quantities, only: our_value
   use gearsweep_root_rating, only: root_rating_t, rate_root

@@ -1,18 +1,20 @@
 !> Nothing in vain: what a scene leaves out is not there, and what it gives is what
 !> the whole gives, to the last bit or within a stated error.
 module test_scenes
-  use gearsweep_accuracy, only: mesh_period
+  use gearsweep_coefficients, only: resolution_t
+  use gearsweep_contact_set, only: period_t
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_oscillator, only: mesh_period, oscillator_t
+  use gearsweep_period, only: run_batch
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
+  use gearsweep_periodic_orbit, only: newton_step
   use gearsweep_case, only: case_t, task_names
   use gearsweep_case_reader, only: read_case
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_gauss, only: lanes
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t, table_t, resolution_t, tabulate
-  use gearsweep_orbit, only: newton_step
   use gearsweep_pair, only: pair_t
-  use gearsweep_period, only: period_t, maps_t, begin_maps, run_lanes, hold_lanes
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_study, only: study_t, run_study
   use gearsweep_text, only: str
@@ -215,7 +217,7 @@ contains
     call study_of(t, with, full, 'sweep')
     call check_true(t, 'no coast side: the same bits', same_bits(numbers_of(lean, 'sweep'), numbers_of(full, 'sweep')))
     call check_true(t, 'with separation among them', any(lean%sweep%contact > 0))
-    call check_equal(t, 'no coast side: no member for it', lean%motion(1)%members, full%motion(1)%members - 1)
+    call check_equal(t, 'no coast side: no member for it', lean%motion(1)%contacts, full%motion(1)%contacts - 1)
   end subroutine no_coast
 
   !> A friction too small for any digit has its break, at the pitch point, all the same.
@@ -230,7 +232,7 @@ contains
     call study_of(t, case, lean, 'sweep')
     call study_of(t, with, full, 'sweep')
     call check_within(t, 'no friction', lean, full)
-    call check_equal(t, 'no friction: no break', size(lean%motion(1)%zones), size(full%motion(1)%zones) - 1)
+    call check_equal(t, 'no friction: no break', size(lean%motion(1)%intervals), size(full%motion(1)%intervals) - 1)
   end subroutine no_friction
 
   !> So has such a relief, where it begins.
@@ -247,7 +249,7 @@ contains
     with%amount = [1e-30_dp]
     call study_of(t, with, full, 'sweep')
     call check_within(t, 'no relief', lean, full)
-    call check_equal(t, 'no relief: no break', size(lean%motion(1)%zones), size(full%motion(1)%zones) - 1)
+    call check_equal(t, 'no relief: no break', size(lean%motion(1)%intervals), size(full%motion(1)%intervals) - 1)
   end subroutine no_relief
 
   !> Frequencies err by the square of the shapes' error, 1e-9, and by rounding.
@@ -265,40 +267,39 @@ contains
     call check_close(t, 'one mode of ten', one%modal%modes%frequency(1), ten%modal%modes%frequency(1), relative=1e-11_dp)
   end subroutine one_mode
 
-  !> Motions that keep contact: without looking for what touches, and with; with the maps of the steps as
-  !> they were made before, and made anew.
+  !> Motions that keep contact: without looking for changes of contact, and with; with the propagators of the steps as
+  !> they were cached before, and made anew.
   subroutine no_contact_loss(t, case)
     type(tally_t), intent(inout) :: t
     type(case_t), intent(in) :: case
     type(study_t) :: study
-    type(table_t) :: table
-    type(maps_t) :: maps
-    type(period_t), dimension(lanes) :: map, held, free, anew
-    real(dp) :: duration(lanes), from(2, lanes)
+    type(period_map_t) :: map
+    type(period_t), dimension(batch_size) :: full, held, free, anew
+    real(dp) :: duration(batch_size), from(2, batch_size)
     logical :: solved
     integer :: l
 
     call study_of(t, case, study, 'mesh')
     associate (osc => study%motion(1))
-      call tabulate(osc, resolution_t(20.0_dp, 2), table)
-      duration = mesh_period(osc%mesh%teeth(1), [(3000 + 100.0_dp*l, l=1, lanes)])
+      call discretise(osc, resolution_t(20.0_dp, 2), map)
+      duration = mesh_period(osc%mesh%teeth(1), [(3000 + 100.0_dp*l, l=1, batch_size)])
       from = 0
-      call begin_maps(table, maps)
-      call hold_lanes(osc, table, lanes, duration, from, maps, map)
-      do l = 1, lanes
-        call newton_step(map(l)%map, map(l)%state, from(:, l), solved)
+      call set_durations(map, duration)
+      call run_full_contact(map, from, full)
+      do l = 1, batch_size
+        call newton_step(full(l)%monodromy, full(l)%state, from(:, l), solved)
       end do
-      call run_lanes(osc, table, duration, from, [(.false., l=1, lanes)], .true., maps, held)
-      call run_lanes(osc, table, duration, from, [(.true., l=1, lanes)], .true., maps, free)
-      call begin_maps(table, maps)
-      call run_lanes(osc, table, duration, from, [(.true., l=1, lanes)], .true., maps, anew)
+      call run_batch(map, from, [(.false., l=1, batch_size)], .true., held)
+      call run_batch(map, from, [(.true., l=1, batch_size)], .true., free)
+      call set_durations(map, duration)
+      call run_batch(map, from, [(.true., l=1, batch_size)], .true., anew)
     end associate
     call check_true(t, 'all pairs in contact', .not. any(held%partial .or. free%partial))
-    do l = 1, lanes
+    do l = 1, batch_size
       call check_close(t, 'largest load', held(l)%peak, free(l)%peak)
       call check_close(t, 'end of the period', held(l)%state(1), free(l)%state(1))
       call check_true(t, 'the same bits', all(abs(anew(l)%state - free(l)%state) <= 0) .and. anew(l)%peak <= free(l)%peak &
-                      .and. all(abs(anew(l)%map - map(l)%map) <= 0))
+                      .and. all(abs(anew(l)%monodromy - full(l)%monodromy) <= 0))
     end do
   end subroutine no_contact_loss
 

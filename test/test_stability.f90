@@ -2,14 +2,13 @@
 module test_stability
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_accuracy, only: mesh_period
-  use gearsweep_error, only: error_t
-  use gearsweep_motion, only: oscillator_t, make_oscillator
-  use gearsweep_piecewise, only: polynomial
+  use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
   use gearsweep_stability, only: stability_t, map_stability
   use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, contact_full
-  use gearsweep_text, only: str
   use gearsweep_tongues, only: tongue_t, find_tongues
+  use gearsweep_error, only: error_t
+  use gearsweep_piecewise, only: polynomial
+  use gearsweep_text, only: str
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none

@@ -5,12 +5,12 @@ module test_sweep
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_files, only: read_text
-  use gearsweep_motion, only: oscillator_t, make_oscillator
   use gearsweep_optimum, only: find_resonances, peak_t, worst_of
-  use gearsweep_steady, only: by_marching
+  use gearsweep_oscillator, only: oscillator_t, make_oscillator
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, contact_full, contact_lost
+  use gearsweep_transient, only: by_marching
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_study, only: study_t, run_study
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, contact_full, contact_lost
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_error, check_no_error
   implicit none

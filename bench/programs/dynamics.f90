@@ -24,10 +24,10 @@ program dynamics
   use bench_problem, only: problem_t, read_problem, write_problem
   use bench_tools, only: word, number, real_number, seconds, median, check, numbers
   use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
-  use gearsweep_gauss, only: lanes
-  use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: by_shooting, by_marching
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_sweep, only: contact_full
+  use gearsweep_transient, only: by_shooting, by_marching
   implicit none
 
   type(problem_t) :: problem
@@ -147,7 +147,7 @@ contains
       call check(error)
     end do
     ! A whole and a half for eight points at once: a bound, as other rungs may have been tried.
-    print numbers, median(taken), count(sweep%contact /= contact_full), 1.5_dp*sum(sweep%steps)/lanes, &
+    print numbers, median(taken), count(sweep%contact /= contact_full), 1.5_dp*sum(sweep%steps)/batch_size, &
       table_time(osc, sweep%steps)
   end subroutine time_part
 

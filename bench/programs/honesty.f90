@@ -10,7 +10,10 @@ program honesty
   use bench_problem, only: write_problem
   use bench_tools, only: word, number, check, numbers
   use gearsweep, only: dp, error_t, oscillator_t, run_sweep, sweep_t, sweep_options_t, each
-  use gearsweep_accuracy, only: accuracy_t, point_t, tables_t, solve_point, mesh_period
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_operating_point, only: solve_point
+  use gearsweep_oscillator, only: mesh_period
+  use gearsweep_refinement, only: levels_t
   use gearsweep_kinds, only: pi
   use gearsweep_status, only: has_result
   use random_meshes, only: draw_t, random_mesh
@@ -45,7 +48,7 @@ contains
       reshape(pack(start, spread(known, 1, 2)), [2, count(known)]))
     associate (osc => draw%osc, mesh => draw%osc%mesh)
       do k = 1, size(draw%rpm)
-        write (error_unit, numbers) i, mesh%contact_ratio, mesh%profile_error%value(0.0_dp)/osc%static_scale, &
+        write (error_unit, numbers) i, mesh%contact_ratio, mesh%profile_error%value(0.0_dp)/osc%static_deflection, &
           osc%damping_ratio, draw%rpm(k)*mesh%teeth(1)/60*2*pi/osc%natural_frequency, draw%tolerance, sweep%status(k, 1), &
           sweep%contact(k, 1), sweep%periods(k, 1), sweep%dynamic_factor(k, 1), sweep%estimate(k, 1), merge(1, 0, known(k))
       end do
@@ -63,7 +66,7 @@ contains
     logical, allocatable, intent(out) :: known(:)
     integer, parameter :: tries = 8
     type(accuracy_t) :: options
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: tables
     type(point_t) :: point
     real(dp) :: duration
     integer :: k, try
@@ -74,14 +77,14 @@ contains
       if (.not. has_result(sweep%status(k, 1)) .or. sweep%periods(k, 1) > 1) cycle
       duration = mesh_period(osc%mesh%teeth(1), sweep%rpm(k))
       do try = 1, tries
-        tables = tables_t()
+        tables = levels_t()
         options%steady%tolerance = tolerance/10.0_dp**(try - 1)
         call solve_point(osc, duration, options, tables, point)
         known(k) = has_result(point%steady%status) .and. point%steady%periods == 1 .and. &
                    abs(point%dynamic_factor - sweep%dynamic_factor(k, 1)) < 1e-3_dp
         if (known(k)) exit
       end do
-      start(:, k) = point%steady%state/osc%static_scale/[1.0_dp, osc%natural_frequency*duration]
+      start(:, k) = point%steady%state/osc%static_deflection/[1.0_dp, osc%natural_frequency*duration]
     end do
   end subroutine find_motions
 end program honesty

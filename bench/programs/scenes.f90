@@ -9,14 +9,16 @@ program scenes
   use bench_tools, only: word, seconds, median, check
   use gearsweep, only: dp, case_t, disc_t, study_t, oscillator_t, error_t, pair_t, read_case, run_study, &
                        fe_options_t, fe_stiffness
-  use gearsweep_accuracy, only: mesh_period
+  use gearsweep_coefficients, only: resolution_t
+  use gearsweep_contact_set, only: period_t
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_oscillator, only: mesh_period
+  use gearsweep_period, only: run_batch
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
+  use gearsweep_periodic_orbit, only: newton_step
   use gearsweep_case, only: speeds, task_names
   use gearsweep_files, only: read_text
-  use gearsweep_gauss, only: lanes
-  use gearsweep_motion, only: table_t, resolution_t, tabulate
-  use gearsweep_orbit, only: newton_step
   use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_period, only: period_t, maps_t, begin_maps, run_lanes, hold_lanes
   implicit none
 
   !> Numbers of a scene, and by how much they may be off; 0: not a bit.
@@ -36,9 +38,8 @@ program scenes
   type(oscillator_t), allocatable :: osc(:)
   type(piecewise_t) :: stiffness
   type(pair_t) :: pair
-  type(table_t) :: table
-  type(maps_t) :: maps
-  real(dp) :: duration(lanes)
+  type(period_map_t) :: map
+  real(dp) :: duration(batch_size)
 
   call get_case(word(1), prescribed)
   call get_case(word(2), pair_case)
@@ -85,8 +86,8 @@ contains
     call run(case, ['mesh'], study)
     osc = study%motion
     all = speeds(case)
-    duration = mesh_period(osc(1)%mesh%teeth(1), [(all(160 + l), l=1, lanes)])
-    call tabulate(osc(1), resolution_t(16.0_dp, 2), table)
+    duration = mesh_period(osc(1)%mesh%teeth(1), [(all(160 + l), l=1, batch_size)])
+    call discretise(osc(1), resolution_t(16.0_dp, 2), map)
     call run(pair_case, ['mesh'], study)
     stiffness = study%mesh%stiffness
     pair = study%pair
@@ -227,24 +228,24 @@ contains
   end subroutine no_coast
 
   !> Eight speeds with all pairs in contact: period map, then the motion with or without making the
-  !> steps' maps again.
+  !> steps' propagators again.
   subroutine no_loss(full, answer)
     logical, intent(in) :: full
     type(answer_t), intent(out) :: answer
-    type(period_t) :: one(lanes)
-    real(dp) :: from(2, lanes)
-    logical :: solved, open(lanes)
+    type(period_t) :: one(batch_size)
+    real(dp) :: from(2, batch_size)
+    logical :: solved, open(batch_size)
     integer :: l
 
     open = .true.
     from = 0
-    call begin_maps(table, maps)
-    call hold_lanes(osc(1), table, lanes, duration, from, maps, one)
-    do l = 1, lanes
-      call newton_step(one(l)%map, one(l)%state, from(:, l), solved)
+    call set_durations(map, duration)
+    call run_full_contact(map, from, one)
+    do l = 1, batch_size
+      call newton_step(one(l)%monodromy, one(l)%state, from(:, l), solved)
     end do
-    if (full) call begin_maps(table, maps)
-    call run_lanes(osc(1), table, duration, from, open, .true., maps, one)
+    if (full) call set_durations(map, duration)
+    call run_batch(map, from, open, .true., one)
     if (any(one%partial)) error stop 'no_loss: a pair parts'
     answer = exact([one%peak])
   end subroutine no_loss

@@ -4,10 +4,10 @@ module bench_cost
   use bench_problem, only: problem_t
   use bench_tools, only: check, median, numbers, seconds
   use gearsweep, only: dp, error_t, make_oscillator, oscillator_t, run_sweep, sweep_t, sweep_options_t
-  use gearsweep_motion, only: resolution_t, table_t, tabulate
-  use gearsweep_steady, only: by_marching, by_shooting
-  use gearsweep_status, only: has_result
+  use gearsweep_coefficients, only: resolution_t, coefficients_t, tabulate
   use gearsweep_sweep, only: contact_full, each
+  use gearsweep_transient, only: by_marching, by_shooting
+  use gearsweep_status, only: has_result
   implicit none
   private
   public :: cost_over_speeds, cost_over_damping, table_time
@@ -208,7 +208,7 @@ contains
   real(dp) function table_time(osc, steps) result(total)
     type(oscillator_t), intent(in) :: osc(:)
     integer, intent(in) :: steps(:, :)
-    type(table_t) :: table
+    type(coefficients_t) :: table
     real(dp) :: from
     integer :: i, k
 

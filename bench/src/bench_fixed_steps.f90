@@ -5,7 +5,7 @@
 module bench_fixed_steps
   use bench_step_table, only: step_table_t, tabulate
   use gearsweep_kinds, only: dp
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   implicit none
   private
@@ -59,7 +59,7 @@ contains
     associate (zeta => osc%damping_ratio)
       decay = exp(-osc%natural_frequency*duration*(zeta - sqrt(max(0.0_dp, zeta**2 - 1))))
     end associate
-    state = [osc%static_scale, 0.0_dp]
+    state = [osc%static_deflection, 0.0_dp]
     do period = 1, most_periods
       before = state
       call run_period(osc, table, duration, method, exact, state, peak)
@@ -82,8 +82,8 @@ contains
     real(dp) :: state(2), next(2), shifted(2), a(2, 2), defect(2), move(2), unit(2), moved, peak
     integer :: iteration, i
 
-    unit = 1e-4_dp*osc%static_scale*[1.0_dp, osc%natural_frequency*duration]
-    state = [osc%static_scale, 0.0_dp]
+    unit = 1e-4_dp*osc%static_deflection*[1.0_dp, osc%natural_frequency*duration]
+    state = [osc%static_deflection, 0.0_dp]
     do iteration = 1, most_iterations
       next = state
       call run_period(osc, table, duration, method, exact, next, peak)
@@ -110,7 +110,7 @@ contains
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration, difference(2)
 
-    distance = max(abs(difference(1)), abs(difference(2))/(osc%natural_frequency*duration))/osc%static_scale
+    distance = max(abs(difference(1)), abs(difference(2))/(osc%natural_frequency*duration))/osc%static_deflection
   end function distance
 
   pure real(dp) function bounded(osc, moved, peak)

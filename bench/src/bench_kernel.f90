@@ -1,7 +1,7 @@
 !> How fast the sweep's innermost procedure is, beside what a core can do at best in the same build.
 module bench_kernel
   use bench_tools, only: seconds, median
-  use gearsweep_gauss, only: collocate, lanes
+  use gearsweep_gauss, only: collocate, batch_size
   use gearsweep_kinds, only: dp
   implicit none
   private
@@ -11,13 +11,13 @@ module bench_kernel
 
 contains
 
-  !> Operations a second of `collocate` for all lanes, its data in the nearest cache; `call_time` in seconds.
+  !> Operations a second of `collocate` for a whole batch, its data in the nearest cache; `call_time` in seconds.
   subroutine collocation_rate(rate, call_time)
     real(dp), intent(out) :: rate, call_time
     !> Additions, multiplications and the division for one motion, as they stand in the source.
     integer, parameter :: operations = 138, calls = 20000
-    real(dp), dimension(lanes, 3) :: square, drag, push
-    real(dp) :: map(lanes, 6), taken(rounds), from
+    real(dp), dimension(batch_size, 3) :: square, drag, push
+    real(dp) :: map(batch_size, 6), taken(rounds), from
     integer :: i, k
 
     call random_number(square)
@@ -26,14 +26,14 @@ contains
     do k = 1, rounds
       from = seconds()
       do i = 1, calls
-        call collocate(lanes, square, drag, push, map)
+        call collocate(batch_size, square, drag, push, map)
         ! Each call waits for the last one's answer, as in a sweep.
         push(:, 1) = 0.5_dp*map(:, 5)
       end do
       taken(k) = seconds() - from
     end do
     call_time = minval(taken)/calls
-    rate = operations*lanes/call_time
+    rate = operations*batch_size/call_time
   end subroutine collocation_rate
 
   !> The most multiplications and additions a second that a loop over registers reaches.

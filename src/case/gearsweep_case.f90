@@ -6,7 +6,7 @@ module gearsweep_case
   use gearsweep_root_rating, only: root_options_t
   use gearsweep_section, only: section_options_t
   use gearsweep_relief, only: linear
-  use gearsweep_accuracy, only: accuracy_t
+  use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_sweep, only: up
   implicit none
   private

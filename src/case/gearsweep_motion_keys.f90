@@ -4,8 +4,8 @@ module gearsweep_motion_keys
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_steady, only: by_marching, by_shooting
   use gearsweep_sweep, only: down, each, up
+  use gearsweep_transient, only: by_marching, by_shooting
   use gearsweep_uses, only: with_motion
   implicit none
   private

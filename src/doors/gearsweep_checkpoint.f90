@@ -6,16 +6,16 @@
 !> state as hexadecimal words. The last line has a checksum of all before it.
 module gearsweep_checkpoint
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_accuracy, only: point_t
+  use gearsweep_error_estimate, only: point_t
+  use gearsweep_optimum, only: most_tried
+  use gearsweep_sweep, only: sweep_state_t
+  use gearsweep_sweep_state, only: begin_state
   use gearsweep_case, only: case_t, speeds
   use gearsweep_error, only: error_t, fail, code_file
   use gearsweep_file_set, only: file_set_t
   use gearsweep_files, only: beside, read_text
   use gearsweep_lines, only: lines_t
-  use gearsweep_optimum, only: most_tried
   use gearsweep_study, only: record_t
-  use gearsweep_sweep, only: sweep_state_t
-  use gearsweep_sweep_state, only: begin_state
   use gearsweep_text, only: str
   use gearsweep_version, only: version
   implicit none

@@ -17,8 +17,8 @@ subroutine gs_stability(text, nwork, work, speeds, rpm, dampings, damping_ratio,
   use gearsweep_case, only: case_t
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_stability, only: map_stability, stability_t
-  use gearsweep_study, only: study_t
   use gearsweep_tongues, only: find_tongues, tongue_t
+  use gearsweep_study, only: study_t
   implicit none
   character(*), intent(in) :: text
   integer, intent(in) :: nwork, speeds, dampings, tongues
@@ -76,14 +76,14 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
                      change_factor, change_status, change_periods, dynamic_factor, estimate, status, contact, &
                      floquet_modulus, periods, x_um, v_mm_s, info, message)
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use gearsweep_accuracy, only: mesh_period
+  use gearsweep_continuation, only: branch_t, branch_options_t, follow_branch
+  use gearsweep_oscillator, only: mesh_period
+  use gearsweep_sweep, only: contact_of
   use gearsweep_border, only: begin_call, need_between, need_order, need_room, open_case, run_case, tell
-  use gearsweep_branches, only: branch_t, follow_branch
   use gearsweep_case, only: case_t
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_status, only: has_result
   use gearsweep_study, only: study_t
-  use gearsweep_sweep, only: contact_of
   implicit none
   character(*), intent(in) :: text
   integer, intent(in) :: nwork, relief, speeds, room
@@ -113,7 +113,7 @@ subroutine gs_follow(text, nwork, work, relief, speeds, rpm, jump, closeness, ro
   if (.not. allocated(error)) call need_between('relief', [dble(relief)], 1d0, dble(size(case%amount)), error)
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
-    call follow_branch(study%motion(relief), rpm, case%accuracy, jump, closeness, branch)
+    call follow_branch(study%motion(relief), rpm, branch_options_t(case%accuracy, jump, closeness), branch)
     if (branch%lacks) call fail(error, code_memory, 'speeds: the memory does not hold the motions')
   end if
   if (.not. allocated(error)) then
@@ -168,7 +168,7 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_
   use gearsweep_border, only: begin_call, need_between, open_case, run_case, tell
   use gearsweep_case, only: case_t
   use gearsweep_error, only: code_memory, error_t, fail
-  use gearsweep_strobe, only: strobe_motion, strobe_t
+  use gearsweep_poincare, only: sample_section, section_points_t
   use gearsweep_study, only: study_t
   implicit none
   character(*), intent(in) :: text
@@ -183,7 +183,7 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_
   type(case_t) :: case
   type(study_t) :: study
   type(error_t), allocatable :: error
-  type(strobe_t) :: strobe
+  type(section_points_t) :: strobe
   logical :: at_rest
 
   call begin_call()
@@ -197,9 +197,9 @@ subroutine gs_strobe(text, nwork, work, relief, speeds, rpm, start_um, start_mm_
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
     if (at_rest) then
-      call strobe_motion(study%motion(relief), rpm, settle, keep, strobe)
+      call sample_section(study%motion(relief), rpm, settle, keep, strobe)
     else
-      call strobe_motion(study%motion(relief), rpm, settle, keep, strobe, [1d-6*start_um, 1d-3*start_mm_s])
+      call sample_section(study%motion(relief), rpm, settle, keep, strobe, [1d-6*start_um, 1d-3*start_mm_s])
     end if
     if (strobe%lacks) call fail(error, code_memory, 'speeds, keep: the memory does not hold the motions')
   end if

@@ -4,7 +4,11 @@ module gearsweep_study
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: code_memory, error_t, fail
-  use gearsweep_accuracy, only: point_t
+  use gearsweep_error_estimate, only: point_t
+  use gearsweep_optimum, only: optimum_t, find_optimum, most_sweeps, most_tried, peak_t, find_resonances
+  use gearsweep_oscillator, only: oscillator_t, make_oscillator
+  use gearsweep_response, only: response_t, find_response
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_case, only: case_t, speed_count, speeds
   use gearsweep_disc, only: disc_t
@@ -13,12 +17,9 @@ module gearsweep_study
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_modal, only: modal_t, section_modes
-  use gearsweep_motion, only: oscillator_t, make_oscillator
-  use gearsweep_optimum, only: optimum_t, find_optimum, most_sweeps, most_tried, peak_t, find_resonances
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_published, only: published_t, read_published
-  use gearsweep_response, only: response_t, find_response
   use gearsweep_root_rating, only: root_rating_t, rate_root
   use gearsweep_section, only: section_t, make_section
   use gearsweep_section_body, only: section_body_t, make_two_grids
@@ -26,7 +27,6 @@ module gearsweep_study
   use gearsweep_stages, only: build_mesh, build_pair, deepest_relief, find_load, relieve
   use gearsweep_status, only: status_stopped
   use gearsweep_stop, only: wants_stop
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   use gearsweep_text, only: str
   implicit none
   private

@@ -4,7 +4,7 @@ module gearsweep_optimum
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_error, only: error_t
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: status_stopped
   use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   implicit none
@@ -12,16 +12,16 @@ module gearsweep_optimum
   public :: peak_t, find_resonances, worst_of, optimum_t, find_optimum, build_motion
 
   type :: peak_t
-    real(dp) :: rpm = 0
+    real(dp) :: rpm = 0                          !< speed of the pinion, 1/min
     real(dp) :: dynamic_factor = 0
   end type peak_t
 
   !> The curve of the worst dynamic factor over the relief (ascending), and its least.
   type :: optimum_t
-    real(dp), allocatable :: amount(:)           !< m
-    real(dp), allocatable :: dynamic_factor(:)   !< largest over the speeds
-    real(dp), allocatable :: rpm(:)              !< where that is
-    integer, allocatable :: failed(:)            !< speeds without an answer
+    real(dp), allocatable :: amount(:)           !< of the relief, m; (relief)
+    real(dp), allocatable :: dynamic_factor(:)   !< largest over the speeds; (relief)
+    real(dp), allocatable :: rpm(:)              !< where that is, 1/min; (relief)
+    integer, allocatable :: failed(:)            !< speeds without a result; (relief)
     integer :: best = 0                          !< index of the least; 0 where every one failed
     real(dp) :: resolution = 0                   !< the best lies within so much of the true optimum, m
     logical :: stopped = .false.                 !< the caller ended the search: the curve is not whole
@@ -51,7 +51,8 @@ contains
   !> Maxima of a curve that stand out by at least 0.01 on both sides, at most
   !> five of the largest, by speed; a parabola through three points refines each.
   pure function find_resonances(rpm, dynamic_factor) result(peaks)
-    real(dp), intent(in) :: rpm(:), dynamic_factor(:)
+    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, ascending, 1/min
+    real(dp), intent(in) :: dynamic_factor(:)    !< at each; NaN where there is none
     type(peak_t), allocatable :: peaks(:)
     real(dp), parameter :: prominence = 0.01_dp
     integer, parameter :: most = 5
@@ -106,7 +107,8 @@ contains
   !> Largest dynamic factor of a curve and its speed; NaN is passed over, and
   !> comes back with speed 0 where there is nothing else.
   pure type(peak_t) function worst_of(rpm, dynamic_factor)
-    real(dp), intent(in) :: rpm(:), dynamic_factor(:)
+    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
+    real(dp), intent(in) :: dynamic_factor(:)    !< at each
     integer :: i
 
     worst_of = peak_t(0, -1)
@@ -117,18 +119,18 @@ contains
     if (worst_of%rpm <= 0) worst_of%dynamic_factor = ieee_value(1.0_dp, ieee_quiet_nan)
   end function worst_of
 
-  !> The relief between 0 and `largest` (m) whose worst dynamic factor over
-  !> `rpm` is least: a scan, then ever finer scans around the best one, which
-  !> ask nothing of the curve's smoothness. Where the caller ends it, another call with the same `states`, one for
-  !> each sweep, goes on from there.
+  !> The relief whose worst dynamic factor over the speeds is least: a scan, then ever finer scans around the best one,
+  !> which ask nothing of the curve's smoothness.
   subroutine find_optimum(build, context, largest, rpm, options, optimum, error, progress, states)
-    procedure(build_motion) :: build
-    class(*), intent(in) :: context
-    real(dp), intent(in) :: largest, rpm(:)
+    procedure(build_motion) :: build                       !< makes the oscillator of a relief
+    class(*), intent(in) :: context                        !< for `build`
+    real(dp), intent(in) :: largest                        !< reliefs from 0 to this are searched, m
+    real(dp), intent(in) :: rpm(:)                         !< speeds of the pinion, ascending, 1/min
     type(sweep_options_t), intent(in) :: options
     type(optimum_t), intent(out) :: optimum
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
+    !> One for each sweep: with them, another call goes on from where this one was ended.
     type(sweep_state_t), intent(inout), optional :: states(most_sweeps)
     type(sweep_options_t) :: rough
     real(dp) :: low, high

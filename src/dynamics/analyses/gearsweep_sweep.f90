@@ -1,17 +1,18 @@
 !> Many operating points: speeds times reliefs, in parallel. The work is split
-!> the same way for any number of threads, so the bits of the answer are the same.
+!> the same way for any number of threads, so that the results have the same bits.
 module gearsweep_sweep
   use gearsweep_kinds, only: dp
   use, intrinsic :: iso_c_binding, only: c_ptr
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use gearsweep_error, only: error_t, fail, code_memory
-  use gearsweep_motion, only: oscillator_t
-  use gearsweep_steady, only: steady_t
+  use gearsweep_error_estimate, only: point_t
+  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_periodic_orbit, only: steady_t
+  use gearsweep_refinement, only: forget_levels, levels_t
   use gearsweep_status, only: has_result, status_stopped
-  use gearsweep_accuracy, only: tables_t, point_t
   use gearsweep_sweep_state, only: begin_state, counter_t, down, each, find_final, fits, progress_of_sweep, sweep_options_t, &
                                    sweep_state_t, units_done, up
-  use gearsweep_sweep_work, only: follow_branch, keep_points, solve_block
+  use gearsweep_sweep_work, only: continue_sweep, keep_points, solve_block
   use gearsweep_memory, only: claim_memory, settle_memory, team_of
   use gearsweep_text, only: str
   use gearsweep_traps, only: leader_traps, share_traps
@@ -19,38 +20,37 @@ module gearsweep_sweep
   private
   public :: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep, contact_of, each, up, down
 
-  !> Answers; first index speed, second relief. NaN where there is none.
+  !> Results; NaN where there is none. First index speed, second relief.
   type :: sweep_t
     real(dp), allocatable :: rpm(:)
     real(dp), allocatable :: dynamic_factor(:, :)
     real(dp), allocatable :: estimate(:, :)      !< error of the dynamic factor
     real(dp), allocatable :: multiplier(:, :)    !< largest Floquet modulus
     real(dp), allocatable :: residual(:, :)      !< of periodicity, in static deflections
-    integer, allocatable :: status(:, :)         !< status_ok ... of gearsweep_steady
+    integer, allocatable :: status(:, :)         !< status_ok ... of gearsweep_status
     integer, allocatable :: contact(:, :)        !< contact_full ... below
-    integer, allocatable :: steps(:, :)          !< a period
+    integer, allocatable :: steps(:, :)          !< of a period
     integer, allocatable :: periods(:, :)        !< mesh periods until the motion repeats
     type(point_t), allocatable :: kept(:, :)     !< at the speeds to keep
   end type sweep_t
 
   integer, parameter, public :: contact_full = 0, contact_partial = 1, contact_lost = 2, contact_coast = 3
 
-  !> More points than this are refused: 1 GB of answers.
+  !> More points than this are refused: 1 GB of results.
   integer, parameter, public :: most_points = 10**7
 
 contains
 
-  !> Dynamic factors of `osc` (one for each relief) at the pinion speeds `rpm`
-  !> (ascending, 1/min). A point that fails is marked and does not end the sweep. Where the caller ends it,
-  !> the points that are left have the status `stopped`; with the same `state`, another call goes on from there.
+  !> Dynamic factors over speeds and reliefs. A point that fails is marked and does not end the sweep. Where the caller
+  !> ends it, the points that are left have the status `stopped`.
   subroutine run_sweep(osc, rpm, options, sweep, error, progress, state)
-    type(oscillator_t), intent(in) :: osc(:)
-    real(dp), intent(in) :: rpm(:)
+    type(oscillator_t), intent(in) :: osc(:)                   !< one for each relief
+    real(dp), intent(in) :: rpm(:)                             !< speeds of the pinion, ascending, 1/min
     type(sweep_options_t), intent(in) :: options
     type(sweep_t), intent(out) :: sweep
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(out) :: error           !< too many points, or too little memory
     procedure(progress_of_sweep), optional :: progress
-    type(sweep_state_t), intent(inout), optional :: state
+    type(sweep_state_t), intent(inout), optional :: state      !< with it, another call goes on from where this one was ended
     type(sweep_state_t) :: own
     integer :: kept
 
@@ -75,7 +75,7 @@ contains
     type(sweep_state_t), intent(inout) :: state
     type(error_t), allocatable, intent(inout) :: error
     procedure(progress_of_sweep), optional :: progress
-    type(tables_t), allocatable :: tables
+    type(levels_t), allocatable :: levels
     type(counter_t) :: counter
     integer, allocatable :: open(:)              ! blocks of each relief
     integer :: i, relief, left
@@ -95,26 +95,26 @@ contains
     lacks = .false.
     traps = leader_traps()
     !$omp parallel default(none) shared(osc, rpm, options, sweep, state, open, counter, lacks, traps) &
-    !$omp private(tables, relief, left) num_threads(team(options%threads, size(state%blocks)))
+    !$omp private(levels, relief, left) num_threads(team(options%threads, size(state%blocks)))
     call share_traps(traps, 1)
     relief = 0
     !$omp do schedule(dynamic, 1)
     do i = 1, size(state%blocks)
-      if (state%blocks(i)%relief /= relief) call forget(tables)
+      if (state%blocks(i)%relief /= relief) call forget_levels(levels)
       relief = state%blocks(i)%relief
-      call solve_block(osc(relief), rpm, options, state%blocks(i), counter, tables, state%points(:, relief), &
+      call solve_block(osc(relief), rpm, options, state%blocks(i), counter, levels, state%points(:, relief), &
                        state%solved(:, relief))
       !$omp atomic capture seq_cst
       open(relief) = open(relief) - 1
       left = open(relief)
       !$omp end atomic
       ! Who solves the last block of a relief goes on with it, while others work.
-      if (left == 0) call finish_relief(osc(relief), rpm, options, relief, counter, tables, state, sweep)
+      if (left == 0) call finish_relief(osc(relief), rpm, options, relief, counter, levels, state, sweep)
     end do
     !$omp end do
-    if (allocated(tables)) then
+    if (allocated(levels)) then
       !$omp critical (gearsweep_lack)
-      lacks = lacks .or. tables%lacks
+      lacks = lacks .or. levels%lacks
       !$omp end critical (gearsweep_lack)
     end if
     call settle_memory()
@@ -125,32 +125,23 @@ contains
   end subroutine go_through
 
   !> Follows the branch of a relief whose blocks are solved, and hands its points out.
-  subroutine finish_relief(osc, rpm, options, relief, counter, tables, state, sweep)
+  subroutine finish_relief(osc, rpm, options, relief, counter, levels, state, sweep)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
     type(sweep_options_t), intent(in) :: options
     integer, intent(in) :: relief
     type(counter_t), intent(inout) :: counter
-    type(tables_t), intent(inout) :: tables
+    type(levels_t), intent(inout) :: levels
     type(sweep_state_t), intent(inout) :: state
     type(sweep_t), intent(inout) :: sweep
     logical, allocatable :: final(:)
 
     if (options%direction /= each .and. all(state%blocks%grouped == state%blocks%last .or. state%blocks%relief /= relief)) &
-      call follow_branch(osc, rpm, options, counter, tables, state%points(:, relief), state%solved(:, relief), &
-                         state%followed(relief), state%pace(relief))
+      call continue_sweep(osc, rpm, options, relief, counter, levels, state)
     call find_final(state, options%direction, relief, final)
     call store(state%points(:, relief), final, relief, sweep)
-    call keep_points(osc, rpm, options, tables, state%points(:, relief), final, sweep%kept(:, relief))
+    call keep_points(osc, rpm, options, levels, state%points(:, relief), final, sweep%kept(:, relief))
   end subroutine finish_relief
-
-  !> Tables of another relief keep their room.
-  subroutine forget(tables)
-    type(tables_t), allocatable, intent(inout) :: tables
-
-    if (.not. allocated(tables)) allocate (tables)
-    tables%made = .false.
-  end subroutine forget
 
   integer function team(threads, blocks)
     !$ use omp_lib, only: omp_get_max_threads
@@ -171,7 +162,7 @@ contains
     points = real(speeds, dp)*reliefs
     if (points > most_points) call fail(error, code_memory, '&sweep: '//str(speeds)//' speeds times '//str(reliefs)// &
                                         ' reliefs are too many points; at most '//str(most_points))
-    ! Answers and work, copies of one relief's points as they are stored, and the blocks.
+    ! Results and work, copies of one relief's points as they are stored, and the blocks.
     call claim_memory((points + 2*speeds + kept*real(reliefs, dp))*(60 + storage_size(point)/8), &
                       '&sweep: '//str(speeds)//' speeds times '//str(reliefs)//' reliefs', error)
   end subroutine claim_points
@@ -189,20 +180,20 @@ contains
     sweep%rpm = rpm
   end subroutine allocate_sweep
 
-  !> What is not final has no answer, and nothing is known of it.
+  !> What is not final has no result, and nothing is known of it.
   subroutine store(points, final, relief, sweep)
     type(point_t), intent(in) :: points(:)
     logical, intent(in) :: final(:)
     integer, intent(in) :: relief
     type(sweep_t), intent(inout) :: sweep
     real(dp) :: none
-    logical, allocatable :: answered(:)
+    logical, allocatable :: found(:)
 
     none = ieee_value(1.0_dp, ieee_quiet_nan)
-    answered = final .and. has_result(points%steady%status)
+    found = final .and. has_result(points%steady%status)
     associate (steady => points%steady)
-      sweep%dynamic_factor(:, relief) = merge(points%dynamic_factor, none, answered)
-      sweep%estimate(:, relief) = merge(points%estimate, none, answered)
+      sweep%dynamic_factor(:, relief) = merge(points%dynamic_factor, none, found)
+      sweep%estimate(:, relief) = merge(points%estimate, none, found)
       sweep%multiplier(:, relief) = merge(steady%multiplier, none, final)
       sweep%residual(:, relief) = merge(steady%residual, none, final)
       sweep%status(:, relief) = merge(steady%status, status_stopped, final)
@@ -212,12 +203,13 @@ contains
     end associate
   end subroutine store
 
+  !> What contact there was over the period: contact_full ... of this module.
   elemental integer function contact_of(steady) result(contact)
     type(steady_t), intent(in) :: steady
 
     contact = contact_full
     if (steady%partial) contact = contact_partial
-    if (steady%flight) contact = contact_lost
+    if (steady%lost) contact = contact_lost
     if (steady%coast) contact = contact_coast
   end function contact_of
 end module gearsweep_sweep

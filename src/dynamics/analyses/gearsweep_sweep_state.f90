@@ -2,7 +2,7 @@
 module gearsweep_sweep_state
   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_accuracy, only: accuracy_t, point_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp
   use gearsweep_stop, only: wants_stop
   implicit none
@@ -25,15 +25,15 @@ module gearsweep_sweep_state
   !> Speeds first to last of one relief, and how far they are solved.
   type :: block_t
     integer :: relief = 0, first = 1, last = 0
-    integer :: grouped = 0                       !< last speed that has been through the lanes
-    integer :: single = 0                        !< last speed that is solved, or was by the lanes, with `each`
-    real(dp) :: pace = 0                         !< steps a second wanted there
+    integer :: grouped = 0                       !< last speed that has been through a batch
+    integer :: single = 0                        !< last speed that is solved, by itself or in a batch, with `each`
+    real(dp) :: pace = 0                         !< steps per second needed there
   end type block_t
 
   type :: sweep_state_t
     type(block_t), allocatable :: blocks(:)
     integer, allocatable :: followed(:)          !< of each relief, speeds that the branch has passed
-    real(dp), allocatable :: pace(:)             !< of each relief, steps a second wanted there
+    real(dp), allocatable :: pace(:)             !< of each relief, steps per second needed there
     type(point_t), allocatable :: points(:, :)   !< speed, relief
     logical, allocatable :: solved(:, :)         !< by itself, without regard to the speeds beside it
   end type sweep_state_t
@@ -59,7 +59,7 @@ contains
 
   !> A sweep that has not begun.
   pure subroutine begin_state(speeds, reliefs, state)
-    integer, intent(in) :: speeds, reliefs
+    integer, intent(in) :: speeds, reliefs       !< how many
     type(sweep_state_t), intent(out) :: state
 
     state%blocks = make_blocks(speeds, reliefs)
@@ -72,7 +72,7 @@ contains
   !> Is this the state of a sweep of so many speeds and reliefs?
   pure logical function fits(state, speeds, reliefs)
     type(sweep_state_t), intent(in) :: state
-    integer, intent(in) :: speeds, reliefs
+    integer, intent(in) :: speeds, reliefs       !< how many
 
     fits = allocated(state%points)
     if (fits) fits = all(shape(state%points) == [speeds, reliefs])
@@ -99,17 +99,19 @@ contains
     end do
   end function make_blocks
 
+  !> Does the caller want the sweep to end?
   logical function is_stopped(options)
     type(sweep_options_t), intent(in) :: options
 
     is_stopped = wants_stop(options%accuracy%steady%stop)
   end function is_stopped
 
-  !> The points of one relief that have their answer.
+  !> The points of one relief that are done.
   pure subroutine find_final(state, direction, relief, final)
     type(sweep_state_t), intent(in) :: state
-    integer, intent(in) :: direction, relief
-    logical, allocatable, intent(out) :: final(:)
+    integer, intent(in) :: direction                       !< each, up or down
+    integer, intent(in) :: relief                          !< which
+    logical, allocatable, intent(out) :: final(:)          !< (speed)
 
     final = state%solved(:, relief)
     if (direction == each) return
@@ -120,9 +122,10 @@ contains
     end associate
   end subroutine find_final
 
+  !> How many halves of points are done, as `counter_t` counts them.
   pure integer(int64) function units_done(state, direction) result(units)
     type(sweep_state_t), intent(in) :: state
-    integer, intent(in) :: direction
+    integer, intent(in) :: direction                       !< each, up or down
 
     if (direction == each) then
       units = 2*count(state%solved, kind=int64)

@@ -1,7 +1,7 @@
 !> The parametric tongues: the speeds between which the motion with all pairs in contact repels, at any
 !> damping, and the damping that closes them.
 !>
-!> Over the duration T of the mesh period, the trace of the disturbance's map (see gearsweep_stability)
+!> Over the duration T of the mesh period, the trace of the monodromy matrix (see gearsweep_stability)
 !> falls from 2 and then swings between extremes of both signs that, without damping, are never below 2
 !> in size: the n-th is the middle of tongue n. Near it a real multiplier of sign (-1)^n lies beyond 1
 !> where (-1)^n trace > 1 + determinant.
@@ -9,10 +9,9 @@
 module gearsweep_tongues
   use gearsweep_kinds, only: dp, pi
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use gearsweep_accuracy, only: mesh_period
   use gearsweep_error, only: error_t, fail, code_memory, code_numerical
-  use gearsweep_gauss, only: lanes
-  use gearsweep_motion, only: oscillator_t
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_stability, only: hill_t, make_hill, disturb
   use gearsweep_text, only: str
   implicit none
@@ -21,8 +20,8 @@ module gearsweep_tongues
 
   type :: tongue_t
     real(dp) :: closing_damping = 0              !< damping ratio from which it is closed; NaN: above 1
-    real(dp) :: closing_rpm = 0                  !< where its last point is
-    real(dp), allocatable :: edge(:, :)          !< lower and upper speed (1/min) at each damping; NaN: closed
+    real(dp) :: closing_rpm = 0                  !< speed (1/min) of its last point
+    real(dp), allocatable :: edge(:, :)          !< lower and upper speed (1/min), NaN: closed; (2, damping ratio)
   end type tongue_t
 
   !> One tongue while it is looked for: durations at which its neighbours are, and its sign.
@@ -36,12 +35,11 @@ module gearsweep_tongues
 
 contains
 
-  !> The first tongues, from the highest speed on, one for each element of `tongues`; their edges at the
-  !> damping ratios `damping`. Excesses are known to some 1e-12.
+  !> The first tongues, from the highest speed on. Excesses are known to some 1e-12.
   subroutine find_tongues(osc, damping, tongues, error)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: damping(:)
-    type(tongue_t), intent(out) :: tongues(:)
+    real(dp), intent(in) :: damping(:)           !< damping ratios at which the edges are wanted
+    type(tongue_t), intent(out) :: tongues(:)    !< as many as there are elements
     type(error_t), allocatable, intent(out) :: error
     type(hill_t) :: hill
     type(search_t) :: search
@@ -50,7 +48,7 @@ contains
     integer :: n
 
     if (size(tongues) == 0) return
-    ! Extremes are a half turn of the natural motion apart, give or take.
+    ! Extremes are about half a cycle of the natural motion apart.
     call make_hill(osc, 2*pi*(size(tongues) + 2)/osc%natural_frequency, [0.0_dp], 1e-6_dp, hill, resolved)
     if (resolved) call find_middles(hill, middle, resolved)
     do n = 1, size(tongues)
@@ -72,42 +70,42 @@ contains
     type(hill_t), intent(inout) :: hill
     real(dp), intent(out) :: middle(0:)
     logical, intent(out) :: found
-    integer, parameter :: a_turn = 32
-    real(dp) :: step, duration(lanes), trace(-1:lanes), determinant(lanes), top
+    integer, parameter :: a_cycle = 32
+    real(dp) :: step, duration(batch_size), trace(-1:batch_size), determinant(batch_size), top
     integer :: n, i, k
 
-    step = 2*pi/hill%frequency/a_turn
+    step = 2*pi/hill%frequency/a_cycle
     middle(0) = 0
     n = 1
     trace(0) = 2
     trace(-1) = 3
-    do k = 0, a_turn*size(middle), lanes
-      duration = step*[(k + i, i=1, lanes)]
+    do k = 0, a_cycle*size(middle), batch_size
+      duration = step*[(k + i, i=1, batch_size)]
       call disturb(hill, 0.0_dp, duration, trace(1:), determinant)
-      do i = 0, lanes - 1
+      do i = 0, batch_size - 1
         if ((-1)**n*(trace(i) - trace(i - 1)) < 0 .or. (-1)**n*(trace(i) - trace(i + 1)) < 0) cycle
         call climb(hill, 0.0_dp, search_t(step*(k + i - 1), step*(k + i + 1), (-1)**n), middle(n), top)
         n = n + 1
         found = n == size(middle)
         if (found) return
       end do
-      trace(-1:0) = trace(lanes - 1:)
+      trace(-1:0) = trace(batch_size - 1:)
     end do
   end subroutine find_middles
 
   !> By how much a multiplier of the tongue's sign lies beyond 1 or, where below 0, does not.
   subroutine exceed(hill, damping, sign, duration, excess)
     type(hill_t), intent(inout) :: hill
-    real(dp), intent(in) :: damping, duration(lanes)
+    real(dp), intent(in) :: damping, duration(batch_size)
     integer, intent(in) :: sign
-    real(dp), intent(out) :: excess(lanes)
-    real(dp), dimension(lanes) :: trace, determinant
+    real(dp), intent(out) :: excess(batch_size)
+    real(dp), dimension(batch_size) :: trace, determinant
 
     call disturb(hill, damping, duration, trace, determinant)
     excess = sign*trace - 1 - determinant
   end subroutine exceed
 
-  !> Where the excess is largest. It has one maximum in the range; all lanes share in looking for it, and
+  !> Where the excess is largest. It has one maximum in the range; all speeds of a batch share in looking for it, and
   !> a parabola ends it.
   subroutine climb(hill, damping, search, place, top)
     type(hill_t), intent(inout) :: hill
@@ -115,22 +113,22 @@ contains
     type(search_t), intent(in) :: search
     real(dp), intent(out) :: place, top
     real(dp), parameter :: tight = 1e-4_dp
-    real(dp) :: low, high, step, duration(lanes), excess(lanes), rise, bend
+    real(dp) :: low, high, step, duration(batch_size), excess(batch_size), rise, bend
     integer :: i, best
 
     low = search%low
     high = search%high
     do
-      step = (high - low)/(lanes + 1)
-      duration = low + step*[(i, i=1, lanes)]
+      step = (high - low)/(batch_size + 1)
+      duration = low + step*[(i, i=1, batch_size)]
       call exceed(hill, damping, search%sign, duration, excess)
       best = maxloc(excess, 1)
       place = duration(best)
       top = excess(best)
-      if (step <= tight*high .and. best > 1 .and. best < lanes) exit
+      if (step <= tight*high .and. best > 1 .and. best < batch_size) exit
       if (step <= epsilon(step)*high) return
       if (best > 1) low = duration(best - 1)
-      if (best < lanes) high = duration(best + 1)
+      if (best < batch_size) high = duration(best + 1)
     end do
     rise = (excess(best + 1) - excess(best - 1))/2
     bend = excess(best + 1) - 2*top + excess(best - 1)
@@ -193,22 +191,22 @@ contains
   end subroutine trace_edges
 
   !> Where the excess first vanishes on the way from `inside` the tongue to `outside`: bisection with all
-  !> lanes.
+  !> speeds of a batch.
   subroutine descend(hill, damping, sign, inside, outside, place)
     type(hill_t), intent(inout) :: hill
     real(dp), intent(in) :: damping, inside, outside
     integer, intent(in) :: sign
     real(dp), intent(out) :: place
-    real(dp) :: from, until, duration(lanes), excess(lanes)
+    real(dp) :: from, until, duration(batch_size), excess(batch_size)
     integer :: i
 
     from = inside
     until = outside
     do while (abs(until - from) > 1e-14_dp*inside)
-      duration = from + (until - from)/(lanes + 1)*[(i, i=1, lanes)]
+      duration = from + (until - from)/(batch_size + 1)*[(i, i=1, batch_size)]
       call exceed(hill, damping, sign, duration, excess)
       i = findloc(excess > 0, .false., 1)
-      if (i /= 1) from = duration(merge(lanes, i - 1, i == 0))
+      if (i /= 1) from = duration(merge(batch_size, i - 1, i == 0))
       if (i /= 0) until = duration(i)
     end do
     place = (from + until)/2

@@ -1,29 +1,31 @@
-!> Steps that are short behind a break and grow as what it stirs up dies away.
+!> Steps that are short behind a break and grow as the natural motion that the break excites decays.
 !>
-!> A motion of rate r that decays at the rate d is followed in steps of the same error, in proportion
-!> to the tolerance, when these grow like exp(d t/6), as a step h makes an error of (r h)**7. Then 6 r/d times
-!> the steps of a radian do, however long the motion goes on.
+!> Where a motion of angular rate r decays at the rate d, a step h makes an error of the order (r h)**7. Steps that
+!> grow like exp(d t/6) make the same error each, in proportion to the tolerance. Then 6 r/d times the steps of one
+!> radian are enough, however long the motion goes on.
 module gearsweep_grading
   use gearsweep_kinds, only: dp, pi
   implicit none
   private
   public :: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
 
-  !> Steps over the mesh phase at the phase t behind a break: the sum of dense*exp(-fade*t).
+  !> Number of steps per unit of phase at the phase t behind a break: the sum of dense*exp(-fade*t).
   type :: grading_t
     private
     real(dp), dimension(3) :: dense = 0, fade = 0
-    real(dp) :: fastest = 0                      !< rate of the natural motion over the phase
-    real(dp) :: turn = 0                         !< phase behind the break at which it is noted
+    real(dp) :: fastest = 0                      !< rate of the natural motion, rad over the phase
+    real(dp) :: turn = 0                         !< phase behind the break at which a checksum is taken
   end type grading_t
 
 contains
 
-  !> Grading for natural motion of the frequencies `lowest` to `highest` (rad/s) and damping ratio `zeta`,
-  !> with `finest` steps a radian at the break, for a period of `duration` (s).
+  !> Grading of a smooth interval.
   elemental type(grading_t) function make_grading(lowest, highest, zeta, finest, duration) result(grading)
-    real(dp), intent(in) :: lowest, highest, zeta, finest, duration
-    ! As if what the coefficients ask for turned so many radians a period.
+    real(dp), intent(in) :: lowest, highest      !< bounds of the natural frequency over the interval, rad/s
+    real(dp), intent(in) :: zeta                 !< damping ratio
+    real(dp), intent(in) :: finest               !< steps of a radian of the natural motion right behind the break
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    ! The coefficients themselves are followed as if they went through so many radians in a period.
     real(dp), parameter :: smooth = 24
     real(dp), parameter :: slower = 1/7.0_dp     ! than the sixth that would do, to be safe
     real(dp) :: rate, decay                      ! of the fastest motion, over the frequency
@@ -42,37 +44,37 @@ contains
     grading%turn = min(1.5_dp*pi/rate, 1/max(decay, tiny(decay)))/(highest*duration)
   end function make_grading
 
-  !> Is a step too long to see the natural motion, or its decay?
+  !> Is a step too long to follow the natural motion, or its decay?
   elemental logical function is_stiff(grading, width)
     type(grading_t), intent(in) :: grading
-    real(dp), intent(in) :: width
+    real(dp), intent(in) :: width                !< of the step, mesh phase
     real(dp), parameter :: most = 2.6_dp         ! rad
 
     is_stiff = grading%fastest*width > most
   end function is_stiff
 
-  !> Has the natural motion done three quarters of a turn at the phase t behind the break, or decayed to a
-  !> third? There errors of the steps behind the break show that its end, and the peak, may not.
+  !> Has the natural motion gone through three quarters of a cycle, or decayed to a third? There the errors of the
+  !> steps right behind the break still show, while at the end of the interval and in the largest load they may not.
   elemental logical function has_turned(grading, t)
     type(grading_t), intent(in) :: grading
-    real(dp), intent(in) :: t
+    real(dp), intent(in) :: t                    !< mesh phase behind the break
 
     has_turned = t >= grading%turn
   end function has_turned
 
-  !> About how many steps a zone of `length` gets, a quarter less at worst.
+  !> About how many steps a smooth interval gets; at worst a quarter less than it does get.
   elemental real(dp) function expected_steps(grading, length) result(steps)
     type(grading_t), intent(in) :: grading
-    real(dp), intent(in) :: length
+    real(dp), intent(in) :: length               !< of the interval, mesh phase
 
-    ! For the integral, (1 - exp(-x))/x; this is asked for every point.
+    ! In place of the integral (1 - exp(-x))/x, as this is asked for every operating point.
     steps = sum(grading%dense*length/(1 + grading%fade*length))
   end function expected_steps
 
-  !> The steps that it gets.
+  !> How many steps a smooth interval gets.
   elemental integer function count_steps(grading, length) result(n)
     type(grading_t), intent(in) :: grading
-    real(dp), intent(in) :: length
+    real(dp), intent(in) :: length               !< of the interval, mesh phase
     real(dp) :: t
 
     t = 0
@@ -83,11 +85,11 @@ contains
     end do
   end function count_steps
 
-  !> Their widths.
+  !> The widths of these steps.
   pure subroutine spread_steps(grading, length, widths)
     type(grading_t), intent(in) :: grading
-    real(dp), intent(in) :: length
-    real(dp), intent(out) :: widths(:)
+    real(dp), intent(in) :: length               !< of the interval, mesh phase
+    real(dp), intent(out) :: widths(:)           !< mesh phase, as many as `count_steps` says; they add up to `length`
     real(dp) :: t
     integer :: i
 

@@ -1,19 +1,19 @@
-!> One step of x" + drag x' + square x = push by collocation at the three Gauss points: of sixth order,
-!> stable for any step, and affine in the state. Source: Hairer, Noersett, Wanner, Solving Ordinary
+!> One step of x" + damping x' + omega_squared x = forcing by collocation at the three Gauss points: of sixth
+!> order, stable for any step, and affine in the state. Source: Hairer, Noersett, Wanner, Solving Ordinary
 !> Differential Equations I, section II.7 (Kuntzmann-Butcher methods).
 module gearsweep_gauss
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: collocate, lanes, nodes, order
+  public :: collocate, batch_size, nodes, order
 
-  !> Motions that go side by side in the processor's vectors.
-  integer, parameter :: lanes = 8
+  !> Speeds of a batch: their motions are computed side by side in the lanes of the processor's vectors.
+  integer, parameter :: batch_size = 8
 
   integer, parameter :: order = 6
   real(dp), parameter :: r = sqrt(15.0_dp)
 
-  !> Places within the step.
+  !> Places within the step, 0 to 1.
   real(dp), parameter :: nodes(3) = [0.5_dp - r/10, 0.5_dp, 0.5_dp + r/10]
 
   !> Weights of the accelerations in the velocity at the nodes (a) and at the end (b), and in the
@@ -27,24 +27,26 @@ module gearsweep_gauss
 
 contains
 
-  !> The step from (x, v) to (x, v), v the displacement that the velocity makes in one step, for the
-  !> first `n` of motions side by side. `map` holds what x, v and 1 add to x, v after the step, two elements each. Second
-  !> index of the others: node; `square` and `push` times the square of the step, `drag` times the step.
-  pure subroutine collocate(n, square, drag, push, map)
-    integer, intent(in) :: n
-    real(dp), intent(in), dimension(lanes, 3) :: square, drag, push
-    real(dp), intent(out) :: map(lanes, 6)
+  !> The affine map of the state over a step, for the first speeds of a batch. The state is (x, v), v the
+  !> displacement (m) that the velocity would make in the whole step.
+  pure subroutine collocate(n, omega_squared, damping, forcing, map)
+    integer, intent(in) :: n                     !< how many speeds
+    !> At the nodes, (speed, node): omega^2 times the step squared, 2 zeta omega times the step, and the forcing times
+    !> the step squared (m).
+    real(dp), intent(in), dimension(batch_size, 3) :: omega_squared, damping, forcing
+    !> (speed, element): what x, v and 1 contribute to x and v at the end of the step, two elements each.
+    real(dp), intent(out) :: map(batch_size, 6)
     real(dp) :: q11, q12, q13, q21, q22, q23, q31, q32, q33, c11, c12, c13, c21, c22, c23, c31, c32, c33
     real(dp) :: k1, k2, k3, d1, d2, d3, scale, g1, g2, g3, f1, f2, f3, e1, e2, e3
     integer :: l
 
     do l = 1, n
-      k1 = square(l, 1)
-      k2 = square(l, 2)
-      k3 = square(l, 3)
-      d1 = drag(l, 1)
-      d2 = drag(l, 2)
-      d3 = drag(l, 3)
+      k1 = omega_squared(l, 1)
+      k2 = omega_squared(l, 2)
+      k3 = omega_squared(l, 3)
+      d1 = damping(l, 1)
+      d2 = damping(l, 2)
+      d3 = damping(l, 3)
       ! Accelerations at the nodes: (I + K a2 + D a) acceleration = p - k x - (c k + d) v.
       q11 = 1 + k1*a2(1, 1) + d1*a(1, 1)
       q12 = k1*a2(1, 2) + d1*a(1, 2)
@@ -66,7 +68,7 @@ contains
       c32 = q13*q21 - q11*q23
       c33 = q11*q22 - q12*q21
       scale = 1/(q11*c11 + q12*c12 + q13*c13)
-      ! What the right-hand sides weigh in the end's velocity (g) and position (f).
+      ! Weights of the right-hand sides in the velocity (g) and the position (f) at the end.
       g1 = scale*(b(1)*c11 + b(2)*c12 + b(3)*c13)
       g2 = scale*(b(1)*c21 + b(2)*c22 + b(3)*c23)
       g3 = scale*(b(1)*c31 + b(2)*c32 + b(3)*c33)
@@ -80,8 +82,8 @@ contains
       map(l, 2) = -(g1*k1 + g2*k2 + g3*k3)
       map(l, 3) = 1 - (f1*e1 + f2*e2 + f3*e3)
       map(l, 4) = 1 - (g1*e1 + g2*e2 + g3*e3)
-      map(l, 5) = f1*push(l, 1) + f2*push(l, 2) + f3*push(l, 3)
-      map(l, 6) = g1*push(l, 1) + g2*push(l, 2) + g3*push(l, 3)
+      map(l, 5) = f1*forcing(l, 1) + f2*forcing(l, 2) + f3*forcing(l, 3)
+      map(l, 6) = g1*forcing(l, 1) + g2*forcing(l, 2) + g3*forcing(l, 3)
     end do
   end subroutine collocate
 end module gearsweep_gauss

@@ -1,17 +1,17 @@
-!> The polynomial of fifth degree through value, slope and curvature at both ends of a step: between
-!> the steps as exact as the steps themselves.
+!> The polynomial of fifth degree through value, first and second derivative at both ends of a step: between the ends
+!> it is as exact as the steps themselves. Its variable runs from 0 to 1 over the step; `c` are its coefficients in
+!> ascending powers, and all values and derivatives have the unit of what it stands for.
 module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, slope_of, bend_of, evaluate, top_of, first_zero, may_pass
+  public :: quintic, value_of, derivative_of, second_derivative_of, evaluate, maximum_of, first_zero, may_cross_zero
 
 contains
 
-  !> Coefficients in ascending powers of 0 ... 1 over the step; `left` and `right` hold value, slope and
-  !> curvature over that variable.
+  !> Coefficients of the polynomial.
   pure function quintic(left, right) result(c)
-    real(dp), intent(in) :: left(0:2), right(0:2)
+    real(dp), intent(in) :: left(0:2), right(0:2)    !< value, first and second derivative at 0 and at 1
     real(dp) :: c(0:5), value, slope, curvature
 
     value = right(0) - left(0) - left(1) - left(2)/2
@@ -23,73 +23,80 @@ contains
     c(5) = 6*value - 3*slope + curvature/2
   end function quintic
 
+  !> Value at t.
   pure real(dp) function value_of(c, t)
-    real(dp), intent(in) :: c(0:5), t
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    real(dp), intent(in) :: t          !< place, 0 to 1
 
     value_of = ((((c(5)*t + c(4))*t + c(3))*t + c(2))*t + c(1))*t + c(0)
   end function value_of
 
-  pure real(dp) function slope_of(c, t)
-    real(dp), intent(in) :: c(0:5), t
+  !> First derivative at t.
+  pure real(dp) function derivative_of(c, t)
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    real(dp), intent(in) :: t          !< place, 0 to 1
 
-    slope_of = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
-  end function slope_of
+    derivative_of = (((5*c(5)*t + 4*c(4))*t + 3*c(3))*t + 2*c(2))*t + c(1)
+  end function derivative_of
 
-  !> Both together.
-  pure subroutine evaluate(c, t, value, slope)
-    real(dp), intent(in) :: c(0:5), t
-    real(dp), intent(out) :: value, slope
+  !> Value and first derivative at t.
+  pure subroutine evaluate(c, t, value, derivative)
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    real(dp), intent(in) :: t          !< place, 0 to 1
+    real(dp), intent(out) :: value, derivative
 
     value = value_of(c, t)
-    slope = slope_of(c, t)
+    derivative = derivative_of(c, t)
   end subroutine evaluate
 
-  !> Second derivative.
-  pure real(dp) function bend_of(c, t)
-    real(dp), intent(in) :: c(0:5), t
+  !> Second derivative at t.
+  pure real(dp) function second_derivative_of(c, t)
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    real(dp), intent(in) :: t          !< place, 0 to 1
 
-    bend_of = ((20*c(5)*t + 12*c(4))*t + 6*c(3))*t + 2*c(2)
-  end function bend_of
+    second_derivative_of = ((20*c(5)*t + 12*c(4))*t + 6*c(3))*t + 2*c(2)
+  end function second_derivative_of
 
-  pure function derivative(c) result(d)
+  !> Coefficients of the first derivative.
+  pure function differentiated(c) result(d)
     real(dp), intent(in) :: c(0:5)
     real(dp) :: d(0:5)
 
     d = [c(1), 2*c(2), 3*c(3), 4*c(4), 5*c(5), 0.0_dp]
-  end function derivative
+  end function differentiated
 
-  !> Where the slope changes sign, given that it does from one end to the other.
-  pure real(dp) function top_of(c)
-    real(dp), intent(in) :: c(0:5)
+  !> Where the first derivative changes sign, given that it does from one end to the other; 0 to 1.
+  pure real(dp) function maximum_of(c)
+    real(dp), intent(in) :: c(0:5)     !< coefficients
 
-    top_of = zero_between(derivative(c), 0.0_dp, 1.0_dp)
-  end function top_of
+    maximum_of = zero_between(differentiated(c), 0.0_dp, 1.0_dp)
+  end function maximum_of
 
-  !> First place at which a function that is positive after 0 passes zero, and whether there is one: seen
-  !> by the ends, or by the turning point between them.
+  !> The first zero of a function that is positive right behind 0, as far as the ends or one minimum between them
+  !> show it.
   pure subroutine first_zero(c, place, found)
-    real(dp), intent(in) :: c(0:5)
-    real(dp), intent(out) :: place
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    real(dp), intent(out) :: place     !< 0 to 1
     logical, intent(out) :: found
 
     place = 1
     found = value_of(c, 1.0_dp) < 0
-    if (.not. found .and. c(1) < 0 .and. value_of(derivative(c), 1.0_dp) > 0) then
-      place = top_of(c)
+    if (.not. found .and. c(1) < 0 .and. value_of(differentiated(c), 1.0_dp) > 0) then
+      place = maximum_of(c)
       found = value_of(c, place) < 0
     end if
     if (found) place = zero_between(c, 0.0_dp, place)
   end subroutine first_zero
 
-  !> Ends a, b and slopes da, db over the step of a function that is positive at the left: may it pass
-  !> zero? A convex one stays above its tangents.
-  elemental logical function may_pass(a, b, da, db)
-    real(dp), intent(in) :: a, b, da, db
+  !> May a function that is positive at the left end cross zero? A convex one stays above its tangents.
+  elemental logical function may_cross_zero(a, b, da, db)
+    real(dp), intent(in) :: a, b       !< values at the left and the right end
+    real(dp), intent(in) :: da, db     !< derivatives there, over the step
 
-    may_pass = b < 0 .or. (da < 0 .and. db > 0 .and. min(a, b) < (db - da)/4)
-  end function may_pass
+    may_cross_zero = b < 0 .or. (da < 0 .and. db > 0 .and. min(a, b) < (db - da)/4)
+  end function may_cross_zero
 
-  !> Newton's method kept within a bracket, from where the chord passes zero. The sign at `high` is that
+  !> Newton's method kept within a bracket, from where the chord crosses zero. The sign at `high_end` is that
   !> beyond the zero.
   pure real(dp) function zero_between(c, low_end, high_end) result(t)
     real(dp), intent(in) :: c(0:5), low_end, high_end

@@ -1,18 +1,18 @@
-!> One step of x" + drag x' + square x = push by collocation at the three Radau points, the last of them the
-!> end: of fifth order, and for steps that do not see the natural motion. What is left of it, dies; the
-!> motion balances the forces at the end of the step, as it would have long before. (By Gauss points it
-!> would be handed on from step to step for ever.) Source: Hairer, Wanner, Solving Ordinary Differential
-!> Equations II, section IV.5 (Radau IIA).
+!> One step of x" + damping x' + omega_squared x = forcing by collocation at the three Radau points, the last of
+!> which is the end: of fifth order, for steps that are too long to follow the natural motion. Such a step damps what
+!> is left of the natural motion and balances the forces at its end, as the true motion would have long before; by
+!> Gauss points the natural motion would be carried on from step to step undamped. Source: Hairer, Wanner, Solving
+!> Ordinary Differential Equations II, section IV.5 (Radau IIA).
 module gearsweep_radau
   use gearsweep_kinds, only: dp
-  use gearsweep_gauss, only: lanes
+  use gearsweep_gauss, only: batch_size
   implicit none
   private
   public :: collocate_stiffly, stiff_nodes
 
   real(dp), parameter :: r = sqrt(6.0_dp)
 
-  !> Places within the step.
+  !> Places within the step, 0 to 1.
   real(dp), parameter :: stiff_nodes(3) = [(4 - r)/10, (4 + r)/10, 1.0_dp]
 
   !> Weights of the accelerations in the velocity at the nodes, of which the last is the end, and in the position.
@@ -23,30 +23,32 @@ module gearsweep_radau
 
 contains
 
-  !> As `collocate` of `gearsweep_gauss`; second index of square, drag, push: node.
-  pure subroutine collocate_stiffly(n, square, drag, push, map)
-    integer, intent(in) :: n
-    real(dp), intent(in), dimension(lanes, 3) :: square, drag, push
-    real(dp), intent(out) :: map(lanes, 6)
+  !> The affine map of the state over a step; arguments as those of `collocate` in gearsweep_gauss.
+  pure subroutine collocate_stiffly(n, omega_squared, damping, forcing, map)
+    integer, intent(in) :: n                     !< how many speeds of the batch
+    !> (speed, node): omega^2 times the step squared, 2 zeta omega times the step, forcing times the step squared (m).
+    real(dp), intent(in), dimension(batch_size, 3) :: omega_squared, damping, forcing
+    !> (speed, element): what x, v and 1 contribute to x and v at the end of the step, two elements each.
+    real(dp), intent(out) :: map(batch_size, 6)
     real(dp) :: q(3, 3), cofactor(3, 3), f(3), g(3), slowed(3)
     integer :: i, l
 
     do l = 1, n
-      ! Accelerations at the nodes: q acceleration = push - square x - slowed v.
+      ! Accelerations at the nodes: q acceleration = forcing - omega_squared x - slowed v.
       do i = 1, 3
-        q(i, :) = square(l, i)*a2(i, :) + drag(l, i)*a(i, :)
+        q(i, :) = omega_squared(l, i)*a2(i, :) + damping(l, i)*a(i, :)
         q(i, i) = q(i, i) + 1
       end do
-      slowed = stiff_nodes*square(l, :) + drag(l, :)
+      slowed = stiff_nodes*omega_squared(l, :) + damping(l, :)
       do i = 1, 3
         cofactor(i, :) = cross_product(q(modulo(i, 3) + 1, :), q(modulo(i + 1, 3) + 1, :))
       end do
-      ! What the right-hand sides weigh in the end's position (f) and velocity (g).
+      ! Weights of the right-hand sides in the position (f) and the velocity (g) at the end.
       cofactor = cofactor/dot_product(q(1, :), cofactor(1, :))
       f = matmul(cofactor, a2(3, :))
       g = matmul(cofactor, a(3, :))
-      map(l, :) = [1 - sum(f*square(l, :)), -sum(g*square(l, :)), 1 - sum(f*slowed), 1 - sum(g*slowed), &
-                   sum(f*push(l, :)), sum(g*push(l, :))]
+      map(l, :) = [1 - sum(f*omega_squared(l, :)), -sum(g*omega_squared(l, :)), 1 - sum(f*slowed), 1 - sum(g*slowed), &
+                   sum(f*forcing(l, :)), sum(g*forcing(l, :))]
     end do
   end subroutine collocate_stiffly
 

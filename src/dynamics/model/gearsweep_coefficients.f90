@@ -1,0 +1,308 @@
+!> Coefficients of the equation of motion over one mesh period, step by step. They do not depend on the speed.
+!>
+!> The steps end at every break, so that the coefficients are smooth within a step. A contact is a pair between A
+!> and E or, as the last one and only with backlash, the coast sides together.
+module gearsweep_coefficients
+  use gearsweep_gauss, only: nodes
+  use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: has_memory
+  use gearsweep_mesh, only: zone_t
+  use gearsweep_oscillator, only: oscillator_t, acceleration, mobility
+  use gearsweep_radau, only: stiff_nodes
+  implicit none
+  private
+  public :: resolution_t, coefficients_t, tabulate, graded_steps, end_acceleration
+
+  !> How finely the period is cut into steps: each smooth interval gets `times` steps for each of its shares of
+  !> `base` steps. The steps of a larger `times` nest in those of the same base.
+  type :: resolution_t
+    real(dp) :: base = 0               !< steps of a period; where graded, of a radian of the natural motion behind a break
+    integer :: times = 1
+    real(dp) :: graded_for = 0         !< duration of the mesh period for which the steps grow behind breaks, s; 0: equal steps
+  end type resolution_t
+
+  !> What is special about a step.
+  type :: kind_t
+    !> A smooth interval begins, or, where steps are graded, three quarters of a cycle of the natural motion
+    !> behind that.
+    logical :: begins = .false.
+    logical :: widens = .false.        !< a smooth interval begins, or the step before was shorter
+    logical :: stiff = .false.         !< too long to follow the natural motion: integrated at Radau's points
+  end type kind_t
+
+  !> The coefficients at the three nodes of the integration and at both ends of each step, one-sided at breaks.
+  type :: coefficients_t
+    integer :: steps = 0               !< of the period; 0: the memory does not hold them
+    integer :: contacts = 0            !< pairs at most, and the coast sides
+    integer, allocatable :: interval(:)    !< smooth interval that a step lies in; (step)
+    integer, allocatable :: pairs(:)       !< between A and E; (step)
+    type(kind_t), allocatable :: kind(:)   !< (step)
+    real(dp), allocatable :: left(:), width(:)     !< begin and length of a step, mesh phase 0 to 1; (step)
+    real(dp), allocatable :: rate(:, :, :)         !< k_j, 1/s^2; (contact, node, step)
+    real(dp), allocatable :: profile_error(:, :, :)    !< e_j, m; (contact, node, step)
+    real(dp), allocatable :: end_rate(:, :, :)     !< k_j, 1/s^2; (pair, end, step)
+    !> K_j (N/m) with its first and second derivative over the phase; (0:2, pair, end, step)
+    real(dp), allocatable :: end_stiffness(:, :, :, :)
+    !> e_j (m) with its first and second derivative over the phase; (0:2, contact, end, step)
+    real(dp), allocatable :: end_profile_error(:, :, :, :)
+    !> Upper bound (m) of all profile errors: a motion whose tangents at the ends of the step stay above it keeps
+    !> all pairs in contact; (step)
+    real(dp), allocatable :: upper_bound(:)
+    !> Sums over all pairs: omega^2 (1/s^2), k e (m/s^2), omega (rad/s); (node, step)
+    real(dp), allocatable :: omega_squared(:, :), forcing(:, :), omega(:, :)
+  end type coefficients_t
+
+contains
+
+  !> Tabulates the period at a resolution.
+  pure subroutine tabulate(osc, resolution, table)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+    type(coefficients_t), intent(inout) :: table           !< its memory serves again; without steps where memory lacks
+    type(grading_t) :: grading(size(osc%intervals))
+    integer :: counts(size(osc%intervals)), i, j, first, last
+
+    if (resolution%graded_for > 0) then
+      grading = gradings(osc, resolution)
+      counts = resolution%times*count_steps(grading, osc%intervals%last - osc%intervals%first)
+    else
+      counts = resolution%times*max(1, ceiling(resolution%base*(osc%intervals%last - osc%intervals%first) - 1e-6_dp))
+    end if
+    call allocate_table(osc, sum(counts), table)
+    if (table%steps == 0) return
+    table%omega_squared(:, :) = 0
+    table%forcing(:, :) = 0
+    last = 0
+    do i = 1, size(osc%intervals)
+      first = last + 1
+      last = last + counts(i)
+      associate (interval => osc%intervals(i))
+        table%interval(first:last) = i
+        table%pairs(first:last) = interval%pairs
+        table%kind(first:last) = kind_t()
+        if (resolution%graded_for > 0) then
+          call grade_interval(osc, i, resolution, grading(i), first, last, table)
+        else
+          table%kind(first) = kind_t(begins=.true., widens=.true.)
+          table%width(first:last) = (interval%last - interval%first)/counts(i)
+          table%left(first:last) = interval%first + [(j, j=0, counts(i) - 1)]*table%width(first)
+        end if
+        do j = 1, interval%pairs
+          call fill_pair(osc, interval, j, first, last, table)
+        end do
+      end associate
+    end do
+    if (osc%has_backlash) call fill_coast(osc, table)
+    call find_upper_bounds(osc, table)
+    table%omega(:, :) = sqrt(table%omega_squared)
+  end subroutine tabulate
+
+  !> How the steps of each smooth interval grow behind its begin; (interval).
+  pure function gradings(osc, resolution) result(grading)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+    type(grading_t) :: grading(size(osc%intervals))
+
+    grading = make_grading(osc%frequency(1, :), osc%frequency(2, :), osc%damping_ratio, resolution%base, resolution%graded_for)
+  end function gradings
+
+  !> About how many steps a graded period has.
+  pure real(dp) function graded_steps(osc, resolution)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution           !< graded
+
+    graded_steps = resolution%times*sum(expected_steps(gradings(osc, resolution), osc%intervals%last - osc%intervals%first))
+  end function graded_steps
+
+  !> Places the steps first to last of smooth interval i.
+  pure subroutine grade_interval(osc, i, resolution, grading, first, last, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: i, first, last
+    type(resolution_t), intent(in) :: resolution
+    type(grading_t), intent(in) :: grading
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: widths((last - first + 1)/resolution%times), behind
+    logical :: noted
+    integer :: k, step
+
+    call spread_steps(grading, osc%intervals(i)%last - osc%intervals(i)%first, widths)
+    behind = 0
+    noted = .false.
+    do k = 0, last - first
+      step = first + k
+      table%width(step) = widths(1 + k/resolution%times)/resolution%times
+      table%left(step) = osc%intervals(i)%first + behind
+      associate (kind => table%kind(step))
+        kind%stiff = is_stiff(grading, table%width(step))
+        kind%widens = modulo(k, resolution%times) == 0
+        kind%begins = k == 0 .or. (kind%widens .and. .not. noted .and. has_turned(grading, behind))
+        noted = noted .or. (k > 0 .and. kind%begins)
+      end associate
+      behind = behind + table%width(step)
+    end do
+  end subroutine grade_interval
+
+  !> Memory for so many steps; what the last table took serves again where it is as large. Pairs that a smooth
+  !> interval does not have stay undefined.
+  pure subroutine allocate_table(osc, steps, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: steps
+    type(coefficients_t), intent(inout) :: table
+    ! A thread keeps so few tables below this size (bytes) that the reserve holds them.
+    real(dp), parameter :: small = 256e3_dp
+    logical :: fits
+
+    if (allocated(table%interval)) then
+      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2)) return
+      table = coefficients_t()
+    end if
+    fits = .true.
+    if (steps*step_bytes(osc) > small) call has_memory(steps*step_bytes(osc), fits)
+    if (.not. fits) return
+    table%steps = steps
+    table%contacts = osc%contacts
+    associate (m => table%contacts, p => osc%pairs)
+      allocate (table%interval(steps), table%pairs(steps), table%left(steps), table%width(steps), table%upper_bound(steps))
+      allocate (table%kind(steps))
+      allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%end_rate(p, 2, steps))
+      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, m, 2, steps))
+      allocate (table%omega_squared(3, steps), table%forcing(3, steps), table%omega(3, steps))
+    end associate
+  end subroutine allocate_table
+
+  !> Memory of a step (bytes): its rows of the table, and what filling them takes meanwhile.
+  pure real(dp) function step_bytes(osc)
+    type(oscillator_t), intent(in) :: osc
+
+    step_bytes = 8*(60 + 14*osc%contacts + 6*osc%pairs)
+  end function step_bytes
+
+  !> From the highest profile error at the ends of each step and what its derivative takes from the motion's; not
+  !> below the coast sides.
+  pure subroutine find_upper_bounds(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: height, steepness
+    integer :: i, j
+
+    do i = 1, table%steps
+      height = -osc%backlash
+      steepness = 0
+      do j = 1, table%pairs(i)
+        height = max(height, table%end_profile_error(0, j, 1, i), table%end_profile_error(0, j, 2, i))
+        steepness = max(steepness, abs(table%end_profile_error(1, j, 1, i)), abs(table%end_profile_error(1, j, 2, i)))
+      end do
+      table%upper_bound(i) = height + steepness*table%width(i)/2
+    end do
+  end subroutine find_upper_bounds
+
+  !> Pair j over the steps first to last, those of one smooth interval.
+  pure subroutine fill_pair(osc, interval, j, first, last, table)
+    type(oscillator_t), intent(in) :: osc
+    type(zone_t), intent(in) :: interval
+    integer, intent(in) :: j, first, last
+    type(coefficients_t), intent(inout) :: table
+    real(dp), dimension(3*(last - first + 1)) :: s, rate, error
+    real(dp), dimension(0:last - first + 1) :: ends, end_rate
+    real(dp), dimension(0:last - first + 1, 0:2) :: stiffness, deviation
+    integer :: i, k, n
+
+    n = last - first + 1
+    do i = 1, n
+      associate (step => first + i - 1)
+        if (table%kind(step)%stiff) then
+          s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*stiff_nodes
+        else
+          s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*nodes
+        end if
+      end associate
+    end do
+    call osc%mesh%stiffness%sample(s, 0, rate)
+    call weigh(osc, s, interval%recess(j), rate)
+    call osc%mesh%profile_error%sample(s, interval%piece(j), error)
+    ends(:n - 1) = table%left(first:last) + j - 1
+    ends(n) = ends(n - 1) + table%width(last)
+    call osc%mesh%stiffness%sample(ends, 0, stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
+    call osc%mesh%profile_error%sample(ends, interval%piece(j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
+    end_rate = stiffness(:, 0)
+    call weigh(osc, ends, interval%recess(j), end_rate)
+    do i = 1, n
+      associate (step => first + i - 1)
+        do k = 1, 3
+          table%rate(j, k, step) = rate(3*i - 3 + k)
+          table%profile_error(j, k, step) = error(3*i - 3 + k)
+          table%omega_squared(k, step) = table%omega_squared(k, step) + rate(3*i - 3 + k)
+          table%forcing(k, step) = table%forcing(k, step) + rate(3*i - 3 + k)*error(3*i - 3 + k)
+        end do
+        do k = 1, 2
+          table%end_stiffness(:, j, k, step) = stiffness(i + k - 2, :)
+          table%end_profile_error(:, j, k, step) = deviation(i + k - 2, :)
+          table%end_rate(j, k, step) = end_rate(i + k - 2)
+        end do
+      end associate
+    end do
+  end subroutine fill_pair
+
+  !> Turns stiffness (N/m) into k_j (1/s^2) at the path coordinates s.
+  pure subroutine weigh(osc, s, recess, rate)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: s(:)
+    logical, intent(in) :: recess
+    real(dp), intent(inout) :: rate(:)
+
+    if (osc%friction > 0) then
+      rate = rate*mobility(osc, s, recess)
+    else
+      rate = rate*(1/osc%mass(1) + 1/osc%mass(2))
+    end if
+  end subroutine weigh
+
+  !> The coast sides as one more contact, backed by the stiffness of all pairs.
+  pure subroutine fill_coast(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: s(3)
+    integer :: i, j, k
+
+    associate (coast => osc%contacts)
+      table%rate(coast, :, :) = 0
+      table%profile_error(coast, :, :) = -osc%backlash
+      table%end_profile_error(:, coast, :, :) = 0
+      table%end_profile_error(0, coast, :, :) = -osc%backlash
+      do i = 1, table%steps
+        associate (interval => osc%intervals(table%interval(i)))
+          s = table%left(i) + table%width(i)*merge(stiff_nodes, nodes, table%kind(i)%stiff)
+          do j = 1, interval%pairs
+            do k = 1, size(nodes)
+              table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
+                /mobility(osc, s(k) + j - 1, interval%recess(j))
+            end do
+          end do
+        end associate
+      end do
+    end associate
+  end subroutine fill_coast
+
+  !> Second derivative of x over the phase (m) at an end of a step. The coast sides count as apart, as this is
+  !> asked for the load of a pair in contact.
+  pure real(dp) function end_acceleration(osc, table, step, end, contact_set, duration, state)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, end           !< which step; 1 its begin, 2 its end
+    integer, intent(in) :: contact_set         !< bit j - 1: pair j is in contact
+    real(dp), intent(in) :: duration           !< of the mesh period, s
+    real(dp), intent(in) :: state(2)           !< x and its derivative over the phase there, m
+    real(dp) :: omega_squared, forcing
+    integer :: j
+
+    omega_squared = 0
+    forcing = 0
+    do j = 1, osc%pairs
+      if (.not. btest(contact_set, j - 1)) cycle
+      omega_squared = omega_squared + table%end_rate(j, end, step)
+      forcing = forcing + table%end_rate(j, end, step)*table%end_profile_error(0, j, end, step)
+    end do
+    end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
+  end function end_acceleration
+end module gearsweep_coefficients

@@ -1,0 +1,169 @@
+!> Equation of motion of the gear pair along the line of action.
+!>
+!> x = x1 - x2 is the dynamic transmission error; with the pairs in contact C and f = 1 -/+ mu rho/r_b,
+!>   x" + 2 zeta omega x' + omega^2 x = (1/m1 + 1/m2) F_s + sum_C k_j e_j,
+!>   k_j = K_j (f_1j/m1 + f_2j/m2),  omega^2 = sum_C k_j.
+!> Where the coast sides are in contact (x < -backlash), all pairs between A and E push back with their
+!> stiffness, without profile error and friction.
+!> Source: Dogan et al. 2021, Eqs. 9 to 20, misprints corrected.
+module gearsweep_oscillator
+  use gearsweep_kinds, only: dp
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_mesh, only: mesh_t, zone_t, make_zones
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: oscillator_t, make_oscillator, mesh_period, mobility, damping, acceleration
+
+  !> The first seven components are set by the caller; `make_oscillator` checks them and fills in the others,
+  !> which hold for all speeds.
+  type :: oscillator_t
+    type(mesh_t) :: mesh
+    real(dp) :: mass(2) = 0            !< effective masses of pinion and gear on the line of action, kg
+    real(dp) :: load = 0               !< static load F_s, N
+    real(dp) :: damping_ratio = 0      !< zeta
+    real(dp) :: friction = 0           !< mu
+    logical :: has_backlash = .false.  !< the coast sides can come into contact
+    real(dp) :: backlash = 0           !< m, along the line of action
+    integer :: pairs = 0               !< between A and E at most
+    integer :: contacts = 0            !< the pairs, and one for the coast sides where there is backlash
+    real(dp) :: natural_frequency = 0  !< at mean stiffness, without friction and relief, rad/s
+    real(dp) :: highest_frequency = 0  !< upper bound of omega over the period, rad/s
+    real(dp) :: static_deflection = 0  !< load over mean stiffness, m: the unit of residuals
+    real(dp) :: mean_deflection = 0    !< deflection whose mean load over the period is the static one, m
+    type(zone_t), allocatable :: intervals(:)  !< smooth intervals of the mesh period: no coefficient has a break within
+    real(dp), allocatable :: frequency(:, :)   !< lowest and highest omega of each interval, rad/s; (2, interval)
+  end type oscillator_t
+
+contains
+
+  !> Checks an oscillator and completes it.
+  subroutine make_oscillator(osc, error)
+    type(oscillator_t), intent(inout) :: osc               !< its first seven components are set; the others are filled in
+    type(error_t), allocatable, intent(out) :: error       !< a value that is not allowed, by its name
+
+    call demand(osc%mesh%contact_ratio > 1, 'contact ratio', osc%mesh%contact_ratio, 'must be above 1')
+    call demand(all(osc%mass > 0), 'effective mass', minval(osc%mass), 'must be above 0')
+    call demand(osc%load > 0, 'load', osc%load, 'must be above 0')
+    call demand(osc%damping_ratio >= 0, 'damping_ratio', osc%damping_ratio, 'must be at least 0')
+    call demand(osc%friction >= 0 .and. osc%friction < 1, 'friction', osc%friction, 'must be at least 0 and below 1')
+    call demand(osc%backlash >= 0, 'backlash', osc%backlash, 'must be at least 0')
+    call demand(osc%mesh%teeth(1) > 0, 'teeth', real(osc%mesh%teeth(1), dp), 'the pinion''s teeth give the mesh period')
+    if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
+      osc%friction, 'needs the teeth of both members and the pressure angle')
+    if (allocated(error)) return
+    osc%intervals = make_zones(osc%mesh, osc%friction > 0)
+    osc%pairs = maxval(osc%intervals%pairs)
+    osc%contacts = osc%pairs + merge(1, 0, osc%has_backlash)
+    osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
+    osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))
+    osc%static_deflection = osc%load/osc%mesh%mean_stiffness()
+    osc%mean_deflection = mean_deflection(osc)
+    osc%frequency = interval_frequencies(osc)
+
+  contains
+
+    subroutine demand(met, what, value, allowed)
+      logical, intent(in) :: met
+      character(*), intent(in) :: what, allowed
+      real(dp), intent(in) :: value
+
+      if (.not. met) call fail(error, code_input, what//' = '//str(value)//': '//allowed)
+    end subroutine demand
+  end subroutine make_oscillator
+
+  !> The deflection (m) at which the pairs' mean load over the period, with relief, is the static one: at high
+  !> speed the motion tends to it. The load is convex in the deflection, so that Newton's method from above
+  !> comes down to the solution without passing it.
+  pure real(dp) function mean_deflection(osc) result(x)
+    type(oscillator_t), intent(in) :: osc
+    integer, parameter :: samples = 32, most = 100
+    real(dp), dimension(osc%pairs, samples, size(osc%intervals)) :: stiffness, profile_error
+    real(dp) :: excess, s
+    integer :: i, j, k
+
+    stiffness = 0
+    profile_error = 0
+    do i = 1, size(osc%intervals)
+      associate (interval => osc%intervals(i))
+        do k = 1, samples
+          do j = 1, interval%pairs
+            s = interval%first + (interval%last - interval%first)*(k - 0.5_dp)/samples + j - 1
+            stiffness(j, k, i) = osc%mesh%stiffness%value(s)*(interval%last - interval%first)/samples
+            profile_error(j, k, i) = osc%mesh%profile_error%value(s, interval%piece(j))
+          end do
+        end do
+      end associate
+    end do
+    x = osc%load/sum(stiffness) + maxval(profile_error)
+    do i = 1, most
+      excess = sum(stiffness*max(0.0_dp, x - profile_error)) - osc%load
+      if (excess <= 1e-12_dp*osc%load) exit
+      x = x - excess/sum(stiffness, mask=x > profile_error)
+    end do
+  end function mean_deflection
+
+  !> Lowest and highest omega (rad/s) of each smooth interval while all pairs are in contact, (2, interval).
+  pure function interval_frequencies(osc) result(frequency)
+    type(oscillator_t), intent(in) :: osc
+    integer, parameter :: samples = 17
+    real(dp) :: frequency(2, size(osc%intervals)), omega_squared(samples), s(samples), rate(samples)
+    integer :: i, j, k
+
+    do i = 1, size(osc%intervals)
+      associate (interval => osc%intervals(i))
+        omega_squared = 0
+        do j = 1, interval%pairs
+          s = interval%first + (interval%last - interval%first)*[(k, k=0, samples - 1)]/(samples - 1) + j - 1
+          call osc%mesh%stiffness%sample(s, 0, rate)
+          omega_squared = omega_squared + rate*mobility(osc, s, interval%recess(j))
+        end do
+      end associate
+      frequency(:, i) = sqrt([minval(omega_squared), maxval(omega_squared)])
+    end do
+  end function interval_frequencies
+
+  !> Duration of one mesh period (s).
+  elemental real(dp) function mesh_period(teeth, rpm)
+    integer, intent(in) :: teeth       !< of the pinion
+    real(dp), intent(in) :: rpm        !< speed of the pinion, 1/min
+
+    mesh_period = 60/(teeth*rpm)
+  end function mesh_period
+
+  !> What the force of a pair makes of the acceleration of x (1/kg): the friction factors of pinion and gear
+  !> over their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards after
+  !> it (+).
+  elemental real(dp) function mobility(osc, s, recess)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: s          !< path coordinate of the pair from A, base pitches
+    logical, intent(in) :: recess      !< the pair has passed the pitch point
+    real(dp) :: sense
+
+    mobility = 1/osc%mass(1) + 1/osc%mass(2)
+    if (.not. osc%friction > 0) return
+    sense = merge(osc%friction, -osc%friction, recess)
+    mobility = mobility + sense*(osc%mesh%curvature_ratio(1, s)/osc%mass(1) + osc%mesh%curvature_ratio(2, s)/osc%mass(2))
+  end function mobility
+
+  !> 2 zeta omega, which multiplies the velocity in the equation of motion; in the unit of `omega`. It is linear
+  !> in omega, so that the value at 1 serves as a factor where many are wanted.
+  elemental real(dp) function damping(osc, omega)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: omega      !< rad/s, or rad over the period
+
+    damping = 2*osc%damping_ratio*omega
+  end function damping
+
+  !> Second derivative of x over the mesh phase (m), from the equation of motion.
+  pure real(dp) function acceleration(osc, omega_squared, forcing, duration, x, y)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: omega_squared  !< sum of k_j over the contacts, 1/s^2
+    real(dp), intent(in) :: forcing        !< sum of k_j e_j over the contacts, m/s^2
+    real(dp), intent(in) :: duration       !< of the mesh period, s
+    real(dp), intent(in) :: x, y           !< dynamic transmission error and its derivative over the phase, m
+
+    acceleration = duration**2*(osc%load*(1/osc%mass(1) + 1/osc%mass(2)) + forcing - omega_squared*x) &
+                   - damping(osc, duration)*sqrt(omega_squared)*y
+  end function acceleration
+end module gearsweep_oscillator

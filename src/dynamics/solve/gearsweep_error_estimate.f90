@@ -1,0 +1,98 @@
+!> An operating point, and the estimate of its error from the solution with half the steps.
+module gearsweep_error_estimate
+  use gearsweep_coefficients, only: resolution_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_periodic_orbit, only: distance, steady_t, unbounded
+  use gearsweep_status, only: has_result, status_inexact, status_marginal
+  use gearsweep_transient, only: steady_options_t
+  implicit none
+  private
+  public :: accuracy_t, point_t, compare, mark_inexact, resolving_steps
+
+  !> What an operating point is asked for.
+  type :: accuracy_t
+    type(steady_options_t) :: steady
+    integer :: steps = 0                         !< of a period; 0: chosen for the tolerance
+    integer :: most_steps = 2**18                !< of a period; fewer where there are more than four contacts
+  end type accuracy_t
+
+  !> The result at one speed.
+  type :: point_t
+    type(steady_t) :: steady
+    real(dp) :: dynamic_factor = 0               !< largest load on one pair over the static load
+    real(dp) :: estimate = 0                     !< of the error of the dynamic factor
+    real(dp) :: step_error = 0                   !< its part that more steps reduce
+    real(dp) :: work = 0                         !< steps in all, at every level tried; not counted in batches
+    integer :: steps = 0                         !< of the period
+    type(resolution_t) :: resolution             !< that has them
+  end type point_t
+
+contains
+
+  !> The dynamic factor of a point whose steady motion is found, and its error by the solution with half the steps.
+  elemental subroutine compare(osc, duration, half, point)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(steady_t), intent(in) :: half           !< the motion with half the steps
+    type(point_t), intent(inout) :: point
+
+    point%dynamic_factor = point%steady%peak/osc%load
+    point%step_error = unbounded
+    if (has_result(half%status)) then
+      point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
+                                        max(distance(osc, duration, point%steady%state - half%state), &
+                                            abs(point%steady%checksum - half%checksum)/osc%static_deflection))
+      ! Where strong damping ends contact within a step or two, the order does not show.
+      if (osc%damping_ratio > 1 .and. point%steady%partial) point%step_error = 20*point%step_error
+      if (point%resolution%graded_for > 0) &
+        point%step_error = graded_error(point%step_error, abs(point%steady%checksum - half%checksum)/osc%static_deflection)
+      ! So near to 1 that the error of the steps decides on which side.
+      if (has_result(point%steady%status) .and. &
+          abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = status_marginal
+    end if
+    point%estimate = point%step_error + point%steady%closure
+  end subroutine compare
+
+  !> Error of a result of sixth order from its difference to half the steps: a 63rd of it, three times raised, as the
+  !> order is less where the stiffness is less smooth. The difference of the motions counts too, as the largest loads
+  !> may differ little by chance.
+  pure real(dp) function doubling_error(peak, state)
+    real(dp), intent(in) :: peak                 !< difference of the dynamic factors
+    real(dp), intent(in) :: state                !< difference of the motions, in static deflections
+
+    doubling_error = max(peak, state/4)/20
+  end function doubling_error
+
+  !> The same in graded steps: again three times raised, as in long steps the order is less, down to the third where the
+  !> stiffness is least smooth. The checksum counts in full: it is taken soon behind the breaks, where the steps are
+  !> short, and at the end of an interval the motion no longer shows the error made there.
+  pure real(dp) function graded_error(equal, behind)
+    real(dp), intent(in) :: equal                !< estimate as in equal steps
+    real(dp), intent(in) :: behind               !< difference of the checksums, in static deflections
+
+    graded_error = 3*max(equal, doubling_error(0.0_dp, 3*behind))
+  end function graded_error
+
+  !> Marks a result whose estimate exceeds the tolerance.
+  elemental subroutine mark_inexact(options, point)
+    type(accuracy_t), intent(in) :: options
+    type(point_t), intent(inout) :: point
+
+    if (has_result(point%steady%status) .and. .not. point%estimate <= options%steady%tolerance) &
+      point%steady%status = status_inexact
+  end subroutine mark_inexact
+
+  !> Steps of a period that follow the fastest natural motion, or its decay: 2.6 rad a step.
+  pure real(dp) function resolving_steps(osc, duration)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp) :: fastest
+
+    associate (zeta => osc%damping_ratio)
+      fastest = osc%highest_frequency
+      if (zeta > 1) fastest = fastest*(zeta + sqrt(zeta**2 - 1))
+    end associate
+    resolving_steps = fastest*duration/2.6_dp
+  end function resolving_steps
+end module gearsweep_error_estimate

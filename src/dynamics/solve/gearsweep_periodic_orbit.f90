@@ -1,0 +1,253 @@
+!> A periodic motion: x(T) = x(0) after one or several mesh periods, by Newton's method on the period map (shooting),
+!> and whether it attracts. The state is x and its derivative over the mesh phase, both in m.
+module gearsweep_periodic_orbit
+  use gearsweep_contact_set, only: period_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_period, only: run_period
+  use gearsweep_period_map, only: period_map_t
+  use gearsweep_status, only: status_aperiodic, status_chatter, status_marginal, status_ok, status_subharmonic, status_unstable
+  implicit none
+  private
+  public :: steady_t, settled, adopt
+  public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, largest_multiplier
+
+  type :: steady_t
+    integer :: status = status_aperiodic         !< of gearsweep_status
+    real(dp) :: state(2) = 0                     !< at the begin of the mesh period, m
+    real(dp) :: peak = 0                         !< largest load on one pair, N
+    real(dp) :: checksum = 0                     !< sum of x where smooth intervals begin, mean of the periods, m
+    !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean factor by which a disturbance grows
+    !> over a mesh period.
+    real(dp) :: multiplier = 0
+    real(dp) :: residual = 0                     !< of x(T) = x(0), in static deflections
+    real(dp) :: closure = 0                      !< error of the state that the residual leaves, in static deflections
+    integer :: periods = 1                       !< mesh periods until the motion repeats
+    real(dp) :: work = 0                         !< computing time to find it, in steps
+    !> A pair between A and E was apart for a while; all flanks were; the coast sides came into contact.
+    logical :: partial = .false., lost = .false., coast = .false.
+  end type steady_t
+
+  !> A solution within so many static deflections of where Newton's method started belongs to the motion that it
+  !> started from.
+  real(dp), parameter, public :: near = 0.5_dp
+
+  !> Computing time of one search at most, in steps.
+  real(dp), parameter, public :: most_work = 5e6_dp
+
+  !> An error of which nothing is known.
+  real(dp), parameter, public :: unbounded = 1e30_dp
+
+  !> A multiplier that exceeds 1 by more than this means that the motion repels.
+  real(dp), parameter :: neutral = 1e-7_dp
+
+contains
+
+  !> Has the search ended with a motion that repeats with the mesh?
+  elemental logical function settled(steady)
+    type(steady_t), intent(in) :: steady
+
+    settled = steady%status == status_ok .or. steady%status == status_marginal
+  end function settled
+
+  !> Takes over a result; the computing times add up.
+  pure subroutine adopt(found, steady)
+    type(steady_t), intent(in) :: found
+    type(steady_t), intent(inout) :: steady
+    real(dp) :: work
+
+    work = steady%work
+    steady = found
+    steady%work = work + found%work
+  end subroutine adopt
+
+  !> Solves (I - monodromy) step = defect, unless rounding decides the result: the monodromy matrix is near 1 far
+  !> above resonance, so that the test compares products, not elements.
+  pure subroutine newton_step(monodromy, defect, step, solved)
+    real(dp), intent(in) :: monodromy(2, 2)
+    real(dp), intent(in) :: defect(2)            !< state after the period less that before, m
+    real(dp), intent(out) :: step(2)             !< to the periodic state, m
+    logical, intent(out) :: solved
+    real(dp) :: inverse(2, 2)
+
+    call invert(monodromy, inverse, solved)
+    step = 0
+    if (solved) step = inverse(:, 1)*defect(1) + inverse(:, 2)*defect(2)
+    solved = solved .and. all(abs(step) < huge(step))
+  end subroutine newton_step
+
+  !> (I - monodromy)^-1.
+  pure subroutine invert(monodromy, inverse, solved)
+    real(dp), intent(in) :: monodromy(2, 2)
+    real(dp), intent(out) :: inverse(2, 2)
+    logical, intent(out) :: solved
+    real(dp) :: a(2, 2), determinant
+
+    a = -monodromy
+    a(1, 1) = a(1, 1) + 1
+    a(2, 2) = a(2, 2) + 1
+    determinant = a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1)
+    solved = abs(determinant) > 1e-14_dp*max(abs(a(1, 1)*a(2, 2)), abs(a(1, 2)*a(2, 1)), abs(a(1, 1)) + abs(a(2, 2)))
+    inverse = 0
+    if (.not. solved) return
+    inverse(:, 1) = [a(2, 2), -a(2, 1)]/determinant
+    inverse(:, 2) = [-a(1, 2), a(1, 1)]/determinant
+  end subroutine invert
+
+  !> Several periods in a row, as one.
+  pure subroutine run_periods(map, start, periods, run)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: start(2)             !< state, m
+    integer, intent(in) :: periods               !< how many
+    type(period_t), intent(out) :: run           !< of all of them: the last state, composed maps, sums and maxima
+    type(period_t) :: next
+    integer :: i
+
+    call run_period(map, start, run)
+    do i = 2, periods
+      if (run%failed) return
+      call run_period(map, run%state, next)
+      run%state = next%state
+      run%monodromy = matmul(next%monodromy, run%monodromy)
+      run%work = run%work + next%work
+      run%peak = max(run%peak, next%peak)
+      run%checksum = run%checksum + next%checksum
+      run%partial = run%partial .or. next%partial
+      run%lost = run%lost .or. next%lost
+      run%coast = run%coast .or. next%coast
+      run%failed = next%failed
+    end do
+  end subroutine run_periods
+
+  !> Newton's method on the map of several periods. Steps are halved while the residual grows. It ends where what the
+  !> residual leaves is far below the tolerance of the dynamic factor.
+  pure subroutine shoot(map, tolerance, periods, start, steady)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: tolerance            !< of the dynamic factor
+    integer, intent(in) :: periods               !< mesh periods after which the motion is to repeat
+    real(dp), intent(in) :: start(2)             !< state, m
+    type(steady_t), intent(out) :: steady
+    integer, parameter :: most_iterations = 20, most_halvings = 4
+    real(dp), parameter :: acceptable = 1e-9_dp
+    type(period_t) :: run, trial_run
+    real(dp) :: state(2), trial(2), step(2), closure, residual, trial_residual, work
+    integer :: iteration, halving
+    logical :: solved
+
+    associate (osc => map%osc, duration => map%duration(1))
+      state = start
+      call run_periods(map, state, periods, run)
+      work = run%work
+      residual = distance(osc, duration, run%state - state)
+      do iteration = 1, most_iterations
+        closure = closure_of(osc, duration, state, run)
+        if (run%failed .or. work > most_work .or. is_closed(closure, tolerance)) exit
+        call newton_step(run%monodromy, run%state - state, step, solved)
+        if (.not. solved) exit
+        do halving = 0, most_halvings
+          trial = state + step/2**halving
+          call run_periods(map, trial, periods, trial_run)
+          work = work + trial_run%work
+          trial_residual = distance(osc, duration, trial_run%state - trial)
+          if (trial_residual < residual .and. .not. trial_run%failed) exit
+        end do
+        if (halving > most_halvings) exit
+        state = trial
+        run = trial_run
+        residual = trial_residual
+      end do
+      if (run%failed) then
+        steady%status = status_chatter
+      else
+        closure = closure_of(osc, duration, state, run)
+        if (closure < acceptable .or. is_closed(closure, tolerance) .or. (.not. solved .and. residual < acceptable)) &
+          call judge(osc, duration, state, run, closure, periods, steady)
+      end if
+      steady%work = work
+    end associate
+  end subroutine shoot
+
+  !> Is what the residual leaves far below the tolerance, or rounding? A small residual alone proves little: far above
+  !> resonance any state hardly moves in a period.
+  pure logical function is_closed(closure, tolerance)
+    real(dp), intent(in) :: closure              !< error of the state, in static deflections
+    real(dp), intent(in) :: tolerance            !< of the dynamic factor
+
+    is_closed = closure < max(1e-3_dp*tolerance, 1e-12_dp)
+  end function is_closed
+
+  !> Size of a difference of states, in static deflections.
+  pure real(dp) function distance(osc, duration, difference)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp), intent(in) :: difference(2)        !< m
+
+    distance = max(abs(difference(1)), abs(difference(2))/max(1.0_dp, osc%natural_frequency*duration)) &
+               /osc%static_deflection
+    if (.not. distance < huge(distance)) distance = huge(distance)
+  end function distance
+
+  !> Fills in a converged motion, and whether it attracts.
+  pure subroutine judge(osc, duration, state, run, closure, periods, steady)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp), intent(in) :: state(2)             !< where the motion starts, m
+    type(period_t), intent(in) :: run            !< what it does until it repeats
+    real(dp), intent(in) :: closure              !< error of the state, in static deflections
+    integer, intent(in) :: periods               !< mesh periods until it repeats
+    type(steady_t), intent(out) :: steady
+
+    steady%state = state
+    steady%peak = run%peak
+    steady%checksum = run%checksum/periods
+    steady%partial = run%partial
+    steady%lost = run%lost
+    steady%coast = run%coast
+    steady%periods = periods
+    steady%residual = distance(osc, duration, run%state - state)
+    steady%closure = closure
+    steady%multiplier = largest_multiplier(run%monodromy)
+    if (steady%multiplier > 1 + neutral) then
+      steady%status = status_unstable
+    else if (steady%multiplier > 1 - neutral) then
+      steady%status = status_marginal
+    else if (periods > 1) then
+      steady%status = status_subharmonic
+    else
+      steady%status = status_ok
+    end if
+  end subroutine judge
+
+  !> How far a state is from the periodic one, in static deflections: (I - monodromy)^-1 times the residual, which is
+  !> taken to be no smaller than rounding.
+  pure real(dp) function closure_of(osc, duration, state, run)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp), intent(in) :: state(2)             !< m
+    type(period_t), intent(in) :: run            !< from there
+    real(dp) :: angle, residual(2), inverse(2, 2)
+    logical :: solved
+
+    angle = osc%natural_frequency*duration
+    residual = max(abs(run%state - state), epsilon(1.0_dp)* &
+                   [abs(state(1)), abs(state(2)) + angle*min(1.0_dp, angle)*abs(state(1))])
+    call invert(run%monodromy, inverse, solved)
+    closure_of = unbounded
+    if (solved) closure_of = distance(osc, duration, abs(inverse(:, 1))*residual(1) + abs(inverse(:, 2))*residual(2))
+  end function closure_of
+
+  !> Largest modulus of the Floquet multipliers, the eigenvalues of the monodromy matrix.
+  pure real(dp) function largest_multiplier(monodromy) result(modulus)
+    real(dp), intent(in) :: monodromy(2, 2)
+    real(dp) :: half_trace, determinant, square
+
+    half_trace = (monodromy(1, 1) + monodromy(2, 2))/2
+    determinant = monodromy(1, 1)*monodromy(2, 2) - monodromy(1, 2)*monodromy(2, 1)
+    square = ((monodromy(1, 1) - monodromy(2, 2))/2)**2 + monodromy(1, 2)*monodromy(2, 1)
+    if (square < 0) then
+      modulus = sqrt(max(0.0_dp, determinant))
+    else
+      modulus = abs(half_trace) + sqrt(square)
+    end if
+  end function largest_multiplier
+end module gearsweep_periodic_orbit

@@ -1,0 +1,139 @@
+!> How many steps a tolerance needs. The numbers of steps come in refinement levels of 2**(1/3), so that many speeds
+!> share the coefficients of a level.
+module gearsweep_refinement
+  use gearsweep_coefficients, only: resolution_t
+  use gearsweep_error_estimate, only: accuracy_t, resolving_steps
+  use gearsweep_gauss, only: order
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_period_map, only: discretise, period_map_t
+  implicit none
+  private
+  public :: levels_t, forget_levels, resolution_of, level_steps, level_for, first_level, last_level, need_level, next_level
+  public :: first_guess, root
+
+  real(dp), parameter :: root = 1.0_dp/order
+
+  !> Half the steps lie so many levels below.
+  integer, parameter, public :: per_doubling = 3
+  integer, parameter :: most_levels = 48
+
+  type :: level_t
+    type(period_map_t), allocatable :: map
+  end type level_t
+
+  !> The levels discretised so far, and where the next operating point may begin.
+  type :: levels_t
+    type(level_t) :: level(0:most_levels)
+    logical :: made(0:most_levels) = .false.
+    logical :: lacks = .false.                   !< the memory did not hold one: points have no result
+    real(dp) :: steps_per_second = 0             !< that the last point needed, over its period
+  end type levels_t
+
+contains
+
+  !> Another oscillator comes: what is discretised does not hold for it, but its memory serves again.
+  pure subroutine forget_levels(levels)
+    type(levels_t), allocatable, intent(inout) :: levels
+
+    if (.not. allocated(levels)) allocate (levels)
+    levels%made = .false.
+  end subroutine forget_levels
+
+  !> The resolution of a level.
+  elemental type(resolution_t) function resolution_of(level)
+    integer, intent(in) :: level
+
+    resolution_of = resolution_t(6*2**(modulo(level, per_doubling)/real(per_doubling, dp)), 2**(level/per_doubling))
+  end function resolution_of
+
+  !> Steps of a period at a level, before those that the breaks add.
+  elemental real(dp) function level_steps(level)
+    integer, intent(in) :: level
+
+    level_steps = 6*2**(level/real(per_doubling, dp))
+  end function level_steps
+
+  !> The lowest level with at least so many steps that has one of half as many.
+  pure integer function level_for(steps) result(level)
+    real(dp), intent(in) :: steps                !< of a period
+
+    level = min(most_levels, &
+                per_doubling + max(0, ceiling(per_doubling*log(max(steps, 12.0_dp)/12)/log(2.0_dp) - 1e-9_dp)))
+  end function level_for
+
+  !> The level at which an operating point begins, above which its natural motion is followed.
+  pure integer function first_level(osc, duration, options, levels) result(level)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(in) :: levels
+
+    level = level_for(max(2*resolving_steps(osc, duration), first_guess(osc, duration, options, levels)))
+  end function first_level
+
+  !> The highest level that the options and the memory allow.
+  pure integer function last_level(osc, options) result(level)
+    type(oscillator_t), intent(in) :: osc
+    type(accuracy_t), intent(in) :: options
+    real(dp) :: steps
+
+    steps = options%most_steps*min(1.0_dp, 4.0_dp/osc%contacts)
+    level = min(most_levels, floor(per_doubling*log(steps/6)/log(2.0_dp) + 1e-9_dp))
+  end function last_level
+
+  !> Discretises a level and that of half its steps, unless they are there. Of large ones no others are kept: one of
+  !> 2**18 steps takes 0.2 GB.
+  pure subroutine need_level(osc, level, levels)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: level
+    type(levels_t), intent(inout) :: levels      !< lacks: the memory does not hold them
+    real(dp), parameter :: large = 2**15
+    integer :: i
+
+    do i = 0, merge(most_levels, -1, level_steps(level) > large .and. .not. levels%made(level))
+      if (level_steps(i) <= large .or. i == level - per_doubling) cycle
+      if (allocated(levels%level(i)%map)) deallocate (levels%level(i)%map)
+      levels%made(i) = .false.
+    end do
+    do i = level - per_doubling, level, per_doubling
+      if (.not. allocated(levels%level(i)%map)) allocate (levels%level(i)%map)
+      if (.not. levels%made(i)) call discretise(osc, resolution_of(i), levels%level(i)%map)
+      levels%made(i) = levels%level(i)%map%table%steps > 0
+      if (.not. levels%made(i)) levels%lacks = .true.
+    end do
+  end subroutine need_level
+
+  !> Whether the error of a level is small enough; if not, the level to try next.
+  pure subroutine next_level(osc, options, step_error, duration, levels, level, done)
+    type(oscillator_t), intent(in) :: osc
+    type(accuracy_t), intent(in) :: options
+    real(dp), intent(in) :: step_error           !< of the dynamic factor
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(levels_t), intent(inout) :: levels      !< learns how many steps are needed
+    integer, intent(inout) :: level
+    logical, intent(out) :: done
+    real(dp) :: excess
+
+    excess = min(step_error/options%steady%tolerance, 1e8_dp)
+    levels%steps_per_second = level_steps(level)*min(max((2.5_dp*excess)**root, 0.5_dp), 2.0_dp)/duration
+    done = excess <= 1 .or. level >= last_level(osc, options)
+    if (.not. done) level = min(level_for(level_steps(level)*min(1.1_dp*excess**root, 4.0_dp)), last_level(osc, options))
+  end subroutine next_level
+
+  !> Steps of a period that the tolerance may need: as the last point did, or by the angle that the natural motion goes
+  !> through in the period.
+  pure real(dp) function first_guess(osc, duration, options, levels) result(steps)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(in) :: levels
+
+    if (levels%steps_per_second > 0) then
+      steps = levels%steps_per_second*duration
+    else
+      steps = 1.2_dp*osc%natural_frequency*duration*(1e-6_dp/options%steady%tolerance)**root
+    end if
+    steps = max(steps, 12*(1e-6_dp/options%steady%tolerance)**root)
+  end function first_guess
+end module gearsweep_refinement

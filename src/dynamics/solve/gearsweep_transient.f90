@@ -1,0 +1,192 @@
+!> The transient, followed period by period until the motion repeats, or until it is clear that it will not.
+module gearsweep_transient
+  use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
+  use gearsweep_contact_set, only: period_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_period, only: run_period
+  use gearsweep_period_map, only: period_map_t
+  use gearsweep_periodic_orbit, only: steady_t, near, most_work, adopt, shoot, newton_step, closure_of, run_periods, judge, &
+                                      distance, largest_multiplier
+  use gearsweep_status, only: has_result, status_aperiodic, status_chaotic, status_chatter, status_stopped, status_unstable
+  use gearsweep_stop, only: wants_stop
+  implicit none
+  private
+  public :: march, steady_options_t, sure_growth
+
+  integer, parameter, public :: by_shooting = 1, by_marching = 2
+
+  type :: steady_options_t
+    integer :: method = by_shooting
+    real(dp) :: tolerance = 1e-6_dp              !< of the dynamic factor
+    integer :: most_cycles = 2000                !< mesh periods marched at most
+    integer :: most_periods = 8                  !< mesh periods of the longest subharmonic motion looked for
+    type(c_ptr) :: stop = c_null_ptr             !< an integer of the caller; the search ends where it is not 0
+  end type steady_options_t
+
+  !> The end of a transient.
+  type :: history_t
+    real(dp), allocatable :: state(:, :)         !< last states, the newest first, m; (2, 0:periods)
+    real(dp), allocatable :: monodromy(:, :, :)  !< of the last 1, 2, ... periods; (2, 2, periods)
+    integer :: length = 0                        !< mesh periods marched
+    real(dp) :: decay = 0                        !< -log of the determinant of all monodromy matrices, by the damping
+    real(dp) :: disturbance(2) = 1               !< x, and y over its unit; of length 1
+    real(dp) :: growth = 0                       !< logarithm of its growth since the period `first_counted`
+  end type history_t
+
+  !> A bounded motion whose disturbances grow by more than exp(40) cannot be periodic over the periods that this took;
+  !> it takes at least `enough` of them to be sure.
+  real(dp), parameter :: sure_growth = 40
+  integer, parameter :: first_counted = 50, enough = 500
+
+contains
+
+  !> Follows the transient until it repeats after some periods. By shooting, Newton's method takes it to the end as
+  !> soon as the monodromy matrices of the last periods promise an attracting motion nearby.
+  pure subroutine march(map, options, start, steady)
+    type(period_map_t), intent(inout) :: map     !< with the duration of one speed
+    type(steady_options_t), intent(in) :: options
+    real(dp), intent(in) :: start(2)             !< state, m
+    !> Where nothing settles, an unstable motion found before stays the result, unless the motion is chaotic.
+    type(steady_t), intent(inout) :: steady
+    type(history_t) :: history
+    type(period_t) :: run
+    type(steady_t) :: trial
+    integer :: next_shot, periods, most_cycles
+    real(dp) :: before
+
+    if (steady%status /= status_unstable) steady = steady_t(work=steady%work)
+    ! Without damping nothing settles.
+    if (.not. map%osc%damping_ratio > 0) return
+    call begin(history, options%most_periods, start)
+    next_shot = 1
+    before = steady%work
+    most_cycles = min(options%most_cycles, max(1, int(most_work/map%table%steps)))
+    do while (history%length < most_cycles .and. steady%work - before < most_work)
+      if (wants_stop(options%stop)) then
+        steady%status = status_stopped
+        return
+      end if
+      call run_period(map, history%state(:, 0), run)
+      steady%work = steady%work + run%work
+      if (run%failed) steady%status = status_chatter
+      if (run%failed .or. .not. distance(map%osc, map%duration(1), run%state) < huge(1.0_dp)) return
+      call append(history, run, max(1.0_dp, map%osc%natural_frequency*map%duration(1)))
+      if (history%length >= next_shot) then
+        call try_to_end(map, options, history, periods, trial)
+        if (has_result(trial%status)) then
+          call adopt(trial, steady)
+          if (periods > 1) call shorten(map, options%tolerance, steady)
+          return
+        end if
+        steady%work = steady%work + trial%work
+        if (periods > 0) next_shot = history%length + 5 + history%length/5
+      end if
+      if (history%length < enough) cycle
+      ! Chaos, or so little damping that no period to come will settle.
+      if (history%growth > sure_growth .or. history%decay*most_cycles < 8*history%length) exit
+    end do
+    if (.not. history%growth > sure_growth) return
+    steady = steady_t(status=status_chaotic, multiplier=exp(history%growth/(history%length - first_counted)), &
+                      partial=run%partial, lost=run%lost, coast=run%coast, work=steady%work)
+  end subroutine march
+
+  pure subroutine begin(history, periods, start)
+    type(history_t), intent(out) :: history
+    integer, intent(in) :: periods
+    real(dp), intent(in) :: start(2)
+
+    allocate (history%state(2, 0:periods), history%monodromy(2, 2, periods))
+    history%state = spread(start, 2, periods + 1)
+    history%monodromy = 0
+  end subroutine begin
+
+  !> Adds one period; `unit` is that of y in a disturbance.
+  pure subroutine append(history, run, unit)
+    type(history_t), intent(inout) :: history
+    type(period_t), intent(in) :: run
+    real(dp), intent(in) :: unit
+    real(dp) :: size
+    integer :: k
+
+    do k = ubound(history%monodromy, 3), 2, -1
+      history%state(:, k) = history%state(:, k - 1)
+      history%monodromy(:, :, k) = matmul(run%monodromy, history%monodromy(:, :, k - 1))
+    end do
+    history%state(:, 1) = history%state(:, 0)
+    history%monodromy(:, :, 1) = run%monodromy
+    history%state(:, 0) = run%state
+    history%length = history%length + 1
+    history%decay = history%decay - log(max(determinant(run%monodromy), tiny(size)))
+    history%disturbance = matmul(run%monodromy, history%disturbance*[1.0_dp, unit])/[1.0_dp, unit]
+    size = max(norm2(history%disturbance), tiny(size))
+    history%disturbance = history%disturbance/size
+    if (history%length > first_counted) history%growth = history%growth + log(size)
+  end subroutine append
+
+  pure real(dp) function determinant(a)
+    real(dp), intent(in) :: a(2, 2)
+
+    determinant = a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1)
+  end function determinant
+
+  !> Tries to end the transient: `periods` is after how many the motion nearly repeats, 0 where it does not; `found` has
+  !> a result where it settled.
+  pure subroutine try_to_end(map, options, history, periods, found)
+    type(period_map_t), intent(inout) :: map
+    type(steady_options_t), intent(in) :: options
+    type(history_t), intent(in) :: history
+    integer, intent(out) :: periods
+    type(steady_t), intent(out) :: found
+    type(period_t) :: run
+    real(dp) :: defect(2), step(2), remainder, close
+    logical :: solved
+
+    associate (osc => map%osc, duration => map%duration(1))
+      ! Marching ends where what is left of the transient is far below the tolerance.
+      close = merge(1e-3_dp*options%tolerance, near/2, options%method == by_marching)
+      do periods = 1, min(options%most_periods, history%length)
+        defect = history%state(:, 0) - history%state(:, periods)
+        if (distance(osc, duration, defect) > close) cycle
+        if (largest_multiplier(history%monodromy(:, :, periods)) > 1) cycle
+        ! The motion that repeats, as the linear map has it, and how far the last state is from it.
+        call newton_step(history%monodromy(:, :, periods), defect, step, solved)
+        remainder = distance(osc, duration, step - defect)
+        if (solved .and. remainder < close) exit
+      end do
+      if (periods > min(options%most_periods, history%length)) then
+        periods = 0
+      else if (options%method == by_marching) then
+        call run_periods(map, history%state(:, 0), periods, run)
+        call judge(osc, duration, history%state(:, 0), run, closure_of(osc, duration, history%state(:, 0), run), periods, found)
+        found%work = run%work
+      else
+        call shoot(map, options%tolerance, periods, history%state(:, periods) + step, found)
+        if (has_result(found%status) .and. distance(osc, duration, found%state - history%state(:, 0)) > near) &
+          found%status = status_aperiodic
+      end if
+    end associate
+  end subroutine try_to_end
+
+  !> A motion found over several periods may repeat after fewer.
+  pure subroutine shorten(map, tolerance, steady)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: tolerance
+    type(steady_t), intent(inout) :: steady
+    real(dp) :: same
+    type(steady_t) :: trial
+    type(period_t) :: run
+    integer :: periods
+
+    ! Marching leaves a thousandth of the tolerance in each of the periods.
+    same = max(1e-7_dp, 1e-2_dp*tolerance)
+    do periods = 1, steady%periods/2
+      if (modulo(steady%periods, periods) /= 0) cycle
+      call run_periods(map, steady%state, periods, run)
+      steady%work = steady%work + run%work
+      if (distance(map%osc, map%duration(1), run%state - steady%state) > same) cycle
+      call shoot(map, tolerance, periods, steady%state, trial)
+      if (has_result(trial%status)) call adopt(trial, steady)
+      return
+    end do
+  end subroutine shorten
+end module gearsweep_transient

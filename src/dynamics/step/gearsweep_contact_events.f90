@@ -1,0 +1,313 @@
+!> Changes of contact within a step (events): they are detected, bracketed and accepted one after the other, and the
+!> motion and its propagator follow from the sub-steps between them. Only the speeds of a batch that have events take
+!> part.
+module gearsweep_contact_events
+  use gearsweep_contact_set, only: period_t, in_contact, set_contact, record_contact
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_integrator, only: integrator_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
+  use gearsweep_oscillator, only: damping
+  use gearsweep_period_map, only: period_map_t
+  use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic, value_of
+  use gearsweep_sub_step, only: event_t, sub_steps_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, &
+                                derivatives, second_derivatives, second_derivatives_of_motion, last
+  use gearsweep_trace, only: trace_t, record
+  implicit none
+  private
+  public :: locate_events
+
+  !> Events within one step, and within one period beyond those that free oscillation may have; with more, contact
+  !> chatters.
+  integer, parameter :: most_events = 40, most_extra = 1000
+
+  !> Computing time of an event, in steps.
+  real(dp), parameter :: cost = 20
+
+  !> An event is accepted this much beyond the zero of its overlap, as the zero itself lies on neither side; the force
+  !> is continuous there.
+  real(dp), parameter :: tolerance = 1e-13_dp
+
+contains
+
+  !> Takes the motions whose contact may change (`state%changes`) through a step. Where it does change, their end,
+  !> propagator, contacts and largest loads become what they are then; elsewhere `state%changes` becomes false.
+  pure subroutine locate_events(map, step, state, propagator, period, trace)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step
+    type(integrator_t), intent(inout) :: state   !< the end of the step is that without events
+    real(dp), intent(inout) :: propagator(batch_size, 6)
+    type(period_t), intent(inout) :: period(:)   !< of each speed
+    type(trace_t), intent(inout), optional :: trace    !< of the first motion
+    integer :: l
+
+    if (.not. allocated(state%sub_steps)) call make_sub_steps(map%osc, state%sub_steps)
+    call begin_step(map, step, state)
+    do
+      do l = 1, map%speeds
+        if (.not. state%sub_steps%event(l)%active) cycle
+        if (state%sub_steps%event(l)%contact == 0) then
+          call detect(map, l, state, period(l), trace)
+        else
+          call bracket(map, l, state, period(l), trace)
+        end if
+      end do
+      if (.not. any(state%sub_steps%event%active)) exit
+      call take_sub_step(map, state%contacts, state%sub_steps)
+    end do
+    associate (c => state%sub_steps)
+      state%changes = c%event%found
+      do l = 1, map%speeds
+        if (.not. state%changes(l)) cycle
+        state%x(l, state%to) = c%x(l, 1)
+        state%y(l, state%to) = c%y(l, 1)
+        propagator(l, :4) = c%event(l)%propagator
+      end do
+    end associate
+  end subroutine locate_events
+
+  !> The whole step is the first sub-step.
+  pure subroutine begin_step(map, step, state)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step
+    type(integrator_t), intent(inout) :: state
+
+    associate (c => state%sub_steps)
+      call enter_step(map, step, c)
+      c%event = event_t()
+      c%event%active = state%changes
+      c%left = 0
+      c%width = 1
+      c%x(:, 1) = state%x(:, state%from)
+      c%y(:, 1) = state%y(:, state%from)
+      c%x(:, 2) = state%x(:, state%to)
+      c%y(:, 2) = state%y(:, state%to)
+      call sum_contacts(map, state%contacts, 1, c)
+      call sum_contacts(map, state%contacts, last, c)
+    end associate
+  end subroutine begin_step
+
+  !> Looks for the first event in the sub-step of motion l: brackets it, or accepts the sub-step.
+  pure subroutine detect(map, l, state, period, trace)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(integrator_t), intent(inout) :: state
+    type(period_t), intent(inout) :: period
+    type(trace_t), intent(inout), optional :: trace
+    real(dp) :: part
+    logical :: through
+    integer :: which
+
+    call find_event(map, l, state, part, which)
+    associate (c => state%sub_steps, event => state%sub_steps%event(l))
+      if (event%jumps) call jump(map, l, c)
+      if (.not. event%found) then
+        event%active = which > 0
+        event%found = event%active
+        if (.not. event%found) return
+        c%width(l) = c%longest(l)
+        if (c%width(l) < 1) return
+      end if
+      if (which > 0) then
+        period%failed = event%events == most_events .or. &
+                        period%events > most_extra + map%osc%contacts*map%osc%highest_frequency*map%duration(l)
+        event%active = .not. period%failed
+        event%contact = which
+        event%trials = 0
+        event%length = c%width(l)
+        event%part = max(part, tolerance)
+        event%low = 0
+        event%high = 1
+        c%width(l) = event%part*event%length
+      else
+        through = c%width(l) >= 1 - c%left(l)
+        call accept(map, l, state, trace)
+        event%active = .not. through
+      end if
+    end associate
+  end subroutine detect
+
+  !> Only damping jumps with the contact. The propagator feels the jump through the moment of the event (saltation).
+  pure subroutine jump(map, l, c)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(sub_steps_t), intent(inout) :: c
+    real(dp) :: change
+
+    associate (event => c%event(l))
+      change = damping(map%osc, map%duration(l))*(sqrt(c%omega_squared(l, 1)) - sqrt(event%before))
+      event%propagator(2::2) = event%propagator(2::2) - change*event%ratio*event%propagator(1::2)
+      event%jumps = .false.
+    end associate
+  end subroutine jump
+
+  !> The first event in the sub-step of motion l: its place as a part of the sub-step, and the contact; 0 where there is
+  !> none.
+  pure subroutine find_event(map, l, state, part, which)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(integrator_t), intent(in) :: state
+    real(dp), intent(out) :: part
+    integer, intent(out) :: which
+    real(dp) :: motion(0:1, 2), overlap(0:2, 2), zero
+    logical :: found
+    integer :: j
+
+    part = 1
+    which = 0
+    associate (c => state%sub_steps, osc => map%osc, table => map%table)
+      if (.not. c%width(l) > 0) return
+      motion(0, :) = c%x(l, :)
+      motion(1, :) = c%width(l)*table%width(c%step)*c%y(l, :)
+      do j = 1, osc%contacts
+        if (j > table%pairs(c%step) .and. j <= osc%pairs) cycle
+        associate (sense => state%contacts(j)%sense(l))
+          overlap(:1, :) = sense*(motion - derivatives(c, l, c%profile_error(:, j)))
+          if (.not. may_cross_zero(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
+          overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - second_derivatives(c, l, c%profile_error(:, j)))
+        end associate
+        call first_zero(quintic(overlap(:, 1), overlap(:, 2)), zero, found)
+        if (.not. found .or. zero >= part) cycle
+        part = zero
+        which = j
+      end do
+    end associate
+  end subroutine find_event
+
+  !> The sub-step of motion l ends near an event: accepts it where the overlap has just changed its sign, or moves the
+  !> end of the sub-step.
+  pure subroutine bracket(map, l, state, period, trace)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(integrator_t), intent(inout) :: state
+    type(period_t), intent(inout) :: period
+    type(trace_t), intent(inout), optional :: trace
+    ! An event closer than this part of the length is reached by Taylor's series instead of another sub-step.
+    real(dp), parameter :: close = 1e-7_dp
+    integer, parameter :: most_trials = 50
+    real(dp) :: error, error_slope, overlap, slope, miss
+
+    associate (c => state%sub_steps, event => state%sub_steps%event(l))
+      associate (sense => state%contacts(event%contact)%sense(l))
+        call evaluate(c%profile_error(:, event%contact), c%left(l) + c%width(l), error, error_slope)
+        overlap = sense*(c%x(l, 2) - error)
+        slope = sense*event%length*(map%table%width(c%step)*c%y(l, 2) - error_slope)
+      end associate
+      miss = huge(miss)
+      if (slope < 0) miss = tolerance - overlap/slope
+      if (abs(miss) <= close) then
+        call move_end(map, l, min(miss, 1 - event%part)*event%length, c)
+      else
+        if (overlap > 0) then
+          event%low = event%part
+        else
+          event%high = event%part
+        end if
+        event%trials = event%trials + 1
+        if (event%high - event%low > tolerance .and. event%trials < most_trials) then
+          event%part = event%part + miss
+          if (.not. (event%part > event%low .and. event%part < event%high)) event%part = (event%low + event%high)/2
+          c%width(l) = event%part*event%length
+          return
+        end if
+      end if
+    end associate
+    call accept(map, l, state, trace)
+    call change_contact(map, l, state, period)
+  end subroutine bracket
+
+  !> Opens or closes the contact whose event motion l has reached.
+  pure subroutine change_contact(map, l, state, period)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(integrator_t), intent(inout) :: state
+    type(period_t), intent(inout) :: period
+    real(dp) :: approach
+
+    associate (c => state%sub_steps, event => state%sub_steps%event(l))
+      associate (j => event%contact)
+        approach = c%y(l, 1) - derivative_of(c%profile_error(:, j), c%left(l))/map%table%width(c%step)
+        event%jumps = abs(approach) > 0
+        if (event%jumps) event%ratio = c%y(l, 1)/approach
+        event%before = c%omega_squared(l, last)
+        call set_contact(map%osc, l, j, .not. in_contact(state%contact_set(l), j), state%contact_set(l), state%contacts(j))
+        call record_contact(map%osc, state%contact_set(l), period)
+        event%events = event%events + 1
+      end associate
+      event%contact = 0
+    end associate
+    period%events = period%events + 1
+    period%work = period%work + cost
+  end subroutine change_contact
+
+  !> Moves motion l to the end of its sub-step, and begins the next one.
+  pure subroutine accept(map, l, state, trace)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(integrator_t), intent(inout) :: state
+    type(trace_t), intent(inout), optional :: trace
+
+    if (state%peaks) call raise_peak(map, l, state%contact_set(l), state%sub_steps, state%peak(l))
+    if (present(trace)) call record_sub_step(map, l, state%contact_set(l), state%sub_steps, trace)
+    associate (c => state%sub_steps)
+      c%event(l)%propagator = composed(c%propagator(l, :4), c%event(l)%propagator)
+      c%x(l, 1) = c%x(l, 2)
+      c%y(l, 1) = c%y(l, 2)
+      c%left(l) = c%left(l) + c%width(l)
+      c%width(l) = max(0.0_dp, min(1 - c%left(l), c%longest(l)))
+    end associate
+  end subroutine accept
+
+  !> Raises the largest load of motion l by those over its sub-step.
+  pure subroutine raise_peak(map, l, contact_set, c, peak)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l, contact_set
+    type(sub_steps_t), intent(in) :: c
+    real(dp), intent(inout) :: peak
+    real(dp) :: motion(0:1, 2), stiffness(0:1, 2), gap(0:1, 2), load(0:2, 2)
+    integer :: j
+
+    motion(0, :) = c%x(l, :)
+    motion(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
+    do j = 1, map%table%pairs(c%step)
+      if (.not. in_contact(contact_set, j)) cycle
+      stiffness = derivatives(c, l, c%stiffness(:, j))
+      gap = motion - derivatives(c, l, c%profile_error(:, j))
+      load(0, :) = stiffness(0, :)*gap(0, :)
+      load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
+      peak = max(peak, load(0, 1), load(0, 2))
+      if (.not. may_exceed(load, peak)) cycle
+      load(2, :) = second_derivatives(c, l, c%stiffness(:, j))*gap(0, :) + 2*stiffness(1, :)*gap(1, :) &
+                   + stiffness(0, :)*(second_derivatives_of_motion(map, l, c) - second_derivatives(c, l, c%profile_error(:, j)))
+      call raise_to_maximum(load, peak)
+    end do
+  end subroutine raise_peak
+
+  !> The propagator of a sub-step after that of what was before; columns one after the other.
+  pure function composed(propagator, before) result(c)
+    real(dp), intent(in) :: propagator(:), before(4)
+    real(dp) :: c(4)
+
+    c(1) = propagator(1)*before(1) + propagator(3)*before(2)
+    c(2) = propagator(2)*before(1) + propagator(4)*before(2)
+    c(3) = propagator(1)*before(3) + propagator(3)*before(4)
+    c(4) = propagator(2)*before(3) + propagator(4)*before(4)
+  end function composed
+
+  pure subroutine record_sub_step(map, l, contact_set, c, trace)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l, contact_set
+    type(sub_steps_t), intent(in) :: c
+    type(trace_t), intent(inout) :: trace
+    real(dp) :: ends(2)
+    integer :: j, k
+
+    ends = c%left(l) + [0.0_dp, c%width(l)]
+    associate (table => map%table, i => c%step, pairs => map%table%pairs(c%step))
+      call record(trace, pairs, table%left(i) + table%width(i)*ends, c%x(l, :), &
+        reshape([((value_of(c%stiffness(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), &
+        reshape([((value_of(c%profile_error(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), &
+        [(in_contact(contact_set, j), j=1, map%osc%contacts)])
+    end associate
+  end subroutine record_sub_step
+end module gearsweep_contact_events

@@ -1,0 +1,80 @@
+!> Which contacts are closed, and what one mesh period of the motion does.
+!>
+!> A contact is a pair between A and E or, as the last one and only with backlash, the coast sides together. A
+!> contact set is an integer: bit j - 1 is set where contact j is closed. The state of the motion is x (m) and its
+!> derivative y over the mesh phase (m).
+module gearsweep_contact_set
+  use gearsweep_coefficients, only: coefficients_t
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t
+  implicit none
+  private
+  public :: period_t, contact_t, in_contact, full_contact, set_contact, record_contact
+
+  !> What one mesh period of the motion does.
+  type :: period_t
+    real(dp) :: state(2) = 0           !< x, y at the end of the period, m
+    real(dp) :: monodromy(2, 2) = 0    !< derivative of that by the state at its begin
+    real(dp) :: peak = 0               !< largest load on one pair, N
+    !> Phase checksum (m): the sum of x where smooth intervals begin. It shows errors that the largest load may hide.
+    real(dp) :: checksum = 0
+    integer :: events = 0              !< changes of contact
+    real(dp) :: work = 0               !< computing time, in steps
+    logical :: partial = .false.       !< a pair between A and E was apart for a while
+    logical :: lost = .false.          !< all flanks were apart for a while
+    logical :: coast = .false.         !< the coast sides came into contact
+    logical :: failed = .false.        !< contact changed too often
+  end type period_t
+
+  !> One contact in all motions of a batch; the load is that where the last step ended.
+  type :: contact_t
+    real(dp), dimension(batch_size) :: weight = 0      !< 1 closed, 0 open
+    real(dp), dimension(batch_size) :: sense = 1       !< sign that makes the overlap positive until the contact changes
+    real(dp), dimension(batch_size) :: load = 0        !< N
+    real(dp), dimension(batch_size) :: load_slope = 0  !< its derivative over the step, N
+  end type contact_t
+
+contains
+
+  !> Is contact j closed?
+  elemental logical function in_contact(contact_set, j)
+    integer, intent(in) :: contact_set
+    integer, intent(in) :: j           !< which contact
+
+    in_contact = btest(contact_set, j - 1)
+  end function in_contact
+
+  !> The contact set of all pairs between A and E.
+  pure integer function full_contact(table, step)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step        !< in which step of the period
+
+    full_contact = 2**table%pairs(step) - 1
+  end function full_contact
+
+  !> Closes or opens a contact of one motion.
+  elemental subroutine set_contact(osc, l, j, closed, contact_set, contact)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: l           !< which motion of the batch
+    integer, intent(in) :: j           !< which contact
+    logical, intent(in) :: closed
+    integer, intent(inout) :: contact_set      !< of this motion
+    type(contact_t), intent(inout) :: contact  !< contact j
+
+    contact_set = merge(ibset(contact_set, j - 1), ibclr(contact_set, j - 1), closed)
+    contact%weight(l) = merge(1, 0, closed)
+    contact%sense(l) = merge(1, -1, closed .eqv. j <= osc%pairs)
+  end subroutine set_contact
+
+  !> Records in a period that a pair is apart, or that the coast sides are in contact.
+  pure subroutine record_contact(osc, contact_set, period)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: contact_set         !< not that of full contact
+    type(period_t), intent(inout) :: period
+
+    period%partial = .true.
+    period%lost = period%lost .or. contact_set == 0
+    if (osc%has_backlash) period%coast = period%coast .or. in_contact(contact_set, osc%contacts)
+  end subroutine record_contact
+end module gearsweep_contact_set

@@ -1,0 +1,28 @@
+!> The motions of a batch on their way through the mesh period.
+module gearsweep_integrator
+  use gearsweep_contact_set, only: contact_t
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_kinds, only: dp
+  use gearsweep_load_peaks, only: candidates_t
+  use gearsweep_sub_step, only: sub_steps_t
+  implicit none
+  private
+  public :: integrator_t
+
+  !> Second index of x and y: where the step begins is `from` and where it ends `to`, which change places after it.
+  type :: integrator_t
+    integer :: from = 1, to = 2
+    real(dp), dimension(batch_size, 2) :: x, y   !< state, m
+    real(dp) :: monodromy(batch_size, 4)         !< derivative by the first state, columns one after the other
+    real(dp) :: held(batch_size)                 !< 0 where contact may change, else a height above all profile errors, m
+    type(contact_t), allocatable :: contacts(:)
+    integer :: contact_set(batch_size)
+    logical :: full_contact                      !< every pair between A and E is in contact, at every speed
+    logical :: all_full                          !< so it was in all steps so far, whose propagators are cached
+    logical :: changes(batch_size)               !< contact may change, and then does change, within the step
+    type(sub_steps_t), allocatable :: sub_steps
+    logical :: peaks                             !< the largest loads are wanted
+    real(dp) :: peak(batch_size)                 !< largest load so far, N
+    type(candidates_t) :: candidates(batch_size) !< for larger ones
+  end type integrator_t
+end module gearsweep_integrator

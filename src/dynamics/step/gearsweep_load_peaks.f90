@@ -1,0 +1,132 @@
+!> The largest load on one pair, also between the ends of steps.
+!>
+!> Most maxima within steps are too low to matter. So the steps only note candidates with an upper bound, and the
+!> maxima are computed in the end, where the bound is still above the largest load found.
+module gearsweep_load_peaks
+  use gearsweep_coefficients, only: coefficients_t, end_acceleration
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_quintic, only: quintic, maximum_of, value_of
+  implicit none
+  private
+  public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum
+
+  !> A step within which the load of a pair has a maximum.
+  type :: candidate_t
+    real(dp) :: bound                  !< the maximum lies below, N
+    real(dp) :: x(2), y(2)             !< state at both ends of the step, m
+    integer :: step, pair, contact_set
+  end type candidate_t
+
+  integer, parameter :: most_candidates = 16
+  type :: candidates_t
+    integer :: count
+    type(candidate_t) :: candidate(most_candidates)
+  end type candidates_t
+
+contains
+
+  !> Adds a candidate. Where there is no room, those that the largest load has passed meanwhile are dropped, or all
+  !> are settled.
+  pure subroutine add_candidate(osc, table, duration, candidate, candidates, peak)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    real(dp), intent(in) :: duration               !< of the mesh period, s
+    type(candidate_t), intent(in) :: candidate
+    type(candidates_t), intent(inout) :: candidates
+    real(dp), intent(inout) :: peak                !< largest load so far, N
+    integer :: k, kept
+
+    if (candidates%count == most_candidates) then
+      kept = 0
+      do k = 1, most_candidates
+        if (candidates%candidate(k)%bound <= peak) cycle
+        kept = kept + 1
+        candidates%candidate(kept) = candidates%candidate(k)
+      end do
+      candidates%count = kept
+      if (kept == most_candidates) call settle_candidates(osc, table, duration, candidates, peak)
+    end if
+    candidates%count = candidates%count + 1
+    candidates%candidate(candidates%count) = candidate
+  end subroutine add_candidate
+
+  !> Raises the largest load by all candidates; the one with the highest bound first, which spares most others.
+  pure subroutine settle_candidates(osc, table, duration, candidates, peak)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    real(dp), intent(in) :: duration               !< of the mesh period, s
+    type(candidates_t), intent(inout) :: candidates    !< empty afterwards
+    real(dp), intent(inout) :: peak                !< largest load so far, N
+    integer :: k
+
+    do while (candidates%count > 0)
+      k = maxloc(candidates%candidate(:candidates%count)%bound, 1)
+      if (candidates%candidate(k)%bound > peak) call settle(osc, table, duration, candidates%candidate(k), peak)
+      candidates%candidate(k) = candidates%candidate(candidates%count)
+      candidates%count = candidates%count - 1
+    end do
+  end subroutine settle_candidates
+
+  !> Raises the largest load by that within the step of a candidate.
+  pure subroutine settle(osc, table, duration, candidate, peak)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    real(dp), intent(in) :: duration
+    type(candidate_t), intent(in) :: candidate
+    real(dp), intent(inout) :: peak
+    ! In steps of more rad of the natural motion the acceleration is a small difference of large forces.
+    real(dp), parameter :: most = 3e3_dp
+    real(dp) :: gap(0:2, 2), load(0:2, 2)
+    integer :: k
+
+    associate (i => candidate%step, j => candidate%pair)
+      associate (stiffness => table%end_stiffness(:, j, :, i), width => table%width(i))
+        gap(0, :) = candidate%x - table%end_profile_error(0, j, :, i)
+        gap(1, :) = candidate%y - table%end_profile_error(1, j, :, i)
+        load(0, :) = stiffness(1, :)*gap(0, :)
+        load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
+        if (.not. may_exceed(load, peak)) return
+        if (duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most) then
+          do k = 1, 2
+            gap(2, k) = end_acceleration(osc, table, i, k, candidate%contact_set, duration, &
+                                         [candidate%x(k), candidate%y(k)]) - table%end_profile_error(2, j, k, i)
+          end do
+        else
+          gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
+        end if
+        load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
+      end associate
+    end associate
+    call raise_to_maximum(load, peak)
+  end subroutine settle
+
+  !> May a load exceed `peak` between two places? A concave one stays below its tangents.
+  pure logical function may_exceed(load, peak)
+    real(dp), intent(in) :: load(0:2, 2)           !< value and first derivative over the distance at both, N
+    real(dp), intent(in) :: peak                   !< N
+
+    may_exceed = load(1, 1) > 0 .and. load(1, 2) < 0
+    if (may_exceed) may_exceed = max(load(0, 1), load(0, 2)) + (load(1, 1) - load(1, 2))/4 > peak
+  end function may_exceed
+
+  !> Raises `peak` to the maximum of a load between two places, given that there is one.
+  pure subroutine raise_to_maximum(load, peak)
+    real(dp), intent(in) :: load(0:2, 2)           !< value, first and second derivative over the distance at both, N
+    real(dp), intent(inout) :: peak                !< N
+    real(dp) :: c(0:5)
+
+    c = quintic(load(:, 1), load(:, 2))
+    peak = max(peak, value_of(c, maximum_of(c)))
+  end subroutine raise_to_maximum
+
+  !> Second derivatives at both ends of the cubic with these values and first derivatives there, over 0 ... 1.
+  pure function cubic_curvature(value, slope) result(curvature)
+    real(dp), intent(in) :: value(:), slope(2)
+    real(dp) :: curvature(2)
+
+    associate (rise => value(2) - value(1))
+      curvature = [6*rise - 4*slope(1) - 2*slope(2), -6*rise + 2*slope(1) + 4*slope(2)]
+    end associate
+  end function cubic_curvature
+end module gearsweep_load_peaks

@@ -1,0 +1,285 @@
+!> The map of the state over one mesh period, for a batch of speeds: the equation of motion, its coefficients, the
+!> durations of the period, and what each step makes of the state.
+!>
+!> Over a step whose contact set does not change, the state at the end is an affine function of that at the begin:
+!> the step's propagator. It depends on the contact set alone, so it is cached for the next motion through the
+!> period. All speeds of a batch share the coefficients, which are read once for all.
+module gearsweep_period_map
+  use gearsweep_coefficients, only: coefficients_t, resolution_t, tabulate
+  use gearsweep_contact_set, only: contact_t, full_contact, period_t
+  use gearsweep_gauss, only: batch_size, collocate
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t, damping
+  use gearsweep_radau, only: collocate_stiffly
+  implicit none
+  private
+  public :: period_map_t, discretise, set_durations, need_propagator, take_step, compose, flush_to_zero
+  public :: leave_full_contact, run_full_contact
+
+  type :: period_map_t
+    type(oscillator_t) :: osc
+    type(coefficients_t) :: table
+    integer :: speeds = 0                        !< of the batch that are used
+    real(dp) :: duration(batch_size) = 0         !< of the mesh period at each speed, s
+    !> Every step has a place for its propagator; of longer periods than `most_cached` steps only the last is kept.
+    logical :: cached = .false.
+    !> What x, y and 1 contribute to x and y at the end of the step, two elements each; (speed, element, place)
+    real(dp), allocatable :: propagator(:, :, :)
+    integer, allocatable :: contact_set(:, :)    !< for which it is; (speed, place)
+    logical :: all_full = .false.                !< all are those of full contact, and then:
+    real(dp) :: monodromy(batch_size, 4) = 0     !< all of them composed, columns one after the other
+  end type period_map_t
+  integer, parameter :: most_cached = 2048, not_made = -1
+
+  !> A derivative by the first state below this tells nothing; on its way to 0 it would slow the processor down.
+  real(dp), parameter :: negligible = 1e-150_dp
+
+contains
+
+  !> Cuts the period into steps and tabulates the coefficients; `set_durations` comes next.
+  pure subroutine discretise(osc, resolution, map)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution
+    type(period_map_t), intent(inout) :: map     !< its memory serves again; without steps where memory lacks
+
+    map%osc = osc
+    call tabulate(osc, resolution, map%table)
+  end subroutine discretise
+
+  !> Sets the durations of the period (s) at up to `batch_size` speeds, and forgets all propagators.
+  pure subroutine set_durations(map, duration)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: duration(:)          !< of one speed, or of a whole batch, s
+    integer :: places
+
+    map%speeds = size(duration)
+    map%duration = duration(size(duration))
+    map%duration(:size(duration)) = duration
+    map%cached = map%table%steps <= most_cached
+    places = merge(map%table%steps, 1, map%cached)
+    if (allocated(map%contact_set)) then
+      if (size(map%contact_set, 2) < places) deallocate (map%contact_set, map%propagator)
+    end if
+    if (.not. allocated(map%contact_set)) then
+      allocate (map%contact_set(batch_size, places), map%propagator(batch_size, 6, places))
+      ! The places of a batch that are not used are computed with the others, at rest.
+      map%propagator = 0
+    end if
+    map%contact_set(:, :places) = not_made
+    map%all_full = .false.
+  end subroutine set_durations
+
+  !> Makes the propagator of a step unless it is cached.
+  pure subroutine need_propagator(map, step, contact_set, contacts, place)
+    type(period_map_t), intent(inout) :: map
+    integer, intent(in) :: step
+    integer, intent(in) :: contact_set(batch_size)         !< of each speed
+    type(contact_t), intent(in) :: contacts(:)             !< the same, contact by contact
+    integer, intent(out) :: place                          !< of the propagator in the cache
+    integer :: full(batch_size)
+
+    place = merge(step, 1, map%cached)
+    if (map%cached .and. are_same(contact_set, map%contact_set(:, place))) return
+    full = full_contact(map%table, step)
+    if (are_same(contact_set, full)) then
+      call propagate_full_contact(map%osc, map%table, step, map%duration(:map%speeds), map%propagator(:, :, place))
+    else
+      call propagate(map%osc, map%table, step, map%duration(:map%speeds), contacts, map%propagator(:, :, place))
+    end if
+    map%contact_set(:, place) = contact_set
+  end subroutine need_propagator
+
+  pure logical function are_same(a, b)
+    integer, intent(in), dimension(batch_size) :: a, b
+    integer :: other, l
+
+    other = 0
+    do l = 1, batch_size
+      other = ior(other, ieor(a(l), b(l)))
+    end do
+    are_same = other == 0
+  end function are_same
+
+  !> The propagator of full contact: the sums over all pairs are those of the table.
+  pure subroutine propagate_full_contact(osc, table, step, duration, propagator)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    real(dp), intent(in) :: duration(:)
+    real(dp), intent(inout) :: propagator(batch_size, 6)
+    real(dp), dimension(batch_size, 3) :: omega_squared, damped, forcing
+    real(dp), dimension(3) :: omegas_squared, dampings, forcings
+    real(dp) :: time
+    integer :: l
+
+    omegas_squared = table%omega_squared(:, step)
+    dampings = damping(osc, 1.0_dp)*table%omega(:, step)
+    forcings = table%forcing(:, step) + osc%load*sum(1/osc%mass)
+    do l = 1, size(duration)
+      time = duration(l)*table%width(step)
+      damped(l, 1) = dampings(1)*time
+      damped(l, 2) = dampings(2)*time
+      damped(l, 3) = dampings(3)*time
+      time = time**2
+      omega_squared(l, 1) = omegas_squared(1)*time
+      omega_squared(l, 2) = omegas_squared(2)*time
+      omega_squared(l, 3) = omegas_squared(3)*time
+      forcing(l, 1) = forcings(1)*time
+      forcing(l, 2) = forcings(2)*time
+      forcing(l, 3) = forcings(3)*time
+    end do
+    call collocate_step(size(duration), table%width(step), table%kind(step)%stiff, omega_squared, damped, forcing, propagator)
+  end subroutine propagate_full_contact
+
+  !> The propagator where each speed has contacts of its own.
+  pure subroutine propagate(osc, table, step, duration, contacts, propagator)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    real(dp), intent(in) :: duration(:)
+    type(contact_t), intent(in) :: contacts(:)
+    real(dp), intent(inout) :: propagator(batch_size, 6)
+    real(dp), dimension(batch_size, 3) :: omega_squared, damped, forcing
+    real(dp) :: time, rate, pull, factor
+    integer :: j, k, l
+
+    omega_squared = 0
+    forcing = 0
+    do j = 1, osc%contacts
+      if (j > table%pairs(step) .and. j <= osc%pairs) cycle
+      do k = 1, 3
+        rate = table%rate(j, k, step)
+        pull = rate*table%profile_error(j, k, step)
+        do l = 1, size(duration)
+          omega_squared(l, k) = omega_squared(l, k) + contacts(j)%weight(l)*rate
+          forcing(l, k) = forcing(l, k) + contacts(j)%weight(l)*pull
+        end do
+      end do
+    end do
+    factor = damping(osc, 1.0_dp)
+    do k = 1, 3
+      do l = 1, size(duration)
+        time = duration(l)*table%width(step)
+        damped(l, k) = factor*sqrt(omega_squared(l, k))*time
+        time = time**2
+        omega_squared(l, k) = omega_squared(l, k)*time
+        forcing(l, k) = (forcing(l, k) + osc%load*sum(1/osc%mass))*time
+      end do
+    end do
+    call collocate_step(size(duration), table%width(step), table%kind(step)%stiff, omega_squared, damped, forcing, propagator)
+  end subroutine propagate
+
+  !> Collocation over a step, from displacements over the step to derivatives over the phase. It divides by the
+  !> width, as the rounding of a factor 1/width would be the same in each of many steps.
+  pure subroutine collocate_step(n, width, stiff, omega_squared, damped, forcing, propagator)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: width
+    logical, intent(in) :: stiff
+    real(dp), intent(in), dimension(batch_size, 3) :: omega_squared, damped, forcing
+    real(dp), intent(inout) :: propagator(batch_size, 6)   ! of speeds that are not used: as it was
+    integer :: l
+
+    if (stiff) then
+      call collocate_stiffly(n, omega_squared, damped, forcing, propagator)
+    else
+      call collocate(n, omega_squared, damped, forcing, propagator)
+    end if
+    do l = 1, n
+      propagator(l, 2) = propagator(l, 2)/width
+      propagator(l, 3) = propagator(l, 3)*width
+      propagator(l, 6) = propagator(l, 6)/width
+    end do
+  end subroutine collocate_step
+
+  !> The state after a step, for a whole batch.
+  pure subroutine take_step(propagator, x, y, x_next, y_next)
+    real(dp), intent(in) :: propagator(batch_size, 6)
+    real(dp), intent(in), dimension(batch_size) :: x, y              !< at the begin of the step, m
+    real(dp), intent(out), dimension(batch_size) :: x_next, y_next   !< at its end, m
+    integer :: l
+
+    do l = 1, batch_size
+      x_next(l) = propagator(l, 1)*x(l) + propagator(l, 3)*y(l) + propagator(l, 5)
+      y_next(l) = propagator(l, 2)*x(l) + propagator(l, 4)*y(l) + propagator(l, 6)
+    end do
+  end subroutine take_step
+
+  !> Lets a step follow what was before it.
+  pure subroutine compose(propagator, monodromy)
+    real(dp), intent(in) :: propagator(batch_size, 6)
+    !> Derivative of the state by that at the begin of the period, columns one after the other; (speed, element)
+    real(dp), intent(inout) :: monodromy(batch_size, 4)
+    real(dp) :: x, y
+    integer :: k, l
+
+    do k = 1, 3, 2
+      do l = 1, batch_size
+        x = monodromy(l, k)
+        y = monodromy(l, k + 1)
+        monodromy(l, k) = propagator(l, 1)*x + propagator(l, 3)*y
+        monodromy(l, k + 1) = propagator(l, 2)*x + propagator(l, 4)*y
+      end do
+    end do
+  end subroutine compose
+
+  !> Leaves full contact after so many steps: composes these and marks that what follows has other contact sets.
+  pure subroutine leave_full_contact(map, steps, monodromy)
+    type(period_map_t), intent(inout) :: map
+    integer, intent(in) :: steps
+    real(dp), intent(inout) :: monodromy(batch_size, 4)    !< as in `compose`
+    integer :: i
+
+    do i = 1, steps
+      call compose(map%propagator(:, :, i), monodromy)
+      if (modulo(i, 64) == 0) call flush_to_zero(monodromy)
+    end do
+    map%all_full = .false.
+  end subroutine leave_full_contact
+
+  !> Sets a derivative to zero of which nothing is left.
+  pure subroutine flush_to_zero(monodromy)
+    real(dp), intent(inout) :: monodromy(batch_size, 4)    !< as in `compose`
+    integer :: l
+
+    do l = 1, batch_size
+      if (all(abs(monodromy(l, :)) < negligible)) monodromy(l, :) = 0
+    end do
+  end subroutine flush_to_zero
+
+  !> One period in which every pair between A and E stays in contact, whether it pushes or pulls: the state after it
+  !> and the monodromy matrix, but no loads.
+  pure subroutine run_full_contact(map, start, period)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: start(:, :)                    !< x, y (m) at the begin; (2, speed)
+    type(period_t), intent(inout) :: period(:)             !< of each speed
+    real(dp) :: monodromy(batch_size, 4), x(batch_size, 2), y(batch_size, 2)
+    integer :: place, from, to, i, l
+
+    from = 1
+    to = 2
+    x(:, from) = 0
+    y(:, from) = 0
+    x(:map%speeds, from) = start(1, :)
+    y(:map%speeds, from) = start(2, :)
+    monodromy = 0
+    monodromy(:, 1) = 1
+    monodromy(:, 4) = 1
+    do i = 1, map%table%steps
+      place = merge(i, 1, map%cached)
+      call propagate_full_contact(map%osc, map%table, i, map%duration(:map%speeds), map%propagator(:, :, place))
+      map%contact_set(:, place) = full_contact(map%table, i)
+      call compose(map%propagator(:, :, place), monodromy)
+      if (modulo(i, 64) == 0) call flush_to_zero(monodromy)
+      call take_step(map%propagator(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
+      from = to
+      to = 3 - from
+    end do
+    map%all_full = map%cached
+    map%monodromy = monodromy
+    do l = 1, map%speeds
+      period(l)%monodromy(:, 1) = monodromy(l, :2)
+      period(l)%monodromy(:, 2) = monodromy(l, 3:)
+      period(l)%state = [x(l, from), y(l, from)]
+    end do
+  end subroutine run_full_contact
+end module gearsweep_period_map

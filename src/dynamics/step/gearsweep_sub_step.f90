@@ -1,0 +1,248 @@
+!> Sub-steps of one step, from one change of contact to the next. Each speed of a batch has its own; their arithmetic
+!> is done side by side.
+module gearsweep_sub_step
+  use gearsweep_contact_set, only: contact_t
+  use gearsweep_gauss, only: batch_size, collocate, nodes
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t, acceleration, damping, mobility
+  use gearsweep_period_map, only: period_map_t
+  use gearsweep_quintic, only: quintic, evaluate, second_derivative_of
+  implicit none
+  private
+  public :: sub_steps_t, event_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, derivatives, &
+            second_derivatives, second_derivatives_of_motion, last
+
+  !> Places in a sub-step at which its coefficients are known: both ends, and the nodes of the integration between.
+  real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
+  integer, parameter :: last = size(places)
+
+  !> The search for changes of contact (events) of one speed in its step.
+  type :: event_t
+    logical :: active = .false.
+    logical :: found = .false.                   !< the contact does change in this step
+    integer :: contact = 0                       !< whose event is bracketed; 0: none has been detected
+    integer :: trials = 0, events = 0
+    real(dp) :: length = 1                       !< of the sub-step in which it was detected, part of the step
+    real(dp) :: part = 1, low = 0, high = 1      !< estimate and bracket of the event, parts of this length
+    logical :: jumps = .false.                   !< contact has just changed:
+    real(dp) :: before = 0                       !< omega^2 before the change, 1/s^2
+    real(dp) :: ratio = 0                        !< y over the speed of approach
+    real(dp) :: propagator(4) = [1, 0, 0, 1]     !< of the sub-steps so far, columns one after the other
+  end type event_t
+
+  !> Stiffness and profile error within the step are quintics through what the table has at its ends, (0:5, pair) and
+  !> (0:5, contact); the mobility is linear, (0:1, pair). Places count from 0 to 1 over the step.
+  type :: sub_steps_t
+    integer :: step = 0
+    real(dp), allocatable :: stiffness(:, :), profile_error(:, :), mobility(:, :)
+    real(dp), dimension(batch_size) :: longest = 1                     !< sub-step that is allowed, part of the step
+    type(event_t) :: event(batch_size)
+    real(dp), dimension(batch_size) :: left = 0, width = 0             !< begin and length of the sub-step
+    !> omega^2 (1/s^2) and sum of k e (m/s^2) of the contacts; (speed, place)
+    real(dp), dimension(batch_size, last) :: omega_squared = 0, forcing = 0
+    real(dp), dimension(batch_size, 2) :: x = 0, y = 0                 !< state at both ends, m
+    real(dp) :: propagator(batch_size, 6) = 0
+  end type sub_steps_t
+
+contains
+
+  !> Memory for the sub-steps of one step.
+  pure subroutine make_sub_steps(osc, c)
+    type(oscillator_t), intent(in) :: osc
+    type(sub_steps_t), allocatable, intent(out) :: c
+
+    allocate (c)
+    allocate (c%stiffness(0:5, osc%pairs), c%profile_error(0:5, osc%contacts), c%mobility(0:1, osc%pairs))
+  end subroutine make_sub_steps
+
+  !> The coefficients within a step.
+  pure subroutine enter_step(map, step, c)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step
+    type(sub_steps_t), intent(inout) :: c
+    real(dp) :: scale(0:2)
+    integer :: j
+
+    c%step = step
+    associate (osc => map%osc, table => map%table)
+      scale = [1.0_dp, table%width(step), table%width(step)**2]
+      do j = 1, table%pairs(step)
+        c%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, step), scale*table%end_stiffness(:, j, 2, step))
+        associate (left => table%left(step) + j - 1, recess => osc%intervals(table%interval(step))%recess(j))
+          c%mobility(0, j) = mobility(osc, left, recess)
+          c%mobility(1, j) = mobility(osc, left + table%width(step), recess) - c%mobility(0, j)
+        end associate
+      end do
+      do j = 1, osc%contacts
+        if (j > table%pairs(step) .and. j <= osc%pairs) cycle
+        c%profile_error(:, j) = quintic(scale*table%end_profile_error(:, j, 1, step), &
+                                        scale*table%end_profile_error(:, j, 2, step))
+      end do
+      if (osc%damping_ratio > 1) c%longest = longest_sub_step(osc, map%duration*table%width(step))
+    end associate
+  end subroutine enter_step
+
+  !> The longest sub-step under strong damping, as a part of a step of this time (s). Changes of contact cut the steps
+  !> of every refinement level at the same places, so that doubling the steps does not show the error of sub-steps:
+  !> where a contact lasts shorter than a step, and damping changes the motion within it, they are made short.
+  elemental real(dp) function longest_sub_step(osc, time)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: time
+    real(dp), parameter :: decay = 0.05_dp
+
+    longest_sub_step = 1
+    if (time > 0) longest_sub_step = min(1.0_dp, decay/(damping(osc, osc%highest_frequency)*time))
+  end function longest_sub_step
+
+  !> Sums over the closed contacts at one place of the sub-steps.
+  pure subroutine sum_contacts(map, contacts, k, c)
+    type(period_map_t), intent(in) :: map
+    type(contact_t), intent(in) :: contacts(:)
+    integer, intent(in) :: k                     !< which of the places
+    type(sub_steps_t), intent(inout) :: c
+    real(dp) :: place(batch_size), omega_squared(batch_size), forcing(batch_size), slack(0:5)
+    integer :: j
+
+    associate (osc => map%osc, pairs => map%table%pairs(c%step), n => map%speeds)
+      place = c%left + c%width*places(k)
+      omega_squared = 0
+      forcing = 0
+      do j = 1, pairs
+        call add_pair(n, c%stiffness(:, j), c%profile_error(:, j), c%mobility(:, j), place, contacts(j)%weight, &
+                      omega_squared, forcing)
+      end do
+      if (osc%has_backlash) then
+        slack = 0
+        slack(0) = -osc%backlash
+        do j = 1, pairs
+          call add_pair(n, c%stiffness(:, j), slack, [sum(1/osc%mass), 0.0_dp], place, contacts(osc%contacts)%weight, &
+                        omega_squared, forcing)
+        end do
+      end if
+    end associate
+    c%omega_squared(:, k) = omega_squared
+    c%forcing(:, k) = forcing
+  end subroutine sum_contacts
+
+  pure subroutine add_pair(n, stiffness, profile_error, mobility, place, weight, omega_squared, forcing)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: stiffness(0:5), profile_error(0:5), mobility(0:1)
+    real(dp), intent(in), dimension(batch_size) :: place, weight
+    real(dp), intent(inout), dimension(batch_size) :: omega_squared, forcing
+    real(dp) :: t, k, e, rate
+    integer :: l
+
+    associate (s => stiffness, p => profile_error)
+      do l = 1, n
+        t = place(l)
+        k = ((((s(5)*t + s(4))*t + s(3))*t + s(2))*t + s(1))*t + s(0)
+        e = ((((p(5)*t + p(4))*t + p(3))*t + p(2))*t + p(1))*t + p(0)
+        rate = weight(l)*k*(mobility(0) + mobility(1)*t)
+        omega_squared(l) = omega_squared(l) + rate
+        forcing(l) = forcing(l) + rate*e
+      end do
+    end associate
+  end subroutine add_pair
+
+  !> The motion over the sub-steps, whose places are set. A sub-step of no length does no harm.
+  pure subroutine take_sub_step(map, contacts, c)
+    type(period_map_t), intent(in) :: map
+    type(contact_t), intent(in) :: contacts(:)
+    type(sub_steps_t), intent(inout) :: c
+    real(dp), dimension(batch_size, size(nodes)) :: omega_squared, damped, forcing
+    real(dp) :: time, width, load, factor, step_width
+    integer :: k, l, n
+
+    n = map%speeds
+    do k = 1, last
+      call sum_contacts(map, contacts, k, c)
+    end do
+    load = map%osc%load*sum(1/map%osc%mass)
+    factor = damping(map%osc, 1.0_dp)
+    step_width = map%table%width(c%step)
+    do k = 1, size(nodes)
+      do l = 1, n
+        time = map%duration(l)*(c%width(l)*step_width)
+        omega_squared(l, k) = time**2*c%omega_squared(l, k + 1)
+        damped(l, k) = factor*time*sqrt(c%omega_squared(l, k + 1))
+        forcing(l, k) = time**2*(c%forcing(l, k + 1) + load)
+      end do
+    end do
+    call collocate(n, omega_squared, damped, forcing, c%propagator)
+    do l = 1, n
+      width = c%width(l)*step_width
+      c%propagator(l, 2) = c%propagator(l, 2)/max(width, tiny(width))
+      c%propagator(l, 3) = c%propagator(l, 3)*width
+      c%propagator(l, 6) = c%propagator(l, 6)/max(width, tiny(width))
+      c%x(l, 2) = c%propagator(l, 1)*c%x(l, 1) + c%propagator(l, 3)*c%y(l, 1) + c%propagator(l, 5)
+      c%y(l, 2) = c%propagator(l, 2)*c%x(l, 1) + c%propagator(l, 4)*c%y(l, 1) + c%propagator(l, 6)
+    end do
+  end subroutine take_sub_step
+
+  !> Moves the end of a sub-step by a tiny part of the step, by the Taylor series there.
+  pure subroutine move_end(map, l, part, c)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l                     !< which speed of the batch
+    real(dp), intent(in) :: part                 !< of the step; forwards positive
+    type(sub_steps_t), intent(inout) :: c
+    real(dp) :: curvature, by, omega_squared, damped
+
+    by = part*map%table%width(c%step)
+    curvature = acceleration_at(map, l, last, c)
+    c%width(l) = c%width(l) + part
+    c%x(l, 2) = c%x(l, 2) + by*(c%y(l, 2) + by/2*curvature)
+    c%y(l, 2) = c%y(l, 2) + by*curvature
+    omega_squared = map%duration(l)**2*c%omega_squared(l, last)
+    damped = damping(map%osc, map%duration(l))*sqrt(c%omega_squared(l, last))
+    associate (p => c%propagator)
+      p(l, 1:3:2) = p(l, 1:3:2) + by*p(l, 2:4:2)
+      p(l, 2:4:2) = p(l, 2:4:2) - by*(omega_squared*p(l, 1:3:2) + damped*p(l, 2:4:2))
+    end associate
+  end subroutine move_end
+
+  !> Second derivative of x over the phase (m) at the place k, an end of the sub-step.
+  pure real(dp) function acceleration_at(map, l, k, c)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l, k
+    type(sub_steps_t), intent(in) :: c
+    integer :: end
+
+    end = merge(1, 2, k == 1)
+    acceleration_at = acceleration(map%osc, c%omega_squared(l, k), c%forcing(l, k), map%duration(l), c%x(l, end), c%y(l, end))
+  end function acceleration_at
+
+  !> Second derivatives of x over the sub-step (m) at both ends.
+  pure function second_derivatives_of_motion(map, l, c) result(f)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l                     !< which speed of the batch
+    type(sub_steps_t), intent(in) :: c
+    real(dp) :: f(2)
+
+    f(1) = acceleration_at(map, l, 1, c)
+    f(2) = acceleration_at(map, l, last, c)
+    f = (c%width(l)*map%table%width(c%step))**2*f
+  end function second_derivatives_of_motion
+
+  !> Value and first derivative over the sub-step, at both ends, of a quintic over the step; (0:1, end).
+  pure function derivatives(c, l, q) result(f)
+    type(sub_steps_t), intent(in) :: c
+    integer, intent(in) :: l                     !< which speed of the batch
+    real(dp), intent(in) :: q(0:5)               !< coefficients
+    real(dp) :: f(0:1, 2)
+
+    call evaluate(q, c%left(l), f(0, 1), f(1, 1))
+    call evaluate(q, c%left(l) + c%width(l), f(0, 2), f(1, 2))
+    f(1, :) = f(1, :)*c%width(l)
+  end function derivatives
+
+  !> Second derivatives over the sub-step, at both ends, of a quintic over the step.
+  pure function second_derivatives(c, l, q) result(f)
+    type(sub_steps_t), intent(in) :: c
+    integer, intent(in) :: l                     !< which speed of the batch
+    real(dp), intent(in) :: q(0:5)               !< coefficients
+    real(dp) :: f(2)
+
+    f(1) = second_derivative_of(q, c%left(l))*c%width(l)**2
+    f(2) = second_derivative_of(q, c%left(l) + c%width(l))*c%width(l)**2
+  end function second_derivatives
+end module gearsweep_sub_step
