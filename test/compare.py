@@ -45,8 +45,18 @@ RULES = {
         'phase_deg': 'angle amplitude_um',
     },
     # Reliefs that the search tries follow from the load and the stiffness.
-    'vcurve': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text'},
-    'modes': {'mode': 'text', 'frequency_hz': 'relative error_estimate', 'error_estimate': 'bound', 'residual': 'bound', 'rim_share': ''},
+    'optimum_curve': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text'},
+    'optimum': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text'},
+    'load_points': {
+        'relief_um': 'text', 'rpm': 'text', 'mesh_periods': 'text', 'dynamic_factor': 'estimated error_estimate', 'error_estimate': 'bound',
+    },
+    'sweep_worst': {'relief_um': 'text', 'worst_dynamic_factor': 'asked', 'rpm': 'text'},
+    'resonances': {'relief_um': 'text', 'dynamic_factor': 'asked', 'rpm': 'text'},
+    'sweep_summary': {'best_relief_um': 'text', 'worst_dynamic_factor': 'asked', 'rpm': 'text', 'largest_error_estimate': 'bound'},
+    'transmission_error': {'relief_um': 'text', 'error_estimate_um': 'bound'},
+    'root_stress': {'relief_um': 'text', 'tension_deg': 'asked', 'compression_deg': 'asked', 'error_estimate': 'bound'},
+    'modal': {'mode': 'text', 'frequency_hz': 'relative error_estimate', 'error_estimate': 'bound', 'residual': 'bound', 'rim_share': ''},
+    'mode_energy': {'mode': 'text', 'tooth': 'text', 'energy_share': ''},
     'published': {'printed': 'text', 'ours': 'own'},
 }  # fmt: skip
 

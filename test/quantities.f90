@@ -1,22 +1,20 @@
 !> The library's numbers by their names, from the text of a case: all that the suites of closed forms ask of it.
 module quantities
-  use gearsweep_calls, only: gs_geometry
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
-  use gearsweep_numbers, only: list_numbers, numbers_t
   use gearsweep_study, only: run_study, study_t
-  use testing, only: tally_t, check_true, check_no_error
+  use gearsweep_table, only: table_t
+  use gearsweep_tables, only: make_table
+  use testing, only: tally_t, check_no_error
   implicit none
   private
-  public :: answer_t, ask, ask_geometry, refusal, number_behind
+  public :: answer_t, ask, ask_geometry, elements_of, refusal, number_behind
 
-  !> Every number of a study: those of `mesh`, `motion`, `static` and so on under the names of the tables.
+  !> A study, whose numbers are asked for by table and column.
   type :: answer_t
     type(study_t) :: study
-    type(numbers_t) :: numbers
-    character(:), allocatable, private :: names
   contains
     procedure :: all_of
     procedure :: one
@@ -35,33 +33,22 @@ contains
     call read_case(text, case, error)
     if (.not. allocated(error)) call run_study(case, '', 1, answer%study, error)
     call check_no_error(t, text, error)
-    if (.not. allocated(error)) call list_numbers(answer%study, answer%numbers, error)
-    answer%names = answer%numbers%names%text()
   end subroutine ask
 
-  !> All values of the array with this name, in the order of its elements; none where there is no such array.
+  !> The numbers of a column, `table.column`, row by row; none where there is no such column.
   function all_of(answer, name) result(values)
     class(answer_t), intent(in) :: answer
     character(*), intent(in) :: name
     real(dp), allocatable :: values(:)
-    character(:), allocatable :: line
-    integer :: at, end, blank, from, extent(4)
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    integer :: at
 
     values = [real(dp) ::]
-    at = 1
-    from = 0
-    do while (at <= len(answer%names))
-      end = at + index(answer%names(at:), new_line('a')) - 2
-      line = answer%names(at:end)//' 1 1 1 1'
-      blank = index(line, ' ')
-      read (line(blank:), *) extent
-      if (line(:blank - 1) == name) then
-        values = answer%numbers%values(from + 1:from + product(extent))
-        return
-      end if
-      from = from + product(extent)
-      at = end + 2
-    end do
+    call make_table(answer%study, name(:index(name, '.') - 1), table, error)
+    if (.not. table%is_there()) return
+    at = table%position(name(index(name, '.') + 1:))
+    if (at > 0) values = table%columns(at)%numbers
   end function all_of
 
   !> The only value of this name; a value far off where there is none.
@@ -75,28 +62,44 @@ contains
     if (size(values) == 1) one = values(1)
   end function one
 
-  !> Geometry by the same names as the arguments of gs_geometry.
+  !> Geometry: radii (6, member) of the tip, reference, drive base, coast base and root circle and where the drive involute
+  !> begins; path coordinates of A, B, P, D, E and the radii (5, member) there; the working angles of both sides.
   subroutine ask_geometry(t, text, radius_mm, point, point_radius_mm, distance_mm, working_angle_deg, contact_ratio, &
                           base_pitch_mm, backlash_um)
     type(tally_t), intent(inout) :: t
     character(*), intent(in) :: text
     real(dp), intent(out) :: radius_mm(6, 2), point(5), point_radius_mm(5, 2), distance_mm, working_angle_deg(2)
     real(dp), intent(out) :: contact_ratio, base_pitch_mm, backlash_um
-    character(200) :: message
-    integer :: info
+    type(answer_t) :: answer
 
-    radius_mm = -1
-    point = -1
-    point_radius_mm = -1
-    distance_mm = -1
-    working_angle_deg = -1
-    contact_ratio = -1
-    base_pitch_mm = -1
-    backlash_um = -1
-    call gs_geometry(text, radius_mm, point, point_radius_mm, distance_mm, working_angle_deg, contact_ratio, &
-                     base_pitch_mm, backlash_um, info, message)
-    call check_true(t, text, info == 0, trim(message))
+    call ask(t, text, answer)
+    radius_mm(1, :) = answer%all_of('gears.tip_diameter_mm')/2
+    radius_mm(2, :) = answer%all_of('gears.reference_diameter_mm')/2
+    radius_mm(3, :) = answer%all_of('gears.base_diameter_mm')/2
+    radius_mm(4, :) = answer%all_of('gears.coast_base_diameter_mm')/2
+    radius_mm(5, :) = answer%all_of('gears.root_diameter_mm')/2
+    radius_mm(6, :) = answer%all_of('gears.form_diameter_mm')/2
+    point = answer%all_of('contact_points.s')
+    point_radius_mm(:, 1) = answer%all_of('contact_points.pinion_radius_mm')
+    point_radius_mm(:, 2) = answer%all_of('contact_points.gear_radius_mm')
+    distance_mm = answer%one('geometry.centre_distance_mm')
+    working_angle_deg = [answer%one('geometry.working_angle_deg'), answer%one('geometry.coast_working_angle_deg')]
+    contact_ratio = answer%one('geometry.contact_ratio')
+    base_pitch_mm = answer%one('geometry.base_pitch_mm')
+    backlash_um = answer%one('geometry.backlash_um')
   end subroutine ask_geometry
+
+  !> Nodes of the elements (8, elements).
+  function elements_of(answer) result(element)
+    type(answer_t), intent(in) :: answer
+    integer, allocatable :: element(:, :)
+    integer :: i
+
+    allocate (element(8, size(answer%all_of('elements.tooth'))))
+    do i = 1, 8
+      element(i, :) = nint(answer%all_of('elements.node_'//achar(iachar('0') + i)))
+    end do
+  end function elements_of
 
   !> What is said of a case that is refused; nothing where it is not.
   function refusal(text) result(message)

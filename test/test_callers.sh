@@ -88,7 +88,7 @@ check 'C gives the bits of Fortran 77' same legacy.out design.out
 check 'the program runs that case' "$program" legacy.nml --quiet
 check 'mesh as in the table' agrees legacy.mesh 1-7 mesh legacy.out
 check 'sweep as in the table' agrees legacy.sweep 1-4,7,8 sweep legacy.out
-check 'optimum as in the table' agrees legacy.vcurve 1-3 vcurve legacy.out
+check 'optimum as in the table' agrees legacy.optimum_curve 1-3 vcurve legacy.out
 names() {
   awk -F'[, ]+' 'BEGIN { split("ok marginal subharmonic inexact unstable aperiodic unresolved chatter chaotic", s, " ")
     split("full partial lost coast", c, " ") } /^status/ { print s[$2 + 1] "," c[$3 + 1] "," $4 "," $5 }' legacy.out | numbers - >ours
@@ -182,22 +182,22 @@ sweep.floquet_modulus sweep { print $7 }
 sweep.residual sweep { print $8 }
 sweep.steps sweep { print $9 }
 sweep.periods sweep { print $10 }
-optimum.relief_um vcurve { print $1 }
-optimum.worst_factor vcurve { print $2 }
-optimum.rpm vcurve { print $3 }
-optimum.failed vcurve { print $4 }
+optimum.relief_um optimum_curve { print $1 }
+optimum.worst_factor optimum_curve { print $2 }
+optimum.rpm optimum_curve { print $3 }
+optimum.failed optimum_curve { print $4 }
 outline.x_mm outline { print $2 }
 outline.y_mm outline { print $3 }
-modal.frequency_hz modes { print $2 }
-modal.estimate modes { print $3 }
-modal.residual modes { print $4 }
-modal.rim_share modes { print $5 }
-static.relief_um root && !seen[$1]++ { print $1 }
-static.s root && !seen[$2]++ { print $2 }
-static.radius_mm root && !seen[$2]++ { print $3 }
-static.share root && $5 == "drive" { print $4 }
-static.sigma_mpa root { print $6 }
-static.parts_mpa root { print $7; print $8; print $9 }
+modal.frequency_hz modal { print $2 }
+modal.estimate modal { print $3 }
+modal.residual modal { print $4 }
+modal.rim_share modal { print $5 }
+static.relief_um static && !seen[$1]++ { print $1 }
+static.s static && !seen[$2]++ { print $2 }
+static.radius_mm static && !seen[$2]++ { print $3 }
+static.share static && $5 == "drive" { print $4 }
+static.sigma_mpa static { print $6 }
+static.parts_mpa static { print $7; print $8; print $9 }
 END
 }
 for case in geared shares prescribed; do
@@ -220,7 +220,7 @@ for case in geared shares prescribed; do
     check "$case: y as in the grid" in_grid section.y_mm section Points "$metres" "NR % 3 == 2 $round"
     check "$case: elements as in the grid" in_grid section.element section connectivity '{ print $1 - 1 }' '{ print $1 }'
     check "$case: teeth as in the grid" in_grid section.tooth section tooth '{ print $1 + 0 }' '{ print $1 }'
-    check "$case: a mode shape as in the grid" in_grid modal.shape modes mode_1 "NR <= 2*$nodes $round" "NR % 3 $round"
+    check "$case: a mode shape as in the grid" in_grid modal.shape mode_shapes mode_1 "NR <= 2*$nodes $round" "NR % 3 $round"
   fi
 done
 

@@ -44,6 +44,7 @@ contains
     type(table_t) :: table
     type(error_t), allocatable :: error
     character(200) :: message
+    character(:), allocatable :: names(:)
     integer(int64) :: study
     integer :: watch(3), info, i, k, tables
 
@@ -55,8 +56,9 @@ contains
     call read_case(text, case, error)
     call run_study(case, '', 2, own, error)
     tables = 0
-    do i = 1, size(table_names)
-      call make_table(own, trim(table_names(i)), table, error)
+    names = table_names()
+    do i = 1, size(names)
+      call make_table(own, trim(names(i)), table, error)
       if (.not. table%is_there()) cycle
       tables = tables + 1
       do k = 1, size(table%columns)

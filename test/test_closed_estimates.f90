@@ -52,8 +52,8 @@ contains
 
       call ask(t, '&case tasks=''static'' / '//text_of(list(n))//'&mesh model=''iso6336'' / &load line_load_n_mm=210 / '// &
                '&section elements_across='//str(elements)//' / &static positions=3 /', answer)
-      peak = [answer%one('static.tension_mpa'), answer%one('static.compression_mpa')]
-      estimate = answer%one('static.estimate')
+      peak = [answer%one('root_stress.tension_mpa'), answer%one('root_stress.compression_mpa')]
+      estimate = answer%one('root_stress.error_estimate')
     end subroutine peaks
 
     real(dp) function error_ratio(elements)

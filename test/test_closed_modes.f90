@@ -7,7 +7,7 @@ module test_closed_modes
   use gearsweep_grid, only: grid_t, rectangle_grid
   use gearsweep_kinds, only: dp, pi
   use gearsweep_text, only: str
-  use quantities, only: answer_t, ask
+  use quantities, only: answer_t, ask, elements_of
   use random_numbers, only: random_t
   use stated_gears, only: stated_t, examples, text_of, degree
   use testing, only: tally_t, check_true, check_close, check_equal
@@ -43,11 +43,13 @@ contains
     list = examples()
     call ask(t, '&case tasks=''modal'' / '//text_of(list(3))//'&material young_gpa=190 poisson=0.28 density_kgm3=7400 / '// &
              '&section elements_across=5 plane='''//plane//''' / &modal modes=5 /', answer)
-    x = answer%all_of('modal.x_mm')/1000
-    y = answer%all_of('modal.y_mm')/1000
-    tooth = nint(answer%all_of('modal.tooth'))
-    element = reshape(nint(answer%all_of('modal.element')), [8, size(tooth)])
-    shape = reshape(answer%all_of('modal.shape'), [2, size(x), modes])
+    x = answer%all_of('nodes.x_mm')/1000
+    y = answer%all_of('nodes.y_mm')/1000
+    tooth = nint(answer%all_of('elements.tooth'))
+    element = elements_of(answer)
+    allocate (shape(2, size(x), modes))
+    shape(1, :, :) = reshape(answer%all_of('mode_shapes.shape_x'), [size(x), modes])
+    shape(2, :, :) = reshape(answer%all_of('mode_shapes.shape_y'), [size(x), modes])
     frequency = answer%all_of('modal.frequency_hz')
     rim = answer%all_of('modal.rim_share')
     if (plane == 'strain') law = young/((1 + nu)*(1 - 2*nu))*[1 - nu, nu, (1 - 2*nu)/2]
@@ -144,9 +146,9 @@ contains
       outline = gear_contour(gear, steps)
       do n = 1, size(options)
         call ask(t, '&case tasks=''section'' / '//text_of(pair)//'&section elements_across=6 '//trim(options(n))//' /', answer)
-        x = answer%all_of('section.x_mm')
-        y = answer%all_of('section.y_mm')
-        element = reshape(nint(answer%all_of('section.element')), [8, size(answer%all_of('section.tooth'))])
+        x = answer%all_of('nodes.x_mm')
+        y = answer%all_of('nodes.y_mm')
+        element = elements_of(answer)
         if (allocated(seen)) deallocate (seen)
         allocate (seen(size(x)), source=0)
         do i = 1, size(element, 2)

@@ -51,7 +51,7 @@ contains
                    str(from(1)/degree, 17)//' gear_roll_deg='//str(from(2)/degree, 17)//' shape='''// &
                    trim(shapes(shape))//''' /', answer)
           s = answer%all_of('mesh.s')
-          found = answer%all_of('mesh.error_um')
+          found = answer%all_of('mesh.profile_error_um')
           call check_true(t, 'rows of the relief', size(s) > 100 .and. size(s) == size(found))
           do k = 1, size(s), 7
             rho(1) = first_curvature(pair) + s(k)*base_pitch(pair)
@@ -83,7 +83,7 @@ contains
       call ask(t, '&case tasks=''mesh'' / '//text_of(pair)//driven//'&relief amount_um='//str(amount)//' length_mm='// &
                str(length)//' /', answer)
       s = answer%all_of('mesh.s')
-      found = answer%all_of('mesh.error_um')
+      found = answer%all_of('mesh.profile_error_um')
       do k = 1, size(s), 5
         x = s(k)*base_pitch(pair)
         call check_close(t, 'relief by length', found(k), amount*(max(0.0_dp, 1 - x/length) &
@@ -91,7 +91,7 @@ contains
       end do
       call ask(t, '&case tasks=''mesh'' / '//text_of(pair)//driven//'&relief amount_um='//str(amount)//' start=''pitch'' /', answer)
       s = answer%all_of('mesh.s')
-      found = answer%all_of('mesh.error_um')
+      found = answer%all_of('mesh.profile_error_um')
       rb = base_radius(pair, drive)
       pitch = rb(1)*tan(working_angle(pair, drive)) - first_curvature(pair)
       do k = 1, size(s), 5
@@ -123,8 +123,8 @@ contains
                  by_standard//'&load torque_nm=170 /', answer)
         call check_masses('inertia over base radius squared', inertia/rb**2)
         call check_close(t, 'torque over base radius', answer%one('motion.load_n'), 170/rb(1))
-        call check_close(t, 'natural frequency', answer%one('motion.frequency_hz'), &
-                         sqrt(1e6_dp*answer%one('motion.stiffness_n_um')*sum(rb**2/inertia))/(2*pi))
+        call check_close(t, 'natural frequency', answer%one('motion.natural_frequency_hz'), &
+                         sqrt(1e6_dp*answer%one('motion.mean_mesh_stiffness_n_um')*sum(rb**2/inertia))/(2*pi))
         call ask(t, task//text_of(pair, ' bore_mm='//str(bore(1)), ' bore_mm='//str(bore(2)))//by_standard// &
                  '&load line_load_n_mm=210 / &material density_kgm3='//str(density)//' /', answer)
         call check_masses('solid discs', pi/2*density*width*(r**4 - (bore/2000)**4)/rb**2)
@@ -151,7 +151,7 @@ contains
       real(dp), intent(in) :: expected(2)
       real(dp), allocatable :: mass(:)
 
-      mass = answer%all_of('motion.mass_kg')
+      mass = [answer%all_of('motion.pinion_mass_kg'), answer%all_of('motion.gear_mass_kg')]
       call check_equal(t, name//': how many', size(mass), 2)
       do i = 1, size(mass)
         call check_close(t, name//', member '//str(i), mass(i), expected(i), relative=1e-12_dp)

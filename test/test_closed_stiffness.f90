@@ -71,14 +71,14 @@ contains
                    ' / &load line_load_n_mm='//str(light(i))//' /', answer)
           ratio = contact_ratio(pair)
           s = answer%all_of('mesh.s')
-          found = answer%all_of('mesh.pair_n_um')
+          found = answer%all_of('mesh.pair_stiffness_n_um')
           call check_true(t, 'rows of the stiffness', size(s) > 100)
           do k = 1, size(s), 11
             u = 2*s(k)/ratio - 1
             call check_close(t, 'ISO 6336-1, pair '//str(n), found(k), 20*iso_c_prime(pair, young(i), light(i)) &
                              *(1 - 0.75_dp*(1 - 1/ratio)*u**2), relative=1e-10_dp)
           end do
-          call check_close(t, 'c_gamma, pair '//str(n), answer%one('motion.stiffness_n_um'), &
+          call check_close(t, 'c_gamma, pair '//str(n), answer%one('motion.mean_mesh_stiffness_n_um'), &
                            20*iso_c_prime(pair, young(i), light(i))*(0.75_dp*ratio + 0.25_dp), relative=1e-10_dp)
         end associate
       end do
@@ -97,7 +97,7 @@ contains
 
       plain%angle = angle
       call ask(t, '&case tasks=''mesh'' / '//text_of(plain)//'&mesh model=''iso6336'' / &load line_load_n_mm=300 /', answer)
-      largest = answer%one('motion.stiffness_n_um')/20/(0.75_dp*contact_ratio(plain) + 0.25_dp)
+      largest = answer%one('motion.mean_mesh_stiffness_n_um')/20/(0.75_dp*contact_ratio(plain) + 0.25_dp)
     end function largest
   end subroutine iso_single_stiffness
 
@@ -125,7 +125,7 @@ contains
         call ask(t, '&case tasks=''mesh'' / '//text_of(pair)//'&mesh model=''weber'' / &load line_load_n_mm='//str(line_load)// &
                  ' /', answer)
         s = answer%all_of('mesh.s')
-        found = answer%all_of('mesh.pair_n_um')
+        found = answer%all_of('mesh.pair_stiffness_n_um')
         do k = 1, size(s), 29
           rho(1) = first_curvature(pair) + s(k)*base_pitch(pair)
           rho(2) = pair%distance*sin(working_angle(pair, drive)) - rho(1)
@@ -232,10 +232,10 @@ contains
         ' coefficients=400,20,-110 / &relief amount_um='//str(reliefs(1))//','//str(reliefs(2))//' gear_fraction=0.8 /', answer)
       s = answer%all_of('mesh.s')
       amount = answer%all_of('mesh.relief_um')
-      stiffness = answer%all_of('mesh.pair_n_um')
-      error = answer%all_of('mesh.error_um')
-      share = answer%all_of('mesh.share')
-      mesh = answer%all_of('mesh.mesh_n_um')
+      stiffness = answer%all_of('mesh.pair_stiffness_n_um')
+      error = answer%all_of('mesh.profile_error_um')
+      share = answer%all_of('mesh.load_share')
+      mesh = answer%all_of('mesh.mesh_stiffness_n_um')
       parted = 0
       do k = 1, size(s), 3
         first = modulo(s(k), 1.0_dp)
@@ -364,7 +364,7 @@ contains
 
       call ask(t, '&case tasks=''mesh'' / &pair module_mm=3 face_width_mm=20 / &pinion '//pinion//' / &gear '//gear// &
                ' / &mesh model=''fe'' / &section elements_across=4 / &load line_load_n_mm=200 /', answer)
-      values = answer%all_of('mesh.pair_n_um')
+      values = answer%all_of('mesh.pair_stiffness_n_um')
       ! In the order of the path.
       values = values(order(answer%all_of('mesh.s')))
     end function curve

@@ -436,7 +436,7 @@ contains
     type(case_t) :: case
     type(study_t) :: study
     type(error_t), allocatable :: error
-    character(:), allocatable :: part
+    character(:), allocatable :: part, names(:)
     integer :: i
 
     output%text = ''
@@ -448,8 +448,9 @@ contains
     end if
     call write_report(study, part)
     output%text = part(:index(part//lf//'Not used', lf//'Not used'))
-    do i = 1, size(table_names)
-      call write_table(study, table_names(i), part, error)
+    names = table_names(on_grid=.false.)
+    do i = 1, size(names)
+      call write_table(study, names(i), part, error)
       if (.not. allocated(part)) cycle
       part = part(index(part, lf//'#', back=.true.) + 1:)
       output%text = output%text//part(index(part, lf):)

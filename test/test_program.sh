@@ -34,7 +34,21 @@ says() { grep -qF -- "$2" "$1" || { echo "  $1 lacks: $2"; return 1; }; }
 lacks() { ! grep -qF -- "$2" "$1" || { echo "  $1 has: $2"; return 1; }; }
 no_files_in() { [ -z "$(find "$1" ! -type d 2>/dev/null)" ] || { echo "  left: $(find "$1" ! -type d)"; return 1; }; }
 same() { cmp -s "$1" "$2" || { echo "  $1 and $2 differ"; return 1; }; }
-files_in() { (cd "$1" && ls -A | tr '\n' ' '); }
+files_in() { (cd "$1" && LC_ALL=C ls -A | tr '\n' ' '); }
+# named NAME TABLE...: the files of these tables, as files_in has them; one with an ending of its own keeps it.
+named() {
+  of=$1
+  shift
+  for table; do
+    case $table in *.*) echo "$of.$table" ;; *) echo "$of.$table.csv" ;; esac
+  done | LC_ALL=C sort | tr '\n' ' '
+}
+pair_tables='geometry gears contact_points'
+sweep_tables='sweep sweep_worst resonances sweep_summary'
+motion_tables="motion mesh transmission_error harmonics load load_points $sweep_tables optimum optimum_curve"
+geared_tables="$pair_tables $motion_tables"
+static_tables='static root_stress root_rating'
+modal_tables='modal mode_energy mode_shapes.vtu'
 rows() { grep -v '^#' "$1" | tail -n +2; }
 columns() { grep -v '^#' "$1" | head -n 1; }
 
@@ -154,8 +168,8 @@ rm -rf results
 run base.nml --out out
 cp stdout answer
 check 'good: exit code with --out' exits 0
-check 'good: the five tables and nothing else' test \
-  "$(files_in out)" = 'base.harmonics.csv base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+check 'good: the tables and nothing else' test \
+  "$(files_in out)" = "$(named base $geared_tables)"
 for text in 'contact ratio 1.61165' 'Stiffness' 'Natural frequency' 'Static transmission error' 'worst' \
   'in resonance' 'Best of the list' 'Points ' 'without an answer 0' 'Optimum relief' 'Time' out/base.sweep.csv; do
   check "good: the answer has $text" says answer "$text"
@@ -168,7 +182,7 @@ columns_of() {
     harmonics) echo relief_um,harmonic,amplitude_um,phase_deg,error_estimate_um ;;
     mesh) echo relief_um,s,pair_stiffness_n_um,mesh_stiffness_n_um,profile_error_um,load_share,ste_um ;;
     load) echo relief_um,rpm,s,pair_load_n,load_ratio,dte_um,status,mesh_periods,pair ;;
-    vcurve) echo relief_um,worst_dynamic_factor,rpm,points_without_answer ;;
+    optimum_curve) echo relief_um,worst_dynamic_factor,rpm,points_without_answer ;;
   esac
 }
 geometry_columns=,path_mm,pinion_radius_mm,pinion_curvature_mm,gear_curvature_mm
@@ -179,21 +193,21 @@ well_formed() {
     NF != n { print "  columns: " $0; bad = 1; exit }
     { for (i = 1; i <= NF; i++)
         if ($i !~ /^-?[0-9]\.[0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9][0-9]E[-+][0-9]+$/ &&
-            $i !~ /^[0-9]+$/ && $i !~ /^[a-z]+$/) { print "  number: " $i; bad = 1; exit } }
+            $i !~ /^[0-9]+$/ && $i !~ /^[a-z]+$/ && $i !~ /^[ABPDE]$/) { print "  number: " $i; bad = 1; exit } }
     END { exit bad }'
 }
 # The header carries the case as it was read.
 echoes() { sed -n '/^# case:$/,$p' "$1" | sed -n 's/^#   //p' | cmp -s - "$2"; }
 header_first() { awk '/^#/ && seen { bad = 1 } !/^#/ { seen = 1 } END { exit bad }' "$1"; }
 
-for kind in sweep mesh harmonics load vcurve; do
+for kind in $geared_tables; do
   table=out/base.$kind.csv
   wanted=$(columns_of $kind)
   [ $kind = mesh ] && wanted=$wanted$geometry_columns
-  check "$kind: columns" test "$(columns $table)" = "$wanted"
+  [ -z "$wanted" ] || check "$kind: columns" test "$(columns $table)" = "$wanted"
   check "$kind: version" test "$(head -n 1 $table | grep -c "^# gearsweep $version:")" = 1
   check "$kind: what its columns mean" test "$(sed -n '/^# columns:$/,/^# case:$/s/^#   \([a-z_]*\)[ :].*/\1/p' $table |
-    paste -s -d, -)" = "$wanted"
+    paste -s -d, -)" = "$(columns $table)"
   check "$kind: the case as read" echoes $table base.nml
   check "$kind: remarks come first" header_first $table
   check "$kind: numbers" well_formed $table
@@ -215,17 +229,17 @@ check 'harmonics: add up to the transmission error' test "$({ rows out/base.harm
 check 'load: largest ratio is the answer' says answer "$(rows out/base.load.csv |
   awk -F, '$1 == 0 && $5 > m { m = $5 } END { printf "%.3f", m }' | cut -c1-4)"
 # The published shape: relief lowers the worst dynamic factor, and the optimum lies between.
-check 'vcurve: the optimum' test "$(rows out/base.vcurve.csv |
+check 'optimum_curve: the optimum' test "$(rows out/base.optimum_curve.csv |
   awk -F, 'NR == 1 || $2 < m { m = $2; a = $1 } END { print (a > 13 && a < 17 && m < 1.1) }')" = 1
 
 run base.nml --out again
-for kind in sweep mesh harmonics load vcurve; do check "twice: $kind" same out/base.$kind.csv again/base.$kind.csv; done
+for kind in $geared_tables; do check "twice: $kind" same out/base.$kind.csv again/base.$kind.csv; done
 sed '/^Time/d; /^Wrote/d' answer >first
 sed '/^Time/d; /^Wrote/d' stdout >second
 check 'twice: the answer' same first second
 run base.nml --out out
 check 'a second run into the same folder' exits 0
-check 'a second run leaves nothing else' test "$(files_in out)" = 'base.harmonics.csv base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+check 'a second run leaves nothing else' test "$(files_in out)" = "$(named base $geared_tables)"
 
 run base.nml --out out --quiet
 check 'quiet: exit code' exits 0
@@ -241,7 +255,7 @@ for text in 'static load sharing left out' 'pair loads along the path left out' 
   'friction left out' 'coast side left out' 'geometry: pair built' 'sweep: 62 operating points'; do
   check "verbose: $text" says stdout "$text"
 done
-check 'one task makes one table' test "$(files_in sweep_only)" = 'sweep_only.sweep.csv '
+check 'one task makes its own tables' test "$(files_in sweep_only)" = "$(named sweep_only $pair_tables motion $sweep_tables)"
 rows out/base.sweep.csv >rows_all
 rows sweep_only/sweep_only.sweep.csv >rows_alone
 check 'a task gives the same alone' same rows_all rows_alone
@@ -252,7 +266,7 @@ check 'geometry: exit code' exits 0
 check 'geometry: the pair' says stdout 'contact ratio'
 check 'geometry: no mesh' lacks stdout 'Stiffness'
 check 'geometry: says what is left out' says stdout 'mesh and motion left out'
-check 'geometry: no table' no_files_in geometry
+check 'geometry: its tables' test "$(files_in geometry)" = "$(named geometry $pair_tables)"
 sed -n '/^&pair/,/^&material/p' geometry.nml | sed '/^&material/d' >bare.nml
 echo "&case tasks = 'geometry' /" >>bare.nml
 run bare.nml --out geometry
@@ -278,21 +292,21 @@ cp stdout answer
 check 'elements: exit code' exits 0
 check 'elements: nothing on stderr' silent stderr
 check 'elements: the files and nothing else' test "$(files_in elements)" = \
-  'coarse.modes.csv coarse.modes.vtu coarse.outline.csv coarse.published.csv coarse.root.csv coarse.section.vtu '
+  "$(named coarse $pair_tables motion section outline published $static_tables $modal_tables section.vtu)"
 for text in 'Section of the pinion: 3 of 30 teeth, +/-17.5 deg, inner radius 203.125 mm' 'smallest scaled Jacobian' \
   'Natural frequencies of the section' 'error est. %' 'Root stress of the pinion' 'ISO 6336-3' 'Lewis' \
-  'Printed values and ours' 'not reproducible' 'sweep left out' 'static: root stress at 9 positions' elements/coarse.modes.vtu; do
+  'Printed values and ours' 'not reproducible' 'sweep left out' 'static: root stress at 9 positions' elements/coarse.mode_shapes.vtu; do
   check "elements: the answer has $text" says answer "$text"
 done
 columns_of_body() {
   case $1 in
     outline) echo member,x_mm,y_mm ;;
-    root) echo relief_um,s,radius_mm,load_share,side,sigma_mpa,sigma_x_mpa,sigma_y_mpa,tau_xy_mpa ;;
-    modes) echo mode,frequency_hz,error_estimate,residual,rim_share ;;
+    static) echo relief_um,s,radius_mm,load_share,side,sigma_mpa,sigma_x_mpa,sigma_y_mpa,tau_xy_mpa ;;
+    modal) echo mode,frequency_hz,error_estimate,residual,rim_share ;;
     published) echo quantity,place,printed,ours,deviation,unit,status,reason ;;
   esac
 }
-for kind in outline root modes published; do
+for kind in outline static modal published; do
   table=elements/coarse.$kind.csv
   check "$kind: columns" test "$(columns $table)" = "$(columns_of_body $kind)"
   check "$kind: version" test "$(head -n 1 $table | grep -c "^# gearsweep $version:")" = 1
@@ -300,13 +314,13 @@ for kind in outline root modes published; do
   check "$kind: remarks come first" header_first $table
   [ $kind = published ] || check "$kind: numbers" well_formed $table
 done
-check 'root: nine positions, both sides' test "$(rows elements/coarse.root.csv | wc -l)" -eq 18
-check 'root: the shares as stated' test "$(rows elements/coarse.root.csv | awk -F, '{ printf "%g ", $4 }')" = \
+check 'static: nine positions, both sides' test "$(rows elements/coarse.static.csv | wc -l)" -eq 18
+check 'static: the shares as stated' test "$(rows elements/coarse.static.csv | awk -F, '{ printf "%g ", $4 }')" = \
   '0.5 0.5 0.5 0.5 0.5 0.5 1 1 1 1 1 1 0.5 0.5 0.5 0.5 0.5 0.5 '
-check 'root: tension on the loaded side, pressure on the other' test "$(rows elements/coarse.root.csv |
+check 'static: tension on the loaded side, pressure on the other' test "$(rows elements/coarse.static.csv |
   awk -F, '($5 == "drive") != ($6 > 0) { bad = 1 } END { print bad + 0 }')" = 0
 # The frequencies ascend and follow Table 1; the error estimate covers what a finer grid changes.
-check 'modes: ascending, within 0.5 % of Table 1' test "$(rows elements/coarse.modes.csv | awk -F, '
+check 'modal: ascending, within 0.5 % of Table 1' test "$(rows elements/coarse.modal.csv | awk -F, '
   BEGIN { split("7342 7647 7947 10497 12662", printed, " ") }
   { d = $2/printed[$1] - 1; if ($1 != NR || d*d > 25e-6 || $4 > 1e-6 || $3 > 0.01 || $5 < 0 || $5 > 1) bad = 1 }
   END { print NR, bad + 0 }')" = '5 0'
@@ -343,12 +357,12 @@ for field in fields:
 END
 }
 check 'section.vtu: well formed' well_shaped elements/coarse.section.vtu 0
-check 'modes.vtu: well formed' well_shaped elements/coarse.modes.vtu 5
+check 'mode_shapes.vtu: well formed' well_shaped elements/coarse.mode_shapes.vtu 5
 
 for threads in 1 2 7; do
   run coarse.nml --out elements$threads --threads $threads --quiet
   check "elements: exit code with $threads threads" exits 0
-  for file in modes.csv modes.vtu outline.csv published.csv root.csv section.vtu; do
+  for file in modal.csv mode_energy.csv mode_shapes.vtu outline.csv published.csv static.csv root_stress.csv section.vtu; do
     check "elements: the same $file with $threads threads" same elements/coarse.$file elements$threads/coarse.$file
   done
 done
@@ -356,44 +370,44 @@ done
 sed "s/tasks = .*/tasks = 'modal'/; /published/d; /^&load/,/^\//d" coarse.nml >modal.nml
 run modal.nml --out modal
 check 'modal: needs no load' exits 0
-check 'modal: its files' test "$(files_in modal)" = 'modal.modes.csv modal.modes.vtu '
+check 'modal: its files' test "$(files_in modal)" = "$(named modal $pair_tables $modal_tables)"
 check 'modal: no mesh' lacks stdout 'Stiffness'
-rows elements/coarse.modes.csv >rows_modes
-rows modal/modal.modes.csv >rows_alone
+rows elements/coarse.modal.csv >rows_modes
+rows modal/modal.modal.csv >rows_alone
 check 'modal: the same alone' same rows_modes rows_alone
 sed "s/'modal'/'section'/" modal.nml >section.nml
 run section.nml --out section
 check 'section: needs no load' exits 0
-check 'section: its files' test "$(files_in section)" = 'section.outline.csv section.section.vtu '
+check 'section: its files' test "$(files_in section)" = "$(named section $pair_tables section outline section.vtu)"
 check 'section: the same alone' same elements/coarse.section.vtu section/section.section.vtu
 sed "s/tasks = .*/tasks = 'static'/; /published/d" coarse.nml >static.nml
 run static.nml --out static
 check 'static: exit code' exits 0
-check 'static: its table' test "$(files_in static)" = 'static.root.csv '
-rows elements/coarse.root.csv >rows_root
-rows static/static.root.csv >rows_alone
+check 'static: its tables' test "$(files_in static)" = "$(named static $pair_tables motion $static_tables)"
+rows elements/coarse.static.csv >rows_root
+rows static/static.static.csv >rows_alone
 check 'static: the same alone' same rows_root rows_alone
 # Twice the load, twice the stress; the load of the mesh shared as the pairs' stiffness and relief have it.
 sed 's/28000/56000/' static.nml >twice.nml
 run twice.nml --out static --quiet
-rows static/twice.root.csv >rows_twice
+rows static/twice.static.csv >rows_twice
 check 'static: proportional to the load' test "$(paste -d, rows_root rows_twice |
   awk -F, '{ d = $15/$6 - 2; if (d*d > 1e-18) bad = 1 } END { print NR, bad + 0 }')" = '18 0'
 sed "/shares/d; /spacing/d; s/^&modal/\&relief amount_um = 0, 40 \/ \&modal/" static.nml >shared.nml
 run shared.nml --out static
 check 'static: shared by the mesh' exits 0
 check 'static: a row for each relief' says stdout '          40 '
-check 'static: one pair carries all the load alone' test "$(rows static/shared.root.csv |
+check 'static: one pair carries all the load alone' test "$(rows static/shared.static.csv |
   awk -F, '{ n[$1]++; if ($4 > m) m = $4 } END { for (i in n) printf "%d ", n[i]; printf "%.9f", m }')" = '74 74 1.000000000'
 sed "/shares/d; /spacing/d; s/tangent_deg/sharing = 'equal' positions = 5 tangent_deg/" static.nml >equal.nml
 run equal.nml --out static --quiet
-check 'static: shared equally' test "$(rows static/equal.root.csv | awk -F, '{ printf "%g ", $4 }' | cut -d' ' -f1,9)" = '0.5 1'
+check 'static: shared equally' test "$(rows static/equal.static.csv | awk -F, '{ printf "%g ", $4 }' | cut -d' ' -f1,9)" = '0.5 1'
 # Above a contact ratio of 2, two and three pairs take turns.
 sed 's/^  addendum = 1$//; s/^  dedendum = 1.25$//; s/teeth = 30$/teeth = 40 addendum = 1.3 dedendum = 1.5/; s/teeth = 60$/& addendum = 1.3 dedendum = 1.5/' \
   equal.nml | sed '/half_angle/d; s/rack_tip_radius = 0.30/rack_tip_radius = 0.2/' >three.nml
 run three.nml --out static
 check 'static: contact ratio above 2' says stdout 'contact ratio 2.2'
-check 'static: two or three pairs' test "$(rows static/three.root.csv | awk -F, '{ printf "%.4f\n", $4 }' | sort -u | tr '\n' ' ')" = '0.3333 0.5000 '
+check 'static: two or three pairs' test "$(rows static/three.static.csv | awk -F, '{ printf "%.4f\n", $4 }' | sort -u | tr '\n' ' ')" = '0.3333 0.5000 '
 # Sections from one tooth to the whole gear, either member, down to the bore, with asymmetric teeth.
 for change in 's/teeth = 3$/teeth = 1/' 's/teeth = 3$/teeth = 2/' 's/teeth = 3$/teeth = 30/' "s/'pinion'/'gear'/" \
   "s/'sides', 'rim'/'sides'/" "s/'sides', 'rim'/'rim'/" "s/'stress'/'strain'/" 's/across = 6/across = 3/' \
@@ -403,12 +417,12 @@ for change in 's/teeth = 3$/teeth = 1/' 's/teeth = 3$/teeth = 2/' 's/teeth = 3$/
   cmp -s coarse.nml case.nml && fails "no change by: $change"
   run case.nml --out sections
   check "sections: $change" exits 0
-  check "sections: numbers of $change" well_formed sections/case.root.csv
+  check "sections: numbers of $change" well_formed sections/case.static.csv
 done
 # Down to the bore: the same as the rim that ends there.
 sed 's/teeth = 30$/teeth = 30 bore_mm = 406.25/; /rim_mm/d' coarse.nml >bored.nml
 run bored.nml --out sections --quiet
-rows sections/bored.modes.csv >rows_bored
+rows sections/bored.modal.csv >rows_bored
 check 'sections: the bore is the inner edge' test "$(paste -d, rows_modes rows_bored |
   awk -F, '{ d = $7/$2 - 1; if (d*d > 1e-20) bad = 1 } END { print NR, bad + 0 }')" = '5 0'
 # The stiffness by elements is the default, and finer grids do not move it much.
@@ -437,7 +451,7 @@ for direction in each up down; do
     echo "$code" >>$direction.codes
   done
   check "threads: one exit code of $direction" test "$(sort -u $direction.codes | wc -l)" -eq 1
-  for kind in sweep vcurve; do
+  for kind in sweep optimum_curve; do
     check "threads: 1 and 2, $direction, $kind" same threads1/$direction.$kind.csv threads2/$direction.$kind.csv
     check "threads: 1 and 7, $direction, $kind" same threads1/$direction.$kind.csv threads7/$direction.$kind.csv
   done
@@ -484,9 +498,9 @@ cp prescribed.nml base.nml
 run base.nml --out prescribed --verbose
 check 'prescribed: exit code' exits 0
 check 'prescribed: no geometry' says stdout 'geometry left out: the mesh is prescribed'
-check 'prescribed: the tables' test "$(files_in prescribed)" = 'base.harmonics.csv base.load.csv base.mesh.csv base.sweep.csv base.vcurve.csv '
+check 'prescribed: the tables' test "$(files_in prescribed)" = "$(named base $motion_tables)"
 check 'prescribed: columns of the mesh' test "$(columns prescribed/base.mesh.csv)" = "$(columns_of mesh)"
-for kind in sweep mesh harmonics load vcurve; do check "prescribed: numbers of $kind" well_formed prescribed/base.$kind.csv; done
+for kind in $motion_tables; do check "prescribed: numbers of $kind" well_formed prescribed/base.$kind.csv; done
 sed "s/model = 'polynomial'/model = 'table' file = 'pair.csv'/; /coefficients/d" base.nml >tabled.nml
 mkdir -p elsewhere
 cp tabled.nml pair.csv elsewhere
@@ -537,8 +551,8 @@ for task in load optimum; do
   run case.nml --out partial
   check "no answer in the task $task: exit code" exits 4
 done
-rows partial/case.vcurve.csv >rows_vcurve
-check 'no answer: NaN in the vcurve table' test "$(cut -d, -f2 rows_vcurve | sort -u)" = NaN
+rows partial/case.optimum_curve.csv >rows_optimum_curve
+check 'no answer: NaN in the optimum_curve table' test "$(cut -d, -f2 rows_optimum_curve | sort -u)" = NaN
 # Strong damping and coarse tolerances need steps for stability, which are there.
 for change in 's/damping_ratio = 0.1/damping_ratio = 2/' 's/&dynamics/\&numerics tolerance = 0.01 \/ \&dynamics/'; do
   edit "$change; s/tasks = .*/tasks = 'sweep' \\//; s/rpm_first = .*rpm_step = 1000/rpm_first = 400 rpm_last = 4000 rpm_step = 20/"
@@ -965,7 +979,7 @@ check 'interrupted: the log' says stdout 'interrupted'
 check 'interrupted: the finished table is whole' same whole/long.mesh.csv pieces/long.mesh.csv
 check 'interrupted: what is computed is right' test "$(rows pieces/long.sweep.csv | grep -v stopped >ours
   rows whole/long.sweep.csv | grep -Fxvf - ours | wc -l)" = 0
-check 'interrupted: no optimum' test ! -e pieces/long.vcurve.csv
+check 'interrupted: no optimum' test ! -e pieces/long.optimum_curve.csv
 # So many points that no machine is through with them by then.
 sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 10/rpm_step = 0.2/" long.nml >fine.nml
 interrupted fine.nml
@@ -987,7 +1001,7 @@ while [ -e pieces/long.checkpoint ] && [ $pieces -lt 200 ]; do
   pieces=$((pieces + 1))
 done
 [ -e pieces/long.checkpoint ] && run long.nml --out pieces --resume --threads 1
-for kind in mesh load sweep vcurve; do
+for kind in mesh load sweep optimum_curve; do
   check "in pieces: $kind as in one piece" same whole/long.$kind.csv pieces/long.$kind.csv
 done
 check 'in pieces: no checkpoint is left' test ! -e pieces/long.checkpoint

@@ -204,7 +204,7 @@ def test_chosen_speeds(runs, name):
 def test_optimum(runs, name):
     """The best is the least of the curve; the true one lies between its neighbours, which is how exact it is."""
     run = runs[name]
-    curve = run.numbers('vcurve', 'relief_um', 'worst_dynamic_factor', 'rpm', 'points_without_answer')
+    curve = run.numbers('optimum_curve', 'relief_um', 'worst_dynamic_factor', 'rpm', 'points_without_answer')
     best = min(range(len(curve)), key=lambda i: (curve[i][1], i))
     relief, factor, rpm, failed = curve[best]
     said = re.fullmatch(r'(\S+) um \(within (\S+)\): worst DF (\S+) at (\S+) rpm', run.line('Optimum relief'))
@@ -333,16 +333,16 @@ def test_notes_count_what_the_tables_have(elements):
         'static: root stress at 5 positions of the load',
         f'sweep: {len(tables["sweep"])} operating points',
         f'load: {len(rpm)} motions followed over the path',
-        f'optimum: {len(tables["vcurve"])} reliefs swept',
+        f'optimum: {len(tables["optimum_curve"])} reliefs swept',
     } <= set(elements.lines)
-    assert len({row['s'] for row in tables['root']}) >= 5
+    assert len({row['s'] for row in tables['static']}) >= 5
     grid = (elements.out / 'elements.section.vtu').read_text()
     assert f'NumberOfPoints="{sections[2]}" NumberOfCells="{sections[1]}"' in grid
 
 
 def test_modes_lines(elements):
     rows = elements.below('   mode          Hz', 3)
-    for words, row in zip(rows, elements.tables['modes'], strict=True):
+    for words, row in zip(rows, elements.tables['modal'], strict=True):
         assert words[0] == str(int(float(row['mode'])))
         assert float(words[1]) == pytest.approx(float(row['frequency_hz']), rel=1e-5)
         estimate = next(float(value) for key, value in row.items() if 'estimate' in key)
@@ -355,7 +355,7 @@ def test_root_lines(elements):
     """The table has the stress where a tangent of 30 degrees touches the fillet; the largest along the fillet
     lies a few degrees from there and a little higher."""
     for words, relief in zip(elements.below('   relief um   tension MPa', 2), (0, 10), strict=True):
-        numbers = [float(row['sigma_mpa']) for row in elements.tables['root'] if float(row['relief_um']) == relief]
+        numbers = [float(row['sigma_mpa']) for row in elements.tables['static'] if float(row['relief_um']) == relief]
         said = [float(word) for word in words]
         assert said[0] == relief
         assert 1 <= said[1] / max(numbers) < 1.1

@@ -135,11 +135,13 @@ contains
   subroutine make_tables(kept, error)
     type(kept_t), intent(inout) :: kept
     type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: names(:)
     integer :: i
 
-    allocate (kept%tables(size(table_names)))
-    do i = 1, size(table_names)
-      call make_table(kept%study, trim(table_names(i)), kept%tables(i), error)
+    names = table_names()
+    allocate (kept%tables(size(names)))
+    do i = 1, size(names)
+      call make_table(kept%study, trim(names(i)), kept%tables(i), error)
     end do
   end subroutine make_tables
 

@@ -7,7 +7,8 @@ module gearsweep_output
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_study, only: study_t
-  use gearsweep_tables, only: table_names, write_table
+  use gearsweep_tables, only: make_table, table_names, write_table
+  use gearsweep_table, only: table_t
   use gearsweep_text, only: str
   use gearsweep_vtu, only: vtu_field_t, vtu_start, write_vtu
   implicit none
@@ -26,17 +27,19 @@ contains
     character(:), allocatable, intent(out) :: written
     type(error_t), allocatable, intent(out) :: error
     type(file_set_t) :: files
-    character(:), allocatable :: text
+    character(:), allocatable :: text, names(:)
+    type(table_t) :: shapes
     integer :: i
 
     written = ''
     call files%begin(folder, error)
-    do i = 1, size(table_names)
-      call write_table(study, table_names(i), text, error)
+    names = table_names(on_grid=.false.)
+    do i = 1, size(names)
+      call write_table(study, names(i), text, error)
       if (allocated(text)) then
-        call put(trim(table_names(i))//'.csv', csv_start)
+        call put(trim(names(i))//'.csv', csv_start)
       else
-        call files%lacks(name//'.'//trim(table_names(i))//'.csv', csv_start)
+        call files%lacks(name//'.'//trim(names(i))//'.csv', csv_start)
       end if
     end do
     if (allocated(study%section)) then
@@ -46,12 +49,13 @@ contains
     else
       call files%lacks(name//'.section.vtu', vtu_start)
     end if
-    if (allocated(study%modal)) then
-      call claim_text('modes.vtu', grid_bytes(study%modal%section%grid, size(study%modal%modes%frequency)))
-      if (.not. allocated(error)) call write_vtu(study%modal%section%grid, shapes(study), text)
-      call put('modes.vtu', vtu_start)
+    call make_table(study, 'mode_shapes', shapes, error)
+    if (shapes%is_there()) then
+      call claim_text('mode_shapes.vtu', grid_bytes(study%modal%section%grid, size(study%modal%modes%frequency)))
+      if (.not. allocated(error)) call write_vtu(study%modal%section%grid, fields_of(shapes), text)
+      call put('mode_shapes.vtu', vtu_start)
     else
-      call files%lacks(name//'.modes.vtu', vtu_start)
+      call files%lacks(name//'.mode_shapes.vtu', vtu_start)
     end if
     call settle_memory()
     call files%finish(error)
@@ -84,15 +88,19 @@ contains
     grid_bytes = 1e4_dp + size(grid%x, 2)*(50 + 45.0_dp*fields) + 120.0_dp*size(grid%part)
   end function grid_bytes
 
-  !> The mode shapes as fields of the grid.
-  pure function shapes(study) result(fields)
-    type(study_t), intent(in) :: study
-    type(vtu_field_t) :: fields(size(study%modal%modes%frequency))
-    integer :: i
+  !> A table of a grid's nodes as fields: for each value of the index that stands before the node, one of all values.
+  pure function fields_of(table) result(fields)
+    type(table_t), intent(in) :: table
+    type(vtu_field_t) :: fields(table%extent(1))
+    integer :: i, k, nodes
 
+    nodes = table%extent(2)
     do i = 1, size(fields)
-      fields(i)%name = 'mode_'//str(i)
-      fields(i)%values = study%modal%modes%shape(:, :, i)
+      fields(i)%name = table%columns(1)%name//'_'//str(nint(table%columns(1)%numbers(i*nodes)))
+      allocate (fields(i)%values(size(table%columns) - 2, nodes))
+      do k = 3, size(table%columns)
+        fields(i)%values(k - 2, :) = table%columns(k)%numbers((i - 1)*nodes + 1:i*nodes)
+      end do
     end do
-  end function shapes
+  end function fields_of
 end module gearsweep_output

@@ -1,7 +1,7 @@
 !> A result as a table: named columns with unit, meaning and values, one below the other in rows of equal length.
 !> Every exit (CSV, VTU, screen, Fortran, C, Python) reads tables in a loop and knows no result by its name.
 !>
-!>     call table%begin('sweep', 'dynamic factor over speed and relief', rows, columns, error, extent=[reliefs, speeds])
+!>     call table%begin('dynamic factor over speed and relief', rows, columns, error, extent=[reliefs, speeds])
 !>     if (allocated(error)) return
 !>     call table%add_index('relief_um', 'um', 'tip relief', each(amount, speeds))
 !>     call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(rpm, reliefs))
@@ -10,9 +10,10 @@ module gearsweep_table
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   implicit none
   private
-  public :: column_t, table_t, each, over_and_over
+  public :: column_t, table_t, each, over_and_over, no_number
 
   !> What the values of a column are.
   integer, parameter, public :: kind_real = 1, kind_integer = 2, kind_text = 3
@@ -28,14 +29,15 @@ module gearsweep_table
   end type column_t
 
   type :: table_t
-    character(:), allocatable :: name            !< not allocated: the study has no such table
-    character(:), allocatable :: meaning         !< what a row is
+    character(:), allocatable :: name
+    character(:), allocatable :: meaning         !< what its rows are; not allocated: the study has no such table
     integer :: rows = 0
     type(column_t), allocatable :: columns(:)    !< the index columns stand first
     !> Where the rows are all combinations of the index columns' values, how many values each of these has. The first
     !> varies slowest and the last fastest, as the indices of an array in C do. Otherwise not allocated.
     integer, allocatable :: extent(:)
-    !> Of fields: the table of the nodes or elements that each combination's rows are the values at. Otherwise empty.
+    !> Name of the grid whose nodes or elements the rows are, in their order; where there are other indices too, for
+    !> each of their combinations. Otherwise empty.
     character(:), allocatable :: grid
   contains
     procedure :: begin
@@ -63,20 +65,19 @@ module gearsweep_table
 
 contains
 
-  !> Names an empty table. Memory for `rows` rows in at most `columns` columns is claimed first: `error` where it is
-  !> not there. `extent`: see the type; `grid`: of fields.
-  pure subroutine begin(self, name, meaning, rows, columns, error, extent, grid)
+  !> Begins a table of this name without columns. Memory for `rows` rows in at most `columns` columns is claimed first:
+  !> `error` where it is not there. `extent` and `grid`: see the type.
+  pure subroutine begin(self, meaning, rows, columns, error, extent, grid)
     class(table_t), intent(inout) :: self
-    character(*), intent(in) :: name, meaning
+    character(*), intent(in) :: meaning
     integer, intent(in) :: rows, columns
     type(error_t), allocatable, intent(inout) :: error
     integer, intent(in), optional :: extent(:)
     character(*), intent(in), optional :: grid
 
     ! Each column once more as it is made; words are longer than numbers.
-    call claim_memory(16.0_dp*rows*(columns + 1), 'the table '//name, error)
+    call claim_memory(16.0_dp*rows*(columns + 1), 'the table '//self%name, error)
     if (allocated(error)) return
-    self%name = name
     self%meaning = meaning
     self%rows = rows
     if (present(extent)) self%extent = extent
@@ -178,7 +179,7 @@ contains
   pure logical function is_there(self)
     class(table_t), intent(in) :: self
 
-    is_there = allocated(self%name)
+    is_there = allocated(self%meaning)
   end function is_there
 
   !> Of the column with this name; 0 where there is none.
@@ -207,6 +208,11 @@ contains
       end associate
     end do
   end function text_bytes
+
+  !> What stands where there is no result.
+  pure real(dp) function no_number()
+    no_number = ieee_value(1.0_dp, ieee_quiet_nan)
+  end function no_number
 
   pure function each_real(values, times) result(rows)
     real(dp), intent(in) :: values(:)

@@ -1,0 +1,114 @@
+"""The program's tables: every number of the screen stands in one of them, and doc/case.md tells of each column."""
+
+import csv
+import math
+import re
+
+import pytest
+
+from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT
+
+DATA = sorted(path.stem for path in (ROOT / 'data').glob('*.nml'))
+WRITTEN = {'geared': GEARED, 'prescribed': PRESCRIBED, 'partial': PARTIAL}
+# Where the numbers below a line that begins so must be found, up to the next such line.
+PLACES = {
+    'Pair': 'gears geometry',
+    'Diameters': 'gears',
+    'Path of contact': 'geometry contact_points',
+    'Stiffness': 'motion',
+    'Section of the': 'section',
+    'Natural frequencies of the section': 'modal mode_energy',
+    'Root stress of the': 'root_stress root_rating',
+    'Static transmission error': 'transmission_error harmonics',
+    'Dynamic factor at chosen speeds': 'load_points',
+    'Dynamic factor over': 'sweep_summary sweep sweep_worst resonances',
+    'Best of the list': 'sweep_summary',
+    'Points': 'sweep_summary',
+    'Optimum relief': 'optimum',
+    'Printed values and ours': 'published',
+}
+# Digits that are part of words.
+WORDS = ('ISO 6336-3', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um')
+NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
+
+
+@pytest.fixture(scope='module', params=[*DATA, *WRITTEN])
+def run(request, program, tmp_path_factory):
+    """The lines of a case's screen, and its tables: what their header tells of each column, and the columns."""
+    folder = tmp_path_factory.mktemp(request.param)
+    path = ROOT / 'data' / f'{request.param}.nml'
+    if request.param in WRITTEN:
+        path = folder / 'case.nml'
+        path.write_text(WRITTEN[request.param])
+    done = program(path, '--out', folder / 'out', cwd=folder)
+    assert done.returncode in (0, 4), done.stderr
+    title = re.search(r"title = '(.*)'", path.read_text())
+    lines = [line for line in done.stdout.splitlines()[1:] if not title or line != title[1]]
+    return lines, {path.name.split('.')[-2]: read(path) for path in (folder / 'out').glob('*.csv')}
+
+
+def read(path):
+    lines = path.read_text().splitlines()
+    told = {}
+    for line in lines[lines.index('# columns:') + 1 : lines.index('# case:')]:
+        name, unit, meaning = re.fullmatch(r'#   (\w+)(?: \((\S+)\))?: (.+)', line).groups()
+        told[name] = (unit or '', meaning)
+    rows = list(csv.reader(line for line in lines if not line.startswith('#')))
+    assert list(told) == rows[0]
+    return told, dict(zip(rows[0], zip(*rows[1:]) if rows[1:] else [()] * len(rows[0]), strict=True))
+
+
+def is_in(number, tables):
+    """Does one of these tables have the number, to its digits? A value in parts of one may be shown in per cent, and the
+    amount of a pressure may have lost its sign."""
+    digits = number.lower().partition('e')
+    step = 10.0 ** (int(digits[2] or 0) - len(digits[0].partition('.')[2]))
+    shown = float(number)
+    for _, columns in tables:
+        for name, values in columns.items():
+            for value in values:
+                try:
+                    value = float(value)
+                except ValueError:
+                    continue
+                for factor in (1, 100) if re.search('share|estimate|deviation', name) else (1,):
+                    if abs(factor * value - shown) <= 0.5000001 * step or number.isdigit() and is_round(factor * value, shown):
+                        return True
+    return False
+
+
+def is_round(value, shown):
+    """A whole number may be one of few digits, with zeros in their place: 44600 of 44597."""
+    zeros = len(str(int(shown))) - len(str(int(shown)).rstrip('0'))
+    return abs(value - shown) <= 0.5000001 * 10**zeros and math.log10(max(shown, 1)) - zeros >= 1
+
+
+def test_every_number_of_the_screen_is_in_a_table(run):
+    lines, tables = run
+    place, looked_for = None, 0
+    for line in lines:
+        if line.startswith(('Time', 'Wrote', 'Not used')) or not line.strip():
+            place = None if line.startswith(('Time', 'Wrote', 'Not used')) else place
+            continue
+        place = next((PLACES[begin] for begin in PLACES if line.startswith(begin)), place)
+        if place is None or place == 'published' and 'place' in line:
+            continue
+        for words in WORDS:
+            line = line.replace(words, '')
+        if place == 'published':
+            line = ' ' + line[43:]  # the names and places of quantities have numbers of their own
+        for number in NUMBER.findall(line.replace('+/-', ' ').replace('/', ' / ')):
+            looked_for += 1
+            assert is_in(number, [tables[name] for name in place.split() if name in tables]), f'{number}: {line}'
+    assert looked_for > 10
+
+
+def test_the_page_tells_of_every_column(run):
+    page = (ROOT / 'doc/case.md').read_text()
+    for name, (told, _) in run[1].items():
+        section = re.search(rf'^\*\*{name}\*\*.*?(?=^\*\*|^## )', page, re.M | re.S)
+        assert section, f'doc/case.md lacks the table {name}'
+        rows = re.findall(r'^\| `(\w+)` \| (.*?) ?\| (.*) \|$', section[0], re.M)
+        written = {column: (unit, meaning) for column, unit, meaning in rows}
+        for column, what in told.items():
+            assert written.get(column) == what, f'doc/case.md: {name}'
