@@ -30,6 +30,7 @@ contains
     type(tally_t), intent(inout) :: t
 
     if (t%wants('columns')) call test_columns(t)
+    if (t%wants('earlier')) call test_earlier(t)
     if (t%wants('texts')) call test_texts(t)
     if (t%wants('refusals')) call test_refusals(t)
     if (t%wants('edit')) call test_edit(t)
@@ -102,6 +103,50 @@ contains
       call check_true(t, table%name//' '//column%name//': its values, and no more', same)
     end associate
   end subroutine compare_column
+
+  !> What an earlier study has of the same inputs is taken over, and the log says so; all else is made anew.
+  subroutine test_earlier(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: n = 40
+    character(n), parameter :: fe = 'stiffness by model fe, taken over', modes = 'modes, taken over', &
+      shared = 'transmission error, taken over', swept = 'operating points, taken over', root = 'of the load, taken over', &
+      followed = 'motions taken over', factored = 'factored'
+    integer(int64) :: study
+    integer :: watch(3), info
+    character(200) :: message
+
+    watch = 0
+    study = 0
+    call gs_run(text, '', 2, none, watch, '', '', study, info, message)
+    call try('case', 'title', '''again''', [fe, modes, shared, swept, root, followed], [factored])
+    call try('relief', 'amount_um', '0, 10, 20', [fe, modes, root], [shared, swept, factored])
+    call try('sweep', 'rpm_step', '500', [fe, modes, shared, root], [swept, followed])
+    call try('dynamics', 'damping_ratio', '0.1', [fe, modes, root], [swept, followed])
+    call try('pinion', 'effective_mass_kg', '0.6', [fe, modes, root], [swept, followed])
+    call try('static', 'positions', '6', [fe, modes, swept], [root])
+    call try('modal', 'modes', '4', [fe, root, swept], [modes])
+    call try('section', 'elements_across', '5', [character(n) ::], [fe, modes, root, swept])
+    call try('load', 'normal_force_n', '4001', [modes, root], [fe, shared, swept])
+    call gs_free(study)
+
+  contains
+
+    subroutine try(group, key, value, taken, made)
+      character(*), intent(in) :: group, key, value, taken(:), made(:)
+      character(3000) :: changed, log
+      integer(int64) :: later
+      integer :: length, i
+
+      call gs_edit('change', text, group, key, value, changed, length, info, message)
+      later = 0
+      call gs_run(changed(:length), '', 1, study, watch, '', '', later, info, message)
+      call gs_text(later, 'log', log, length, info, message)
+      call check_true(t, 'from an earlier study: &'//group//' '//key, info == code_ok .and. &
+                      all([(index(log, trim(taken(i))) > 0, i=1, size(taken))]) .and. &
+                      .not. any([(index(log, trim(made(i))) > 0, i=1, size(made))]), trim(log))
+      call gs_free(later)
+    end subroutine try
+  end subroutine test_earlier
 
   subroutine test_texts(t)
     type(tally_t), intent(inout) :: t

@@ -1,5 +1,6 @@
 !> Every input counts: changing a key's value changes an output by far more than rounding, or the answer names
-!> the key as not used and not a bit of the output changes, or the key is refused. For every key, model and task.
+!> the key as not used and not a bit of the output changes, or the key is refused. For every key, model and task. And a
+!> run that takes over what it can from a study whose case differs in one key gives bit for bit what a fresh one gives.
 module test_inputs
   use gearsweep_case, only: case_t, task_names
   use gearsweep_case_reader, only: read_case
@@ -15,6 +16,10 @@ module test_inputs
   public :: run
 
   character, parameter :: lf = new_line('a')
+  !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
+  character(*), parameter :: products(7) = [character(40) :: 'mesh: pair stiffness by model fe', &
+    'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ']
+  logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
 
@@ -36,6 +41,7 @@ module test_inputs
 
   type :: output_t
     character(:), allocatable :: text
+    type(study_t) :: study
   end type output_t
 
 contains
@@ -51,6 +57,7 @@ contains
     call write_stiffness(folder//'/1.csv', 400)
     call write_stiffness(folder//'/2.csv', 350)
     call list_changes(changes)
+    is_taken = .false.
     if (t%wants('judge_changes')) call judge_changes(t)
     do i = 1, size(models)
       do k = 1, size(task_names)
@@ -76,6 +83,9 @@ contains
       end associate
     end do
     if (t%wants('compare_keys')) call compare_keys(t, changes)
+    do i = 1, size(products)
+      if (t%wants('walk')) call check_true(t, 'taken over from some study: '//products(i), is_taken(i))
+    end do
     call remove_folder(folder)
   end subroutine run
 
@@ -277,6 +287,7 @@ contains
     end do
     call find_output(t, text_of(idle), after)
     call check_true(t, text_of(idle), plain%text == after%text, 'some key is said to be unused, but changes an output')
+    call find_from(t, text_of(idle), plain, after)
   end subroutine walk
 
   !> The key is refused, or named as not used and changes nothing, or changes an output by more than rounding. `plain`: the
@@ -303,6 +314,7 @@ contains
     before = plain
     if (change%beside /= '') call find_output(t, text_of(first), before)
     call find_output(t, text, after)
+    call find_from(t, text, before, after)
     same = before%text == after%text
     if (is_unused(second, change%setting)) then
       call check_true(t, name, same, 'is said to be unused, but changes an output')
@@ -429,33 +441,50 @@ contains
 
   !> All that a case gives: its answer but for what it names as not used, and its tables but for their
   !> echo of the case.
-  subroutine find_output(t, text, output)
+  subroutine find_output(t, text, output, earlier)
     type(tally_t), intent(inout) :: t
     character(*), intent(in) :: text
     type(output_t), intent(out) :: output
+    type(study_t), intent(in), optional :: earlier
     type(case_t) :: case
-    type(study_t) :: study
     type(error_t), allocatable :: error
     character(:), allocatable :: part, names(:)
     integer :: i
 
     output%text = ''
     call read_case(text, case, error)
-    if (.not. allocated(error)) call run_study(case, folder//'/', 1, study, error)
+    if (.not. allocated(error)) call run_study(case, folder//'/', 1, output%study, error, earlier=earlier)
     if (allocated(error)) then
       call check_true(t, text, .false., error%message)
       return
     end if
-    call write_report(study, part)
+    call write_report(output%study, part)
     output%text = part(:index(part//lf//'Not used', lf//'Not used'))
     names = table_names(on_grid=.false.)
     do i = 1, size(names)
-      call write_table(study, names(i), part, error)
+      call write_table(output%study, names(i), part, error)
       if (.not. allocated(part)) cycle
       part = part(index(part, lf//'#', back=.true.) + 1:)
       output%text = output%text//part(index(part, lf):)
     end do
   end subroutine find_output
+
+  !> From the study of another case, the case gives bit for bit what it gives afresh.
+  subroutine find_from(t, text, before, fresh)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: text
+    type(output_t), intent(in) :: before, fresh
+    type(output_t) :: output
+    integer :: i, at
+
+    call find_output(t, text, output, before%study)
+    call check_true(t, 'from an earlier study: '//text, output%text == fresh%text)
+    do i = 1, size(products)
+      at = index(output%study%log, trim(products(i)))
+      if (at > 0) is_taken(i) = is_taken(i) .or. index(output%study%log(at:at + index(output%study%log(at:), lf) - 1), &
+                                                       'taken over') > 0
+    end do
+  end subroutine find_from
 
   ! --- settings ---------------------------------------------------------------
 

@@ -13,7 +13,7 @@ module gearsweep_api
   use gearsweep_memory, only: settle_memory
   use gearsweep_output, only: write_results
   use gearsweep_report, only: failed_points, write_report
-  use gearsweep_study, only: record_t, run_study
+  use gearsweep_study, only: record_t, run_study, study_t
   use gearsweep_table, only: column_t, kind_text, table_t
   use gearsweep_tables, only: make_table, table_names
   use gearsweep_text, only: str
@@ -98,12 +98,14 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(case_t) :: case
     type(kept_t), pointer :: kept, before
+    type(study_t), pointer :: earlier_study      ! one that is not associated counts as not passed
     type(record_t), allocatable :: record        ! one that is not allocated counts as not passed
 
     call check_length(text, error)
     if (allocated(error)) return
-    nullify (before)
+    nullify (earlier_study)
     if (earlier /= 0) call take(earlier, before, error)
+    if (earlier /= 0 .and. .not. allocated(error)) earlier_study => before%study
     if (threads < 0 .or. threads > most_threads) &
       call fail(error, code_input, 'threads = '//str(threads)//': must lie between 0 (all) and '//str(most_threads))
     if (.not. allocated(error)) call read_case(text, case, error)
@@ -111,7 +113,8 @@ contains
     if (.not. allocated(error) .and. resume /= '') call load_record(resume, case, place(folder), record, error)
     if (allocated(error)) return
     allocate (kept)
-    call run_study(case, place(folder), threads, kept%study, error, watch=watch, record=record)
+    call run_study(case, place(folder), threads, kept%study, error, watch=watch, record=record, &
+                   earlier=earlier_study)
     if (.not. allocated(error)) call make_tables(kept, error)
     if (.not. allocated(error) .and. keep /= '') then
       if (kept%study%stopped) call save_record(record, case, place(folder), keep, error)

@@ -14,7 +14,7 @@ module gearsweep_gear
 
   !> What the designer states. Factors are in modules.
   type :: gear_spec_t
-    character(:), allocatable :: name            !< for messages: pinion or gear
+    character(6) :: name = ''                    !< for messages: pinion or gear
     integer :: teeth = 0
     real(dp) :: module = 0
     real(dp) :: pressure_angle(2) = 20*pi/180    !< of the rack: drive, coast
@@ -93,7 +93,7 @@ contains
       logical, intent(in) :: met
       character(*), intent(in) :: key, value, allowed
 
-      if (.not. met) call fail(error, code_input, '&'//spec%name//' '//key//' = '//value//': '//allowed)
+      if (.not. met) call fail(error, code_input, '&'//trim(spec%name)//' '//key//' = '//value//': '//allowed)
     end subroutine demand
   end subroutine check_spec
 
@@ -108,13 +108,13 @@ contains
       taken = sum((1 - sin(angle))/cos(angle))
     end associate
     if (land < 0) then
-      call fail(error, code_input, '&'//spec%name//' dedendum = '//str(spec%dedendum)// &
+      call fail(error, code_input, '&'//trim(spec%name)//' dedendum = '//str(spec%dedendum)// &
         ': the rack tooth is pointed above '//str(pi/2/sum(tan(spec%pressure_angle))))
     else if (spec%rack_tip_radius*taken > land*(1 + 1e-12_dp)) then
-      call fail(error, code_input, '&'//spec%name//' rack_tip_radius = '//str(spec%rack_tip_radius)// &
+      call fail(error, code_input, '&'//trim(spec%name)//' rack_tip_radius = '//str(spec%rack_tip_radius)// &
         ': does not fit the rack; at most '//str(land/taken))
     end if
-    if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, '&'//spec%name// &
+    if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, '&'//trim(spec%name)// &
       ' rack_tip_radius = '//str(spec%rack_tip_radius)//': must not exceed the dedendum')
   end subroutine check_rack_tip
 
@@ -134,7 +134,7 @@ contains
         gear%form_radius(side) = hypot(gear%base_radius(side), max(curvature, 0.0_dp))
         if (curvature < -1e-12_dp*gear%reference_radius) then
           least = depth - spec%teeth*sin(angle)**2/2
-          call fail(error, code_input, '&'//spec%name//' profile_shift = '//str(spec%profile_shift)// &
+          call fail(error, code_input, '&'//trim(spec%name)//' profile_shift = '//str(spec%profile_shift)// &
             ': undercut with '//str(spec%teeth)//' teeth; must be at least '//str(least))
         end if
       end associate
@@ -146,7 +146,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: group
 
-    group = '&'//gear%spec%name//' '
+    group = '&'//trim(gear%spec%name)//' '
     if (.not. gear%spec%bore_radius >= 0 .or. gear%spec%bore_radius >= gear%root_radius) then
       call fail(error, code_input, group//'bore_mm = '//str(2000*gear%spec%bore_radius)// &
       ': must be at least 0 and below the root diameter '//str(2000*gear%root_radius)//' mm')

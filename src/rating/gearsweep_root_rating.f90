@@ -7,9 +7,8 @@ module gearsweep_root_rating
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: pair_t
-  use gearsweep_section_body, only: section_body_t
   use gearsweep_sharing, only: load_share
-  use gearsweep_stress, only: root_stress_t, root_stress
+  use gearsweep_stress, only: root_stress_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -46,23 +45,22 @@ contains
 
   !> Rates the root of one member under `load` (N) on the line of action, for
   !> each of the meshes, which differ in their relief: one solution for unit loads
-  !> serves all. `grids` are of that member's section (make_two_grids).
-  subroutine rate_root(pair, mesh, load, grids, options, rating, error)
+  !> serves all. `unit` is that of `root_stress`, for a line load of 1 N/m at each of the
+  !> positions `load_positions`.
+  subroutine rate_root(pair, mesh, load, unit, options, rating, error)
     type(pair_t), intent(in) :: pair
     type(mesh_t), intent(in) :: mesh(:)
     real(dp), intent(in) :: load
-    type(section_body_t), intent(in) :: grids(2)
+    type(root_stress_t), intent(in) :: unit
     type(root_options_t), intent(in) :: options
     type(root_rating_t), allocatable, intent(out) :: rating(:)
     type(error_t), allocatable, intent(out) :: error
-    type(root_stress_t) :: unit
     real(dp), allocatable :: s(:), radius(:)
     integer :: i
 
     allocate (rating(size(mesh)))
     s = load_positions(pair, options)
     allocate (radius, source=load_radius(pair, options, s))
-    call root_stress(grids, radius, spread(1.0_dp, 1, size(s)), unit, error)
     ! Each relief's stress along both fillets, once more while it is made.
     call claim_memory((size(mesh) + 2.0_dp)*(size(s)*(100 + 8.0_dp*sum([(size(unit%side(i)%along), i=1, 2)])) &
                       + 50.0_dp*sum([(size(unit%side(i)%along), i=1, 2)])), &

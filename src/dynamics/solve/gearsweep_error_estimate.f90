@@ -8,13 +8,17 @@ module gearsweep_error_estimate
   use gearsweep_transient, only: steady_options_t
   implicit none
   private
-  public :: accuracy_t, point_t, compare, mark_inexact, resolving_steps
+  public :: accuracy_t, step_choice_t, point_t, compare, mark_inexact, resolving_steps
 
-  !> What an operating point is asked for.
-  type :: accuracy_t
-    type(steady_options_t) :: steady
+  !> How many steps there are.
+  type :: step_choice_t
     integer :: steps = 0                         !< of a period; 0: chosen for the tolerance
     integer :: most_steps = 2**18                !< of a period; fewer where there are more than four contacts
+  end type step_choice_t
+
+  !> What an operating point is asked for.
+  type, extends(step_choice_t) :: accuracy_t
+    type(steady_options_t) :: steady
   end type accuracy_t
 
   !> The result at one speed.

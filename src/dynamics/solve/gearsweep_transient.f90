@@ -11,15 +11,19 @@ module gearsweep_transient
   use gearsweep_stop, only: wants_stop
   implicit none
   private
-  public :: march, steady_options_t, sure_growth
+  public :: march, steady_choice_t, steady_options_t, sure_growth
 
   integer, parameter, public :: by_shooting = 1, by_marching = 2
 
-  type :: steady_options_t
+  !> What the motion that is found depends on.
+  type :: steady_choice_t
     integer :: method = by_shooting
     real(dp) :: tolerance = 1e-6_dp              !< of the dynamic factor
     integer :: most_cycles = 2000                !< mesh periods marched at most
     integer :: most_periods = 8                  !< mesh periods of the longest subharmonic motion looked for
+  end type steady_choice_t
+
+  type, extends(steady_choice_t) :: steady_options_t
     type(c_ptr) :: stop = c_null_ptr             !< an integer of the caller; the search ends where it is not 0
   end type steady_options_t
 

@@ -1,25 +1,25 @@
-!> From a case to the products of its first stages: gear pair, load and masses, mesh, relief.
+!> From a case, or what was taken from it, to the products of the first stages: gear pair, load and masses, mesh,
+!> relief, oscillator.
 module gearsweep_stages
   use gearsweep_kinds, only: dp, pi
   use gearsweep_case, only: case_t
-  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_files, only: beside
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_inputs, only: motion_inputs_t, relief_inputs_t
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
+  use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_relief, only: profile_error, relief_t
-  use gearsweep_section, only: section_options_t
   use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
   use gearsweep_table_file, only: read_table
   use gearsweep_text, only: str
   use gearsweep_weber, only: weber_stiffness
   implicit none
   private
-  public :: build_pair, find_load, build_mesh, relieve, deepest_relief
+  public :: build_pair, find_load, place_mesh, build_stiffness, build_motion, deepest_relief
 
 contains
 
@@ -92,17 +92,11 @@ contains
     solid_inertia = pi/2*density*gear%spec%face_width*(gear%reference_radius**4 - gear%spec%bore_radius**4)
   end function solid_inertia
 
-  !> The path's data, and the stiffness by the chosen model under `load` (N) unless it is `known`, with
-  !> that of its `disc`. `folder` is where the case's files lie.
-  subroutine build_mesh(case, pair, load, folder, mesh, error, known, disc)
+  !> The path's data. `pair`: not allocated for a prescribed mesh.
+  subroutine place_mesh(case, pair, mesh)
     type(case_t), intent(in) :: case
     type(pair_t), allocatable, intent(in) :: pair
-    real(dp), intent(in) :: load
-    character(*), intent(in) :: folder
     type(mesh_t), intent(out) :: mesh
-    type(error_t), allocatable, intent(out) :: error
-    type(piecewise_t), intent(in), optional :: known
-    type(disc_t), intent(in), optional :: disc
     real(dp) :: points(5)
 
     mesh%teeth = case%spec%teeth
@@ -117,31 +111,20 @@ contains
       mesh%pitch_point = points(3)
       mesh%tan_angle = tan(pair%working_angle(drive))
     end if
-    if (present(known)) then
-      mesh%stiffness = known
-      if (present(disc)) mesh%disc = disc
-    else
-      call build_stiffness(case, pair, load, folder, mesh%contact_ratio, mesh%stiffness, mesh%disc, error)
-    end if
-  end subroutine build_mesh
+  end subroutine place_mesh
 
-  subroutine build_stiffness(case, pair, load, folder, contact_ratio, stiffness, disc, error)
+  !> Stiffness of one pair (N/m over s) by a model other than finite elements, under `load` (N). `folder` is where the
+  !> case's files lie.
+  subroutine build_stiffness(case, pair, load, folder, contact_ratio, stiffness, error)
     type(case_t), intent(in) :: case
     type(pair_t), allocatable, intent(in) :: pair
     real(dp), intent(in) :: load, contact_ratio
     character(*), intent(in) :: folder
     type(piecewise_t), intent(out) :: stiffness
-    type(disc_t), intent(out) :: disc
     type(error_t), allocatable, intent(out) :: error
-    type(section_options_t) :: body
     real(dp), allocatable :: s(:), values(:)
 
     select case (case%model)
-    case ('fe')
-      ! The unloaded teeth may be coarser.
-      body = case%section
-      body%others_across = min(4, body%elements_across)
-      call fe_stiffness(pair, case%material, fe_options_t(section=body), line_load(), stiffness, disc, error)
     case ('weber')
       call weber_stiffness(pair, case%material, line_load(), stiffness, error)
     case ('iso6336')
@@ -165,62 +148,82 @@ contains
     end function line_load
   end subroutine build_stiffness
 
-  !> Gives a mesh one amount of relief (m).
-  subroutine relieve(case, pair, base_pitch, amount, mesh, error)
-    type(case_t), intent(in) :: case
-    type(pair_t), allocatable, intent(in) :: pair
-    real(dp), intent(in) :: base_pitch, amount
-    type(mesh_t), intent(inout) :: mesh
+  !> The oscillator of a mesh with this pair stiffness (N/m over s) and amount of relief (m).
+  subroutine build_motion(inputs, stiffness, amount, motion, error)
+    type(motion_inputs_t), intent(in) :: inputs
+    type(piecewise_t), intent(in) :: stiffness
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    motion%mesh%contact_ratio = inputs%relief%contact_ratio
+    motion%mesh%pitch_point = inputs%relief%pitch_point
+    motion%mesh%tan_angle = inputs%tan_angle
+    motion%mesh%teeth = inputs%teeth
+    motion%mesh%stiffness = stiffness
+    motion%mesh%disc = inputs%disc
+    call relieve(inputs%relief, amount, motion%mesh%profile_error, error)
+    if (allocated(error)) return
+    motion%mass = inputs%mass
+    motion%load = inputs%load
+    motion%damping_ratio = inputs%damping_ratio
+    motion%friction = inputs%friction
+    motion%has_backlash = inputs%has_backlash
+    motion%backlash = inputs%backlash
+    call make_oscillator(motion, error)
+  end subroutine build_motion
+
+  !> The profile error of one amount of relief (m).
+  subroutine relieve(inputs, amount, curve, error)
+    type(relief_inputs_t), intent(in) :: inputs
+    real(dp), intent(in) :: amount
+    type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
     type(relief_t) :: relief
 
-    relief%amount = amount*case%fraction
-    relief%start = relief_start(case, pair, mesh, base_pitch)
-    relief%shape = case%shape
-    if (amount > 0 .and. case%start == 'hpstc' .and. .not. modulo(mesh%contact_ratio, 1.0_dp) > 0) then
+    relief%amount = amount*inputs%fraction
+    relief%start = relief_start(inputs)
+    relief%shape = inputs%shape
+    if (amount > 0 .and. inputs%start == 'hpstc' .and. .not. modulo(inputs%contact_ratio, 1.0_dp) > 0) then
       call fail(error, code_input, '&relief start = ''hpstc'': short relief has no room at a contact ratio of '// &
-                str(mesh%contact_ratio)//'; use start = ''pitch'' or length_mm')
-    else if (amount > deepest_relief(case, pair)) then
+                str(inputs%contact_ratio)//'; use start = ''pitch'' or length_mm')
+    else if (amount > deepest_relief(inputs)) then
       call fail(error, code_input, '&relief amount_um = '//str(1e6_dp*amount)// &
-        ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(case, pair)))
+        ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(inputs)))
     else
-      call profile_error(relief, mesh%contact_ratio, mesh%profile_error, error)
+      call profile_error(relief, inputs%contact_ratio, curve, error)
     end if
   end subroutine relieve
 
   !> Half the tooth's thickness at the tip, over the larger fraction (m); for a
   !> prescribed mesh nothing is known of the tooth.
-  pure real(dp) function deepest_relief(case, pair) result(deepest)
-    type(case_t), intent(in) :: case
-    type(pair_t), allocatable, intent(in) :: pair
+  pure real(dp) function deepest_relief(inputs) result(deepest)
+    type(relief_inputs_t), intent(in) :: inputs
     integer :: i
 
     deepest = huge(deepest)
-    if (.not. allocated(pair)) return
+    if (inputs%prescribed) return
     do i = 1, 2
-      associate (gear => pair%gear(i))
-        if (case%fraction(i) > 0) deepest = min(deepest, gear%thickness(gear%tip_radius)/2/case%fraction(i))
+      associate (gear => inputs%pair%gear(i))
+        if (inputs%fraction(i) > 0) deepest = min(deepest, gear%thickness(gear%tip_radius)/2/inputs%fraction(i))
       end associate
     end do
   end function deepest_relief
 
   !> Path coordinates at which the reliefs of pinion and gear begin.
-  pure function relief_start(case, pair, mesh, base_pitch) result(start)
-    type(case_t), intent(in) :: case
-    type(pair_t), allocatable, intent(in) :: pair
-    type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: base_pitch
+  pure function relief_start(inputs) result(start)
+    type(relief_inputs_t), intent(in) :: inputs
     real(dp) :: start(2)
 
-    associate (ratio => mesh%contact_ratio)
-      select case (case%start)
+    associate (ratio => inputs%contact_ratio, pair => inputs%pair)
+      select case (inputs%start)
       case ('pitch')
-        start = mesh%pitch_point
+        start = inputs%pitch_point
       case ('length')
-        start = [ratio - case%length/base_pitch, case%length/base_pitch]
+        start = [ratio - inputs%length/inputs%base_pitch, inputs%length/inputs%base_pitch]
       case ('roll')
-        start(1) = (case%roll(1)*pair%gear(1)%base_radius(drive) - pair%start_curvature)/base_pitch
-        start(2) = (pair%curvature(2, 0.0_dp) - case%roll(2)*pair%gear(2)%base_radius(drive))/base_pitch
+        start(1) = (inputs%roll(1)*pair%gear(1)%base_radius(drive) - pair%start_curvature)/inputs%base_pitch
+        start(2) = (pair%curvature(2, 0.0_dp) - inputs%roll(2)*pair%gear(2)%base_radius(drive))/inputs%base_pitch
       case default
         start = [aint(ratio), ratio - aint(ratio)]
       end select

@@ -1,0 +1,172 @@
+!> What the products of a study are made from.
+!>
+!> Each of these types holds all that its stage takes, and the stage has nothing else at hand: an input cannot be
+!> forgotten. But for lists, which are compared one by one, they have no allocatable components, so that one `write`
+!> gives all that they hold to the last bit; where somebody adds one, the compiler refuses that. Inputs that write the same
+!> text are the same.
+module gearsweep_inputs
+  use gearsweep_error_estimate, only: step_choice_t
+  use gearsweep_disc, only: disc_t
+  use gearsweep_fe_stiffness, only: fe_options_t
+  use gearsweep_gear, only: gear_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_transient, only: steady_choice_t
+  use gearsweep_material, only: material_t
+  use gearsweep_pair, only: pair_t
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_section, only: section_options_t
+  implicit none
+  private
+  public :: elements_inputs_t, body_inputs_t, modes_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
+  public :: motions_inputs_t, choice_t, points_inputs_t, same, same_but_amounts
+
+  !> Of the pair stiffness by finite elements, with its disc.
+  type :: elements_inputs_t
+    type(pair_t) :: pair
+    type(material_t) :: material
+    type(fe_options_t) :: options
+    real(dp) :: line_load = 0                    !< N/m
+  end type elements_inputs_t
+
+  !> Of one member's section: its two grids, and their factored bodies.
+  type :: body_inputs_t
+    type(gear_t) :: gear
+    type(material_t) :: material
+    type(section_options_t) :: options
+  end type body_inputs_t
+
+  !> Of the section's modes.
+  type :: modes_inputs_t
+    type(body_inputs_t) :: body
+    integer :: modes = 0
+  end type modes_inputs_t
+
+  !> Of the root stress under unit loads.
+  type :: unit_inputs_t
+    type(body_inputs_t) :: body
+    real(dp), allocatable :: radius(:)           !< where they act, m
+  end type unit_inputs_t
+
+  !> Of the profile error that an amount of relief makes.
+  type :: relief_inputs_t
+    logical :: prescribed = .false.              !< no pair is known
+    type(pair_t) :: pair
+    real(dp) :: base_pitch = 0                   !< m; 0: not known
+    real(dp) :: contact_ratio = 0, pitch_point = 0
+    real(dp) :: fraction(2) = 1
+    integer :: shape = 0
+    character(8) :: start = ''                   !< hpstc, pitch, length, roll
+    real(dp) :: length = 0, roll(2) = 0          !< m, rad
+  end type relief_inputs_t
+
+  !> Of an oscillator, beside pair stiffness and amount of relief.
+  type :: motion_inputs_t
+    type(relief_inputs_t) :: relief
+    type(disc_t) :: disc
+    integer :: teeth(2) = 0
+    real(dp) :: tan_angle = 0
+    real(dp) :: load = 0, mass(2) = 0            !< N, kg
+    real(dp) :: damping_ratio = 0, friction = 0
+    logical :: has_backlash = .false.
+    real(dp) :: backlash = 0                     !< m
+  end type motion_inputs_t
+
+  !> Of the oscillators: one for each amount of relief.
+  type :: motions_inputs_t
+    type(motion_inputs_t) :: motion
+    type(piecewise_t) :: stiffness               !< of one pair, N/m over s
+    real(dp), allocatable :: amount(:)           !< m
+  end type motions_inputs_t
+
+  !> What steady motions depend on beside the oscillator and the speed.
+  type :: choice_t
+    type(step_choice_t) :: steps
+    type(steady_choice_t) :: steady
+    integer :: direction = 0                     !< of the sweep
+    real(dp) :: largest = 0                      !< deepest relief that the search for the optimum tries, m
+  end type choice_t
+
+  !> Of operating points of the oscillators.
+  type :: points_inputs_t
+    type(choice_t) :: choice
+    real(dp), allocatable :: rpm(:)              !< of the sweep, 1/min; empty: there is none
+    real(dp), allocatable :: keep(:)             !< where the motion itself is wanted, 1/min
+  end type points_inputs_t
+
+  interface same
+    module procedure same_elements, same_bodies, same_modes, same_units, same_motions, same_points
+  end interface same
+
+  !> Every component: numbers with all their digits.
+  character(*), parameter :: all = '(*(g0, 1x))'
+
+contains
+
+  !> Eight characters for each byte are enough for all.
+  pure logical function same_elements(a, b) result(same)
+    type(elements_inputs_t), intent(in) :: a, b
+    character(storage_size(a)) :: words(2)
+
+    write (words(1), all) a
+    write (words(2), all) b
+    same = words(1) == words(2)
+  end function same_elements
+
+  pure logical function same_bodies(a, b) result(same)
+    type(body_inputs_t), intent(in) :: a, b
+    character(storage_size(a)) :: words(2)
+
+    write (words(1), all) a
+    write (words(2), all) b
+    same = words(1) == words(2)
+  end function same_bodies
+
+  pure logical function same_modes(a, b) result(same)
+    type(modes_inputs_t), intent(in) :: a, b
+    character(storage_size(a)) :: words(2)
+
+    write (words(1), all) a
+    write (words(2), all) b
+    same = words(1) == words(2)
+  end function same_modes
+
+  pure logical function same_units(a, b) result(same)
+    type(unit_inputs_t), intent(in) :: a, b
+
+    same = same_bodies(a%body, b%body) .and. same_list(a%radius, b%radius)
+  end function same_units
+
+  pure logical function same_motions(a, b) result(same)
+    type(motions_inputs_t), intent(in) :: a, b
+
+    same = same_but_amounts(a, b) .and. same_list(a%amount, b%amount)
+  end function same_motions
+
+  !> Whatever their amounts of relief.
+  pure logical function same_but_amounts(a, b) result(same)
+    type(motions_inputs_t), intent(in) :: a, b
+    character(storage_size(a%motion)) :: words(2)
+
+    write (words(1), all) a%motion
+    write (words(2), all) b%motion
+    same = words(1) == words(2) .and. same_list(a%stiffness%breaks, b%stiffness%breaks) .and. &
+           size(a%stiffness%coef, 1) == size(b%stiffness%coef, 1)
+    if (same) same = .not. any(abs(a%stiffness%coef - b%stiffness%coef) > 0)
+  end function same_but_amounts
+
+  pure logical function same_points(a, b) result(same)
+    type(points_inputs_t), intent(in) :: a, b
+    character(storage_size(a%choice)) :: words(2)
+
+    write (words(1), all) a%choice
+    write (words(2), all) b%choice
+    same = words(1) == words(2) .and. same_list(a%rpm, b%rpm) .and. same_list(a%keep, b%keep)
+  end function same_points
+
+  pure logical function same_list(a, b) result(same)
+    real(dp), intent(in) :: a(:), b(:)
+
+    same = size(a) == size(b)
+    if (same) same = .not. any(abs(a - b) > 0)
+  end function same_list
+end module gearsweep_inputs

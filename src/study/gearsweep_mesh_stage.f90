@@ -1,0 +1,151 @@
+!> The stages that make the mesh: load, pair stiffness, one oscillator for each relief, static load sharing.
+module gearsweep_mesh_stage
+  use gearsweep_disc, only: disc_t
+  use gearsweep_error, only: error_t
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_harmonics, only: find_harmonics
+  use gearsweep_inputs, only: elements_inputs_t, motion_inputs_t, relief_inputs_t, same
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_products, only: note, study_t
+  use gearsweep_section, only: section_options_t
+  use gearsweep_sharing, only: share_load
+  use gearsweep_stages, only: build_motion, build_stiffness, find_load, place_mesh
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: mesh_and_motion
+
+contains
+
+  !> What all that needs a load starts from. `stiffness` of one pair (N/m over s) where it is known, with its `disc`; what
+  !> an `earlier` study has of the same inputs is taken over.
+  subroutine mesh_and_motion(study, folder, error, stiffness, disc, earlier)
+    type(study_t), intent(inout) :: study
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(inout) :: error
+    type(piecewise_t), intent(in), optional :: stiffness
+    type(disc_t), intent(in), optional :: disc
+    type(study_t), intent(in), optional :: earlier
+
+    call find_load(study%case, study%pair, study%base_pitch, study%load, study%mass)
+    allocate (study%mesh)
+    call place_mesh(study%case, study%pair, study%mesh)
+    if (present(stiffness)) then
+      study%mesh%stiffness = stiffness
+      if (present(disc)) study%mesh%disc = disc
+      call note(study, 'mesh: pair stiffness as passed in')
+    else if (study%case%model == 'fe') then
+      call find_by_elements(study, error, earlier)
+    else
+      call build_stiffness(study%case, study%pair, study%load, folder, study%mesh%contact_ratio, study%mesh%stiffness, error)
+      call note(study, 'mesh: pair stiffness by model '//study%case%model)
+    end if
+    if (.not. allocated(error)) call build_motions(study, error)
+    if (.not. allocated(error) .and. study%case%asks('mesh')) call share_all(study, error, earlier)
+  end subroutine mesh_and_motion
+
+  subroutine find_by_elements(study, error, earlier)
+    type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    type(study_t), intent(in), optional :: earlier
+    type(section_options_t) :: body
+    logical :: known
+
+    ! The unloaded teeth may be coarser.
+    body = study%case%section
+    body%others_across = min(4, body%elements_across)
+    study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t(section=body), &
+                                              study%load/study%case%spec(1)%face_width)
+    known = .false.
+    if (present(earlier)) known = allocated(earlier%elements_inputs)
+    if (known) known = same(study%elements_inputs, earlier%elements_inputs)
+    if (known) then
+      study%mesh%stiffness = earlier%mesh%stiffness
+      study%mesh%disc = earlier%mesh%disc
+      call note(study, 'mesh: pair stiffness by model fe, taken over')
+    else
+      call by_elements(study%elements_inputs, study%mesh%stiffness, study%mesh%disc, error)
+      call note(study, 'mesh: pair stiffness by model fe')
+    end if
+  end subroutine find_by_elements
+
+  subroutine by_elements(inputs, stiffness, disc, error)
+    type(elements_inputs_t), intent(in) :: inputs
+    type(piecewise_t), intent(out) :: stiffness
+    type(disc_t), intent(out) :: disc
+    type(error_t), allocatable, intent(inout) :: error
+
+    call fe_stiffness(inputs%pair, inputs%material, inputs%options, inputs%line_load, stiffness, disc, error)
+  end subroutine by_elements
+
+  !> One oscillator for each relief.
+  subroutine build_motions(study, error)
+    type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    ! Each has a mesh of its own.
+    associate (curve => study%mesh%stiffness)
+      call claim_memory((size(study%case%amount) + 1)*(8000 + 8.0_dp*(size(curve%coef) + size(curve%breaks))), &
+                        '&relief amount_um: '//str(size(study%case%amount))//' reliefs', error)
+    end associate
+    if (allocated(error)) return
+    call list_inputs(study)
+    allocate (study%motion(size(study%case%amount)))
+    associate (inputs => study%motions_inputs)
+      do i = 1, size(study%motion)
+        call build_motion(inputs%motion, inputs%stiffness, inputs%amount(i), study%motion(i), error)
+        if (allocated(error)) return
+      end do
+    end associate
+  end subroutine build_motions
+
+  !> What the oscillators are made from.
+  subroutine list_inputs(study)
+    type(study_t), intent(inout) :: study
+    type(relief_inputs_t) :: relief
+
+    associate (case => study%case, mesh => study%mesh)
+      relief = relief_inputs_t(prescribed=case%prescribed, base_pitch=study%base_pitch, contact_ratio=mesh%contact_ratio, &
+                               pitch_point=mesh%pitch_point, fraction=case%fraction, shape=case%shape, start=case%start, &
+                               length=case%length, roll=case%roll)
+      if (allocated(study%pair)) relief%pair = study%pair
+      study%motions_inputs%motion = motion_inputs_t( &
+        relief=relief, disc=mesh%disc, teeth=mesh%teeth, tan_angle=mesh%tan_angle, load=study%load, mass=study%mass, &
+        damping_ratio=case%damping_ratio, friction=case%friction, has_backlash=case%has_backlash, backlash=case%backlash)
+      study%motions_inputs%stiffness = mesh%stiffness
+      study%motions_inputs%amount = case%amount
+    end associate
+  end subroutine list_inputs
+
+  !> Static load sharing and transmission error with its harmonics.
+  subroutine share_all(study, error, earlier)
+    type(study_t), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    type(study_t), intent(in), optional :: earlier
+    integer, parameter :: samples = 200
+    logical :: known
+    integer :: i
+
+    known = .false.
+    if (present(earlier)) known = allocated(earlier%sharing)
+    if (known) known = study%case%harmonics == earlier%case%harmonics .and. same(study%motions_inputs, earlier%motions_inputs)
+    allocate (study%sharing(size(study%motion)), study%harmonics(size(study%motion)))
+    do i = 1, size(study%motion)
+      ! The first tells what the others take.
+      if (i == 2) call claim_memory(size(study%motion)*(1000 + 24.0_dp*study%case%harmonics + size(study%sharing(1)%phase)* &
+        (28.0_dp + 16*size(study%sharing(1)%s, 1))), '&relief amount_um: '//str(size(study%motion))//' reliefs', error)
+      if (allocated(error)) return
+      if (known) then
+        study%sharing(i) = earlier%sharing(i)
+        study%harmonics(i) = earlier%harmonics(i)
+      else
+        call share_load(study%motion(i)%mesh, study%motion(i)%load, samples, study%sharing(i))
+        call find_harmonics(study%motion(i)%mesh, study%motion(i)%load, study%case%harmonics, study%harmonics(i))
+      end if
+    end do
+    call note(study, 'mesh: static load sharing and transmission error'//trim(merge(', taken over', '            ', known)))
+  end subroutine share_all
+end module gearsweep_mesh_stage
