@@ -10,6 +10,8 @@ venv=$root/.venv
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 # What checks the sources without running them.
 lint_tools='ruff==0.17.6 fortitude-lint==0.10.0'
+# What makes pages for a browser of doc and of the comments of src.
+site_tools='mkdocs==1.6.1 mkdocs-material==9.7.7 ford==7.0.13'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all -ffpe-trap=invalid,zero,overflow'
 # For test/sanitize.sh; C callers are compiled and linked with the C flags. Where an array is assigned to that is not
 # allocated yet, gfortran 12 subtracts bounds that were never set and does not use what comes out: integers go unchecked.
@@ -182,17 +184,21 @@ build_package() {
   ) 9>"$run_dir/lock"
 }
 
-# install_lint: the linters, in .venv.
-install_lint() {
-  [ "$(cat "$run_dir/lint.stamp" 2>/dev/null)" = "$lint_tools" ] && return
+# install_python WHAT PACKAGES...: into .venv.
+install_python() {
+  what=$1
+  shift
+  [ "$(cat "$run_dir/$what.stamp" 2>/dev/null)" = "$*" ] && return
   mkdir -p "$run_dir" || return
   (
     await_lock
     install_packages && make_venv || exit
-    quietly "fetching the linters, about 15 s" "$venv/bin/python" -m pip install --disable-pip-version-check $lint_tools || exit
-    echo "$lint_tools" >"$run_dir/lint.stamp"
+    quietly "fetching $what, about 15 s" "$venv/bin/python" -m pip install --disable-pip-version-check "$@" || exit
+    echo "$*" >"$run_dir/$what.stamp"
   ) 9>"$run_dir/lock"
 }
+install_lint() { install_python linters $lint_tools; }
+install_site() { install_python page-tools $site_tools; }
 
 build_program() { build gearsweep "src app" run gearsweep --profile release; }
 build_check_release() { build check-release "src test" test check --profile release; }

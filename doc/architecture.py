@@ -62,16 +62,11 @@ def edges(rooms):
             if home.get(name.lower(), room) != room]
 
 
-# Still to be untangled.
-KNOWN = {('dynamics/model', 'dynamics/step')}
-
-
 def upwards(rooms):
     """What uses a room above its own, a line each."""
     order = list(ROOMS)
     return [f'{path.relative_to(ROOT)} uses {name} of {above}, which stands above {room}' for path, room, name, above in edges(rooms)
-            if room in ROOMS and above in ROOMS and order.index(above) > order.index(room)
-            and (room, above) not in KNOWN]
+            if room in ROOMS and above in ROOMS and order.index(above) > order.index(room)]
 
 
 def arrows(rooms):

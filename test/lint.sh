@@ -28,4 +28,5 @@ for folder in src app test; do
 done
 check 'rooms: each uses those below it only' "$python" doc/architecture.py --rooms
 check 'doc/architecture.md has every file, and none that is not there' "$python" doc/architecture.py --stale
+check 'links between the pages lead somewhere' "$python" doc/site/stage.py "$work/pages"
 finish

@@ -5,7 +5,6 @@ import math
 import re
 
 import pytest
-
 from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT
 
 DATA = sorted(path.stem for path in (ROOT / 'data').glob('*.nml'))
@@ -72,7 +71,7 @@ def is_in(number, tables):
                 except ValueError:
                     continue
                 for factor in (1, 100) if re.search('share|estimate|deviation', name) else (1,):
-                    if abs(factor * value - shown) <= 0.5000001 * step or number.isdigit() and is_round(factor * value, shown):
+                    if abs(factor * value - shown) <= 0.5000001 * step or (number.isdigit() and is_round(factor * value, shown)):
                         return True
     return False
 
@@ -91,7 +90,7 @@ def test_every_number_of_the_screen_is_in_a_table(run):
             place = None if line.startswith(('Time', 'Wrote', 'Not used')) else place
             continue
         place = next((PLACES[begin] for begin in PLACES if line.startswith(begin)), place)
-        if place is None or place == 'published' and 'place' in line:
+        if place is None or (place == 'published' and 'place' in line):
             continue
         for words in WORDS:
             line = line.replace(words, '')
@@ -106,9 +105,9 @@ def test_every_number_of_the_screen_is_in_a_table(run):
 def test_the_page_tells_of_every_column(run):
     page = (ROOT / 'doc/case.md').read_text()
     for name, (told, _) in run[1].items():
-        section = re.search(rf'^\*\*{name}\*\*.*?(?=^\*\*|^## )', page, re.M | re.S)
+        section = re.search(rf'^\*\*{name}\*\*.*?(?=^\*\*|^## )', page, re.MULTILINE | re.DOTALL)
         assert section, f'doc/case.md lacks the table {name}'
-        rows = re.findall(r'^\| `(\w+)` \| (.*?) ?\| (.*) \|$', section[0], re.M)
+        rows = re.findall(r'^\| `(\w+)` \| (.*?) ?\| (.*) \|$', section[0], re.MULTILINE)
         written = {column: (unit, meaning) for column, unit, meaning in rows}
         for column, what in told.items():
             assert written.get(column) == what, f'doc/case.md: {name}'

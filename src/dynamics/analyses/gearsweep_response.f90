@@ -41,7 +41,7 @@ contains
     real(dp), intent(in) :: rpm                  !< speed of the pinion, 1/min
     type(accuracy_t), intent(in) :: options
     type(response_t), intent(out) :: response
-    type(point_t), intent(in), optional :: known !< as a sweep found it; without it, it is solved by itself
+    type(point_t), intent(in), optional :: known  !< as a sweep found it; without it, it is solved by itself
     ! Bytes of a step's two rows, in memory that doubles and is copied, and then sorted by pair.
     real(dp), parameter :: trace_bytes = 2*4*40.0_dp
     type(levels_t), allocatable :: levels

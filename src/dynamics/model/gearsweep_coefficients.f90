@@ -3,13 +3,12 @@
 !> The steps end at every break, so that the coefficients are smooth within a step. A contact is a pair between A
 !> and E or, as the last one and only with backlash, the coast sides together.
 module gearsweep_coefficients
-  use gearsweep_gauss, only: nodes
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
   use gearsweep_mesh, only: zone_t
   use gearsweep_oscillator, only: oscillator_t, acceleration, mobility
-  use gearsweep_radau, only: stiff_nodes
+  use gearsweep_nodes, only: nodes, stiff_nodes
   implicit none
   private
   public :: resolution_t, coefficients_t, tabulate, graded_steps, end_acceleration

@@ -111,7 +111,7 @@ contains
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration             !< of the mesh period, s
     type(accuracy_t), intent(in) :: options
-    type(resolution_t), intent(in) :: resolution !< to begin with
+    type(resolution_t), intent(in) :: resolution  !< to begin with
     type(levels_t), intent(inout) :: levels
     type(point_t), intent(inout) :: point
     logical, intent(out) :: solved               !< all pairs stay in contact, and `start` leads there

@@ -3,18 +3,16 @@
 !> Differential Equations I, section II.7 (Kuntzmann-Butcher methods).
 module gearsweep_gauss
   use gearsweep_kinds, only: dp
+  use gearsweep_nodes, only: nodes
   implicit none
   private
-  public :: collocate, batch_size, nodes, order
+  public :: collocate, batch_size, order
 
   !> Speeds of a batch: their motions are computed side by side in the lanes of the processor's vectors.
   integer, parameter :: batch_size = 8
 
   integer, parameter :: order = 6
   real(dp), parameter :: r = sqrt(15.0_dp)
-
-  !> Places within the step, 0 to 1.
-  real(dp), parameter :: nodes(3) = [0.5_dp - r/10, 0.5_dp, 0.5_dp + r/10]
 
   !> Weights of the accelerations in the velocity at the nodes (a) and at the end (b), and in the
   !> position (a2 = a a, b2).

@@ -6,14 +6,12 @@
 module gearsweep_radau
   use gearsweep_kinds, only: dp
   use gearsweep_gauss, only: batch_size
+  use gearsweep_nodes, only: stiff_nodes
   implicit none
   private
-  public :: collocate_stiffly, stiff_nodes
+  public :: collocate_stiffly
 
   real(dp), parameter :: r = sqrt(6.0_dp)
-
-  !> Places within the step, 0 to 1.
-  real(dp), parameter :: stiff_nodes(3) = [(4 - r)/10, (4 + r)/10, 1.0_dp]
 
   !> Weights of the accelerations in the velocity at the nodes, of which the last is the end, and in the position.
   real(dp), parameter :: a(3, 3) = reshape([(88 - 7*r)/360, (296 + 169*r)/1800, (16 - r)/36, &

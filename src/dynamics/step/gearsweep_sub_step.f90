@@ -2,8 +2,9 @@
 !> is done side by side.
 module gearsweep_sub_step
   use gearsweep_contact_set, only: contact_t
-  use gearsweep_gauss, only: batch_size, collocate, nodes
+  use gearsweep_gauss, only: batch_size, collocate
   use gearsweep_kinds, only: dp
+  use gearsweep_nodes, only: nodes
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping, mobility
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: quintic, evaluate, second_derivative_of
