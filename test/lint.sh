@@ -20,10 +20,10 @@ check() {
   fi
 }
 
-for folder in python validation bench test doc; do
+for folder in python validation bench test doc examples; do
   check "ruff: $folder" "$venv/bin/ruff" check --quiet --no-cache --output-format concise "$folder"
 done
-for folder in src app test; do
+for folder in src app test examples; do
   check "fortitude: $folder" "$venv/bin/fortitude" check --quiet --output-format concise "$folder"
 done
 check 'rooms: each uses those below it only' "$python" doc/architecture.py --rooms

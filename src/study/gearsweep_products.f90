@@ -30,7 +30,7 @@ module gearsweep_products
     real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses, kg
-    type(oscillator_t), allocatable :: motion(:) !< one for each relief
+    type(oscillator_t), allocatable :: motion(:)  !< one for each relief
     type(motions_inputs_t) :: motions_inputs     !< of these, and so of all that follows but for the section
     type(sharing_t), allocatable :: sharing(:)   !< one for each relief
     type(harmonics_t), allocatable :: harmonics(:)  !< of the static transmission error, one for each relief

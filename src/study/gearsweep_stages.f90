@@ -139,6 +139,7 @@ contains
         if (.not. allocated(error)) call table_stiffness(contact_ratio, s, 1e6_dp*max(-1e300_dp, min(1e300_dp, values)), &
                                                          stiffness, error)
       end if
+    case default  ! the reader of the case knows no other
     end select
 
   contains

@@ -77,7 +77,7 @@ contains
     procedure(progress_of_sweep), optional :: progress
     type(levels_t), allocatable :: levels
     type(counter_t) :: counter
-    integer, allocatable :: open(:)              ! blocks of each relief
+    integer, allocatable :: missing(:)              ! blocks of each relief
     integer :: i, relief, left
     type(c_ptr) :: traps
     logical :: lacks
@@ -90,11 +90,11 @@ contains
                         watch=options%accuracy%steady%stop)
     if (counter%total == 0) counter%total = size(sweep%status)
     if (present(progress)) counter%progress => progress
-    open = [(count(state%blocks%relief == i), i=1, size(osc))]
+    missing = [(count(state%blocks%relief == i), i=1, size(osc))]
     call settle_memory()
     lacks = .false.
     traps = leader_traps()
-    !$omp parallel default(none) shared(osc, rpm, options, sweep, state, open, counter, lacks, traps) &
+    !$omp parallel default(none) shared(osc, rpm, options, sweep, state, missing, counter, lacks, traps) &
     !$omp private(levels, relief, left) num_threads(team(options%threads, size(state%blocks)))
     call share_traps(traps, 1)
     relief = 0
@@ -105,8 +105,8 @@ contains
       call solve_block(osc(relief), rpm, options, state%blocks(i), counter, levels, state%points(:, relief), &
                        state%solved(:, relief))
       !$omp atomic capture seq_cst
-      open(relief) = open(relief) - 1
-      left = open(relief)
+      missing(relief) = missing(relief) - 1
+      left = missing(relief)
       !$omp end atomic
       ! Who solves the last block of a relief goes on with it, while others work.
       if (left == 0) call finish_relief(osc(relief), rpm, options, relief, counter, levels, state, sweep)

@@ -142,20 +142,20 @@ contains
     integer, intent(out) :: periods
     type(steady_t), intent(out) :: found
     type(period_t) :: run
-    real(dp) :: defect(2), step(2), remainder, close
+    real(dp) :: defect(2), step(2), remainder, small
     logical :: solved
 
     associate (osc => map%osc, duration => map%duration(1))
       ! Marching ends where what is left of the transient is far below the tolerance.
-      close = merge(1e-3_dp*options%tolerance, near/2, options%method == by_marching)
+      small = merge(1e-3_dp*options%tolerance, near/2, options%method == by_marching)
       do periods = 1, min(options%most_periods, history%length)
         defect = history%state(:, 0) - history%state(:, periods)
-        if (distance(osc, duration, defect) > close) cycle
+        if (distance(osc, duration, defect) > small) cycle
         if (largest_multiplier(history%monodromy(:, :, periods)) > 1) cycle
         ! The motion that repeats, as the linear map has it, and how far the last state is from it.
         call newton_step(history%monodromy(:, :, periods), defect, step, solved)
         remainder = distance(osc, duration, step - defect)
-        if (solved .and. remainder < close) exit
+        if (solved .and. remainder < small) exit
       end do
       if (periods > min(options%most_periods, history%length)) then
         periods = 0
