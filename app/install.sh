@@ -12,7 +12,8 @@ mkdir -p "$1" && prefix=$(CDPATH= cd -- "$1" && pwd) || exit 3
 version=$(sed -n 's/^version *= *"\(.*\)"/\1/p' "$root/fpm.toml")
 # Before 1.0 each minor version may change the calls.
 minor=${version%.*}
-needs='-lopenblas -lgomp -lgfortran -lm -lpthread'
+# OpenBLAS first, so that its symbols are looked up there.
+needs='-lopenblas -ldmumps_seq -larpack -lgomp -lgfortran -lm -lpthread'
 
 # The same flags as the program: the same bits. All modules, as the program needs not all of them.
 install_library() (
@@ -39,7 +40,7 @@ make_shared() {
       return
   done
   quietly "linking the shared library" gfortran -shared -fopenmp -Wl,-soname,"libgearsweep.so.$minor" -Wl,-z,defs "$objects"/*.o \
-    -lopenblas -lm -lpthread -o "$prefix/lib/libgearsweep.so.$version.new" || return
+    -lopenblas -ldmumps_seq -larpack -lm -lpthread -o "$prefix/lib/libgearsweep.so.$version.new" || return
   mv -f "$prefix/lib/libgearsweep.so.$version.new" "$prefix/lib/libgearsweep.so.$version" &&
     ln -sf "libgearsweep.so.$version" "$prefix/lib/libgearsweep.so.$minor" &&
     ln -sf "libgearsweep.so.$minor" "$prefix/lib/libgearsweep.so" && rm -rf "$objects"

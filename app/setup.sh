@@ -58,6 +58,9 @@ install_packages() {
   missing=
   links || missing="gfortran libc6-dev"
   links -lopenblas || missing="$missing libopenblas-dev"
+  links -ldmumps_seq && echo '#include <dmumps_c.h>' | gcc -E - >/dev/null 2>&1 || missing="$missing libmumps-seq-dev"
+  links -lscotch || missing="$missing libscotch-dev"
+  links -larpack || missing="$missing libarpack2-dev"
   command -v pkg-config >/dev/null || missing="$missing pkg-config"
   find_python || missing="$missing python3 python3-venv python3-dev"
   install_missing

@@ -4,7 +4,7 @@
 program check
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
   use extreme_table, only: print_limits
-  use test_band, only: run_band => run
+  use test_sparse, only: run_sparse => run
   use test_branches, only: run_branches => run
   use test_calls, only: run_calls => run
   use test_closed_estimates, only: run_closed_estimates => run
@@ -75,7 +75,7 @@ program check
     & suite_t('closed_limits', run_closed_limits), &
     & suite_t('closed_modes', run_closed_modes), &
     & suite_t('closed_piecewise', run_closed_piecewise), &
-    & suite_t('band', run_band), &
+    & suite_t('sparse', run_sparse), &
     & suite_t('elastic_body', run_elastic_body), &
     & suite_t('elastic_modes', run_elastic_modes), &
     & suite_t('elastic_stiffness', run_elastic_stiffness), &

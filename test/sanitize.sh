@@ -33,7 +33,7 @@ part() {
   fi
 }
 
-libraries="-lopenblas -lgomp -lgfortran -lm -lpthread"
+libraries="-lopenblas -ldmumps_seq -larpack -lgomp -lgfortran -lm -lpthread"
 # caller NAME [SOURCE]: test/callers/NAME, with another source linked before the library.
 caller() {
   gcc $sanitize_c_flags -std=gnu99 -I"$root/include" "$root/test/callers/$1.c" ${2:+"$root/test/callers/$2"} \

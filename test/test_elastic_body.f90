@@ -162,7 +162,7 @@ contains
       end associate
     end do
     x = reshape(body%gather(f), [body%unknowns, 1])
-    call body%stiffness%solve(x)
+    call body%stiffness%solve(x, error)
     deflection = sum(x(:, 1)*body%gather(f))
   end function tip_deflection
 
@@ -211,7 +211,7 @@ contains
       call press(grid%x(:, bore(2*i - 1:2*i + 1)), f, bore(2*i - 1:2*i + 1))
     end do
     x = reshape(body%gather(f), [body%unknowns, 1])
-    call body%stiffness%solve(x)
+    call body%stiffness%solve(x, error)
     u = body%spread_out(x(:, 1))
     stress = nodal_stress(body, u)
     exact = 5.0_dp/3 + unit_material%poisson

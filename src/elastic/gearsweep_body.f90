@@ -1,16 +1,19 @@
 !> An elastic body: a grid with its material, supports and factored stiffness.
 module gearsweep_body
   use gearsweep_kinds, only: dp
-  use gearsweep_band, only: band_t, make_band
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_grid, only: grid_t
   use gearsweep_memory, only: claim_memory
   use gearsweep_material, only: check_material, material_t
+  use gearsweep_sparse, only: factor, sparse_t
   use gearsweep_text, only: str
   use gearsweep_q8, only: element_stiffness, element_mass, nodes_per_element
   implicit none
   private
   public :: body_t, make_body, elastic_law
+
+  !> Entries of an element's lower triangle.
+  integer, parameter :: triangle = nodes_per_element*(2*nodes_per_element + 1)
 
   type :: body_t
     type(grid_t) :: grid
@@ -19,7 +22,7 @@ module gearsweep_body
     real(dp) :: thickness = 0                    !< m
     integer, allocatable :: equation(:, :)       !< of each node's two unknowns, 0 where held (2, nodes)
     integer :: unknowns = 0
-    type(band_t) :: stiffness                    !< factored
+    type(sparse_t) :: stiffness                  !< factored
   contains
     procedure :: spread_out
     procedure :: gather
@@ -30,18 +33,22 @@ module gearsweep_body
 
 contains
 
-  !> Assembles and factors the stiffness of `grid`.
+  !> Factors the stiffness of `grid`. What `body` held before is freed.
   !>
   !> `held(2, nodes)` tells which displacements are zero; together they must
-  !> exclude every rigid motion. `thickness` in m, `most_bytes` for the matrix.
+  !> exclude every rigid motion. `thickness` in m, `most_bytes` for the factor.
   subroutine make_body(grid, material, plane_strain, thickness, held, most_bytes, body, error)
     type(grid_t), intent(in) :: grid
     type(material_t), intent(in) :: material
     logical, intent(in) :: plane_strain, held(:, :)
     real(dp), intent(in) :: thickness, most_bytes
-    type(body_t), intent(out) :: body
+    type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: first(:), at(:)
+    real(dp), allocatable :: values(:)
+    character(:), allocatable :: what
 
+    call body%stiffness%free()
     call check(grid, material, thickness, held, error)
     ! The body's own grid, and the numbers of its unknowns.
     call claim_memory(40.0_dp*size(held, 2) + 4.0_dp*size(grid%node) + 40.0_dp*size(grid%element, 2), &
@@ -52,10 +59,11 @@ contains
     body%plane_strain = plane_strain
     body%thickness = thickness
     call number_unknowns(held, body%equation, body%unknowns)
-    call make_band(body%unknowns, band_width(grid%element, body%equation), most_bytes, body%stiffness, error)
+    what = '&section elements_across: the grid with '//str(body%unknowns)//' unknowns'
+    call claim_memory(size(grid%element, 2)*(8.0_dp*triangle + 4.0_dp*(2*nodes_per_element + 1)), what, error)
     if (allocated(error)) return
-    call assemble(body)
-    call body%stiffness%factor(error)
+    call collect(body, first, at, values)
+    call factor(body%unknowns, first, at, values, most_bytes, what, body%stiffness, error)
   end subroutine make_body
 
   subroutine check(grid, material, thickness, held, error)
@@ -113,17 +121,6 @@ contains
     end do
   end subroutine number_unknowns
 
-  pure integer function band_width(element, equation) result(width)
-    integer, intent(in) :: element(:, :), equation(:, :)
-    integer :: list(2, nodes_per_element), e
-
-    width = 1
-    do e = 1, size(element, 2)
-      list = equation(:, element(:, e))
-      if (any(list > 0)) width = max(width, maxval(list) - minval(list, mask=list > 0))
-    end do
-  end function band_width
-
   !> c11, c12 and c33 of the plane law (Pa).
   pure function elastic_law(material, plane_strain) result(c)
     type(material_t), intent(in) :: material
@@ -140,24 +137,43 @@ contains
     end associate
   end function elastic_law
 
-  pure subroutine assemble(body)
-    type(body_t), intent(inout) :: body
+  !> The stiffness as `factor` takes it: of each element the unknowns that are not held, and its lower triangle.
+  pure subroutine collect(body, first, at, values)
+    type(body_t), intent(in) :: body
+    integer, allocatable, intent(out) :: first(:), at(:)
+    real(dp), allocatable, intent(out) :: values(:)
     real(dp) :: k(2*nodes_per_element, 2*nodes_per_element), law(3)
-    integer :: at(2*nodes_per_element), e, i, j
+    integer :: list(2*nodes_per_element), e, i, j, elements, unknowns, entries
 
+    elements = size(body%grid%element, 2)
+    allocate (first(elements + 1), at(2*nodes_per_element*elements), values(triangle*elements))
     law = body%thickness*elastic_law(body%material, body%plane_strain)
+    elements = 0
+    unknowns = 0
+    entries = 0
+    first(1) = 1
     do e = 1, size(body%grid%element, 2)
       k = element_stiffness(body%grid%x(:, body%grid%element(:, e)), law)
-      at = reshape(body%equation(:, body%grid%element(:, e)), [2*nodes_per_element])
-      do j = 1, size(at)
-        if (at(j) == 0) cycle
-        do i = 1, size(at)
-          if (at(i) < at(j)) cycle
-          body%stiffness%a(1 + at(i) - at(j), at(j)) = body%stiffness%a(1 + at(i) - at(j), at(j)) + k(i, j)
+      list = reshape(body%equation(:, body%grid%element(:, e)), [2*nodes_per_element])
+      do j = 1, size(list)
+        if (list(j) == 0) cycle
+        unknowns = unknowns + 1
+        at(unknowns) = list(j)
+        do i = j, size(list)
+          if (list(i) == 0) cycle
+          entries = entries + 1
+          values(entries) = k(i, j)
         end do
       end do
+      ! An element that is held all over is left out.
+      if (unknowns + 1 > first(elements + 1)) then
+        elements = elements + 1
+        first(elements + 1) = unknowns + 1
+      end if
     end do
-  end subroutine assemble
+    first = first(:elements + 1)
+    at = at(:unknowns)
+  end subroutine collect
 
   !> Unknowns as displacements of all nodes (2, nodes).
   pure function spread_out(body, x) result(u)

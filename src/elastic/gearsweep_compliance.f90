@@ -11,7 +11,7 @@ module gearsweep_compliance
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_memory, only: claim_memory
   use gearsweep_outline, only: involute_point
-  use gearsweep_q8, only: shape_functions, edge_functions
+  use gearsweep_q8, only: edge_functions, nodes_per_element, shape_functions
   use gearsweep_section, only: section_t
   use gearsweep_text, only: str
   implicit none
@@ -22,8 +22,7 @@ contains
 
   !> Displacements, along the line of action, of the points at `near(i)` and
   !> `far(i)` (m) inside the drive flank of the loaded tooth, for a unit line
-  !> load on the flank at `radius(i)` (m); m2/N. One forward sweep serves all:
-  !> f' K^-1 g = (L^-1 f)' (L^-1 g).
+  !> load on the flank at `radius(i)` (m); m2/N. All loads are solved for at once.
   subroutine deflection_at_depth(section, body, radius, near, far, at_near, at_far, error)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body
@@ -31,26 +30,25 @@ contains
     real(dp), intent(out) :: at_near(:), at_far(:)
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: x(:, :)
-    integer :: i, n, first
+    integer :: i
 
-    n = size(radius)
-    ! Forces, and which are not zero.
-    call claim_memory(16.0_dp*body%unknowns*3*n, '&section elements_across: the compliance on '//str(body%unknowns)//' unknowns', &
-                      error, blas=.true.)
+    call claim_memory(16.0_dp*body%unknowns*size(radius), '&section elements_across: the compliance on '// &
+                      str(body%unknowns)//' unknowns', error)
     if (allocated(error)) return
-    allocate (x(body%unknowns, 3*n), source=0.0_dp)
-    do i = 1, n
+    allocate (x(body%unknowns, size(radius)), source=0.0_dp)
+    do i = 1, size(radius)
       call flank_load(section, body, radius(i), x(:, i), error)
-      if (.not. allocated(error)) call depth_load(section, body, radius(i), near(i), x(:, n + i), error)
-      if (.not. allocated(error)) call depth_load(section, body, radius(i), far(i), x(:, 2*n + i), error)
       if (allocated(error)) return
     end do
-    first = findloc(any(abs(x) > 0, dim=2), .true., 1)
-    call body%stiffness%forward(x, first)
-    do i = 1, n
-      at_near(i) = body%thickness*dot_product(x(first:, i), x(first:, n + i))
-      at_far(i) = body%thickness*dot_product(x(first:, i), x(first:, 2*n + i))
+    call body%stiffness%solve(x, error)
+    if (allocated(error)) return
+    do i = 1, size(radius)
+      call read_depth(section, body, radius(i), near(i), x(:, i), at_near(i), error)
+      if (.not. allocated(error)) call read_depth(section, body, radius(i), far(i), x(:, i), at_far(i), error)
+      if (allocated(error)) return
     end do
+    at_near = body%thickness*at_near
+    at_far = body%thickness*at_far
   end subroutine deflection_at_depth
 
   !> Where a load on a tooth's drive flank acts, and along which unit vector; on the loaded tooth unless said.
@@ -129,16 +127,17 @@ contains
     end associate
   end subroutine find_edge
 
-  !> Adds a unit force at a depth along the line of action.
-  subroutine depth_load(section, body, radius, depth, x, error)
+  !> The displacement (m) along the line of action at a depth (m) below the flank, of the unknowns `x` (m).
+  subroutine read_depth(section, body, radius, depth, x, displacement, error)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body
-    real(dp), intent(in) :: radius, depth
-    real(dp), intent(inout) :: x(:)
-    type(error_t), allocatable, intent(out) :: error
-    real(dp) :: point(2), direction(2), local(2)
-    integer :: element
+    real(dp), intent(in) :: radius, depth, x(:)
+    real(dp), intent(out) :: displacement
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: point(2), direction(2), local(2), share(nodes_per_element)
+    integer :: element, i, d
 
+    displacement = 0
     call load_line(section, radius, point, direction)
     point = point + depth*direction
     call section%grid%find(point, section%loaded, element, local)
@@ -148,8 +147,15 @@ contains
         str(1000*depth)//' mm below lies outside the grid')
       return
     end if
-    call add_force(body, section%grid%element(:, element), shape_functions(local), direction, x)
-  end subroutine depth_load
+    share = shape_functions(local)
+    do i = 1, nodes_per_element
+      do d = 1, 2
+        associate (at => body%equation(d, section%grid%element(i, element)))
+          if (at > 0) displacement = displacement + share(i)*direction(d)*x(at)
+        end associate
+      end do
+    end do
+  end subroutine read_depth
 
   pure subroutine add_force(body, nodes, share, force, x)
     type(body_t), intent(in) :: body

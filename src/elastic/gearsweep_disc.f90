@@ -47,26 +47,27 @@ contains
     integer, parameter :: places = 3
     real(dp), parameter :: node(places) = 0.5_dp + [-0.5_dp, 0.0_dp, 0.5_dp]*sqrt(0.6_dp)
     real(dp), parameter :: weight(places) = [5, 8, 5]/18.0_dp
-    real(dp), allocatable :: x(:, :)
+    real(dp), allocatable :: x(:, :), beside(:, :), couple(:)
     real(dp) :: pitch, curvature, turn, both
     integer :: i
 
     call claim_memory(8.0_dp*body%unknowns*(2*places + 6), '&section teeth: the whole gear on '//str(body%unknowns)// &
-                      ' unknowns', error, blas=.true.)
+                      ' unknowns', error)
     if (allocated(error)) return
-    allocate (x(body%unknowns, 2*places + 1), source=0.0_dp)
+    allocate (x(body%unknowns, places), beside(body%unknowns, places), source=0.0_dp)
     pitch = 2*pi*section%gear%base_radius(drive)/section%gear%spec%teeth
     do i = 1, places
       curvature = first + (last - pitch - first)*node(i)
       call load_tooth(section%loaded, curvature, x(:, i))
-      if (.not. allocated(error)) call load_tooth(section%loaded + 1, curvature + pitch, x(:, places + i))
+      if (.not. allocated(error)) call load_tooth(section%loaded + 1, curvature + pitch, beside(:, i))
       if (allocated(error)) return
     end do
-    x(:, 2*places + 1) = section%gear%base_radius(drive)*turning(body)
-    call body%stiffness%forward(x, 1)
+    couple = section%gear%base_radius(drive)*turning(body)
+    call body%stiffness%solve(x, error)
+    if (allocated(error)) return
     do i = 1, places
-      turn = dot_product(x(:, i), x(:, 2*places + 1))
-      both = dot_product(x(:, i), x(:, places + i))
+      turn = dot_product(x(:, i), couple)
+      both = dot_product(x(:, i), beside(:, i))
       disc%turn = disc%turn + body%thickness*weight(i)*turn
       disc%shared = disc%shared + body%thickness*weight(i)*(both - turn)
     end do

@@ -21,12 +21,12 @@ module gearsweep_section_body
 
 contains
 
-  !> Makes and factors a section of `gear`.
+  !> Makes and factors a section of `gear`. What `product` held before is freed.
   subroutine make_section_body(gear, material, options, product, error)
     type(gear_t), intent(in) :: gear
     type(material_t), intent(in) :: material
     type(section_options_t), intent(in) :: options
-    type(section_body_t), intent(out) :: product
+    type(section_body_t), intent(inout) :: product
     type(error_t), allocatable, intent(out) :: error
 
     call check_material(material, error)
@@ -44,7 +44,7 @@ contains
     type(gear_t), intent(in) :: gear
     type(material_t), intent(in) :: material
     type(section_options_t), intent(in) :: options
-    type(section_body_t), intent(out) :: grids(2)
+    type(section_body_t), intent(inout) :: grids(2)
     type(error_t), allocatable, intent(out) :: error
     type(section_options_t) :: coarser
 

@@ -36,7 +36,8 @@ contains
     allocate (x(grid%body%unknowns, 1), source=0.0_dp)
     call flank_load(grid%section, grid%body, radius, x(:, 1), error)
     if (allocated(error)) return
-    call grid%body%stiffness%solve(x)
+    call grid%body%stiffness%solve(x, error)
+    if (allocated(error)) return
     stress = line_load*nodal_stress(grid%body, grid%body%spread_out(x(:, 1)))
   end subroutine section_stress
 end module gearsweep_section_stress

@@ -119,7 +119,8 @@ contains
       if (allocated(error)) return
       x(:, i) = x(:, i)*line_load(i)*body%thickness
     end do
-    call body%stiffness%solve(x)
+    call body%stiffness%solve(x, error)
+    if (allocated(error)) return
     do i = 1, size(radius)
       u(:, :, i) = body%spread_out(x(:, i))
     end do

@@ -128,7 +128,7 @@ def link(main, sources, flags, base, target, changed=None):
     objects = [str((changed or {}).get(file, object_of(base, file))) for file in sources.reach(main)]
     others = [str(path) for path in sorted(base.glob('*.c.o'))]
     more = ['--coverage'] if '--coverage' in flags else []
-    command(['gfortran', '-fopenmp', *more, *objects, *others, '-lopenblas', '-o', str(target)])
+    command(['gfortran', '-fopenmp', *more, *objects, *others, '-lopenblas', '-ldmumps_seq', '-larpack', '-o', str(target)])
 
 
 class Extension:
@@ -153,7 +153,7 @@ class Extension:
         objects = [str((changed or {}).get(file, object_of(base, file))) for file in files]
         others = [str(path) for path in sorted(base.glob('*.c.o'))]
         target = target_folder / ('_flat' + self.suffix)
-        command(['gfortran', '-shared', '-fopenmp', *self.objects, *objects, *others, '-lopenblas', '-o', str(target)])
+        command(['gfortran', '-shared', '-fopenmp', *self.objects, *objects, *others, '-lopenblas', '-ldmumps_seq', '-larpack', '-o', str(target)])
 
 
 class Mutated:

@@ -1,0 +1,105 @@
+/* MUMPS behind its C interface, which any compiler can call (a Fortran caller would have to share the array
+   descriptors of the compiler that built MUMPS), and the mutexes of MUMPS and ARPACK.
+
+   Both libraries keep state between and within calls: MUMPS in module variables, ARPACK in saved locals and common
+   blocks. So one thread at a time is within a call of MUMPS, and one runs ARPACK's iteration from beginning to end.
+   Who needs both takes ARPACK's mutex first. */
+#include <dmumps_c.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+void gearsweep_begin_products(void);
+void gearsweep_end_products(void);
+
+static pthread_mutex_t mumps = PTHREAD_MUTEX_INITIALIZER;
+static pthread_mutex_t arpack = PTHREAD_MUTEX_INITIALIZER;
+
+/* One of MUMPS' jobs; its INFOG(1): below 0 where it failed. */
+static int run(DMUMPS_STRUC_C *matrix, int job)
+{
+  matrix->job = job;
+  pthread_mutex_lock(&mumps);
+  gearsweep_begin_products();
+  dmumps_c(matrix);
+  gearsweep_end_products();
+  pthread_mutex_unlock(&mumps);
+  return matrix->infog[0];
+}
+
+/* Ends the life of a matrix, in whatever state it is. */
+void gearsweep_sparse_free(DMUMPS_STRUC_C *matrix)
+{
+  if (!matrix) return;
+  run(matrix, -2);
+  free(matrix);
+}
+
+/* Orders the unknowns and lays out the factor of a symmetric positive definite matrix of order n, given as `elements`
+   dense ones: element e has the unknowns at[first[e] - 1 .. first[e + 1] - 2], counted from 1. Both arrays must live
+   as long as the matrix. `bytes`: what the factorisation will need. `detail`: INFOG(2). */
+DMUMPS_STRUC_C *gearsweep_sparse_analyse(int n, int elements, int *first, int *at, double *bytes, int *info, int *detail)
+{
+  DMUMPS_STRUC_C *matrix = calloc(1, sizeof *matrix);
+  *bytes = *detail = 0;
+  *info = -13;
+  if (!matrix) return 0;
+  matrix->sym = 1;
+  matrix->par = 1;
+  matrix->comm_fortran = -987654; /* MUMPS' name for the world of its MPI stub */
+  *info = run(matrix, -1);
+  if (*info < 0) {
+    free(matrix);
+    return 0;
+  }
+  matrix->icntl[0] = matrix->icntl[1] = matrix->icntl[2] = -1; /* prints nothing */
+  matrix->icntl[3] = 0;
+  matrix->icntl[4] = 1;  /* as elements */
+  matrix->icntl[6] = 0;  /* approximate minimum degree: the quickest, and little more fill than the best */
+  matrix->icntl[7] = 0;  /* no scaling: a positive definite matrix needs none */
+  matrix->n = n;
+  matrix->nelt = elements;
+  matrix->eltptr = first;
+  matrix->eltvar = at;
+  *info = run(matrix, 1);
+  *detail = matrix->infog[1];
+  *bytes = 1e6*matrix->infog[15];
+  return matrix;
+}
+
+/* Factors it: `values` has the lower triangle of each element, column after column. `negative`: how many pivots
+   were. */
+int gearsweep_sparse_factor(DMUMPS_STRUC_C *matrix, double *values, int *negative, int *detail)
+{
+  int info;
+  matrix->a_elt = values;
+  info = run(matrix, 2);
+  matrix->a_elt = 0;
+  *negative = matrix->infog[11];
+  *detail = matrix->infog[1];
+  return info;
+}
+
+/* Solves in place for `columns` right sides at a time, of `sides`. */
+int gearsweep_sparse_solve(DMUMPS_STRUC_C *matrix, int sides, int columns, double *x, int *detail)
+{
+  int info;
+  pthread_mutex_lock(&mumps);
+  matrix->icntl[26] = columns;
+  matrix->rhs = x;
+  matrix->nrhs = sides;
+  matrix->lrhs = matrix->n;
+  matrix->job = 3;
+  gearsweep_begin_products();
+  dmumps_c(matrix);
+  gearsweep_end_products();
+  matrix->rhs = 0;
+  info = matrix->infog[0];
+  *detail = matrix->infog[1];
+  pthread_mutex_unlock(&mumps);
+  return info;
+}
+
+void gearsweep_enter_arpack(void) { pthread_mutex_lock(&arpack); }
+
+void gearsweep_leave_arpack(void) { pthread_mutex_unlock(&arpack); }
