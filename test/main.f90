@@ -29,6 +29,7 @@ program check
   use test_harmonics, only: run_harmonics => run
   use test_inputs, only: run_inputs => run
   use test_mesh, only: run_mesh => run
+  use test_methods, only: run_methods => run
   use test_motion, only: run_motion => run
   use test_oscillator, only: run_oscillator => run
   use test_points, only: run_points => run
@@ -60,6 +61,7 @@ program check
     & suite_t('motion', run_motion), &
     & suite_t('oscillator', run_oscillator), &
     & suite_t('grading', run_grading), &
+    & suite_t('methods', run_methods), &
     & suite_t('sweep', run_sweep), &
     & suite_t('resonances', run_resonances), &
     & suite_t('points', run_points), &

@@ -169,6 +169,7 @@ contains
     call add('sweep rpm_step', '1000')
     call add('sweep direction', '''down''')
     call add('sweep load_rpm', '5000')
+    call add('numerics method', '''rk4''')
     call add('numerics steps_per_period', '300')
     call add('numerics tolerance', '1e-10')
     call add('numerics steady_state', '''march''')

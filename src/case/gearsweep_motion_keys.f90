@@ -2,6 +2,7 @@
 module gearsweep_motion_keys
   use gearsweep_kinds, only: dp
   use gearsweep_case, only: case_t
+  use gearsweep_coefficients, only: scheme_collocation, scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
   use gearsweep_sweep, only: down, each, up
@@ -52,12 +53,21 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: methods(*) = [character(11) :: 'collocation', 'rk4', 'rk4_equal', 'constant']
+    integer, parameter :: schemes(*) = [scheme_collocation, scheme_rk4, scheme_rk4_equal, scheme_constant]
     character(:), allocatable :: method
 
+    method = 'collocation'
+    call reader%get('numerics', 'method', method, error, tasks=with_motion, allowed=methods, &
+                    meaning='how the equation of motion is integrated: Gauss collocation with changes of contact located '// &
+                    '(collocation), or as in the literature, to reproduce it: Runge-Kutta in steps that end at the breaks '// &
+                    '(rk4), in equal steps (rk4_equal, Dogan et al. 2021), or the exact motion over equal steps with '// &
+                    'constant coefficients (constant, Karpat et al. 2012)')
+    case%accuracy%scheme = sum(pack(schemes, methods == method))
     associate (accuracy => case%accuracy)
       call reader%get('numerics', 'steps_per_period', accuracy%steps, error, tasks=with_motion, at_least=0, &
                       at_most=accuracy%most_steps, meaning='steps in a mesh period, about, as steps end where stiffness or '// &
-                      'relief has a break; 0 chooses them for the tolerance at each speed')
+                      'relief has a break; 0 chooses them for the tolerance at each speed, or 200 by the methods of the literature')
       call reader%get('numerics', 'tolerance', accuracy%steady%tolerance, error, tasks=with_motion, &
                       at_least=1e-11_dp, at_most=0.1_dp, meaning='largest estimated error of a dynamic factor; the search for '// &
                       'the optimum relief uses 1e-5 where this is smaller')

@@ -1,5 +1,6 @@
 !> The answer for the screen: what the motion does, where it resonates and which relief is best.
 module gearsweep_motion_report
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_optimum, only: peak_t, worst_of
@@ -107,14 +108,19 @@ contains
   pure subroutine add_quality(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
+    logical, allocatable :: known(:, :)
     integer :: status, n
 
     associate (sweep => study%sweep)
       n = count(.not. has_result(sweep%status))
       call lines%put(left('Points', 19)//str(size(sweep%status))//', without an answer '//str(n))
-      if (n < size(sweep%status)) call lines%put('; estimated error of DF at most '// &
-        str(maxval(sweep%estimate, mask=has_result(sweep%status)), 2)// &
-        ' (asked for '//str(study%case%accuracy%steady%tolerance)//')')
+      known = has_result(sweep%status) .and. .not. ieee_is_nan(sweep%estimate)
+      if (any(known)) then
+        call lines%put('; estimated error of DF at most '//str(maxval(sweep%estimate, mask=known), 2)// &
+                       ' (asked for '//str(study%case%accuracy%steady%tolerance)//')')
+      else if (n < size(sweep%status)) then
+        call lines%put('; the error of DF is not known, as breaks lie within equal steps')
+      end if
       call lines%add('')
       do status = 1, status_stopped
         n = count(sweep%status == status)

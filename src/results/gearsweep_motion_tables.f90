@@ -1,5 +1,6 @@
 !> Tables of the tasks `load`, `sweep` and `optimum`: what the motion does.
 module gearsweep_motion_tables
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
@@ -16,7 +17,7 @@ module gearsweep_motion_tables
   character(*), parameter :: of_relief = 'amount of relief', of_speed = 'speed of the pinion'
   character(*), parameter :: of_factor = 'dynamic factor DF: largest load of a pair over the static load; NaN where '// &
                              'there is no answer', &
-                             of_estimate = 'estimated error of DF; NaN where there is no answer'
+                             of_estimate = 'estimated error of DF; NaN where there is no answer or it is not known'
   character(*), parameter :: of_status = 'how the operating point ended, in a word', &
                              of_worst = 'largest DF over the speeds; NaN where none has an answer', &
                              of_periods = 'mesh periods until the motion repeats'
@@ -179,6 +180,7 @@ contains
     type(study_t), intent(in) :: study
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
+    logical, allocatable :: known(:, :)
     real(dp) :: estimate
     type(peak_t) :: best
     integer :: i, least
@@ -188,7 +190,8 @@ contains
     if (allocated(error)) return
     associate (sweep => study%sweep)
       estimate = no_number()
-      if (any(has_result(sweep%status))) estimate = maxval(sweep%estimate, mask=has_result(sweep%status))
+      known = has_result(sweep%status) .and. .not. ieee_is_nan(sweep%estimate)
+      if (any(known)) estimate = maxval(sweep%estimate, mask=known)
       call find_best(study, least, best)
       call table%add('best_relief_um', 'um', 'of the listed reliefs, the one whose largest DF is least; NaN where '// &
                      'the sweep was interrupted', &

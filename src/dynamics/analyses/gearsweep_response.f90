@@ -1,7 +1,7 @@
 !> The steady motion at one speed, followed over the path of contact.
 module gearsweep_response
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use gearsweep_coefficients, only: resolution_t
+  use gearsweep_coefficients, only: resolution_t, scheme_collocation
   use gearsweep_contact_set, only: period_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp
@@ -68,9 +68,9 @@ contains
       return
     end if
     call refine(osc, duration, options, response%point, map, state)
-    response%lacks = map%table%steps == 0
+    response%lacks = map%steps == 0
     if (response%lacks) return
-    call has_memory(response%point%steady%periods*map%table%steps*trace_bytes*osc%contacts, fits)
+    call has_memory(response%point%steady%periods*map%steps*trace_bytes*osc%contacts, fits)
     response%lacks = .not. fits
     if (response%lacks) return
     call set_durations(map, [duration])
@@ -97,12 +97,13 @@ contains
     resolution = point%resolution
     state = point%steady%state
     if (resolution%graded_for > 0) resolution%times = resolution%times*ceiling(fewest/real(point%steps, dp))
-    if (resolution%graded_for > 0 .or. point%steps >= fewest .or. options%steps > 0) then
+    if (resolution%graded_for > 0 .or. resolution%scheme /= scheme_collocation .or. point%steps >= fewest .or. &
+        options%steps > 0) then
       call discretise(osc, resolution, map)
       return
     end if
     call discretise(osc, resolution_t(fewest/2.0_dp, 2), map)
-    if (map%table%steps == 0) return
+    if (map%steps == 0) return
     call set_durations(map, [duration])
     if (options%steady%method == by_marching) return
     if (point%steady%partial) then

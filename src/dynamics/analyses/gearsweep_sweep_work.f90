@@ -1,6 +1,7 @@
 !> The work of a sweep: blocks of speeds in batches, then the branch through all speeds of a relief. Both stop where the
 !> caller wants it, and go on from there.
 module gearsweep_sweep_work
+  use gearsweep_coefficients, only: scheme_collocation
   use gearsweep_continuation, only: carried, continue_to
   use gearsweep_error_estimate, only: point_t
   use gearsweep_gauss, only: batch_size
@@ -38,7 +39,8 @@ contains
       k = block%grouped + 1
       last = block%last
       ! A single speed is faster by itself than in a batch.
-      if (size(rpm) > 1 .and. options%accuracy%steps == 0 .and. options%accuracy%steady%method == by_shooting) then
+      if (size(rpm) > 1 .and. options%accuracy%steps == 0 .and. options%accuracy%steady%method == by_shooting .and. &
+          options%accuracy%scheme == scheme_collocation) then
         last = min(k + batch_size - 1, last)
         call solve_group(osc, rpm(k:last), options, levels, points(k:last), solved(k:last))
       end if

@@ -13,12 +13,20 @@ module gearsweep_coefficients
   private
   public :: resolution_t, coefficients_t, tabulate, graded_steps, end_acceleration
 
-  !> How finely the period is cut into steps: each smooth interval gets `times` steps for each of its shares of
+  !> Methods of integration.
+  integer, parameter, public :: &
+    scheme_collocation = 0, &          !< Gauss collocation in steps that end at the breaks; contact events are located
+    scheme_rk4 = 1, &                  !< classical Runge-Kutta in steps that end at the breaks
+    scheme_rk4_equal = 2, &            !< classical Runge-Kutta in equal steps (Dogan et al. 2021)
+    scheme_constant = 3                !< exact motion over equal steps with constant coefficients (Karpat et al. 2012)
+
+  !> The method, and how finely it cuts the period into steps: each smooth interval gets `times` steps for each of its shares of
   !> `base` steps. The steps of a larger `times` nest in those of the same base.
   type :: resolution_t
     real(dp) :: base = 0               !< steps of a period; where graded, of a radian of the natural motion behind a break
     integer :: times = 1
     real(dp) :: graded_for = 0         !< duration of the mesh period for which the steps grow behind breaks, s; 0: equal steps
+    integer :: scheme = scheme_collocation
   end type resolution_t
 
   !> What is special about a step.

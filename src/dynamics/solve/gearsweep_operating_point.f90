@@ -1,16 +1,16 @@
 !> Operating points to a tolerance: each is solved with some number of steps and with half of it, and the number grows
 !> until the estimate of the error is small enough.
 module gearsweep_operating_point
-  use gearsweep_coefficients, only: resolution_t
-  use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t, resolving_steps
+  use gearsweep_coefficients, only: resolution_t, scheme_collocation
+  use gearsweep_error_estimate, only: accuracy_t, compare, is_estimated, leave_unknown, mark_inexact, point_t, resolving_steps
   use gearsweep_gauss, only: batch_size
   use gearsweep_graded_point, only: graded_resolution, most_trials, solve_graded, solve_one_graded
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_period_map, only: period_map_t, set_durations
   use gearsweep_periodic_orbit, only: distance, near, settled, shoot, steady_t
-  use gearsweep_refinement, only: first_level, last_level, level_steps, levels_t, need_level, next_level, per_doubling, &
-                                  resolution_of
+  use gearsweep_refinement, only: first_level, given_resolution, given_steps, last_level, level_steps, levels_t, need_given, &
+                                  need_level, next_level, per_doubling, resolution_of
   use gearsweep_status, only: has_result, status_unresolved
   use gearsweep_steady, only: find_batch, find_steady
   use gearsweep_transient, only: by_shooting, steady_options_t
@@ -34,7 +34,7 @@ contains
 
     point%steady%status = status_unresolved
     if (levels%lacks) return
-    if (options%steps > 0) then
+    if (options%steps > 0 .or. options%scheme /= scheme_collocation) then
       call solve_with_steps(osc, duration, options, levels, point, start)
       return
     end if
@@ -119,18 +119,13 @@ contains
     type(levels_t), intent(inout) :: levels
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)
-    type(period_map_t) :: fine, coarse
-    type(resolution_t) :: resolution
 
     point%steady%status = status_unresolved
-    if (options%steps < resolving_steps(osc, duration)) return
-    resolution = resolution_t(options%steps/2.0_dp, 2)
-    call discretise(osc, resolution, fine)
-    call discretise(osc, resolution_t(resolution%base, 1), coarse)
-    levels%lacks = fine%table%steps == 0 .or. coarse%table%steps == 0
+    if (given_steps(options) < resolving_steps(osc, duration)) return
+    call need_given(osc, options, levels)
     if (levels%lacks) return
-    call solve_twice(fine, coarse, duration, options, point, start)
-    point%resolution = resolution
+    point%resolution = given_resolution(options)
+    call solve_twice(levels%given(1)%map, levels%given(2)%map, duration, options, point, start)
     call mark_inexact(options, point)
   end subroutine solve_with_steps
 
@@ -146,16 +141,23 @@ contains
 
     call set_durations(fine, [duration])
     call follow_or_find(fine, options, point%steady, start)
-    point%steps = fine%table%steps
+    point%steps = fine%steps
     point%work = point%work + point%steady%work
     if (.not. has_result(point%steady%status)) return
+    if (.not. is_estimated(options%scheme)) then
+      call leave_unknown(fine%osc, point)
+      return
+    end if
     call set_durations(coarse, [duration])
-    if (point%steady%partial) then
-      call shoot(coarse, options%steady%tolerance, point%steady%periods, point%steady%state, half)
-    else
-      alike = options%steady
-      alike%method = by_shooting
+    alike = options%steady
+    alike%method = by_shooting
+    if (.not. point%steady%partial) then
       call find_steady(coarse, alike, half)
+    else
+      call shoot(coarse, options%steady%tolerance, point%steady%periods, point%steady%state, half)
+      ! Where changes of contact are not located the map has jumps, so that Newton's method may not settle.
+      if (options%scheme /= scheme_collocation .and. .not. has_result(half%status)) &
+        call find_steady(coarse, alike, half, point%steady%state)
     end if
     point%work = point%work + half%work
     call compare(fine%osc, duration, half, point)
@@ -173,7 +175,7 @@ contains
     real(dp) :: work
 
     work = 0
-    if (has_result(steady%status) .and. steady%work > long*map%table%steps .and. options%steady%method == by_shooting) then
+    if (has_result(steady%status) .and. steady%work > long*map%steps .and. options%steady%method == by_shooting) then
       before = steady
       call shoot(map, options%steady%tolerance, before%periods, before%state, steady)
       if (has_result(steady%status) .and. distance(map%osc, map%duration(1), steady%state - before%state) < near) return

@@ -10,7 +10,7 @@ module gearsweep_refinement
   implicit none
   private
   public :: levels_t, forget_levels, resolution_of, level_steps, level_for, first_level, last_level, need_level, next_level
-  public :: first_guess, root
+  public :: first_guess, root, need_given, given_resolution, given_steps
 
   real(dp), parameter :: root = 1.0_dp/order
 
@@ -26,6 +26,8 @@ module gearsweep_refinement
   type :: levels_t
     type(level_t) :: level(0:most_levels)
     logical :: made(0:most_levels) = .false.
+    type(level_t) :: given(2)                    !< where the number of steps is given: that, and half of it
+    logical :: given_made = .false.
     logical :: lacks = .false.                   !< the memory did not hold one: points have no result
     real(dp) :: steps_per_second = 0             !< that the last point needed, over its period
   end type levels_t
@@ -38,6 +40,7 @@ contains
 
     if (.not. allocated(levels)) allocate (levels)
     levels%made = .false.
+    levels%given_made = .false.
   end subroutine forget_levels
 
   !> The resolution of a level.
@@ -103,6 +106,41 @@ contains
       if (.not. levels%made(i)) levels%lacks = .true.
     end do
   end subroutine need_level
+
+  !> Discretises the number of steps that is given, and half of it, unless they are there.
+  pure subroutine need_given(osc, options, levels)
+    type(oscillator_t), intent(in) :: osc
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels      !< lacks: the memory does not hold them
+    type(resolution_t) :: resolution
+    integer :: i
+
+    if (levels%given_made) return
+    do i = 1, 2
+      resolution = given_resolution(options)
+      resolution%times = resolution%times/i
+      if (.not. allocated(levels%given(i)%map)) allocate (levels%given(i)%map)
+      call discretise(osc, resolution, levels%given(i)%map)
+      levels%lacks = levels%lacks .or. levels%given(i)%map%steps == 0
+    end do
+    levels%given_made = .not. levels%lacks
+  end subroutine need_given
+
+  !> The resolution where the number of steps is given.
+  pure type(resolution_t) function given_resolution(options) result(resolution)
+    type(accuracy_t), intent(in) :: options
+
+    resolution = resolution_t(given_steps(options)/2.0_dp, 2, scheme=options%scheme)
+  end function given_resolution
+
+  !> The number of steps that is given; where it is left out, that of Karpat et al. 2012.
+  pure integer function given_steps(options) result(steps)
+    type(accuracy_t), intent(in) :: options
+    integer, parameter :: of_the_literature = 200
+
+    steps = options%steps
+    if (steps == 0) steps = of_the_literature
+  end function given_steps
 
   !> Whether the error of a level is small enough; if not, the level to try next.
   pure subroutine next_level(osc, options, step_error, duration, levels, level, done)

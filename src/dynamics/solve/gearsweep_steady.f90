@@ -57,14 +57,14 @@ contains
     call run_full_contact(map, reshape([0.0_dp, 0.0_dp], [2, 1]), run)
     call newton_step(run(1)%monodromy, run(1)%state, step, solved)
     state = merge(step, [map%osc%mean_deflection, 0.0_dp], solved)
-    steady%work = map%table%steps
+    steady%work = map%steps
     if (.not. solved) return
     call run_period(map, state, run(1))
     associate (osc => map%osc, duration => map%duration(1))
       if (.not. (run(1)%partial .or. run(1)%failed)) &
         call judge(osc, duration, state, run(1), closure_of(osc, duration, state, run(1)), 1, steady)
     end associate
-    steady%work = 2*map%table%steps
+    steady%work = 2*map%steps
   end subroutine solve_full_contact
 
   !> `find_steady` without marching, at all speeds of a batch. What stays unsettled is for `find_steady`.

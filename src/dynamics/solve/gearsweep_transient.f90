@@ -64,7 +64,7 @@ contains
     call begin(history, options%most_periods, start)
     next_shot = 1
     before = steady%work
-    most_cycles = min(options%most_cycles, max(1, int(most_work/map%table%steps)))
+    most_cycles = min(options%most_cycles, max(1, int(most_work/map%steps)))
     do while (history%length < most_cycles .and. steady%work - before < most_work)
       if (wants_stop(options%stop)) then
         steady%status = status_stopped

@@ -7,6 +7,7 @@ module gearsweep_period
   use gearsweep_gauss, only: batch_size
   use gearsweep_integrator, only: integrator_t
   use gearsweep_kinds, only: dp
+  use gearsweep_literature_period, only: run_literature_period
   use gearsweep_load_peaks, only: add_candidate, candidate_t, settle_candidates
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
@@ -28,6 +29,10 @@ contains
     type(trace_t), intent(inout), optional :: trace  !< the motion is added to it
     type(period_t) :: periods(batch_size)
 
+    if (allocated(map%literature)) then
+      call run_literature_period(map%osc, map%literature, map%duration(1), start, .false., period, trace)
+      return
+    end if
     call follow(map, reshape(start, [2, 1]), [.true.], .true., periods, trace)
     period = periods(1)
   end subroutine run_period

@@ -5,10 +5,12 @@
 !> the step's propagator. It depends on the contact set alone, so it is cached for the next motion through the
 !> period. All speeds of a batch share the coefficients, which are read once for all.
 module gearsweep_period_map
-  use gearsweep_coefficients, only: coefficients_t, resolution_t, tabulate
+  use gearsweep_coefficients, only: coefficients_t, resolution_t, scheme_collocation, tabulate
   use gearsweep_contact_set, only: contact_t, full_contact, period_t
   use gearsweep_gauss, only: batch_size, collocate
   use gearsweep_kinds, only: dp
+  use gearsweep_literature_period, only: run_literature_period
+  use gearsweep_literature_table, only: exact_step_t, literature_table_t, tabulate_literature
   use gearsweep_oscillator, only: oscillator_t, damping
   use gearsweep_radau, only: collocate_stiffly
   implicit none
@@ -18,7 +20,10 @@ module gearsweep_period_map
 
   type :: period_map_t
     type(oscillator_t) :: osc
+    integer :: steps = 0                         !< of the period; 0: the memory does not hold them
     type(coefficients_t) :: table
+    !> In place of `table` and the propagators, for the methods of the literature; one speed at a time.
+    type(literature_table_t), allocatable :: literature
     integer :: speeds = 0                        !< of the batch that are used
     real(dp) :: duration(batch_size) = 0         !< of the mesh period at each speed, s
     !> Every step has a place for its propagator; of longer periods than `most_cached` steps only the last is kept.
@@ -43,7 +48,15 @@ contains
     type(period_map_t), intent(inout) :: map     !< its memory serves again; without steps where memory lacks
 
     map%osc = osc
-    call tabulate(osc, resolution, map%table)
+    if (resolution%scheme == scheme_collocation) then
+      if (allocated(map%literature)) deallocate (map%literature)
+      call tabulate(osc, resolution, map%table)
+      map%steps = map%table%steps
+    else
+      if (.not. allocated(map%literature)) allocate (map%literature)
+      call tabulate_literature(osc, resolution, map%literature)
+      map%steps = map%literature%steps
+    end if
   end subroutine discretise
 
   !> Sets the durations of the period (s) at up to `batch_size` speeds, and forgets all propagators.
@@ -55,6 +68,10 @@ contains
     map%speeds = size(duration)
     map%duration = duration(size(duration))
     map%duration(:size(duration)) = duration
+    if (allocated(map%literature)) then
+      if (map%steps > 0) map%literature%exact = exact_step_t()
+      return
+    end if
     map%cached = map%table%steps <= most_cached
     places = merge(map%table%steps, 1, map%cached)
     if (allocated(map%contact_set)) then
@@ -255,6 +272,10 @@ contains
     real(dp) :: monodromy(batch_size, 4), x(batch_size, 2), y(batch_size, 2)
     integer :: place, from, to, i, l
 
+    if (allocated(map%literature)) then
+      call run_literature_period(map%osc, map%literature, map%duration(1), start(:, 1), .true., period(1))
+      return
+    end if
     from = 1
     to = 2
     x(:, from) = 0

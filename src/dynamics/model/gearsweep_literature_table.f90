@@ -1,0 +1,162 @@
+!> Coefficients of the equation of motion for the methods of the literature, in a given number of steps: at the begin,
+!> the middle and the end of each.
+!>
+!> Steps that end at the breaks have one-sided coefficients there. Equal steps know nothing of breaks: a pair counts
+!> from A to E at each of the three places by itself.
+module gearsweep_literature_table
+  use gearsweep_coefficients, only: resolution_t, scheme_rk4
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: has_memory
+  use gearsweep_mesh, only: zone_t
+  use gearsweep_oscillator, only: oscillator_t, mobility
+  implicit none
+  private
+  public :: literature_table_t, exact_step_t, tabulate_literature
+
+  !> The exact motion over a step with constant coefficients, for the contact set that it was last needed for.
+  type :: exact_step_t
+    integer :: contact_set = -1                  !< -1: not made
+    real(dp) :: balance = 0                      !< deflection at which the forces balance, m
+    real(dp) :: drift = 0                        !< of y over the step where nothing is in contact, m
+    real(dp) :: propagator(2, 2) = 0             !< of the distance from balance
+  end type exact_step_t
+
+  type :: literature_table_t
+    integer :: scheme = 0                        !< scheme_rk4 ... of gearsweep_coefficients
+    integer :: steps = 0                         !< of the period; 0: the memory does not hold them
+    real(dp), allocatable :: left(:), width(:)   !< begin and length of a step, mesh phase; (step)
+    integer, allocatable :: pairs(:)             !< between A and E at any of its places; (step)
+    !> k_j (1/s^2), 0 beyond A to E, and e_j (m); (contact, place, step)
+    real(dp), allocatable :: rate(:, :, :), profile_error(:, :, :)
+    !> K_j (N/m), 0 beyond A to E, and its derivative over the phase; (0:1, pair, place, step)
+    real(dp), allocatable :: stiffness(:, :, :, :)
+    real(dp), allocatable :: profile_error_slope(:, :, :)    !< derivative of e_j over the phase, m; (pair, place, step)
+    type(exact_step_t), allocatable :: exact(:)  !< with constant coefficients; (step)
+  end type literature_table_t
+
+contains
+
+  !> Tabulates the period.
+  pure subroutine tabulate_literature(osc, resolution, table)
+    type(oscillator_t), intent(in) :: osc
+    type(resolution_t), intent(in) :: resolution             !< with the scheme; not graded
+    type(literature_table_t), intent(out) :: table           !< without steps where memory lacks
+    integer, allocatable :: counts(:)
+    integer :: i, k, step
+
+    associate (intervals => osc%intervals)
+      table%scheme = resolution%scheme
+      if (table%scheme == scheme_rk4) then
+        counts = resolution%times*max(1, ceiling(resolution%base*(intervals%last - intervals%first) - 1e-6_dp))
+      else
+        counts = [max(1, nint(resolution%times*resolution%base))]
+      end if
+      call allocate_table(osc, sum(counts), table)
+      if (table%steps == 0) return
+      step = 0
+      do i = 1, size(counts)
+        do k = 1, counts(i)
+          step = step + 1
+          if (table%scheme == scheme_rk4) then
+            table%width(step) = (intervals(i)%last - intervals(i)%first)/counts(i)
+            table%left(step) = intervals(i)%first + (k - 1)*table%width(step)
+            call fill_aligned(osc, intervals(i), step, table)
+          else
+            table%width(step) = 1.0_dp/counts(i)
+            table%left(step) = real(k - 1, dp)/counts(i)
+            call fill_equal(osc, step, table)
+          end if
+        end do
+      end do
+    end associate
+  end subroutine tabulate_literature
+
+  pure subroutine allocate_table(osc, steps, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: steps
+    type(literature_table_t), intent(inout) :: table
+    real(dp), parameter :: small = 256e3_dp
+    real(dp) :: bytes
+    logical :: fits
+
+    associate (m => osc%contacts, p => osc%pairs)
+      bytes = 8.0_dp*steps*(10 + 6*m + 9*p)
+      fits = .true.
+      if (bytes > small) call has_memory(bytes, fits)
+      if (.not. fits) return
+      table%steps = steps
+      allocate (table%left(steps), table%width(steps), table%pairs(steps), table%exact(steps))
+      allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%stiffness(0:1, p, 3, steps), &
+                table%profile_error_slope(p, 3, steps), source=0.0_dp)
+    end associate
+  end subroutine allocate_table
+
+  !> A step within a smooth interval.
+  pure subroutine fill_aligned(osc, interval, step, table)
+    type(oscillator_t), intent(in) :: osc
+    type(zone_t), intent(in) :: interval
+    integer, intent(in) :: step
+    type(literature_table_t), intent(inout) :: table
+    integer :: j, place
+
+    table%pairs(step) = interval%pairs
+    do place = 1, 3
+      do j = 1, interval%pairs
+        call fill_pair(osc, j, place, step, interval%piece(j), interval%recess(j), table)
+      end do
+      call fill_coast(osc, place, step, table)
+    end do
+  end subroutine fill_aligned
+
+  !> A step that may lie across breaks.
+  pure subroutine fill_equal(osc, step, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step
+    type(literature_table_t), intent(inout) :: table
+    real(dp) :: s
+    integer :: j, place
+
+    table%pairs(step) = 0
+    do place = 1, 3
+      do j = 1, osc%pairs
+        s = coordinate(table, j, place, step)
+        if (s > osc%mesh%contact_ratio) cycle
+        table%pairs(step) = max(table%pairs(step), j)
+        call fill_pair(osc, j, place, step, osc%mesh%profile_error%locate(s), s > osc%mesh%pitch_point, table)
+      end do
+      call fill_coast(osc, place, step, table)
+    end do
+  end subroutine fill_equal
+
+  pure real(dp) function coordinate(table, j, place, step) result(s)
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: j, place, step
+
+    s = table%left(step) + table%width(step)*(place - 1)/2 + j - 1
+  end function coordinate
+
+  pure subroutine fill_pair(osc, j, place, step, piece, recess, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: j, place, step, piece
+    logical, intent(in) :: recess
+    type(literature_table_t), intent(inout) :: table
+    real(dp) :: s
+
+    s = coordinate(table, j, place, step)
+    table%stiffness(:, j, place, step) = [osc%mesh%stiffness%value(s), osc%mesh%stiffness%slope(s)]
+    table%rate(j, place, step) = table%stiffness(0, j, place, step)*mobility(osc, s, recess)
+    table%profile_error(j, place, step) = osc%mesh%profile_error%value(s, piece)
+    table%profile_error_slope(j, place, step) = osc%mesh%profile_error%slope(s, piece)
+  end subroutine fill_pair
+
+  !> The coast sides, backed by the stiffness of all pairs.
+  pure subroutine fill_coast(osc, place, step, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: place, step
+    type(literature_table_t), intent(inout) :: table
+
+    if (.not. osc%has_backlash) return
+    table%rate(osc%contacts, place, step) = sum(table%stiffness(0, :, place, step))*sum(1/osc%mass)
+    table%profile_error(osc%contacts, place, step) = -osc%backlash
+  end subroutine fill_coast
+end module gearsweep_literature_table

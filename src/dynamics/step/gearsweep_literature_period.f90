@@ -1,0 +1,226 @@
+!> One mesh period of the motion by the methods of the literature, which locate no changes of contact:
+!>
+!> - the classical Runge-Kutta method of fourth order, with contact by the overlap at each of its stages: in equal
+!>   steps, as Dogan et al. 2021 take it, or in steps that end at the breaks of the coefficients;
+!> - the exact motion over steps with constant coefficients, those of the middle, and the contact of the begin
+!>   (Karpat et al. 2012: "various parameters ... are taken as constants and an analytical solution obtained").
+!>
+!> The monodromy matrix is the derivative of what the steps make of the state, with the contact that they found.
+module gearsweep_literature_period
+  use gearsweep_coefficients, only: scheme_constant, scheme_rk4
+  use gearsweep_contact_set, only: period_t, in_contact, record_contact
+  use gearsweep_kinds, only: dp
+  use gearsweep_literature_table, only: exact_step_t, literature_table_t
+  use gearsweep_oscillator, only: oscillator_t, acceleration, damping
+  use gearsweep_trace, only: record, trace_t
+  implicit none
+  private
+  public :: run_literature_period
+
+  !> Places of a step.
+  integer, parameter :: begins = 1, middle = 2, ends = 3
+
+  !> A height above all profile errors, m.
+  real(dp), parameter :: far = 1e30_dp
+
+contains
+
+  !> Follows the motion over one period. The largest load is a sample at the ends of steps; where steps end at the
+  !> breaks, it is the maximum of the cubic through the loads and their derivatives there.
+  pure subroutine run_literature_period(osc, table, duration, start, held, period, trace)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(inout) :: table     !< caches the motion over steps with constant coefficients
+    real(dp), intent(in) :: duration                     !< of the mesh period, s
+    real(dp), intent(in) :: start(2)                     !< x and its derivative over the phase, m
+    logical, intent(in) :: held                          !< all pairs between A and E stay in contact, push or pull
+    type(period_t), intent(out) :: period
+    type(trace_t), intent(inout), optional :: trace      !< the motion is added to it
+    real(dp) :: before(2), state(2), columns(2, 2), height
+    integer :: contact_set, last_set, i
+
+    height = merge(far, 0.0_dp, held)
+    state = start
+    columns = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
+    last_set = 0
+    do i = 1, table%steps
+      before = state
+      contact_set = contacts_at(osc, table, begins, i, state(1) + height)
+      if (contact_set /= all_pairs(osc, table, begins, i)) call record_contact(osc, contact_set, period)
+      if (i > 1 .and. contact_set /= last_set) period%events = period%events + 1
+      if (table%scheme == scheme_constant) then
+        call step_exactly(osc, table, i, duration, height, state, columns)
+      else
+        call step_rk4(osc, table, i, duration, height, state, columns)
+      end if
+      last_set = contacts_at(osc, table, ends, i, state(1) + height)
+      call raise_peak(osc, table, i, before, state, period%peak)
+      if (present(trace)) call record(trace, table%pairs(i), table%left(i) + [0.0_dp, table%width(i)], [before(1), state(1)], &
+        table%stiffness(0, :, ::2, i), table%profile_error(:osc%pairs, ::2, i), spread(.true., 1, osc%contacts))
+    end do
+    period%state = state
+    period%monodromy = columns
+    period%work = table%steps
+  end subroutine run_literature_period
+
+  !> The contact set at a place of a step.
+  pure integer function contacts_at(osc, table, place, step, x) result(contact_set)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step
+    real(dp), intent(in) :: x
+    integer :: j
+
+    contact_set = 0
+    do j = 1, osc%pairs
+      if (table%rate(j, place, step) > 0 .and. x > table%profile_error(j, place, step)) contact_set = ibset(contact_set, j - 1)
+    end do
+    if (osc%has_backlash) then
+      if (x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
+    end if
+  end function contacts_at
+
+  !> That of all pairs between A and E.
+  pure integer function all_pairs(osc, table, place, step) result(contact_set)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step
+    integer :: j
+
+    contact_set = 0
+    do j = 1, osc%pairs
+      if (table%rate(j, place, step) > 0) contact_set = ibset(contact_set, j - 1)
+    end do
+  end function all_pairs
+
+  !> omega^2 and sum of k e of a contact set, with the coefficients of a place.
+  pure subroutine sum_contacts(osc, table, place, step, contact_set, omega_squared, forcing)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step, contact_set
+    real(dp), intent(out) :: omega_squared, forcing
+    integer :: j
+
+    omega_squared = 0
+    forcing = 0
+    do j = 1, osc%contacts
+      if (.not. in_contact(contact_set, j)) cycle
+      omega_squared = omega_squared + table%rate(j, place, step)
+      forcing = forcing + table%rate(j, place, step)*table%profile_error(j, place, step)
+    end do
+  end subroutine sum_contacts
+
+  !> `height` is added to x where contact is asked for.
+  pure subroutine step_rk4(osc, table, step, duration, height, state, columns)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: step
+    real(dp), intent(in) :: duration, height
+    real(dp), intent(inout) :: state(2), columns(2, 2)
+    integer, parameter :: place(4) = [begins, middle, middle, ends]
+    ! The state and both columns of its derivative: slopes at the stages, and how far each stage goes.
+    real(dp) :: z(2, 3), slope(2, 3, 4), omega_squared, forcing, damped
+    real(dp), parameter :: part(4) = [0.0_dp, 0.5_dp, 0.5_dp, 1.0_dp]
+    integer :: contact_set, k
+
+    associate (h => table%width(step))
+      do k = 1, 4
+        z(:, 1) = state
+        z(:, 2:) = columns
+        if (k > 1) z = z + part(k)*h*slope(:, :, k - 1)
+        contact_set = contacts_at(osc, table, place(k), step, z(1, 1) + height)
+        call sum_contacts(osc, table, place(k), step, contact_set, omega_squared, forcing)
+        damped = damping(osc, duration)*sqrt(omega_squared)
+        slope(1, :, k) = z(2, :)
+        slope(2, 1, k) = acceleration(osc, omega_squared, forcing, duration, z(1, 1), z(2, 1))
+        slope(2, 2:, k) = -duration**2*omega_squared*z(1, 2:) - damped*z(2, 2:)
+      end do
+      slope(:, :, 1) = h/6*(slope(:, :, 1) + 2*(slope(:, :, 2) + slope(:, :, 3)) + slope(:, :, 4))
+      state = state + slope(:, 1, 1)
+      columns = columns + slope(:, 2:, 1)
+    end associate
+  end subroutine step_rk4
+
+  !> With the coefficients of the middle, and the contact that the state at the begin has with them.
+  pure subroutine step_exactly(osc, table, step, duration, height, state, columns)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(inout) :: table
+    integer, intent(in) :: step
+    real(dp), intent(in) :: duration, height
+    real(dp), intent(inout) :: state(2), columns(2, 2)
+    real(dp) :: omega_squared, forcing
+    integer :: contact_set
+
+    contact_set = contacts_at(osc, table, middle, step, state(1) + height)
+    if (contact_set /= table%exact(step)%contact_set) then
+      call sum_contacts(osc, table, middle, step, contact_set, omega_squared, forcing)
+      call make_exact(osc, omega_squared*duration**2, (forcing + osc%load*sum(1/osc%mass))*duration**2, table%width(step), &
+                      table%exact(step))
+      table%exact(step)%contact_set = contact_set
+    end if
+    associate (exact => table%exact(step), h => table%width(step))
+      state = matmul(exact%propagator, state - [exact%balance, 0.0_dp]) + [exact%balance + exact%drift*h/2, exact%drift]
+      columns = matmul(exact%propagator, columns)
+    end associate
+  end subroutine step_exactly
+
+  !> The exact solution of x" + 2 zeta omega x' + omega^2 x = forcing over the phase, with constant coefficients.
+  pure subroutine make_exact(osc, omega_squared, forcing, width, exact)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: omega_squared, forcing, width
+    type(exact_step_t), intent(inout) :: exact
+    real(dp) :: decay, root, c, s
+
+    exact = exact_step_t()
+    if (.not. omega_squared > 0) then
+      exact%propagator = reshape([1.0_dp, 0.0_dp, width, 1.0_dp], [2, 2])
+      exact%drift = forcing*width
+      return
+    end if
+    exact%balance = forcing/omega_squared
+    decay = damping(osc, sqrt(omega_squared))/2
+    root = sqrt(abs(omega_squared - decay**2))
+    if (root*width <= 1e-8_dp) then              ! critical damping
+      c = exp(-decay*width)
+      s = c*width
+    else if (omega_squared > decay**2) then
+      c = exp(-decay*width)*cos(root*width)
+      s = exp(-decay*width)*sin(root*width)/root
+    else
+      c = (exp((root - decay)*width) + exp(-(root + decay)*width))/2
+      s = (exp((root - decay)*width) - exp(-(root + decay)*width))/(2*root)
+    end if
+    exact%propagator = reshape([c + decay*s, -omega_squared*s, s, c - decay*s], [2, 2])
+  end subroutine make_exact
+
+  !> Raises the largest load by those of a step.
+  pure subroutine raise_peak(osc, table, step, before, state, peak)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: step
+    real(dp), intent(in) :: before(2), state(2)
+    real(dp), intent(inout) :: peak
+    real(dp) :: gap(0:1, 2), load(0:1, 2)
+    integer :: j
+
+    do j = 1, osc%pairs
+      gap(0, :) = [before(1), state(1)] - table%profile_error(j, ::2, step)
+      load(0, :) = table%stiffness(0, j, ::2, step)*gap(0, :)
+      peak = max(peak, load(0, 1), load(0, 2))
+      if (table%scheme /= scheme_rk4) cycle
+      gap(1, :) = [before(2), state(2)] - table%profile_error_slope(j, ::2, step)
+      load(1, :) = table%width(step)*(table%stiffness(1, j, ::2, step)*gap(0, :) + table%stiffness(0, j, ::2, step)*gap(1, :))
+      if (load(1, 1) > 0 .and. load(1, 2) < 0) peak = max(peak, maximum_of_cubic(load))
+    end do
+  end subroutine raise_peak
+
+  !> The maximum of the cubic with these values and derivatives at 0 and 1, where it rises at 0 and falls at 1.
+  pure real(dp) function maximum_of_cubic(f)
+    real(dp), intent(in) :: f(0:1, 2)
+    real(dp) :: p, q, t
+
+    p = f(1, 1) + f(1, 2) - 2*(f(0, 2) - f(0, 1))
+    q = 3*(f(0, 2) - f(0, 1)) - 2*f(1, 1) - f(1, 2)
+    t = f(1, 1)/(sqrt(q**2 - 3*p*f(1, 1)) - q)
+    maximum_of_cubic = f(0, 1) + t*(f(1, 1) + t*(q + t*p))
+  end function maximum_of_cubic
+end module gearsweep_literature_period
