@@ -9,7 +9,7 @@ venv=$root/.venv
 # What pyproject.toml asks for before it can build, as no environment apart is made for it.
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 # What checks the sources without running them.
-lint_tools='ruff==0.17.6 fortitude-lint==0.10.0'
+lint_tools='ruff==0.17.6 mypy==2.4.1 fortitude-lint==0.10.0'
 # What makes pages for a browser of doc and of the comments of src.
 site_tools='mkdocs==1.6.1 mkdocs-material==9.7.7 ford==7.0.13'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all -ffpe-trap=invalid,zero,overflow'

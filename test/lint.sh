@@ -1,6 +1,6 @@
 #!/bin/sh
 # What can be said of the sources without running them: sh test/lint.sh
-# ruff over Python, fortitude over Fortran; pyproject.toml has the rules, and why others are left out.
+# ruff and mypy over Python, fortitude over Fortran; pyproject.toml has the rules, and why others are left out.
 # Then doc/architecture.py: rooms use those below them, and the page has every file.
 # The last line is `N passed, N failed`; a check is one tool over one folder.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
@@ -22,6 +22,10 @@ check() {
 
 for folder in python validation bench test doc examples; do
   check "ruff: $folder" "$venv/bin/ruff" check --quiet --no-cache --output-format concise "$folder"
+done
+# One after the other, as files in two folders have the same name.
+for folder in validation bench test/mutation test/reference doc doc/site; do
+  check "mypy: $folder" "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" "$folder"/*.py
 done
 for folder in src app test examples; do
   check "fortitude: $folder" "$venv/bin/fortitude" check --quiet --output-format concise "$folder"

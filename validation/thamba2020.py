@@ -91,7 +91,8 @@ def literal_error():
 def relief_shift(amount_mm):
     """By how much relief raises the frequency of a disc that twists, per cent: half of what the moment of inertia loses.
     A wedge on each flank, from the pitch circle to the tip, off a disc as large as the reference circle."""
-    tip, reference, teeth = (*(radius(CASE, 1, which) for which in ('tip', 'reference')), given(CASE, 'pinion', 'teeth'))
+    tip, reference = (radius(CASE, 1, which) for which in ('tip', 'reference'))
+    teeth = given(CASE, 'pinion', 'teeth')
     wedges = 2 * teeth * amount_mm * (tip - reference) / 2 * ((2 * tip + reference) / 3)**2
     return 50 * wedges / (math.pi / 2 * reference**4)
 
