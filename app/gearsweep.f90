@@ -47,6 +47,8 @@ program gearsweep_program
   use, intrinsic :: iso_fortran_env, only: error_unit, int64
   use gearsweep
   use gearsweep_characters, only: printable
+  use gearsweep_describe, only: describe, help_on
+  use gearsweep_new_case, only: write_new_case
   use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record
   use gearsweep_error, only: code_stopped
   use gearsweep_files, only: check_folder, check_name, fail_system, folder_of, make_folder, read_text, remove_folder
@@ -235,7 +237,13 @@ contains
       word = argument(i)
       select case (word)
       case ('--help', '-h')
-        call show_help()
+        call show_help_on(i + 1)
+        call finish(code_ok)
+      case ('--describe')
+        call show_description(i + 1)
+        call finish(code_ok)
+      case ('--new')
+        call show_new_case(i + 1)
         call finish(code_ok)
       case ('--version')
         call print_line('gearsweep '//version)
@@ -290,6 +298,67 @@ contains
     call get_command_argument(i, word)
   end function argument
 
+  !> Help on what the arguments from `first` on name: a task, a group, a key, or a group and its key; on the command
+  !> line where they name nothing.
+  subroutine show_help_on(first)
+    integer, intent(in) :: first
+    character(:), allocatable :: words
+    type(error_t), allocatable :: unknown
+
+    words = arguments_from(first)
+    if (len(words) == 0 .or. index(words, '-') == 1) then
+      call show_help()
+      return
+    end if
+    call help_on(arguments_from(first), words, unknown)
+    if (allocated(unknown)) call usage('--help '//unknown%message)
+    call print_out(words)
+  end subroutine show_help_on
+
+  subroutine show_description(first)
+    integer, intent(in) :: first
+    character(:), allocatable :: words
+    type(error_t), allocatable :: unknown
+
+    if (first > command_argument_count()) then
+      call describe('all', words, unknown)
+    else
+      call describe(arguments_from(first), words, unknown)
+    end if
+    if (allocated(unknown)) call usage('--describe '//unknown%message)
+    call print_out(words)
+  end subroutine show_description
+
+  !> A case to begin with, for the tasks from argument `first` on.
+  subroutine show_new_case(first)
+    integer, intent(in) :: first
+    integer, parameter :: longest = 63
+    character(longest) :: tasks(max(0, command_argument_count() - first + 1))
+    character(:), allocatable :: words
+    type(error_t), allocatable :: unknown
+    integer :: i
+
+    do i = 1, size(tasks)
+      tasks(i) = argument(first + i - 1)
+    end do
+    call write_new_case(tasks, words, unknown)
+    if (allocated(unknown)) call usage('--new '//unknown%message)
+    call print_out(words)
+  end subroutine show_new_case
+
+  !> These arguments with a blank between them.
+  function arguments_from(first) result(words)
+    integer, intent(in) :: first
+    character(:), allocatable :: words
+    integer :: i
+
+    words = ''
+    do i = first, command_argument_count()
+      words = words//argument(i)//' '
+    end do
+    words = trim(words)
+  end function arguments_from
+
   subroutine show_help()
     call print_line( &
       'gearsweep '//version//': dynamic factor of a spur-gear pair over speed and tip relief'//lf// &
@@ -304,11 +373,14 @@ contains
       '  --quiet         print errors only'//lf// &
       '  --version       print the version'//lf// &
       '  --help          print this'//lf// &
+      '  --help WORD     tell of a task, a group or a key of a case, or of GROUP KEY'//lf// &
+      '  --new TASK...   print a case for these tasks with every key, its default and its meaning'//lf// &
+      '  --describe      print all tasks, groups and keys as JSON'//lf// &
       lf// &
       'exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,'//lf// &
       '           4 some operating points have no answer, 5 a method failed, 6 memory,'//lf// &
       '           130 interrupted: what is done is kept, and --resume goes on from there'//lf// &
-      'The keys of a case are described in doc/case.md.')
+      'doc/case.md describes the case.')
   end subroutine show_help
 
   subroutine usage(message)

@@ -1,5 +1,6 @@
 !> Runs the test suites, or only those named as arguments: SUITE, or SUITE:TEST for its tests whose names contain TEST.
-!> With `limits` alone, prints the table of doc/limits.md instead. Where the environment's GEARSWEEP_CHECKS names a file, each check
+!> With `limits` alone, prints the table of doc/limits.md instead; with `reference`, doc/case.md as
+!> the keys are declared. Where the environment's GEARSWEEP_CHECKS names a file, each check
 !> is added to it as a line `passed SUITE: NAME` or `failed SUITE: NAME`.
 program check
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
@@ -15,6 +16,7 @@ program check
   use test_closed_relief, only: run_closed_relief => run
   use test_closed_stiffness, only: run_closed_stiffness => run
   use test_closed_stress, only: run_closed_stress => run
+  use test_declarations, only: run_declarations => run, write_page
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_disc, only: run_elastic_disc => run
   use test_elastic_modes, only: run_elastic_modes => run
@@ -49,9 +51,14 @@ program check
     call print_limits()
     stop
   end if
+  if (command_argument_count() == 1 .and. is_asked(1, 'reference', ignored)) then
+    call write_page()
+    stop
+  end if
   call run_wanted([ &
     & suite_t('reader', run_reader), &
     & suite_t('inputs', run_inputs), &
+    & suite_t('declarations', run_declarations), &
     & suite_t('geometry', run_geometry), &
     & suite_t('closed_geometry', run_closed_geometry), &
     & suite_t('closed_relief', run_closed_relief), &

@@ -161,7 +161,7 @@ contains
     call gs_version(version(:2), info, message)
     call check_true(t, 'version: too little room', info == code_input .and. index(message, 'at least 5') > 0)
     call gs_describe('tasks', buffer, length, info, message)
-    call check_true(t, 'tasks', info == code_ok .and. index(buffer, '["geometry", ') == 1)
+    call check_true(t, 'tasks', info == code_ok .and. index(buffer, '{"name": "geometry"') > 0)
     call gs_describe('task', buffer, length, info, message)
     call check_true(t, 'what is not described', info == code_input .and. index(message, 'did you mean tasks?') > 0)
     watch = 0
@@ -257,7 +257,7 @@ contains
     call check_true(t, 'the complete case is complete', info == code_ok .and. changed == complete)
     call edit('unused', '&case tasks = ''geometry'' / '//text(index(text, '/') + 1:), '', '', '')
     call check_true(t, 'what other tasks would use', info == code_ok .and. &
-                    index(changed(:length), 'sweep or optimum: &sweep rpm_first, rpm_last, rpm_step'//achar(10)) > 0)
+                    index(changed(:length), 'hysteresis or poincare: &sweep rpm_first, rpm_last, rpm_step'//achar(10)) > 0)
     call edit('unused', text, '', '', '')
     call check_true(t, 'all is used', info == code_ok .and. length == 0)
     call edit('chance', text, '', '', '')

@@ -229,7 +229,7 @@ contains
     call gs_change(text, 'case', 'tasks', '''geometry''', changed, length, info, message)
     call gs_unused(changed, again, length, info, message)
     call check_true(t, 'what other tasks would use', info == code_ok .and. &
-                    index(again(:length), 'sweep or optimum: &sweep rpm_first, rpm_last, rpm_step'//achar(10)) > 0)
+                    index(again(:length), 'hysteresis or poincare: &sweep rpm_first, rpm_last, rpm_step'//achar(10)) > 0)
     call gs_unused(text, again, length, info, message)
     call check_true(t, 'all is used', info == code_ok .and. length == 0)
   end subroutine test_texts

@@ -2,7 +2,7 @@
 !> the key as not used and not a bit of the output changes, or the key is refused. For every key, model and task. And a
 !> run that takes over what it can from a study whose case differs in one key gives bit for bit what a fresh one gives.
 module test_inputs
-  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case, only: case_t, list_task_names
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: code_input, error_t
   use gearsweep_files, only: read_text
@@ -10,6 +10,7 @@ module test_inputs
   use gearsweep_report, only: write_report
   use gearsweep_study, only: run_study, study_t
   use gearsweep_tables, only: table_names, write_table
+  use gearsweep_task, only: task_length
   use testing, only: check_equal, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
@@ -23,9 +24,13 @@ module test_inputs
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
 
+  !> What is computed for the sake of these tasks shall not take long.
+  character(*), parameter :: few = 'stability damping_count 4;stability tongues 2;poincare settling_periods 20;'// &
+                                   'poincare kept_periods 10;hysteresis closeness 1e-2'
+
   !> A value that a case gives to a key; a blank one takes the key out.
   type :: setting_t
-    character(8) :: group
+    character(10) :: group
     character(20) :: key
     character(60) :: value = ''
   end type setting_t
@@ -50,9 +55,11 @@ contains
     type(tally_t), intent(inout) :: t
     type(change_t), allocatable :: changes(:)
     character(*), parameter :: models(5) = [character(10) :: 'weber', 'iso6336', 'polynomial', 'table', 'fe']
+    character(task_length), allocatable :: tasks(:)
     logical :: counted
     integer :: i, k
 
+    call list_task_names(tasks)
     folder = new_folder()
     call write_stiffness(folder//'/1.csv', 400)
     call write_stiffness(folder//'/2.csv', 350)
@@ -60,16 +67,16 @@ contains
     is_taken = .false.
     if (t%wants('judge_changes')) call judge_changes(t)
     do i = 1, size(models)
-      do k = 1, size(task_names)
+      do k = 1, size(tasks)
         ! Without a mesh the model does not matter, and the sweeps' motion is that of the task load.
-        if (i > 1 .and. all(task_names(k) /= [character(8) :: 'mesh', 'static', 'load'])) cycle
-        if (t%wants('walk')) call walk(t, geared(trim(models(i)), trim(task_names(k))), 'g', changes)
+        if (i > 1 .and. all(tasks(k) /= [character(8) :: 'mesh', 'static', 'load'])) cycle
+        if (t%wants('walk')) call walk(t, geared(trim(models(i)), trim(tasks(k))), 'g', changes)
       end do
     end do
-    do k = 1, size(task_names)
+    do k = 1, size(tasks)
       ! These need a gear.
-      if (any(task_names(k) == [character(8) :: 'geometry', 'section', 'static', 'modal'])) cycle
-      if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(task_names(k))), 'p', changes)
+      if (any(tasks(k) == [character(8) :: 'geometry', 'section', 'static', 'modal'])) cycle
+      if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', changes)
     end do
     if (t%wants('walk')) call walk(t, prescribed('table', 'mesh'), 'p', changes)
     do i = 1, size(changes)
@@ -173,6 +180,21 @@ contains
     call add('numerics steps_per_period', '300')
     call add('numerics tolerance', '1e-10')
     call add('numerics steady_state', '''march''')
+    call add('stability rpm', '17000, 21000')
+    call add('stability damping_first', '0.01')
+    call add('stability damping_last', '0.3')
+    call add('stability damping_count', '5')
+    call add('stability tongues', '3')
+    call add('hysteresis rpm', '17000, 21000')
+    call add('hysteresis relief_um', '5')
+    call add('hysteresis jump', '0.5')
+    call add('hysteresis closeness', '2e-3')
+    call add('poincare rpm', '17000, 21000')
+    call add('poincare relief_um', '5')
+    call add('poincare settling_periods', '30')
+    call add('poincare kept_periods', '12')
+    call add('poincare start_um', '2', ' ', 'poincare start_um 1;poincare start_mm_s 0')
+    call add('poincare start_mm_s', '2', ' ', 'poincare start_um 1;poincare start_mm_s 0')
 
   contains
 
@@ -215,7 +237,7 @@ contains
     call set(settings, 'case tasks '''//task//''';pair module_mm 3;pair face_width_mm 20;pinion teeth 21;gear teeth 34;'// &
              'load normal_force_n 4000;relief amount_um 0, 5;relief gear_fraction 0.4;mesh model '''//model//''';'// &
              'section teeth 1;section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
-             'numerics tolerance 1e-3')
+             'numerics tolerance 1e-3;'//few)
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
     select case (model)
@@ -235,7 +257,7 @@ contains
     call set(settings, 'case tasks '''//task//''';pinion teeth 21;pinion effective_mass_kg 0.5;gear effective_mass_kg 0.9;'// &
              'load normal_force_n 4000;relief amount_um 0, 5;mesh model '''//model//''';mesh contact_ratio 1.6;'// &
              'dynamics damping_ratio 0.02;numerics tolerance 1e-3;sweep rpm_first 14000;sweep rpm_last 18000;'// &
-             'sweep rpm_step 2000;sweep load_rpm 18000')
+             'sweep rpm_step 2000;sweep load_rpm 18000;'//few)
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
   end function prescribed

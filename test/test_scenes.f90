@@ -8,7 +8,7 @@ module test_scenes
   use gearsweep_period, only: run_batch
   use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
   use gearsweep_periodic_orbit, only: newton_step
-  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case, only: case_t, list_task_names
   use gearsweep_case_reader, only: read_case
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
@@ -17,6 +17,9 @@ module test_scenes
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_study, only: study_t, run_study
+  use gearsweep_table, only: table_t
+  use gearsweep_tables, only: make_table
+  use gearsweep_task, only: task_length
   use gearsweep_text, only: str
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
@@ -27,7 +30,9 @@ module test_scenes
     '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 /'// &
     '&relief amount_um = 0, 8, 20 / &mesh model = ''fe'' / &section elements_across = 4 / &static positions = 5 /'// &
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
-    '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'' /'
+    '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
+    '  ''stability'', ''hysteresis'', ''poincare'' / &stability damping_count = 3 tongues = 2 /'// &
+    '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'
 
 contains
 
@@ -59,7 +64,7 @@ contains
     type(error_t), allocatable :: error
 
     wanted = case
-    if (present(task)) wanted%wants = task_names == task
+    if (present(task)) call wanted%want([task])
     call run_study(wanted, '', 1, study, error)
     call check_no_error(t, 'study', error)
   end subroutine study_of
@@ -69,6 +74,8 @@ contains
     type(study_t), intent(in) :: study
     character(*), intent(in) :: task
     real(dp), allocatable :: numbers(:)
+    type(table_t) :: table
+    type(error_t), allocatable :: error
     integer :: i
 
     numbers = [real(dp) ::]
@@ -90,7 +97,11 @@ contains
     case ('optimum')
       if (allocated(study%optimum)) numbers = [study%optimum%amount, study%optimum%dynamic_factor]
     case default
-      error stop 'a task that these tests do not know'
+      call make_table(study, task, table, error)
+      if (.not. table%is_there()) return
+      do i = 1, size(table%columns)
+        if (allocated(table%columns(i)%numbers)) numbers = [numbers, table%columns(i)%numbers]
+      end do
     end select
   end function numbers_of
 
@@ -106,25 +117,27 @@ contains
     type(tally_t), intent(inout) :: t
     type(case_t), intent(in) :: case
     type(study_t) :: all_tasks, alone
+    character(task_length), allocatable :: names(:)
     integer :: i, k
 
+    call list_task_names(names)
     call study_of(t, case, all_tasks)
-    do i = 1, size(task_names)
-      call study_of(t, case, alone, task_names(i))
-      if (task_names(i) == 'load') then
+    do i = 1, size(names)
+      call study_of(t, case, alone, names(i))
+      if (names(i) == 'load') then
         ! Beside a sweep its speeds are solved with those of the sweep, alone by themselves: each to the tolerance.
         call check_close(t, 'load alone: the same motion', alone%response(1, 1)%point%dynamic_factor, &
                          all_tasks%response(1, 1)%point%dynamic_factor, absolute=2e-6_dp)
       else
-        call check_true(t, trim(task_names(i))//' alone: the same bits', &
-                        same_bits(numbers_of(alone, task_names(i)), numbers_of(all_tasks, task_names(i))))
+        call check_true(t, trim(names(i))//' alone: the same bits', &
+                        same_bits(numbers_of(alone, names(i)), numbers_of(all_tasks, names(i))))
       end if
-      do k = 2, size(task_names)
-        if (k /= i) call check_equal(t, trim(task_names(i))//' alone: no '//trim(task_names(k)), &
-                                     size(numbers_of(alone, task_names(k))), 0)
+      do k = 2, size(names)
+        if (k /= i) call check_equal(t, trim(names(i))//' alone: no '//trim(names(k)), &
+                                     size(numbers_of(alone, names(k))), 0)
       end do
-      call check_true(t, trim(task_names(i))//' alone: stiffness only where it is needed', allocated(alone%mesh) .eqv. &
-                      .not. any(task_names(i) == [character(8) :: 'geometry', 'section', 'modal']))
+      call check_true(t, trim(names(i))//' alone: stiffness only where it is needed', allocated(alone%mesh) .eqv. &
+                      .not. any(names(i) == [character(8) :: 'geometry', 'section', 'modal']))
     end do
   end subroutine single_tasks
 
@@ -139,7 +152,7 @@ contains
     integer :: i
 
     both = case
-    both%wants = [(any(task_names(i) == tasks), i=1, size(task_names))]
+    call both%want(tasks)
     call study_of(t, both, study)
     call check_equal(t, 'grids for stress and modes: factored once', occurrences(study%log, twice), 1)
     do i = 1, size(tasks)

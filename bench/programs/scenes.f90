@@ -16,7 +16,7 @@ program scenes
   use gearsweep_period, only: run_batch
   use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
   use gearsweep_periodic_orbit, only: newton_step
-  use gearsweep_case, only: speeds, task_names
+  use gearsweep_case, only: speeds
   use gearsweep_files, only: read_text
   use gearsweep_piecewise, only: piecewise_t
   implicit none
@@ -34,6 +34,8 @@ program scenes
     end subroutine scene_i
   end interface
 
+  character(*), parameter :: everything(*) = [character(8) :: 'geometry', 'section', 'mesh', 'static', 'modal', 'load', &
+                                              'sweep', 'optimum']
   type(case_t) :: prescribed, pair_case, section
   type(oscillator_t), allocatable :: osc(:)
   type(piecewise_t) :: stiffness
@@ -126,10 +128,9 @@ contains
     type(piecewise_t), intent(in), optional :: known
     type(case_t) :: wanted
     type(error_t), allocatable :: error
-    integer :: i
 
     wanted = case
-    wanted%wants = [(any(task_names(i) == tasks), i=1, size(task_names))]
+    call wanted%want(tasks)
     call run_study(wanted, '', 1, study, error, stiffness=known)
     call check(error)
   end subroutine run
@@ -163,7 +164,7 @@ contains
     type(study_t) :: study
 
     if (full) then
-      call run(pair_case, task_names, study)
+      call run(pair_case, everything, study)
     else
       call run(pair_case, ['geometry'], study)
     end if

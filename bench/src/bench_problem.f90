@@ -3,7 +3,7 @@
 module bench_problem
   use bench_tools, only: check
   use gearsweep, only: case_t, study_t, oscillator_t, error_t, read_case, run_study, dp
-  use gearsweep_case, only: speeds, task_names
+  use gearsweep_case, only: speeds
   use gearsweep_files, only: read_text
   implicit none
   private
@@ -30,7 +30,7 @@ contains
     call read_case(text, problem%case, error)
     call check(error)
     problem%rpm = speeds(problem%case)
-    problem%case%wants = task_names == 'mesh'
+    call problem%case%want(['mesh'])
     call run_study(problem%case, '', 1, study, error)
     call check(error)
     problem%osc = study%motion

@@ -1,16 +1,19 @@
 !> What the calls of all languages do; gearsweep_flat hands it to Fortran 77 and Python, gearsweep_c to C.
 module gearsweep_api
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: check_key, complete_case, read_case
+  use gearsweep_describe, only: describe_case => describe
   use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record
   use gearsweep_edit, only: change_key
   use gearsweep_error, only: code_input, code_ok, code_partial, code_stopped, error_t, fail
   use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
   use gearsweep_kept, only: fail_name, find_column, find_table, hand_out, kept_t, take
   use gearsweep_kinds, only: dp
-  use gearsweep_json, only: list_tables, list_words
+  use gearsweep_json, only: list_tables
+  use gearsweep_lines, only: lines_t
   use gearsweep_memory, only: settle_memory
+  use gearsweep_new_case, only: write_new_case
   use gearsweep_output, only: write_results
   use gearsweep_report, only: failed_points, write_report
   use gearsweep_study, only: record_t, run_study, study_t
@@ -48,22 +51,30 @@ contains
     call bring_traps_back()
   end subroutine end_call
 
-  !> What the library has, as text in JSON.
+  !> What the library has, as text in JSON: `tables`, or as gearsweep_describe has it.
   subroutine describe(what, words, error)
     character(*), intent(in) :: what
     character(:), allocatable, intent(out) :: words
     type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: names(:)
+    type(lines_t) :: lines
+    integer :: i
 
-    select case (what)
-    case ('tasks')
-      call list_words(task_names, words)
-    case default
-      call fail_name('what', what, ['tasks'], error)
-    end select
+    if (what /= 'tables') then
+      call describe_case(what, words, error)
+      return
+    end if
+    names = table_names()
+    do i = 1, size(names)
+      call lines%put(merge('[', ' ', i == 1))
+      call lines%json_text(trim(names(i)))
+      call lines%put(merge(']', ',', i == size(names)))
+    end do
+    words = lines%text()
   end subroutine describe
 
-  !> A case's text with every default (`complete`), with another value of a key (`change`), or what it gives but does
-  !> not use (`unused`).
+  !> A case's text with every default (`complete`), with another value of a key (`change`), what it gives but does
+  !> not use (`unused`), or a case to begin with for the tasks that `text` names with blanks between them (`new`).
   subroutine edit(action, text, group, key, value, words, error)
     character(*), intent(in) :: action, text, group, key, value
     character(:), allocatable, intent(out) :: words
@@ -78,14 +89,37 @@ contains
     case ('unused')
       call read_case(text, case, error)
       if (.not. allocated(error)) words = case%unused
+    case ('new')
+      call new_case(text, words, error)
     case ('change')
       call change_key(text, group, key, value, words, error)
       if (allocated(error)) return
       if (len(value) > 0 .or. words == text) call check_key(group, key, error)
     case default
-      call fail_name('action', action, [character(8) :: 'complete', 'change', 'unused'], error)
+      call fail_name('action', action, [character(8) :: 'complete', 'change', 'unused', 'new'], error)
     end select
   end subroutine edit
+
+  !> `tasks` with blanks between them.
+  subroutine new_case(tasks, words, error)
+    character(*), intent(in) :: tasks
+    character(:), allocatable, intent(out) :: words
+    type(error_t), allocatable, intent(inout) :: error
+    integer, parameter :: longest = 63
+    character(longest), allocatable :: names(:)
+    character(longest) :: name
+    integer :: from, length
+
+    allocate (names(0))
+    from = 1
+    do while (from <= len(tasks))
+      length = index(tasks(from:)//' ', ' ') - 1
+      name = tasks(from:from + length - 1)
+      if (length > 0) names = [names, name]
+      from = from + length + 1
+    end do
+    call write_new_case(names, words, error)
+  end subroutine new_case
 
   !> Runs a case. `study` is the number of what it found, which the caller owns. It is there also after an error with the
   !> codes `code_partial` and `code_stopped`, which only tell what it lacks.

@@ -5,7 +5,7 @@ module gearsweep_json
   use gearsweep_text, only: str
   implicit none
   private
-  public :: list_tables, list_words
+  public :: list_tables
 
   character(*), parameter :: kind_names(kind_real:kind_text) = [character(7) :: 'real', 'integer', 'text']
 
@@ -29,13 +29,13 @@ contains
       associate (table => tables(i))
         call lines%add('')
         call lines%put('{"name": ')
-        call put_text(table%name, lines)
+        call lines%json_text(table%name)
         call lines%put(', "meaning": ')
-        call put_text(table%meaning, lines)
+        call lines%json_text(table%meaning)
         call lines%put(', "rows": '//str(table%rows)//', "extent": ')
         call put_extent(table, lines)
         call lines%put(', "grid": ')
-        call put_text(table%grid, lines)
+        call lines%json_text(table%grid)
         call lines%put(', "columns": [')
         do k = 1, size(table%columns)
           if (k > 1) call lines%put(',')
@@ -71,48 +71,12 @@ contains
     type(lines_t), intent(inout) :: lines
 
     call lines%put('  {"name": ')
-    call put_text(column%name, lines)
+    call lines%json_text(column%name)
     call lines%put(', "unit": ')
-    call put_text(column%unit, lines)
+    call lines%json_text(column%unit)
     call lines%put(', "meaning": ')
-    call put_text(column%meaning, lines)
+    call lines%json_text(column%meaning)
     call lines%put(', "kind": "'//trim(kind_names(column%kind))//'", "index": ')
     call lines%put(trim(merge('true} ', 'false}', column%is_index)))
   end subroutine put_column
-
-  !> An array of words.
-  pure subroutine list_words(list, words)
-    character(*), intent(in) :: list(:)
-    character(:), allocatable, intent(out) :: words
-    type(lines_t) :: lines
-    integer :: i
-
-    call lines%put('[')
-    do i = 1, size(list)
-      if (i > 1) call lines%put(', ')
-      call put_text(trim(list(i)), lines)
-    end do
-    call lines%add(']')
-    words = lines%text()
-  end subroutine list_words
-
-  !> A text in quotation marks, with an escape for what may not stand there.
-  pure subroutine put_text(text, lines)
-    character(*), intent(in) :: text
-    type(lines_t), intent(inout) :: lines
-    character(*), parameter :: figures = '0123456789abcdef'
-    integer :: i, code
-
-    call lines%put('"')
-    do i = 1, len(text)
-      code = iachar(text(i:i))
-      if (text(i:i) == '"' .or. text(i:i) == '\') call lines%put('\')
-      if (code >= 32) then
-        call lines%put(text(i:i))
-      else
-        call lines%put('\u00'//figures(code/16 + 1:code/16 + 1)//figures(modulo(code, 16) + 1:modulo(code, 16) + 1))
-      end if
-    end do
-    call lines%put('"')
-  end subroutine put_text
 end module gearsweep_json

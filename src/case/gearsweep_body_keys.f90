@@ -5,7 +5,8 @@ module gearsweep_body_keys
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
   use gearsweep_root_rating, only: shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path
-  use gearsweep_uses, only: first_of, needs_gears, unless, with_body
+  use gearsweep_tasks, only: sentence_length, sentence_of
+  use gearsweep_uses, only: first_of, needs_gears, unless
   implicit none
   private
   public :: read_section, read_static, read_modal
@@ -16,12 +17,14 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: with_support = 'mesh, static, modal, load, sweep or optimum'
-    character(120) :: geared, shape, support, looks
+    character(2*sentence_length) :: with_body, with_support
+    character(sentence_length) :: geared, shape, support, looks
     character(:), allocatable :: fixed(:), plane, member
 
     if (allocated(error)) return
     geared = unless(.not. case%prescribed, needs_gears)
+    with_body = trim(sentence_of(case%tasks, 'body'))//', '//sentence_of(case%tasks, 'mesh', but='static')
+    with_support = 'modal, '//case%tasks_for('mesh')
     shape = unless(case%needs_section() .or. case%needs_elements(), 'section, static, modal or a stiffness by elements')
     support = unless(case%asks_any('static, modal') .or. case%needs_elements(), 'static, modal or a stiffness by elements')
     ! Printed values may be a tooth's of this member.
@@ -38,7 +41,7 @@ contains
                       meaning='angle from the section''s axis to either of its cut sides, which must lie between the fillets '// &
                       'of the outer teeth and the next teeth')
       call reader%get('section', 'rim_mm', section%rim, error, unit='mm', tasks=with_body, waits=shape, refused=geared, &
-                      above=0.0_dp, otherwise='to the bore, or 2.5 tooth heights', &
+                      above=0.0_dp, otherwise='down to the bore, or 2.5 tooth heights', &
                       meaning='thickness of the body below the root circle; it must leave room to the bore')
       call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, waits=shape, &
                       refused=geared, at_least=3, at_most=200, &
@@ -69,7 +72,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: sharing, spacing
     character(*), parameter :: task = 'static'
-    character(120) :: geared
+    character(sentence_length) :: geared
     logical :: stated
 
     geared = unless(.not. case%prescribed, needs_gears)

@@ -71,11 +71,25 @@ contains
     has_high = self%high < huge(self%high)
     words = ''
     if (has_low .and. has_high .and. .not. (self%low_is_out .or. self%high_is_out)) then
-      words = str(self%low, 12)//' to '//str(self%high, 12)
+      words = trim(in_short(self%low))//' to '//trim(in_short(self%high))
       return
     end if
-    if (has_low) words = trim(merge('above   ', 'at least', self%low_is_out))//' '//str(self%low, 12)
+    if (has_low) words = trim(merge('above   ', 'at least', self%low_is_out))//' '//trim(in_short(self%low))
     if (has_low .and. has_high) words = words//', '
-    if (has_high) words = words//trim(merge('below  ', 'at most', self%high_is_out))//' '//str(self%high, 12)
+    if (has_high) words = words//trim(merge('below  ', 'at most', self%high_is_out))//' '//trim(in_short(self%high))
   end subroutine describe_range
+
+  !> As in 0.001, 100000 or 1e9.
+  pure function in_short(number) result(words)
+    real(dp), intent(in) :: number
+    character(20) :: words
+    integer :: power
+
+    words = str(number, 12)
+    if (abs(number) < 1e6_dp) return
+    power = nint(log10(abs(number)))
+    if (abs(abs(number) - 10.0_dp**power) > 0) return
+    words = '1e'//str(power)
+    if (number < 0) words = '-'//words
+  end function in_short
 end module gearsweep_bounds

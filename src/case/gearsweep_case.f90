@@ -8,17 +8,16 @@ module gearsweep_case
   use gearsweep_relief, only: linear
   use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_sweep, only: up
+  use gearsweep_task, only: task_length
+  use gearsweep_tasks, only: list_tasks, sentence_length, sentence_of, task_slot_t
   implicit none
   private
-  public :: case_t, speed_count, speeds
-
-  character(*), parameter, public :: task_names(8) = &
-    [character(8) :: 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum']
+  public :: case_t, speed_count, speeds, list_task_names
 
   type :: case_t
     character(:), allocatable :: text            !< as read
     character(:), allocatable :: title
-    logical :: wants(size(task_names)) = .false.
+    type(task_slot_t), allocatable :: tasks(:)   !< all there are; those that the case names are wanted
     logical :: prescribed = .false.              !< a mesh with no geometry behind it
     ! &pair, &pinion, &gear
     type(gear_spec_t) :: spec(2)
@@ -57,8 +56,11 @@ module gearsweep_case
     !> Keys that are given but not used: a line for each use that they would have.
     character(:), allocatable :: unused
   contains
+    procedure :: want
     procedure :: asks
     procedure :: asks_any
+    procedure :: needs
+    procedure :: tasks_for
     procedure :: needs_load
     procedure :: needs_motion
     procedure :: needs_section
@@ -67,12 +69,35 @@ module gearsweep_case
 
 contains
 
+  !> The names of all tasks.
+  subroutine list_task_names(names)
+    character(task_length), allocatable, intent(out) :: names(:)
+    type(task_slot_t), allocatable :: slots(:)
+    integer :: i
+
+    call list_tasks(slots)
+    names = [(slots(i)%info%name, i=1, size(slots))]
+  end subroutine list_task_names
+
+  !> Makes these its tasks, and no others.
+  subroutine want(self, tasks)
+    class(case_t), intent(inout) :: self
+    character(*), intent(in) :: tasks(:)
+    integer :: i
+
+    if (.not. allocated(self%tasks)) call list_tasks(self%tasks)
+    do i = 1, size(self%tasks)
+      self%tasks(i)%is_wanted = any(tasks == self%tasks(i)%info%name)
+    end do
+  end subroutine want
+
   !> Is this one of the tasks?
   pure logical function asks(self, task)
     class(case_t), intent(in) :: self
     character(*), intent(in) :: task
+    integer :: i
 
-    asks = any(self%wants .and. task_names == task)
+    asks = any([(self%tasks(i)%is_wanted .and. self%tasks(i)%info%name == task, i=1, size(self%tasks))])
   end function asks
 
   !> Is one of these the case's task? `tasks` names them as in a sentence.
@@ -81,21 +106,39 @@ contains
     character(*), intent(in) :: tasks
     integer :: i
 
-    asks_any = any([(self%wants(i) .and. index(tasks, trim(task_names(i))) > 0, i=1, size(task_names))])
+    asks_any = any([(self%tasks(i)%is_wanted .and. index(tasks, trim(self%tasks(i)%info%name)) > 0, i=1, size(self%tasks))])
   end function asks_any
+
+  !> Does one of the case's tasks need this stage (see gearsweep_task)?
+  pure logical function needs(self, stage)
+    class(case_t), intent(in) :: self
+    character(*), intent(in) :: stage
+    integer :: i
+
+    needs = any([(self%tasks(i)%takes(stage), i=1, size(self%tasks))])
+  end function needs
+
+  !> All tasks that need this stage, whether the case names them or not, as in `load, sweep or optimum`.
+  pure function tasks_for(self, stage) result(words)
+    class(case_t), intent(in) :: self
+    character(*), intent(in) :: stage
+    character(sentence_length) :: words
+
+    words = sentence_of(self%tasks, stage)
+  end function tasks_for
 
   !> Does a task need the mesh, and with it the load?
   pure logical function needs_load(self)
     class(case_t), intent(in) :: self
 
-    needs_load = self%asks_any('mesh, static, load, sweep, optimum')
+    needs_load = self%needs('mesh')
   end function needs_load
 
   !> Does a task look at one member's body by finite elements?
   pure logical function needs_section(self)
     class(case_t), intent(in) :: self
 
-    needs_section = self%asks_any('section, static, modal')
+    needs_section = self%needs('body')
   end function needs_section
 
   !> Does a task need both members' stiffness by finite elements?
@@ -108,7 +151,7 @@ contains
   pure logical function needs_motion(self)
     class(case_t), intent(in) :: self
 
-    needs_motion = self%asks_any('load, sweep, optimum')
+    needs_motion = self%needs('motion')
   end function needs_motion
 
   !> How many speeds the sweep has.

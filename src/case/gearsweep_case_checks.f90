@@ -16,11 +16,16 @@ contains
   subroutine check_case(case, error)
     type(case_t), intent(in) :: case
     type(error_t), allocatable, intent(inout) :: error
+    integer :: i
 
     call check_load(case, error)
     if (case%prescribed) call check_prescribed(case, error)
     call check_relief(case, error)
     call check_speeds(case, error)
+    do i = 1, size(case%tasks)
+      if (case%tasks(i)%is_wanted .and. allocated(case%tasks(i)%task)) &
+        call case%tasks(i)%task%check_reliefs(case%tasks(i)%info%name, case%amount, error)
+    end do
   end subroutine check_case
 
   subroutine check_load(case, error)
@@ -93,7 +98,7 @@ contains
         if (size(case%load_rpm)*reliefs > most_paths) call fail(error, code_input, &
           '&sweep load_rpm: with '//str(reliefs)//' reliefs more than '//str(most_paths)//' paths')
       end if
-      if (.not. case%asks_any('sweep, optimum')) return
+      if (.not. case%needs('speeds')) return
       if (case%rpm_last < case%rpm_first) call fail(error, code_input, '&sweep rpm_last = '//str(case%rpm_last)// &
         ': must not lie below rpm_first = '//str(case%rpm_first)//'; to sweep downwards, direction = ''down''')
       if ((1 + (case%rpm_last - case%rpm_first)/case%rpm_step)*reliefs > most_points) call fail(error, code_input, &

@@ -2,16 +2,19 @@
 !> contradicts others is refused; one that the case has no use for is listed.
 module gearsweep_case_reader
   use gearsweep_body_keys, only: read_modal, read_section, read_static
-  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case, only: case_t, list_task_names
   use gearsweep_case_checks, only: check_case
   use gearsweep_error, only: error_t
+  use gearsweep_keys, only: keys_t
   use gearsweep_gear_keys, only: read_material, read_member, read_pair
   use gearsweep_mesh_keys, only: read_load, read_model, read_path, read_relief
   use gearsweep_motion_keys, only: read_dynamics, read_numerics, read_sweep
   use gearsweep_reader, only: open_reader, reader_t
+  use gearsweep_task, only: task_length
+  use gearsweep_text, only: join
   implicit none
   private
-  public :: read_case, complete_case, check_key
+  public :: read_case, complete_case, check_key, list_keys
 
 contains
 
@@ -55,6 +58,23 @@ contains
     call reader%check_key(group, key, error)
   end subroutine check_key
 
+  !> All keys with what is declared of them, as a case sees them that names these tasks, or all tasks, and gives nothing
+  !> else.
+  subroutine list_keys(tasks, keys)
+    character(*), intent(in) :: tasks(:)
+    type(keys_t), intent(out) :: keys
+    type(case_t) :: case
+    type(reader_t) :: reader
+    type(error_t), allocatable :: error, missing
+    character(task_length), allocatable :: names(:)
+
+    call list_task_names(names)
+    if (size(tasks) > 0) names = tasks
+    call open_reader('&case tasks = '''//join(names, ''', ''')//''' /', reader, error, keeps_defaults=.true.)
+    call read_all('', reader, case, missing)
+    keys = reader%keys
+  end subroutine list_keys
+
   !> What a key is good for depends on others, which are read before it.
   subroutine read_all(text, reader, case, error)
     character(*), intent(in) :: text
@@ -68,6 +88,7 @@ contains
     call read_model(reader, case, error)
     call read_load(reader, case, error)
     call read_dynamics(reader, case, error)
+    call read_own_keys(reader, case, error)
     call read_sweep(reader, case, error)
     call read_numerics(reader, case, error)
     call read_section(reader, case, error)
@@ -82,7 +103,7 @@ contains
     call reader%finish(error)
     if (allocated(error)) return
     call check_case(case, error)
-    call reader%list_waiting(case%unused)
+    call reader%keys%list_waiting(case%unused)
   end subroutine read_all
 
   !> In the order in which a case is written.
@@ -109,16 +130,29 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
+    character(task_length), allocatable :: names(:)
     character(:), allocatable :: tasks(:)
-    integer :: i
 
     case%title = ''
     call reader%get('case', 'title', case%title, error, meaning='printed above the results')
     call reader%get('case', 'published', case%published, error, otherwise='none', &
                     meaning='file of printed values to set beside the results; a relative name lies beside the case')
+    call list_task_names(names)
     allocate (tasks, source=[character(8) :: 'mesh', 'sweep'])
-    call reader%get('case', 'tasks', tasks, error, allowed=task_names, meaning='what to compute, and nothing else')
-    case%wants = [(any(tasks == task_names(i)), i=1, size(task_names))]
+    call reader%get('case', 'tasks', tasks, error, allowed=names, meaning='what to compute, and nothing else')
+    call case%want(tasks)
     call reader%want(tasks)
   end subroutine read_tasks
+
+  !> The keys of the tasks' own groups.
+  subroutine read_own_keys(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    do i = 1, size(case%tasks)
+      if (allocated(case%tasks(i)%task)) call case%tasks(i)%task%read_keys(reader, error)
+    end do
+  end subroutine read_own_keys
 end module gearsweep_case_reader

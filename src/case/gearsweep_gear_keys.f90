@@ -4,7 +4,8 @@ module gearsweep_gear_keys
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_uses, only: for_tasks, needs_gears, unless, with_load, with_motion
+  use gearsweep_tasks, only: sentence_length
+  use gearsweep_uses, only: for_stage, needs_gears, unless
   implicit none
   private
   public :: read_pair, read_member, read_material
@@ -18,13 +19,13 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: degree = pi/180
     real(dp) :: module, width, drive_angle, coast_angle
-    character(120) :: geared, slides
+    character(sentence_length) :: geared, slides
     logical :: cut
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
     slides = ''
-    if (case%prescribed) slides = for_tasks(case, with_motion)
+    if (case%prescribed) slides = for_stage(case, 'motion')
     module = 0
     width = 0
     drive_angle = 20*degree
@@ -47,8 +48,8 @@ contains
     call reader%get('pair', 'tip_alteration', case%tip_alteration, error, refused=geared, &
                     meaning='shortens the tips so that the rack''s bottom clearance is kept at this centre distance '// &
                     '(ISO 21771); never lengthens them')
-    call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', given=case%has_backlash, tasks=with_motion, &
-                    at_least=0.0_dp, at_most=1e9_dp, otherwise='the coast flanks never touch', &
+    call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', given=case%has_backlash, &
+                    tasks=case%tasks_for('losses'), at_least=0.0_dp, at_most=1e9_dp, otherwise='the coast flanks never touch', &
                     meaning='backlash along the line of action: the coast flanks touch once the drive flanks are this far '// &
                     'apart')
     case%spec%pressure_angle(1) = drive_angle
@@ -64,22 +65,22 @@ contains
     integer, intent(in) :: member
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(120) :: geared, waits
+    character(sentence_length) :: geared, waits
     logical :: cut, rolls
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
-    call reader%get(group, 'effective_mass_kg', case%mass(member), error, unit='kg', tasks=with_load, at_least=1e-12_dp, &
-                    at_most=1e12_dp, otherwise='of a solid disc', &
+    call reader%get(group, 'effective_mass_kg', case%mass(member), error, unit='kg', tasks=case%tasks_for('mesh'), &
+                    at_least=1e-12_dp, at_most=1e12_dp, otherwise='that of a solid disc', &
                     meaning='mass on the line of action: moment of inertia over the square of the base radius')
-    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, unit='kg m^2', tasks=with_load, at_least=1e-15_dp, &
-                    at_most=1e15_dp, otherwise='of a solid disc', &
+    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, unit='kg m^2', tasks=case%tasks_for('mesh'), &
+                    at_least=1e-15_dp, at_most=1e15_dp, otherwise='that of a solid disc', &
                     meaning='polar moment of inertia, instead of the effective mass')
     rolls = cut .or. member == 1 .or. case%inertia(member) > 0
     associate (spec => case%spec(member))
       spec%name = group
       waits = ''
-      if (.not. rolls) waits = for_tasks(case, with_motion)
+      if (.not. rolls) waits = for_stage(case, 'motion')
       call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, waits=waits, &
                       refused=unless(rolls .or. case%friction > 0, &
                       'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000, &
@@ -103,7 +104,7 @@ contains
   pure function bore_waits(case, member) result(waits)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
-    character(120) :: waits
+    character(sentence_length) :: waits
     logical :: weighs, ends
 
     weighs = case%needs_load() .and. .not. is_stated(case, member)
@@ -124,7 +125,7 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(120) :: geared
+    character(sentence_length) :: geared
     logical :: yields, weighs, compares
 
     if (allocated(error)) return

@@ -6,7 +6,8 @@ module gearsweep_mesh_keys
   use gearsweep_reader, only: reader_t
   use gearsweep_relief, only: linear, parabolic
   use gearsweep_root_rating, only: shared_by_mesh
-  use gearsweep_uses, only: first_of, for_tasks, unless, with_load, with_motion
+  use gearsweep_tasks, only: sentence_length, sentence_of
+  use gearsweep_uses, only: first_of, for_stage, unless
   implicit none
   private
   public :: read_model, read_load, read_relief, read_path
@@ -25,28 +26,29 @@ contains
 
     case%prescribed = reader%has('mesh', 'contact_ratio')
     call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp, &
-                    otherwise='of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
-    if (case%prescribed .and. case%asks_any('geometry, section, static, modal')) call fail(error, code_input, &
+                    otherwise='that of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
+    if (case%prescribed .and. case%needs('geometry')) call fail(error, code_input, &
       '&case tasks: geometry, section, static and modal need a gear; a prescribed mesh (&mesh contact_ratio) has none')
     case%model = 'weber'
     if (case%prescribed) case%model = ''
     if (case%prescribed) then
       call reader%get('mesh', 'model', case%model, error, required=.true., allowed=models(:2), meaning=of_model)
     else
-      call reader%get('mesh', 'model', case%model, error, tasks=with_load, allowed=models([3, 4, 5, 1, 2]), meaning=of_model)
+      call reader%get('mesh', 'model', case%model, error, tasks=case%tasks_for('mesh'), &
+                      allowed=models([3, 4, 5, 1, 2]), meaning=of_model)
     end if
     if (allocated(error)) return
     ! What belongs to a missing model is no error of its own.
     open = len(case%model) == 0
     call reader%get('mesh', 'coefficients', case%coefficients, error, unit='N/um', required=.not. open, &
-                    at_least=-1e12_dp, at_most=1e12_dp, max_size=20, tasks=with_load, &
+                    at_least=-1e12_dp, at_most=1e12_dp, max_size=20, tasks=case%tasks_for('mesh'), &
                     refused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''), &
-                    otherwise='required with model = ''polynomial''', &
+                    otherwise='none; required with model = ''polynomial''', &
                     meaning='stiffness of one pair over the whole face width, in ascending powers of u, which goes from -1 at '// &
                     'A to 1 at E')
-    call reader%get('mesh', 'file', case%file, error, required=.not. open, tasks=with_load, &
+    call reader%get('mesh', 'file', case%file, error, required=.not. open, tasks=case%tasks_for('mesh'), &
                     refused=unless(open .or. case%model == 'table', 'needs model = ''table'''), &
-                    otherwise='required with model = ''table''', &
+                    otherwise='none; required with model = ''table''', &
                     meaning='file with a table of the path coordinate s and the pair stiffness; a relative name lies beside '// &
                     'the case')
   end subroutine read_model
@@ -57,11 +59,11 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
 
-    call reader%get('load', 'torque_nm', case%torque, error, unit='N m', one_of=.true., tasks=with_load, &
+    call reader%get('load', 'torque_nm', case%torque, error, unit='N m', one_of=.true., tasks=case%tasks_for('mesh'), &
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='torque on the pinion')
-    call reader%get('load', 'normal_force_n', case%normal_force, error, unit='N', one_of=.true., tasks=with_load, &
+    call reader%get('load', 'normal_force_n', case%normal_force, error, unit='N', one_of=.true., tasks=case%tasks_for('mesh'), &
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='force on the line of action')
-    call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=with_load, &
+    call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=case%tasks_for('mesh'), &
                     at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
   end subroutine read_load
 
@@ -71,41 +73,42 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: shape
-    character(120) :: waits
+    character(sentence_length) :: waits, with_relief
     logical :: has_length, has_roll(2)
 
-    waits = for_tasks(case, with_load)
-    if (case%root%sharing /= shared_by_mesh) waits = for_tasks(case, 'mesh, load, sweep or optimum')
+    with_relief = case%tasks_for('reliefs')
+    if (case%root%sharing /= shared_by_mesh) with_relief = sentence_of(case%tasks, 'reliefs', but='static')
+    waits = unless(case%asks_any(with_relief), with_relief)
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, unit='um', required=reader%has_group('relief'), &
-                    tasks=with_load, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
-                    otherwise='0; required where this group is given', &
-                    meaning='amounts of tip relief to compute, each at most half of the tooth''s thickness at its tip')
+                    tasks=with_relief, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
+                    meaning='amounts of tip relief to compute, each at most half of the tooth''s thickness at its tip; '// &
+                    'required where this group is given')
     ! Nothing that is wanted differs between the reliefs.
     if (len_trim(waits) > 0) case%amount = [0.0_dp]
     waits = first_of(waits, unless(any(case%amount > 0) .or. case%asks('optimum'), 'optimum or an amount above 0'))
-    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_load, waits=waits, at_least=0.0_dp, &
+    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_relief, waits=waits, at_least=0.0_dp, &
                     at_most=1000.0_dp, meaning='relief at the pinion''s tip over the amount; 0 leaves the pinion as it is')
-    call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_load, waits=waits, at_least=0.0_dp, &
+    call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_relief, waits=waits, at_least=0.0_dp, &
                     at_most=1000.0_dp, meaning='relief at the gear''s tip over the amount; 0 leaves the gear as it is')
     shape = 'linear'
-    call reader%get('relief', 'shape', shape, error, tasks=with_load, waits=waits, &
+    call reader%get('relief', 'shape', shape, error, tasks=with_relief, waits=waits, &
                     allowed=[character(9) :: 'linear', 'parabolic'], &
                     meaning='how relief grows with the path coordinate, and so with the roll angle')
     case%shape = merge(parabolic, linear, shape == 'parabolic')
-    call reader%get('relief', 'length_mm', case%length, error, unit='mm', given=has_length, tasks=with_load, waits=waits, &
-                    at_least=1e-6_dp, at_most=1e6_dp, otherwise='for start = ''length''', &
+    call reader%get('relief', 'length_mm', case%length, error, unit='mm', given=has_length, tasks=with_relief, waits=waits, &
+                    at_least=1e-6_dp, at_most=1e6_dp, otherwise='none; for start = ''length''', &
                     meaning='length of the relieved part of the path of contact, alike for both gears')
-    call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, unit='deg', given=has_roll(1), tasks=with_load, &
-                    waits=waits, above=0.0_dp, otherwise='for start = ''roll''', &
+    call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, unit='deg', given=has_roll(1), tasks=with_relief, &
+                    waits=waits, above=0.0_dp, otherwise='none; for start = ''roll''', &
                     meaning='roll angle of the pinion at which its relief begins')
-    call reader%get('relief', 'gear_roll_deg', case%roll(2), error, unit='deg', given=has_roll(2), tasks=with_load, &
-                    waits=waits, above=0.0_dp, otherwise='for start = ''roll''', &
+    call reader%get('relief', 'gear_roll_deg', case%roll(2), error, unit='deg', given=has_roll(2), tasks=with_relief, &
+                    waits=waits, above=0.0_dp, otherwise='none; for start = ''roll''', &
                     meaning='roll angle of the gear at which its relief begins')
     case%start = 'hpstc'
     if (has_length) case%start = 'length'
     if (any(has_roll)) case%start = 'roll'
-    call reader%get('relief', 'start', case%start, error, tasks=with_load, waits=waits, &
+    call reader%get('relief', 'start', case%start, error, tasks=with_relief, waits=waits, &
                     allowed=[character(6) :: 'hpstc', 'pitch', 'length', 'roll'], &
                     otherwise='hpstc, or what length_mm or a roll angle says', &
                     meaning='where relief begins: at D and B (hpstc), at the pitch point, at a length from the ends of the '// &
@@ -118,18 +121,17 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
-    character(120) :: made, waits
+    character(sentence_length) :: made, waits
     logical :: relieves
 
     made = unless(case%prescribed, by_hand)
     relieves = any(case%amount > 0) .or. case%asks('optimum')
-    waits = ''
-    if (.not. (case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0))) waits = for_tasks(case, 'mesh')
+    waits = unless(case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0) .or. case%asks('mesh'), 'mesh')
     call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, unit='mm', at_least=1e-6_dp, at_most=1e6_dp, &
-                    waits=waits, refused=made, otherwise='of the gears', &
+                    waits=waits, refused=made, otherwise='that of the gears', &
                     meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
     waits = ''
-    if (.not. (relieves .and. case%start == 'pitch')) waits = for_tasks(case, with_motion)
+    if (.not. (relieves .and. case%start == 'pitch')) waits = for_stage(case, 'motion')
     if (.not. (relieves .or. case%friction > 0)) waits = 'optimum or an amount above 0'
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
                     refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch', &

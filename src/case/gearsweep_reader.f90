@@ -32,7 +32,7 @@ module gearsweep_reader
     !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [waits], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure :: add_group, want, has, has_group, finish, check_key, list_waiting, write_complete
+    procedure :: add_group, want, wants, has, has_group, finish, check_key, write_complete
     procedure, private :: find, miss, settle, check_names, check_group
   end type reader_t
 
@@ -67,6 +67,14 @@ contains
     self%tasks = ' '//join(tasks, ' ')//' '
   end subroutine want
 
+  !> Is this task wanted?
+  pure logical function wants(self, task)
+    class(reader_t), intent(in) :: self
+    character(*), intent(in) :: task
+
+    wants = index(self%tasks, ' '//trim(task)//' ') > 0
+  end function wants
+
   !> One number. The bounds are in the key's unit; what is given is converted to SI units, then multiplied by `factor`.
   pure subroutine get_real(self, group, key, value, error, meaning, unit, factor, given, required, one_of, tasks, waits, &
                            refused, otherwise, above, at_least, below, at_most)
@@ -88,7 +96,7 @@ contains
     call self%find(wanted, at, error, given, waits, refused)
     scale = in_si(wanted%unit)
     if (present(factor)) scale = scale*factor
-    if (at == 0 .and. .not. present(given)) call self%settle([value], wanted%bounds, scale)
+    if (.not. present(given)) call self%settle([value], wanted%bounds, scale)
     if (at == 0) return
     call check_size(self%list%entries(at), 'number', error)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
@@ -117,7 +125,7 @@ contains
     call wanted%allow_list(min_size, max_size)
     call self%find(wanted, at, error, given, waits, refused)
     scale = in_si(wanted%unit)
-    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%settle(value, wanted%bounds, scale)
+    if (allocated(value) .and. .not. present(given)) call self%settle(value, wanted%bounds, scale)
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
@@ -141,7 +149,7 @@ contains
     call declare(wanted, group, key, meaning, kind_integer, '', tasks, otherwise, required, one_of)
     call bound_integer(wanted%bounds, at_least, at_most)
     call self%find(wanted, at, error, given, waits, refused)
-    if (at == 0 .and. .not. present(given)) call self%settle([real(value, dp)], wanted%bounds, 1.0_dp)
+    if (.not. present(given)) call self%settle([real(value, dp)], wanted%bounds, 1.0_dp)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error)
@@ -163,7 +171,7 @@ contains
 
     call declare(wanted, group, key, meaning, kind_logical, '', tasks, otherwise, required, one_of)
     call self%find(wanted, at, error, given, waits, refused)
-    if (at == 0 .and. .not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
+    if (.not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     call check_size(self%list%entries(at), 'logical', error)
     call read_logical(self%list%entries(at), value, error)
@@ -187,7 +195,7 @@ contains
     call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
     if (present(allowed)) wanted%words = allowed
     call self%find(wanted, at, error, given, waits, refused)
-    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
+    if (allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
     if (at == 0) return
     call check_size(self%list%entries(at), 'text', error)
     call read_texts(self%list%entries(at), texts, error, allowed)
@@ -214,7 +222,7 @@ contains
     if (present(allowed)) wanted%words = allowed
     call wanted%allow_list(min_size, max_size)
     call self%find(wanted, at, error, given, waits, refused)
-    if (at == 0 .and. allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
+    if (allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'texts', error, min_size, max_size)
     call read_texts(self%list%entries(at), value, error, allowed)
@@ -294,14 +302,6 @@ contains
     call self%keys%why_unknown(lower(group), lower(key), why)
     call fail(error, code_input, '&'//lower(group)//' '//lower(key)//': '//why)
   end subroutine check_key
-
-  !> The keys that wait: for each set of tasks a line `tasks: &group key, key; &group key`.
-  pure subroutine list_waiting(self, text)
-    class(reader_t), intent(in) :: self
-    character(:), allocatable, intent(out) :: text
-
-    call self%keys%list_waiting(text)
-  end subroutine list_waiting
 
   !> The values in effect as a case: what is given, and the defaults of the rest.
   pure subroutine write_complete(self, text)

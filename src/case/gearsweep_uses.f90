@@ -3,27 +3,25 @@
 !> the case's other keys.
 module gearsweep_uses
   use gearsweep_case, only: case_t
+  use gearsweep_tasks, only: sentence_length
   implicit none
   private
-  public :: for_tasks, unless, first_of
+  public :: for_stage, unless, first_of
 
-  integer, parameter :: longest = 120
+  integer, parameter :: longest = sentence_length
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
-  !> The tasks that need the mesh, the motion, and a body by finite elements, be it for the stiffness.
-  character(*), parameter, public :: with_load = 'mesh, static, load, sweep or optimum', with_motion = 'load, sweep or optimum', &
-                                     with_body = 'section, mesh, static, modal, load, sweep or optimum'
 
 contains
 
-  !> What the key waits for: these tasks, told as in `load, sweep or optimum`, or nothing where the case
-  !> names one of them.
-  pure function for_tasks(case, tasks) result(what)
+  !> What the key waits for: the tasks that need this stage, told as in `load, sweep or optimum`, or nothing where the
+  !> case names one of them.
+  pure function for_stage(case, stage) result(what)
     type(case_t), intent(in) :: case
-    character(*), intent(in) :: tasks
+    character(*), intent(in) :: stage
     character(longest) :: what
 
-    what = unless(case%asks_any(tasks), tasks)
-  end function for_tasks
+    what = unless(case%needs(stage), trim(case%tasks_for(stage)))
+  end function for_stage
 
   !> Blank where that holds.
   pure function unless(holds, words) result(what)

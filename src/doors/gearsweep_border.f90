@@ -4,7 +4,7 @@ module gearsweep_border
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t, fail, code_input, code_ok, code_partial, code_stopped
   use gearsweep_decimal, only: in_um
@@ -98,8 +98,8 @@ contains
     if (allocated(error)) return
     cheap = case
     ! Of the tasks that need the mesh, load at no speed is the cheapest.
-    cheap%wants = (case%needs_section() .and. task_names == 'section') .or. &
-                  (case%asks('mesh') .and. task_names == 'mesh') .or. (case%needs_load() .and. task_names == 'load')
+    call cheap%want(pack([character(7) :: 'section', 'mesh', 'load'], &
+                         [case%needs_section(), case%asks('mesh'), case%needs_load()]))
     cheap%load_rpm = [real(dp) ::]
     cheap%harmonics = 1
     if (allocated(cheap%published)) deallocate (cheap%published)
@@ -127,8 +127,13 @@ contains
       if (.not. case%asks(task)) call fail(error, code_input, '&case tasks: this call needs '//task//' among them')
     end select
     ! The motions of load are those of the case's sweep, where it names one.
-    case%wants = task_names == task .or. (task == 'load' .and. case%wants .and. task_names == 'sweep')
-    if (task == 'motion') case%wants = task_names == 'mesh'
+    if (task == 'motion') then
+      call case%want(['mesh'])
+    else if (task == 'load' .and. case%asks('sweep')) then
+      call case%want([character(5) :: 'load', 'sweep'])
+    else
+      call case%want([task])
+    end if
   end subroutine choose
 
   !> Numbers that `pack_stiffness` needs for a measured study.

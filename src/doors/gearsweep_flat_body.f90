@@ -204,7 +204,7 @@ end subroutine gs_root
 subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, radius_mm, share, sigma_mpa, &
                      info, message)
   use gearsweep_border, only: begin_call, in_um, need_room, open_case, run_case, tell
-  use gearsweep_case, only: case_t, task_names
+  use gearsweep_case, only: case_t
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_root_rating, only: load_positions, load_radius, load_shares
   use gearsweep_section_stress, only: section_stress
@@ -223,7 +223,7 @@ subroutine gs_stress(text, nwork, work, position, relief, nodes, relief_um, s, r
 
   call begin_call()
   call open_case(text, 'static', 1, case, error)
-  case%wants = task_names == 'mesh'
+  call case%want(['mesh'])
   call run_case(case, nwork, work, 1, study, error)
   if (.not. allocated(error)) then
     path = load_positions(study%pair, case%root)

@@ -41,11 +41,24 @@ contains
     if (allocated(study%response)) call add_responses(study, lines)
     if (allocated(study%sweep)) call add_sweep(study, lines)
     if (allocated(study%optimum)) call add_optimum(study, lines)
+    if (allocated(study%tasks)) call add_tasks(study, lines)
     if (study%stopped) call lines%add(left('Interrupted', 19)//'what is missing above was not computed')
     if (allocated(study%published)) call add_published(study, lines)
     if (allocated(study%case%unused)) call add_unused(study, lines)
     text = lines%text()
   end subroutine write_report
+
+  !> The tasks that are one file each.
+  pure subroutine add_tasks(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    integer :: i
+
+    do i = 1, size(study%tasks)
+      if (.not. allocated(study%tasks(i)%task)) cycle
+      if (study%tasks(i)%task%is_done) call study%tasks(i)%task%add_report(lines)
+    end do
+  end subroutine add_tasks
 
   !> Keys that the case gives but does not use.
   pure subroutine add_unused(study, lines)
@@ -112,7 +125,8 @@ contains
       if (motion%mesh%disc%turn > 0) call add_disc(motion%mesh%disc, study%load, lines)
       call lines%put(left('Load', 19)//str(study%load, 5)//' N on the line of action, effective masses '// &
                      str(study%mass(1), 4)//' and '//str(study%mass(2), 4)//' kg')
-      if (case%needs_motion()) call lines%put(', damping ratio '//str(case%damping_ratio)//', friction '//str(case%friction))
+      if (case%needs('losses')) call lines%put(', damping ratio '//str(case%damping_ratio))
+      if (case%needs('motion')) call lines%put(', friction '//str(case%friction))
       call lines%add('')
       call lines%add(left('Natural frequency', 19)//str(hertz, 5)//' Hz: the mesh excites it at '// &
                      str(60*hertz/motion%mesh%teeth(1), 5)//' rpm of the pinion')
@@ -152,10 +166,11 @@ contains
     end do
   end subroutine add_sharing
 
-  !> Operating points without an answer, in the sweep, at the chosen speeds and
-  !> at the optimum relief.
+  !> Operating points without an answer, in the sweep, at the chosen speeds,
+  !> at the optimum relief and in the tasks that are one file each.
   pure integer function failed_points(study) result(n)
     type(study_t), intent(in) :: study
+    integer :: i
 
     n = 0
     if (allocated(study%sweep)) n = count(.not. has_result(study%sweep%status))
@@ -167,5 +182,9 @@ contains
         n = n + study%optimum%failed(study%optimum%best)
       end if
     end if
+    if (.not. allocated(study%tasks)) return
+    do i = 1, size(study%tasks)
+      if (allocated(study%tasks(i)%task)) n = n + study%tasks(i)%task%failed
+    end do
   end function failed_points
 end module gearsweep_report

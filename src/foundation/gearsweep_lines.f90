@@ -20,6 +20,7 @@ module gearsweep_lines
     generic :: cell => cell_word, cell_integer, cell_real, cell_reals
     procedure, private :: cell_word, cell_integer, cell_real, cell_reals
     procedure :: text_cell, end_row
+    procedure :: json_text
   end type lines_t
 
 contains
@@ -167,4 +168,24 @@ contains
 
     column = words
   end function left
+
+  !> Appends a text as JSON (RFC 8259) has it: in quotation marks, with an escape for what may not stand there.
+  pure subroutine json_text(self, words)
+    class(lines_t), intent(inout) :: self
+    character(*), intent(in) :: words
+    character(*), parameter :: figures = '0123456789abcdef'
+    integer :: i, code
+
+    call self%put('"')
+    do i = 1, len(words)
+      code = iachar(words(i:i))
+      if (words(i:i) == '"' .or. words(i:i) == '\') call self%put('\')
+      if (code >= 32) then
+        call self%put(words(i:i))
+      else
+        call self%put('\u00'//figures(code/16 + 1:code/16 + 1)//figures(modulo(code, 16) + 1:modulo(code, 16) + 1))
+      end if
+    end do
+    call self%put('"')
+  end subroutine json_text
 end module gearsweep_lines

@@ -11,6 +11,8 @@ module gearsweep_tables
   use gearsweep_published_table, only: published_table
   use gearsweep_study, only: study_t
   use gearsweep_table, only: table_t
+  use gearsweep_task, only: includes
+  use gearsweep_tasks, only: list_tasks, task_slot_t
   implicit none
   private
   public :: table_names, make_table, write_table
@@ -68,14 +70,29 @@ contains
 
   !> Names of all tables that a study can have, padded with blanks; only of those that belong to a grid, or of the
   !> others, where `on_grid` says so.
-  pure function table_names(on_grid) result(names)
+  function table_names(on_grid) result(names)
     logical, intent(in), optional :: on_grid
     character(18), allocatable :: names(:)
     type(entry_t), allocatable :: list(:)
+    type(task_slot_t), allocatable :: slots(:)
+    integer :: i, from, length
 
     list = entries()
     if (present(on_grid)) list = pack(list, list%on_grid .eqv. on_grid)
     names = list%name
+    if (present(on_grid)) then
+      if (on_grid) return
+    end if
+    call list_tasks(slots)
+    do i = 1, size(slots)
+      if (.not. allocated(slots(i)%task)) cycle
+      from = 1
+      do while (from <= len(slots(i)%info%tables))
+        length = index(slots(i)%info%tables(from:)//' ', ' ') - 1
+        names = [character(18) :: names, slots(i)%info%tables(from:from + length - 1)]
+        from = from + length + 1
+      end do
+    end do
   end function table_names
 
   !> Fills the table of this name from the study. Where the study has none, `table%is_there()` is false. `error`: the
@@ -94,6 +111,12 @@ contains
       if (list(i)%name /= name) cycle
       table%name = trim(name)
       call list(i)%fill(study, table, error)
+    end do
+    if (.not. allocated(study%tasks)) return
+    do i = 1, size(study%tasks)
+      if (.not. allocated(study%tasks(i)%task) .or. .not. includes(study%tasks(i)%info%tables, trim(name))) cycle
+      table%name = trim(name)
+      if (study%tasks(i)%task%is_done) call study%tasks(i)%task%fill_table(table, error)
     end do
   end subroutine make_table
 

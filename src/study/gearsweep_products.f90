@@ -3,12 +3,8 @@ module gearsweep_products
   use gearsweep_case, only: case_t
   use gearsweep_harmonics, only: harmonics_t
   use gearsweep_inputs, only: elements_inputs_t, modes_inputs_t, motions_inputs_t, points_inputs_t, unit_inputs_t
-  use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: mesh_t
   use gearsweep_modal, only: modal_t
-  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_optimum, only: most_sweeps, optimum_t, peak_t
-  use gearsweep_pair, only: pair_t
   use gearsweep_published, only: published_t
   use gearsweep_response, only: response_t
   use gearsweep_root_rating, only: root_rating_t
@@ -17,20 +13,17 @@ module gearsweep_products
   use gearsweep_stop, only: wants_stop
   use gearsweep_stress, only: root_stress_t
   use gearsweep_sweep, only: sweep_options_t, sweep_state_t, sweep_t
+  use gearsweep_task, only: stages_t
+  use gearsweep_tasks, only: task_slot_t
   implicit none
   private
   public :: study_t, record_t, note, ends_here
 
   !> Everything a case asked for; what it did not ask for stays unallocated.
-  type :: study_t
+  type, extends(stages_t) :: study_t
     type(case_t) :: case
-    type(pair_t), allocatable :: pair            !< none for a prescribed mesh
-    type(mesh_t), allocatable :: mesh            !< without relief
+    type(task_slot_t), allocatable :: tasks(:)   !< with the results of those that are one file each
     type(elements_inputs_t), allocatable :: elements_inputs  !< of its stiffness, where that is by finite elements
-    real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
-    real(dp) :: load = 0                         !< static load on the line of action, N
-    real(dp) :: mass(2) = 0                      !< effective masses, kg
-    type(oscillator_t), allocatable :: motion(:)  !< one for each relief
     type(motions_inputs_t) :: motions_inputs     !< of these, and so of all that follows but for the section
     type(sharing_t), allocatable :: sharing(:)   !< one for each relief
     type(harmonics_t), allocatable :: harmonics(:)  !< of the static transmission error, one for each relief

@@ -4,7 +4,7 @@ module gearsweep_study
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_body_stage, only: look_at_body
-  use gearsweep_case, only: case_t
+  use gearsweep_case, only: case_t, speeds
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_files, only: beside, read_text
@@ -70,6 +70,10 @@ contains
     type(study_t), intent(in), optional :: earlier
 
     study%case = case
+    study%tasks = case%tasks
+    study%amount = case%amount
+    study%accuracy = case%accuracy
+    study%accuracy%steady%stop = options%accuracy%steady%stop
     study%threads = options%threads
     study%log = ''
     if (allocated(case%published)) call find_published(study, folder, error)
@@ -96,18 +100,45 @@ contains
     if (case%needs_motion()) then
       if (ends_here(study, options, 'motion')) return
       call move(study, options, error, progress, record, earlier)
+      if (.not. allocated(error)) call run_tasks(study, options, error)
     end if
     call note_left_out(study)
   end subroutine run_stages
 
+  !> The tasks that are one file each.
+  subroutine run_tasks(study, options, error)
+    type(study_t), intent(inout) :: study
+    type(sweep_options_t), intent(in) :: options
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    if (study%case%needs('speeds')) study%rpm = speeds(study%case)
+    do i = 1, size(study%tasks)
+      if (.not. study%tasks(i)%is_wanted .or. .not. allocated(study%tasks(i)%task)) cycle
+      if (ends_here(study, options, trim(study%tasks(i)%info%name))) cycle
+      call study%tasks(i)%task%run(study%stages_t, error)
+      if (allocated(error)) return
+      if (study%tasks(i)%task%is_done) then
+        call note(study, study%tasks(i)%task%log)
+      else
+        study%stopped = ends_here(study, options, trim(study%tasks(i)%info%name))
+      end if
+    end do
+  end subroutine run_tasks
+
   subroutine note_left_out(study)
     type(study_t), intent(inout) :: study
+    integer :: i
 
     associate (case => study%case)
       if (.not. case%asks('mesh')) call note(study, 'static load sharing left out: not among the tasks')
       if (.not. case%asks('load')) call note(study, 'pair loads along the path left out: not among the tasks')
       if (.not. case%asks('sweep')) call note(study, 'sweep left out: not among the tasks')
       if (.not. case%asks('optimum')) call note(study, 'optimum relief left out: not among the tasks')
+      do i = 1, size(study%tasks)
+        if (allocated(study%tasks(i)%task) .and. .not. study%tasks(i)%is_wanted) &
+          call note(study, trim(study%tasks(i)%info%name)//' left out: not among the tasks')
+      end do
       if (case%needs_motion() .and. case%friction <= 0) call note(study, 'friction left out: it is 0')
       if (case%needs_motion() .and. .not. case%has_backlash) call note(study, 'coast side left out: no backlash given')
     end associate

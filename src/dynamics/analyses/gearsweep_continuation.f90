@@ -8,7 +8,8 @@ module gearsweep_continuation
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_poincare, only: sample_section, section_points_t
   use gearsweep_refinement, only: levels_t
-  use gearsweep_status, only: has_result, status_chatter, status_unresolved
+  use gearsweep_status, only: has_result, status_chatter, status_stopped, status_unresolved
+  use gearsweep_stop, only: wants_stop
   implicit none
   private
   public :: branch_t, change_t, branch_options_t, follow_branch, continue_to, carried
@@ -45,7 +46,8 @@ module gearsweep_continuation
 contains
 
   !> Follows the motion over the speeds, in steps so small that the dynamic factor changes by less than a jump or, where
-  !> it does not, lies between speeds that are close: there the motion changes.
+  !> it does not, lies between speeds that are close: there the motion changes. Where the caller ends it, the rest has
+  !> the status `stopped`.
   pure subroutine follow_branch(osc, rpm, options, branch)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion in the direction of travel, 1/min
@@ -65,6 +67,8 @@ contains
       if (i > 1) call step_to(osc, rpm(i), options, levels, here, branch%change)
       branch%lacks = levels%lacks
       if (branch%lacks) return
+      if (wants_stop(options%accuracy%steady%stop)) branch%point(i:)%steady%status = status_stopped
+      if (branch%point(i)%steady%status == status_stopped) return
       branch%point(i) = here%point
     end do
   end subroutine follow_branch
@@ -82,7 +86,7 @@ contains
     real(dp) :: step
 
     step = rpm - here%rpm
-    do while (abs(rpm - here%rpm) > 0 .and. .not. levels%lacks)
+    do while (abs(rpm - here%rpm) > 0 .and. .not. (levels%lacks .or. wants_stop(options%accuracy%steady%stop)))
       if (abs(step) > 0.7_dp*abs(rpm - here%rpm)) step = rpm - here%rpm
       ! Whether a motion is still there is clear soon.
       enough = options%accuracy

@@ -6,11 +6,14 @@ module gearsweep_poincare
   use gearsweep_contact_set, only: period_t
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: iso_c_binding, only: c_ptr
   use gearsweep_memory, only: has_memory
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period, only: run_period
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_status, only: status_aperiodic, status_chaotic, status_chatter, status_ok, status_subharmonic, status_unresolved
+  use gearsweep_status, only: status_aperiodic, status_chaotic, status_chatter, status_ok, status_stopped, &
+    status_subharmonic, status_unresolved
+  use gearsweep_stop, only: wants_stop
   use gearsweep_transient, only: sure_growth
   implicit none
   private
@@ -38,13 +41,14 @@ contains
 
   !> Follows the motion at each speed: first the transient, then the samples. At each speed it goes on from where it was
   !> at the one before.
-  pure subroutine sample_section(osc, rpm, transient, samples, section, start)
+  pure subroutine sample_section(osc, rpm, transient, samples, section, start, stop)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
     integer, intent(in) :: transient             !< mesh periods that are not sampled, at each speed
     integer, intent(in) :: samples               !< mesh periods sampled at each speed
     type(section_points_t), intent(out) :: section
     real(dp), intent(in), optional :: start(2)   !< x (m) and its rate (m/s); without it, rest at the mean deflection
+    type(c_ptr), intent(in), optional :: stop    !< an integer: where it is not 0, the rest has the status `stopped`
     real(dp) :: state(2)
     logical :: fits
     integer :: i
@@ -57,7 +61,12 @@ contains
     allocate (section%status(size(rpm)), section%periods(size(rpm)))
     state = [osc%mean_deflection, 0.0_dp]
     if (present(start)) state = start
+    section%periods = 0
+    section%status = status_stopped
     do i = 1, size(rpm)
+      if (present(stop)) then
+        if (wants_stop(stop)) return
+      end if
       call follow(osc, rpm(i), transient, i, state, section)
       if (section%lacks) return
       call name_motion(osc, mesh_period(osc%mesh%teeth(1), rpm(i)), i, section)

@@ -18,7 +18,7 @@ module gearsweep_sweep
   use gearsweep_traps, only: leader_traps, share_traps
   implicit none
   private
-  public :: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep, contact_of, each, up, down
+  public :: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep, contact_name, contact_of, each, up, down
 
   !> Results; NaN where there is none. First index speed, second relief.
   type :: sweep_t
@@ -212,4 +212,13 @@ contains
     if (steady%lost) contact = contact_lost
     if (steady%coast) contact = contact_coast
   end function contact_of
+
+  !> The word that stands for one of contact_full ... in tables.
+  pure function contact_name(contact) result(name)
+    integer, intent(in) :: contact
+    character(7) :: name
+    character(7), parameter :: names(0:3) = [character(7) :: 'full', 'partial', 'lost', 'coast']
+
+    name = names(contact)
+  end function contact_name
 end module gearsweep_sweep

@@ -1,0 +1,113 @@
+!> A case to begin with: every key of the tasks asked for, with its default and its meaning beside it.
+module gearsweep_new_case
+  use gearsweep_case, only: list_task_names
+  use gearsweep_case_reader, only: list_keys
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_key, only: key_t
+  use gearsweep_keys, only: keys_t
+  use gearsweep_lines, only: lines_t
+  use gearsweep_task, only: task_length
+  use gearsweep_text, only: closest_word, join, shown
+  implicit none
+  private
+  public :: write_new_case
+
+contains
+
+  !> The text. It runs once the keys marked REQUIRED have a value. Keys that need another value of a key before they
+  !> count stand behind a `!`, with what they need.
+  subroutine write_new_case(tasks, text, error)
+    character(*), intent(in) :: tasks(:)
+    character(:), allocatable, intent(out) :: text
+    type(error_t), allocatable, intent(inout) :: error
+    type(keys_t) :: keys
+    type(lines_t) :: lines
+    character(:), allocatable :: wanted
+    logical :: opened
+    integer :: i, k
+
+    call check_tasks(tasks, error)
+    if (allocated(error)) return
+    call list_keys(tasks, keys)
+    wanted = ' '//join(tasks, ' ')//' '
+    call lines%add('! A case for gearsweep. Each key has its default and its meaning beside it; keys marked REQUIRED have no')
+    call lines%add('! default. What stands behind a ! is not read: remove the ! to use it. gearsweep --help KEY tells more.')
+    do i = 1, size(keys%groups)
+      opened = .false.
+      do k = 1, keys%known
+        if (keys%key(k)%group /= keys%groups(i)%name .or. .not. keys%key(k)%is_for(wanted)) cycle
+        if (.not. opened) call lines%add('')
+        if (.not. opened) call lines%add('&'//trim(keys%groups(i)%name)//'   ! '//keys%groups(i)%meaning)
+        opened = .true.
+        call add_key(keys%key(k), tasks, lines)
+      end do
+      if (opened) call lines%add('/')
+    end do
+    text = lines%text()
+  end subroutine write_new_case
+
+  subroutine add_key(key, tasks, lines)
+    type(key_t), intent(in) :: key
+    character(*), intent(in) :: tasks(:)
+    type(lines_t), intent(inout) :: lines
+    character(:), allocatable :: line, remark, allowed, why
+
+    why = key%refused
+    if (len(why) == 0) why = key%waits
+    line = '  '
+    if (len(why) > 0) line = '  ! '
+    line = line//trim(key%name)//' ='
+    if (key%name == 'tasks') then
+      line = line//' '''//join(tasks, ''', ''')//''''
+    else if (allocated(key%default) .and. len(key%otherwise) == 0) then
+      line = line//' '//key%default
+    end if
+    call key%list_allowed(allowed)
+    remark = ''
+    if (key%is_required .and. len(why) == 0) remark = 'REQUIRED. '
+    if (key%is_one_of) remark = 'REQUIRED: one of these. '
+    remark = remark//key%meaning//' ('
+    if (len(key%unit) > 0) remark = remark//key%unit//', '
+    remark = remark//allowed
+    if (len(key%otherwise) > 0) remark = remark//'; default: '//key%otherwise
+    if (len(key%refused) > 0) remark = remark//'; '//why
+    if (len(key%refused) == 0 .and. len(key%waits) > 0) remark = remark//'; for '//why
+    call add_remark(line, remark//')', lines)
+  end subroutine add_key
+
+  !> A line with a remark beside it, which goes on below.
+  subroutine add_remark(line, remark, lines)
+    character(*), intent(in) :: line, remark
+    type(lines_t), intent(inout) :: lines
+    integer, parameter :: beside = 34, wide = 86
+    character(:), allocatable :: rest
+    integer :: at
+
+    call lines%put(line//repeat(' ', max(0, beside - len(line))))
+    rest = remark
+    do while (len(rest) > wide)
+      at = index(rest(:wide), ' ', back=.true.)
+      call lines%add(' ! '//rest(:at - 1))
+      call lines%put(repeat(' ', beside))
+      rest = '  '//rest(at + 1:)
+    end do
+    call lines%add(' ! '//rest)
+  end subroutine add_remark
+
+  subroutine check_tasks(tasks, error)
+    character(*), intent(in) :: tasks(:)
+    type(error_t), allocatable, intent(inout) :: error
+    character(task_length), allocatable :: names(:)
+    integer :: i, closest
+
+    call list_task_names(names)
+    if (size(tasks) == 0) call fail(error, code_input, 'name at least one task; the tasks are '//join(names, ', '))
+    do i = 1, size(tasks)
+      if (any(names == tasks(i))) cycle
+      closest = closest_word(trim(tasks(i)), names)
+      if (closest > 0) call fail(error, code_input, shown(trim(tasks(i)))//': no such task (did you mean '// &
+                                 trim(names(closest))//'?)')
+      call fail(error, code_input, shown(trim(tasks(i)))//': no such task; the tasks are '//join(names, ', '))
+    end do
+  end subroutine check_tasks
+end module gearsweep_new_case

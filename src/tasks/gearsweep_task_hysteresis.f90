@@ -1,0 +1,254 @@
+!> The task `hysteresis`: the steady motions that a slow run up through the speeds and one down meet, and where they
+!> change (see gearsweep_continuation).
+module gearsweep_task_hysteresis
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use gearsweep_continuation, only: branch_options_t, branch_t, follow_branch
+  use gearsweep_decimal, only: in_um
+  use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_error_estimate, only: point_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_oscillator, only: mesh_period
+  use gearsweep_reader, only: reader_t
+  use gearsweep_status, only: has_result, status_name, status_stopped
+  use gearsweep_sweep, only: contact_name, contact_of
+  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_text, only: fixed, str
+  implicit none
+  private
+  public :: hysteresis_task_t
+
+  type, extends(task_t) :: hysteresis_task_t
+    real(dp) :: jump = 0.02_dp                   !< of the dynamic factor, from which on a motion is another one
+    real(dp) :: closeness = 1e-6_dp              !< of the speeds before and after a change, relative
+    ! Result:
+    real(dp), allocatable :: rpm(:)              !< ascending
+    real(dp), allocatable :: relief(:)           !< m
+    real(dp), allocatable :: period(:)           !< mesh periods at the speeds, s
+    type(branch_t), allocatable :: branch(:, :)  !< up and down, for each relief; its points in the direction of travel
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, fill_table, add_report
+    procedure, private :: fill_motions, fill_changes
+  end type hysteresis_task_t
+
+  character(*), parameter :: group = 'hysteresis'
+  character(4), parameter :: ways(2) = [character(4) :: 'up', 'down']
+  integer, parameter :: word = 12
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t(group, needs='mesh reliefs motion losses accuracy speeds', tables='hysteresis hysteresis_changes', &
+      gives='the steady motions that a slow run up through the speeds and one down meet, and the speeds at which they change')
+  end subroutine describe
+
+  subroutine read_keys(self, reader, error)
+    class(hysteresis_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+
+    call reader%add_group(group, 'The task hysteresis, over the speeds of &sweep, up and down, or its own.')
+    call self%read_speeds(reader, group, error)
+    call self%read_reliefs(reader, group, error)
+    call reader%get(group, 'jump', self%jump, error, tasks=group, at_least=1e-6_dp, at_most=1e6_dp, &
+                    meaning='a motion is another one where the dynamic factor changes by more at once')
+    call reader%get(group, 'closeness', self%closeness, error, tasks=group, at_least=1e-12_dp, at_most=1.0_dp, &
+                    meaning='largest relative distance of the speeds before and after a change')
+  end subroutine read_keys
+
+  subroutine run(self, stages, error)
+    class(hysteresis_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    integer, allocatable :: which(:)
+    integer :: i, way
+
+    call self%list_speeds(stages, self%rpm)
+    call self%list_reliefs(stages, which)
+    self%relief = stages%amount(which)
+    self%period = mesh_period(stages%motion(1)%mesh%teeth(1), self%rpm)
+    allocate (self%branch(2, size(which)))
+    associate (n => size(self%rpm))
+      do i = 1, size(which)
+        do way = 1, 2
+          call follow_branch(stages%motion(which(i)), merge(self%rpm, self%rpm(n:1:-1), way == 1), &
+                             branch_options_t(stages%accuracy, self%jump, self%closeness), self%branch(way, i))
+          if (self%branch(way, i)%lacks) call fail(error, code_memory, '&hysteresis: the memory does not hold the motions')
+          if (allocated(error)) return
+          self%failed = self%failed + count(.not. has_result(self%branch(way, i)%point%steady%status))
+          if (any(self%branch(way, i)%point%steady%status == status_stopped)) return
+        end do
+      end do
+    end associate
+    self%is_done = .true.
+    self%log = 'hysteresis: '//str(size(self%branch))//' runs through '//str(size(self%rpm))//' speeds'
+  end subroutine run
+
+  pure subroutine fill_table(self, table, error)
+    class(hysteresis_task_t), intent(in) :: self
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (table%name == 'hysteresis') call self%fill_motions(table, error)
+    if (table%name == 'hysteresis_changes') call self%fill_changes(table, error)
+  end subroutine fill_table
+
+  !> A row for each relief, direction and speed.
+  pure subroutine fill_motions(self, table, error)
+    class(hysteresis_task_t), intent(in) :: self
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    type(point_t), allocatable :: point(:)
+    real(dp), allocatable :: values(:, :)
+    character(word), allocatable :: words(:, :)
+    character(4), allocatable :: direction(:)
+    integer :: n, rows, row, i, way, k
+
+    n = size(self%rpm)
+    rows = n*size(self%branch)
+    call table%begin('steady motions that a slow run up through the speeds and one down meet', rows, 11, error, &
+                     extent=[size(self%relief), 2, n])
+    if (.not. allocated(error)) call claim_memory(100.0_dp*rows, 'the table hysteresis', error)
+    if (allocated(error)) return
+    allocate (values(rows, 6), words(rows, 2), direction(rows))
+    row = 0
+    do i = 1, size(self%relief)
+      do way = 1, 2
+        point = self%branch(way, i)%point
+        if (way == 2) point = point(n:1:-1)
+        do k = 1, n
+          row = row + 1
+          direction(row) = ways(way)
+          associate (steady => point(k)%steady)
+            values(row, 1:4) = numbers_of(point(k), self%period(k))
+            values(row, 5) = steady%multiplier
+            values(row, 6) = steady%periods
+            words(row, 1) = status_name(steady%status)
+            words(row, 2) = contact_name(contact_of(steady))
+          end associate
+        end do
+      end do
+    end do
+    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(self%relief), 2*n))
+    call table%add_index('direction', '', 'of the slow run through the speeds', direction)
+    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(self%rpm, 2*size(self%relief)))
+    call table%add('dynamic_factor', '', 'largest load of a pair over the static load', values(:, 1))
+    call table%add('error_estimate', '', 'estimated error of the dynamic factor', values(:, 2))
+    call table%add_words('status', 'how the calculation of the operating point ended', words(:, 1))
+    call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
+                         'touched', words(:, 2))
+    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 5))
+    call table%add('mesh_periods', '', 'mesh periods until the motion repeats', nint(values(:, 6)))
+    call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', values(:, 3))
+    call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
+                   'continued from both', values(:, 4))
+  end subroutine fill_motions
+
+  !> Dynamic factor, its error, dynamic transmission error (um) and its rate (mm/s); NaN without a result. `period`: of
+  !> the mesh, s.
+  pure function numbers_of(point, period) result(numbers)
+    type(point_t), intent(in) :: point
+    real(dp), intent(in) :: period
+    real(dp) :: numbers(4)
+
+    numbers = ieee_value(1.0_dp, ieee_quiet_nan)
+    if (has_result(point%steady%status)) numbers = [point%dynamic_factor, point%estimate, 1e6_dp*point%steady%state(1), &
+                                                    1e3_dp*point%steady%state(2)/period]
+  end function numbers_of
+
+  !> A row for each change, in the order met.
+  pure subroutine fill_changes(self, table, error)
+    class(hysteresis_task_t), intent(in) :: self
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: values(:, :)
+    character(word), allocatable :: words(:, :)
+    integer :: rows, row, i, way, k
+
+    rows = sum([((size(self%branch(way, i)%change), way=1, 2), i=1, size(self%relief))])
+    call table%begin('speeds at which the motion of a slow run changes, in the order met', rows, 12, error)
+    if (allocated(error)) return
+    allocate (values(rows, 8), words(rows, 4))
+    row = 0
+    do i = 1, size(self%relief)
+      do way = 1, 2
+        do k = 1, size(self%branch(way, i)%change)
+          row = row + 1
+          associate (change => self%branch(way, i)%change(k))
+            values(row, :) = [in_um(self%relief(i)), real(k, dp), change%rpm, factors_of(change%point), &
+                              real(change%point%steady%periods, dp)]
+            words(row, :) = [character(word) :: ways(way), change_name(change%point), &
+                             status_name(change%point(1)%steady%status), status_name(change%point(2)%steady%status)]
+          end associate
+        end do
+      end do
+    end do
+    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', values(:, 1))
+    call table%add_index('direction', '', 'of the slow run through the speeds', words(:, 1))
+    call table%add_index('change', '', 'which change of this run', nint(values(:, 2)))
+    call table%add_words('kind', 'doubling or halving of the period, or a jump to another motion; where there is no result '// &
+                         'before or after, the status there', words(:, 2))
+    call table%add('rpm_before', '1/min', 'speed of the pinion just before', values(:, 3))
+    call table%add('rpm_after', '1/min', 'speed of the pinion just after', values(:, 4))
+    call table%add('dynamic_factor_before', '', 'largest load of a pair over the static load, before', values(:, 5))
+    call table%add('dynamic_factor_after', '', 'largest load of a pair over the static load, after', values(:, 6))
+    call table%add_words('status_before', 'status of the motion before', words(:, 3))
+    call table%add_words('status_after', 'status of the motion after', words(:, 4))
+    call table%add('mesh_periods_before', '', 'mesh periods until the motion repeats, before', nint(values(:, 7)))
+    call table%add('mesh_periods_after', '', 'mesh periods until the motion repeats, after', nint(values(:, 8)))
+  end subroutine fill_changes
+
+  pure function factors_of(points) result(factors)
+    type(point_t), intent(in) :: points(2)
+    real(dp) :: factors(2)
+
+    factors = merge(points%dynamic_factor, ieee_value(1.0_dp, ieee_quiet_nan), has_result(points%steady%status))
+  end function factors_of
+
+  !> The change in a word.
+  pure function change_name(points) result(name)
+    type(point_t), intent(in) :: points(2)
+    character(word) :: name
+    integer :: k
+
+    associate (periods => points%steady%periods)
+      name = 'jump'
+      if (periods(1) == 2*periods(2)) name = 'halving'
+      if (periods(2) == 2*periods(1)) name = 'doubling'
+    end associate
+    do k = 1, 2
+      if (.not. has_result(points(k)%steady%status)) name = status_name(points(k)%steady%status)
+    end do
+  end function change_name
+
+  pure subroutine add_report(self, lines)
+    class(hysteresis_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer, parameter :: most = 20
+    integer :: i, way, k, n
+
+    call lines%add('')
+    call lines%add('Slow run up and down, '//str(size(self%rpm))//' speeds, '//str(minval(self%rpm))//' to '// &
+                   str(maxval(self%rpm))//' rpm')
+    call lines%add('   relief um   direction      at rpm     DF before      after   change')
+    n = 0
+    do i = 1, size(self%relief)
+      do way = 1, 2
+        do k = 1, size(self%branch(way, i)%change)
+          n = n + 1
+          if (n > most) cycle
+          associate (change => self%branch(way, i)%change(k), factor => factors_of(self%branch(way, i)%change(k)%point))
+            call lines%add(right(str(in_um(self%relief(i))), 12)//right(trim(ways(way)), 12)//right(str(change%rpm(1), 6), 12)// &
+                           right(fixed(factor(1), 4), 14)//right(fixed(factor(2), 4), 11)//'   '//trim(change_name(change%point)))
+          end associate
+        end do
+      end do
+    end do
+    call lines%add(left('Changes', 19)//str(n)//'; operating points without a result '//str(self%failed))
+  end subroutine add_report
+end module gearsweep_task_hysteresis

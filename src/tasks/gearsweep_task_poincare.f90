@@ -1,0 +1,189 @@
+!> The task `poincare`: the motion seen once a mesh period, and its largest Lyapunov exponent (see gearsweep_poincare).
+module gearsweep_task_poincare
+  use gearsweep_decimal, only: in_um
+  use gearsweep_error, only: code_input, code_memory, error_t, fail
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_poincare, only: sample_section, section_points_t
+  use gearsweep_reader, only: reader_t
+  use gearsweep_status, only: status_chaotic, status_chatter, status_name, status_stopped, status_unresolved
+  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: poincare_task_t
+
+  type, extends(task_t) :: poincare_task_t
+    integer :: settling = 500, kept = 400        !< mesh periods
+    logical :: at_rest = .true.                  !< the motion begins at rest under the static load
+    real(dp) :: start(2) = 0                     !< m, m/s
+    ! Result:
+    real(dp), allocatable :: rpm(:)
+    real(dp), allocatable :: relief(:)           !< m
+    type(section_points_t), allocatable :: strobe(:)     !< one for each relief
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, fill_table, add_report
+    procedure, private :: fill_points, fill_exponents
+  end type poincare_task_t
+
+  character(*), parameter :: group = 'poincare'
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t(group, needs='mesh reliefs motion losses speeds', tables='poincare lyapunov', &
+                       gives='the motion seen once a mesh period, and its largest Lyapunov exponent')
+  end subroutine describe
+
+  subroutine read_keys(self, reader, error)
+    class(poincare_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: far = 1e9_dp
+    character(*), parameter :: at_rest = 'at rest under the static load'
+    logical :: has(2)
+
+    call reader%add_group(group, 'The task poincare, over the speeds of &sweep or its own.')
+    call self%read_speeds(reader, group, error, order='in the order followed: at each further one the motion starts where '// &
+                          'it was at the one before')
+    call self%read_reliefs(reader, group, error)
+    call reader%get(group, 'settling_periods', self%settling, error, tasks=group, at_least=0, at_most=10**7, &
+                    meaning='mesh periods passed over at each speed')
+    call reader%get(group, 'kept_periods', self%kept, error, tasks=group, at_least=1, at_most=10**7, &
+                    meaning='mesh periods kept after them')
+    call reader%get(group, 'start_um', self%start(1), error, unit='um', given=has(1), tasks=group, at_least=-far, at_most=far, &
+                    otherwise=at_rest, meaning='dynamic transmission error to begin with, as of a motion in the table hysteresis')
+    call reader%get(group, 'start_mm_s', self%start(2), error, unit='mm/s', given=has(2), tasks=group, at_least=-far, &
+                    at_most=far, otherwise=at_rest, meaning='rate of the dynamic transmission error to begin with')
+    self%at_rest = .not. any(has)
+    if (has(1) .neqv. has(2)) call fail(error, code_input, '&poincare start_um, start_mm_s: give both or neither')
+  end subroutine read_keys
+
+  subroutine run(self, stages, error)
+    class(poincare_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    integer, allocatable :: which(:)
+    integer :: i
+
+    call self%list_speeds(stages, self%rpm)
+    call self%list_reliefs(stages, which)
+    self%relief = stages%amount(which)
+    call claim_memory(size(which)*size(self%rpm)*(24 + 16.0_dp*self%kept), '&poincare: '//str(size(self%rpm))//' speeds by '// &
+                      str(self%kept)//' kept periods', error)
+    if (allocated(error)) return
+    allocate (self%strobe(size(which)))
+    do i = 1, size(which)
+      associate (motion => stages%motion(which(i)), stop => stages%accuracy%steady%stop)
+        if (self%at_rest) then
+          call sample_section(motion, self%rpm, self%settling, self%kept, self%strobe(i), stop=stop)
+        else
+          call sample_section(motion, self%rpm, self%settling, self%kept, self%strobe(i), self%start, stop)
+        end if
+      end associate
+      if (self%strobe(i)%lacks) call fail(error, code_memory, '&poincare: the memory does not hold the motions')
+      if (allocated(error) .or. any(self%strobe(i)%status == status_stopped)) return
+      self%failed = self%failed + count(self%strobe(i)%status == status_unresolved .or. self%strobe(i)%status == status_chatter)
+    end do
+    self%is_done = .true.
+    self%log = 'poincare: '//str(size(which)*size(self%rpm))//' motions seen over '//str(self%kept)//' mesh periods each'
+  end subroutine run
+
+  pure subroutine fill_table(self, table, error)
+    class(poincare_task_t), intent(in) :: self
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (table%name == 'poincare') call self%fill_points(table, error)
+    if (table%name == 'lyapunov') call self%fill_exponents(table, error)
+  end subroutine fill_table
+
+  !> A row for each relief, speed and mesh period kept.
+  pure subroutine fill_points(self, table, error)
+    class(poincare_task_t), intent(in) :: self
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: seen(:, :)
+    integer :: i, n, m, each_speed
+
+    n = size(self%rpm)
+    m = size(self%relief)
+    call table%begin('the motion seen once a mesh period, as a new pair enters', m*n*self%kept, 7, error, &
+                     extent=[m, n, self%kept])
+    if (allocated(error)) return
+    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(self%relief), n*self%kept))
+    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(each(self%rpm, self%kept), m))
+    call table%add_index('period', '', 'which of the mesh periods kept', over_and_over([(i, i=1, self%kept)], m*n))
+    each_speed = n*self%kept
+    allocate (seen(m*each_speed, 2))
+    do i = 1, m
+      seen((i - 1)*each_speed + 1:i*each_speed, 1) = 1e6_dp*reshape(self%strobe(i)%x, [each_speed])
+      seen((i - 1)*each_speed + 1:i*each_speed, 2) = 1e3_dp*reshape(self%strobe(i)%v, [each_speed])
+    end do
+    call table%add('dte_um', 'um', 'dynamic transmission error; NaN where the motion was not followed', seen(:, 1))
+    call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error', seen(:, 2))
+  end subroutine fill_points
+
+  !> A row for each relief and speed.
+  pure subroutine fill_exponents(self, table, error)
+    class(poincare_task_t), intent(in) :: self
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: exponent(:)
+    integer, allocatable :: periods(:)
+    character(12), allocatable :: status(:)
+    integer :: i, k, n, m
+
+    n = size(self%rpm)
+    m = size(self%relief)
+    allocate (exponent(m*n), periods(m*n), status(m*n))
+    do i = 1, m
+      exponent((i - 1)*n + 1:i*n) = self%strobe(i)%exponent
+      periods((i - 1)*n + 1:i*n) = self%strobe(i)%periods
+      do k = 1, n
+        status((i - 1)*n + k) = status_name(self%strobe(i)%status(k))
+      end do
+    end do
+    call table%begin('how the motion seen once a mesh period goes on', m*n, 5, error, extent=[m, n])
+    if (allocated(error)) return
+    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(self%relief), n))
+    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(self%rpm, m))
+    call table%add('lyapunov_exponent', '', 'largest Lyapunov exponent, of a mesh period: the mean logarithm by which a '// &
+                   'disturbance grows, below 0 where the motion repeats and above 0 where it is chaotic', &
+                   exponent)
+    call table%add_words('status', 'ok, subharmonic, chaotic; aperiodic: neither repeats nor is surely chaotic within what '// &
+                         'was kept; unresolved, chatter', status)
+    call table%add('mesh_periods', '', 'mesh periods until the motion repeats; 0: it does not', periods)
+  end subroutine fill_exponents
+
+  pure subroutine add_report(self, lines)
+    class(poincare_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer :: i, at, status, n
+
+    call lines%add('')
+    call lines%add('Motion seen once a mesh period, '//str(size(self%rpm))//' speeds, '//str(self%kept)//' periods kept')
+    call lines%add('   relief um   largest Lyapunov exponent      at rpm   motions')
+    do i = 1, size(self%relief)
+      associate (strobe => self%strobe(i))
+        ! NaN is never the largest.
+        at = maxloc(strobe%exponent, 1, mask=strobe%exponent > -huge(1.0_dp))
+        call lines%put(right(str(in_um(self%relief(i))), 12))
+        if (at > 0) call lines%put(right(str(strobe%exponent(at), 4), 28)//right(str(self%rpm(at)), 12)//'  ')
+        if (at == 0) call lines%put(right('none', 28)//right('-', 12)//'  ')
+        do status = 0, status_stopped
+          n = count(strobe%status == status)
+          if (n > 0) call lines%put(' '//str(n)//' '//status_name(status))
+        end do
+        call lines%add('')
+      end associate
+    end do
+    if (any([(self%strobe(i)%status == status_chaotic, i=1, size(self%relief))])) call lines%add(left('', 19)// &
+      'chaotic: disturbances keep growing')
+  end subroutine add_report
+end module gearsweep_task_poincare

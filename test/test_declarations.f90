@@ -1,0 +1,234 @@
+!> What a case can say follows from the declarations of its keys: the help, cases to begin with, and the tables of
+!> doc/case.md.
+module test_declarations
+  use gearsweep_case, only: case_t, list_task_names
+  use gearsweep_case_reader, only: list_keys, read_case
+  use gearsweep_describe, only: describe, help_on, write_key_table
+  use gearsweep_error, only: code_input, error_t
+  use gearsweep_files, only: read_text
+  use gearsweep_keys, only: keys_t
+  use gearsweep_new_case, only: write_new_case
+  use gearsweep_task, only: task_length
+  use gearsweep_units, only: is_unit
+  use testing, only: check_equal, check_error, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run, write_page
+
+  character, parameter :: lf = new_line('a')
+  character(*), parameter :: page = 'doc/case.md', begins = '<!-- keys of ', ends = '<!-- end of keys -->'
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    if (t%wants('every_key')) call every_key(t)
+    if (t%wants('help')) call help(t)
+    if (t%wants('descriptions')) call descriptions(t)
+    if (t%wants('new_cases')) call new_cases(t)
+    if (t%wants('reference')) call reference(t)
+  end subroutine run
+
+  subroutine every_key(t)
+    type(tally_t), intent(inout) :: t
+    type(keys_t) :: keys
+    character(:), allocatable :: name, allowed
+    integer :: i
+
+    call list_keys([character(task_length) ::], keys)
+    call check_true(t, 'there are keys', keys%known > 80)
+    do i = 1, keys%known
+      associate (key => keys%key(i))
+        name = '&'//trim(key%group)//' '//trim(key%name)
+        call check_true(t, name//': a meaning', len(key%meaning) > 8)
+        call check_true(t, name//': a unit of the list', is_unit(key%unit))
+        call check_true(t, name//': a group of the list', any(keys%groups%name == key%group))
+        call key%list_allowed(allowed)
+        call check_true(t, name//': what is allowed', len(allowed) > 3)
+        call check_true(t, name//': a default, or what holds without', allocated(key%default) .or. len(key%otherwise) > 0 .or. &
+                        key%is_required .or. key%is_one_of)
+      end associate
+    end do
+  end subroutine every_key
+
+  !> Every name gets help; a misspelt one is told the closest.
+  subroutine help(t)
+    type(tally_t), intent(inout) :: t
+    type(keys_t) :: keys
+    type(error_t), allocatable :: error
+    character(:), allocatable :: text
+    integer :: i
+
+    call list_keys([character(task_length) ::], keys)
+    do i = 1, keys%known
+      associate (key => keys%key(i))
+        call help_on(trim(key%group)//' '//trim(key%name), text, error)
+        call check_no_error(t, 'help on a key', error)
+        if (.not. allocated(error)) call check_true(t, 'help on &'//trim(key%group)//' '//trim(key%name), &
+          index(text, '&'//trim(key%group)//' '//trim(key%name)//lf) == 1)
+      end associate
+    end do
+    do i = 1, size(keys%groups)
+      call help_on('&'//trim(keys%groups(i)%name), text, error)
+      call check_no_error(t, 'help on a group', error)
+      call check_true(t, 'help on &'//trim(keys%groups(i)%name), index(text, 'group &'//trim(keys%groups(i)%name)//lf) > 0)
+    end do
+    call help_on('optimum', text, error)
+    call check_true(t, 'help on a task', index(text, 'task optimum'//lf) == 1)
+    call help_on('damping_ratio', text, error)
+    call check_true(t, 'the default', index(text, 'default   0.17'//lf) > 0)
+    call check_true(t, 'the bounds', index(text, 'allowed   0 to 1000'//lf) > 0)
+    call help_on('rim_m', text, error)
+    call check_error(t, 'a misspelt key', error, 'rim_m: no such task, group or key (did you mean rim_mm?)')
+    deallocate (error)
+    call help_on('section rim', text, error)
+    call check_error(t, 'a misspelt key of a group', error, '&section rim: unknown key (did you mean rim_mm?)')
+    deallocate (error)
+    call help_on('sectio rim_mm', text, error)
+    call check_error(t, 'a misspelt group', error, '&sectio: unknown group (did you mean &section?)')
+  end subroutine help
+
+  subroutine descriptions(t)
+    type(tally_t), intent(inout) :: t
+    type(error_t), allocatable :: error
+    character(:), allocatable :: text
+
+    call describe('key dynamics damping_ratio', text, error)
+    call check_no_error(t, 'a key in JSON', error)
+    call check_equal(t, 'a key in JSON', text(:index(text, ', "tasks"') - 1), &
+                     '{"group": "dynamics", "name": "damping_ratio", "unit": "", "kind": "number", "list": false, '// &
+                     '"required": false, "one_of": false, "default": "0.17", "otherwise": "", "allowed": "0 to 1000", '// &
+                     '"low": 0, "low_is_allowed": true, "high": 1000, "high_is_allowed": true, "words": []')
+    call describe('taks', text, error)
+    call check_error(t, 'what cannot be described', error, 'taks: cannot be described (did you mean tasks?)')
+  end subroutine descriptions
+
+  !> For every task and for all together: read without a word of unused keys once the required ones are filled.
+  subroutine new_cases(t)
+    type(tally_t), intent(inout) :: t
+    character(task_length), allocatable :: names(:)
+    character(:), allocatable :: text
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call list_task_names(names)
+    do i = 1, size(names)
+      call check_new(names(i:i), trim(names(i)))
+    end do
+    call check_new(names, 'all')
+    call write_new_case(['sweeep'], text, error)
+    call check_error(t, 'a misspelt task', error, 'sweeep: no such task (did you mean sweep?)')
+    deallocate (error)
+    call write_new_case([character(8) ::], text, error)
+    call check_error(t, 'no task', error, 'name at least one task; the tasks are geometry, ')
+
+  contains
+
+    subroutine check_new(tasks, name)
+      character(*), intent(in) :: tasks(:), name
+      type(case_t) :: case
+      integer :: k
+
+      call write_new_case(tasks, text, error)
+      call check_no_error(t, 'a new case for '//name, error)
+      call read_case(text, case, error)
+      call check_true(t, 'required keys are missing: '//name, allocated(error))
+      if (allocated(error)) then
+        call check_true(t, 'as an error says: '//name, error%code == code_input .and. index(error%message, ': missing; ') > 0)
+        deallocate (error)
+      end if
+      call read_case(filled(text), case, error)
+      call check_no_error(t, 'a new case with the required keys: '//name, error)
+      if (allocated(error)) return
+      call check_equal(t, 'all of its keys are used: '//name, case%unused, '')
+      do k = 1, size(tasks)
+        call check_true(t, 'its tasks are those asked for: '//name, case%asks(trim(tasks(k))))
+      end do
+    end subroutine check_new
+  end subroutine new_cases
+
+  !> With values for the keys that are marked as required, of the load for the first.
+  function filled(text) result(case)
+    character(*), intent(in) :: text
+    character(:), allocatable :: case, line, key
+    integer :: from, until
+    logical :: loaded
+
+    case = ''
+    loaded = .false.
+    from = 1
+    do while (from <= len(text))
+      until = from + index(text(from:), lf) - 2
+      line = text(from:until)
+      from = until + 2
+      if (index(line, '! REQUIRED') > 0 .and. .not. (loaded .and. index(line, 'one of these') > 0)) then
+        loaded = loaded .or. index(line, 'one of these') > 0
+        key = trim(adjustl(line(:index(line, '=') - 1)))
+        select case (key)
+        case ('teeth')
+          line = 'teeth = 25'
+        case ('rpm_first')
+          line = key//' = 5000'
+        case ('rpm_last', 'load_rpm')
+          line = key//' = 6000'
+        case ('rpm_step')
+          line = key//' = 500'
+        case ('module_mm')
+          line = key//' = 3'
+        case default
+          line = key//' = 20'
+        end select
+      end if
+      case = case//line//lf
+    end do
+  end function filled
+
+  !> The page's tables of keys are those that follow from the declarations.
+  subroutine reference(t)
+    type(tally_t), intent(inout) :: t
+    character(:), allocatable :: text, fresh
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call read_text(page, text, error)
+    call check_no_error(t, 'the page', error)
+    if (allocated(error)) return
+    call refresh(text, fresh)
+    call check_true(t, 'the page has tables of keys', count([(text(i:i + len(begins) - 1) == begins, &
+                                                              i=1, len(text) - len(begins))]) > 15)
+    call check_true(t, page//' is up to date; build/run/check-release reference prints it anew', text == fresh)
+  end subroutine reference
+
+  !> Prints the page with its tables made anew.
+  subroutine write_page()
+    character(:), allocatable :: text, fresh
+    type(error_t), allocatable :: error
+
+    call read_text(page, text, error)
+    if (allocated(error)) error stop error%message
+    call refresh(text, fresh)
+    write (*, '(a)', advance='no') fresh
+  end subroutine write_page
+
+  !> Replaces what stands between the marks `<!-- keys of GROUP -->` and `<!-- end of keys -->`.
+  subroutine refresh(text, fresh)
+    character(*), intent(in) :: text
+    character(:), allocatable, intent(out) :: fresh
+    character(:), allocatable :: table
+    integer :: from, at, behind
+
+    fresh = ''
+    from = 1
+    do
+      at = index(text(from:), begins)
+      if (at == 0) exit
+      at = from + at - 1 + len(begins)
+      behind = at + index(text(at:), ' ') - 1
+      call write_key_table(text(at:behind - 1), table)
+      fresh = fresh//text(from:behind)//'-->'//lf//table
+      from = at + index(text(at:), ends) - 1
+    end do
+    fresh = fresh//text(from:)
+  end subroutine refresh
+end module test_declarations
