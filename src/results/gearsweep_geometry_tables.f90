@@ -116,9 +116,8 @@ contains
                      'action: not in the motion', [micro*study%load*mesh%disc%turn])
       call table%add('body_coupling_um', 'um', 'what neighbouring teeth share beyond that: in the stiffness of each pair', &
                      [micro*study%load*mesh%disc%shared])
-      if (.not. case%needs_motion()) return
-      call table%add('damping_ratio', '', 'as in the case', [case%damping_ratio])
-      call table%add('friction', '', 'friction coefficient, as in the case', [case%friction])
+      if (case%needs('losses')) call table%add('damping_ratio', '', 'as in the case', [case%damping_ratio])
+      if (case%needs('motion')) call table%add('friction', '', 'friction coefficient, as in the case', [case%friction])
     end associate
   end subroutine motion_table
 end module gearsweep_geometry_tables
