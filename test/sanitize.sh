@@ -34,11 +34,8 @@ part() {
 }
 
 libraries="-lopenblas -ldmumps_seq -larpack -lgomp -lgfortran -lm -lpthread"
-# caller NAME [SOURCE]: test/callers/NAME, with another source linked before the library.
-caller() {
-  gcc $sanitize_c_flags -std=gnu99 -I"$root/include" "$root/test/callers/$1.c" ${2:+"$root/test/callers/$2"} \
-    -o "$work/$1" "$library" $libraries
-}
+# caller NAME: test/callers/NAME.
+caller() { gcc $sanitize_c_flags -std=gnu99 -I"$root/include" "$root/test/callers/$1.c" -o "$work/$1" "$library" $libraries; }
 legacy() { gfortran $sanitize_c_flags "$root/test/callers/$1.f" -o "$work/$1" "$library" $libraries; }
 # For those that read a case: all tasks.
 cat >"$work/case.nml" <<'END'
@@ -51,12 +48,10 @@ run() { "./$1" <case.nml; }
 
 calls=2500
 [ "${1-}" != --short ] || calls=250
-for door in '' fortran77.c; do
-  part "spoilt calls $door: build" "$work" caller fuzz $door
-  part "spoilt calls $door" "$work" ./fuzz . $calls
-done
+part 'spoilt calls: build' "$work" caller fuzz
+part 'spoilt calls' "$work" ./fuzz . $calls
 if [ "${1-}" != --short ]; then
-  for name in border design results; do
+  for name in design results; do
     part "C: $name: build" "$work" caller "$name"
     part "C: $name" "$work" run "$name"
   done

@@ -31,6 +31,7 @@ contains
 
     if (t%wants('columns')) call test_columns(t)
     if (t%wants('earlier')) call test_earlier(t)
+    if (t%wants('threads')) call test_threads(t)
     if (t%wants('texts')) call test_texts(t)
     if (t%wants('refusals')) call test_refusals(t)
     if (t%wants('edit')) call test_edit(t)
@@ -147,6 +148,57 @@ contains
       call gs_free(later)
     end subroutine try
   end subroutine test_earlier
+
+  !> Four threads at once: each runs a case of its own from a study that all read, and reads that study.
+  subroutine test_threads(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: threads = 4
+    character(*), parameter :: relief(threads) = [character(2) :: '0', '5', '10', '20']
+    integer(int64) :: study
+    character(3000) :: alone(threads), found(threads)
+    character(200) :: message
+    integer :: watch(3), info, i
+
+    watch = 0
+    study = 0
+    call gs_run(text, '', 1, none, watch, '', '', study, info, message)
+    do i = 1, threads
+      call look(study, relief(i), alone(i))
+    end do
+    !$omp parallel do default(none) shared(study, found) num_threads(threads) schedule(static, 1)
+    do i = 1, threads
+      call look(study, relief(i), found(i))
+    end do
+    !$omp end parallel do
+    call check_true(t, 'four threads at once find what each finds alone', all(found == alone) .and. all(len_trim(alone) > 1000))
+    call check_true(t, 'and each its own', found(1) /= found(2) .and. found(2) /= found(3))
+    call gs_free(study)
+  end subroutine test_threads
+
+  !> The report of a case with another relief, and two columns: of its own study and of the one that it starts from.
+  subroutine look(study, relief, found)
+    integer(int64), intent(in) :: study
+    character(*), intent(in) :: relief
+    character(*), intent(out) :: found
+    character(3000) :: changed
+    character(200) :: message
+    integer(int64) :: own
+    real(dp) :: values(8)
+    integer :: watch(3), length, info
+
+    found = ''
+    watch = 0
+    own = 0
+    call gs_edit('change', text, 'relief', 'amount_um', relief, changed, length, info, message)
+    if (info == code_ok) call gs_run(changed(:length), '', 1, study, watch, '', '', own, info, message)
+    if (info == code_ok) call gs_text(own, 'report', found, length, info, message)
+    if (info == code_ok) call gs_column(own, 'sweep', 'dynamic_factor', 8, values, info, message)
+    if (info == code_ok) write (found(length + 1:), '(4z17)') values(:4)
+    if (info == code_ok) call gs_column(study, 'sweep', 'dynamic_factor', 8, values, info, message)
+    if (info == code_ok) write (found(length + 69:), '(8z17)') values
+    if (info /= code_ok) found = message
+    call gs_free(own)
+  end subroutine look
 
   subroutine test_texts(t)
     type(tally_t), intent(inout) :: t

@@ -1,7 +1,7 @@
 !> Geometry against closed forms and brute force, for equal and unequal flanks, shifted and spread gears:
 !> radii, the path of contact, backlash, the outline as the rack cuts it.
 module test_closed_geometry
-  use gearsweep_calls, only: gs_outline
+  use gearsweep_old_calls, only: gs_outline
   use gearsweep_contour, only: tooth_contour
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear

@@ -1,7 +1,7 @@
 !> Stress and rating against Hooke's law, brute force on the outline, and the whole stress field beside the fillet's.
 module test_closed_stress
   use gearsweep_body, only: body_t, make_body
-  use gearsweep_calls, only: gs_stress
+  use gearsweep_old_calls, only: gs_stress
   use gearsweep_contour, only: tooth_contour
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear

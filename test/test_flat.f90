@@ -1,7 +1,7 @@
 !> The flat layer under run-time checks: sizes, what is refused, what is left alone, messages.
 module test_flat
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_calls
+  use gearsweep_old_calls
   use gearsweep_error, only: code_file, code_input, code_ok
   use gearsweep_kinds, only: dp
   use gearsweep_text, only: str
@@ -40,7 +40,6 @@ contains
     type(tally_t), intent(inout) :: t
     character(200) :: message
     character(6) :: short
-    character(5) :: version
     integer :: n(10), info
 
     n = -7
@@ -54,8 +53,6 @@ contains
     call check_equal(t, 'sizes', info, code_ok)
     call check_true(t, 'no message', message == '')
     call check_true(t, 'speeds, reliefs, modes', all(n([1, 2, 6]) == [4, 2, 3]))
-    call gs_version(version, info, message)
-    call check_true(t, 'version', info == code_ok .and. index(version, '.') > 0)
   end subroutine test_messages
 
   subroutine test_geometry_call(t)

@@ -145,7 +145,7 @@ end subroutine gs_report
 !> where a file cannot be written.
 subroutine gs_files(text, folder, nwork, work, threads, out, name, room, values, used, names, answer, length, stages, &
                     files, info, message)
-  use gearsweep_calls, only: gs_all
+  use gearsweep_old_calls, only: gs_all
   implicit none
   character(*), intent(in) :: text, folder, out, name
   integer, intent(in) :: nwork, threads, room

@@ -30,38 +30,45 @@ contains
         call our_value(study, rows(i)%quantity, ours(i), known)
         if (.not. known) ours(i) = no_number()
       end do
-      call table%add_index('quantity', '', 'what is printed', words_of(rows, 'quantity'))
-      call table%add_words('place', 'where it is printed', words_of(rows, 'place'))
+      call add_field(table, rows, 'quantity', 'what is printed', is_index=.true.)
+      call add_field(table, rows, 'place', 'where it is printed', is_index=.false.)
       call table%add('printed', '', 'the printed value, in the unit of its row', [rows%printed])
       call table%add('ours', '', 'our value; NaN where the tasks do not compute it', ours)
       call table%add('deviation', '', 'ours over the printed value, less 1', ours/rows%printed - 1)
-      call table%add_words('unit', 'of both values', words_of(rows, 'unit'))
-      call table%add_words('status', 'of the inputs: stated, inferred, fitted or not reproducible', words_of(rows, 'status'))
-      call table%add_words('reason', 'for the status', words_of(rows, 'reason'))
+      call add_field(table, rows, 'unit', 'of both values', is_index=.false.)
+      call add_field(table, rows, 'status', 'of the inputs: stated, inferred, fitted or not reproducible', is_index=.false.)
+      call add_field(table, rows, 'reason', 'for the status', is_index=.false.)
     end associate
   end subroutine published_table
 
-  !> One field of all rows, padded to one length.
-  pure function words_of(rows, field) result(words)
+  !> Adds one field of all rows; as an index where `is_index`. No function with a length of its own: callers at once would
+  !> share that.
+  pure subroutine add_field(table, rows, field, meaning, is_index)
+    type(table_t), intent(inout) :: table
     type(published_t), intent(in) :: rows(:)
-    character(*), intent(in) :: field
-    character(:), allocatable :: words(:)
+    character(*), intent(in) :: field, meaning
+    logical, intent(in) :: is_index
+    character(:), allocatable :: words(:), word
     integer :: i, longest
 
     longest = 1
     do i = 1, size(rows)
-      longest = max(longest, len(word_of(rows(i), field)))
+      call take_word(rows(i), field, word)
+      longest = max(longest, len(word))
     end do
     allocate (character(longest) :: words(size(rows)))
     do i = 1, size(rows)
-      words(i) = word_of(rows(i), field)
+      call take_word(rows(i), field, word)
+      words(i) = word
     end do
-  end function words_of
+    if (is_index) call table%add_index(field, '', meaning, words)
+    if (.not. is_index) call table%add_words(field, meaning, words)
+  end subroutine add_field
 
-  pure function word_of(row, field) result(word)
+  pure subroutine take_word(row, field, word)
     type(published_t), intent(in) :: row
     character(*), intent(in) :: field
-    character(:), allocatable :: word
+    character(:), allocatable, intent(out) :: word
 
     select case (field)
     case ('quantity')
@@ -75,5 +82,5 @@ contains
     case default
       word = row%reason
     end select
-  end function word_of
+  end subroutine take_word
 end module gearsweep_published_table

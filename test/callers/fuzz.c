@@ -1,9 +1,9 @@
 /* Spoilt calls by several threads at once: random texts and sizes, the same ones each time. A call may refuse,
    but then says why and leaves the results as they were; whatever it does, it touches nothing beyond what it was
-   given, and good calls among them and afterwards give the same bits as before. Prints what fails, then
-   `N passed, N failed`. With fortran77.c linked before the library, the calls are those of Fortran 77.
+   given, and good calls among them and afterwards, afresh or from a study that all callers read, give the same bits as
+   before. Prints what fails, then `N passed, N failed`.
 
-     fuzz FOLDER [calls]   as many with spoilt texts, and a tenth of that with spoilt sizes; files go to FOLDER */
+     fuzz FOLDER [calls]   as many with spoilt texts, and a tenth of that with other spoilt calls; files go to FOLDER */
 #include <limits.h>
 #include <pthread.h>
 #include <stdint.h>
@@ -12,7 +12,7 @@
 #include <string.h>
 #include <gearsweep.h>
 
-enum { MARK = 0xA5, GUARD = 64, LONGEST = 3000, CALLERS = 3 };
+enum { MARK = 0xA5, GUARD = 64, LONGEST = 3000, CALLERS = 4 };
 
 /* --- chance ----------------------------------------------------------------------- */
 
@@ -141,199 +141,124 @@ static void judge(int which, int info)
   check("what is refused leaves the results", which, info, whole);
 }
 
-/* --- spoilt texts -------------------------------------------------------------------- */
+/* --- spoilt calls -------------------------------------------------------------------- */
+
+static gsc_study *shared;                 /* read by all callers at once */
+static int rows, longest_row;
+static const char *folder;
+
+/* A text of its own, as long as it is, so that reading on would be noticed. */
+static char *own(const char *from, size_t n)
+{
+  char *text = malloc(n + 1);
+  if (!text) exit(1);
+  memcpy(text, from, n);
+  return text;
+}
 
 static void spoilt_text(void)
 {
-  char buffer[LONGEST + 100];
+  char buffer[LONGEST + 100], group[8], key[8], value[30];
   size_t n = spoil(buffer), length = 0;
-  char *text = malloc(n + 1); /* as long as it is, so that reading on would be noticed */
-  if (!text) exit(1);
-  memcpy(text, buffer, n);
-  int points, info = -1, which = (int)below(7), much = (int)below(20000);
-  char group[8], key[8], value[30];
+  char *text = own(buffer, n);
+  int info = -1, which = (int)below(4), much = (int)below(20000);
+  gsc_study *study = NULL;
   switch (which) {
-    case 0: info = gsc_geometry(text, n, D(12), D(5), D(10), D(1), D(2), D(1), D(1), D(1), message, words_room()); break;
-    case 1: info = gsc_complete(text, n, fresh(much, 1), much, &length, message, words_room()); break;
+    case 0: info = gsc_edit("complete", text, n, NULL, NULL, NULL, fresh(much, 1), much, &length, message, words_room()); break;
+    case 1: info = gsc_edit("unused", text, n, NULL, NULL, NULL, fresh(much, 1), much, &length, message, words_room()); break;
     case 2: /* what is to be changed is spoilt, too */
       snprintf(group, sizeof group, "%s", below(2) ? "sweep" : ANY(words));
       snprintf(key, sizeof key, "%s", below(2) ? "rpm" : ANY(words));
       snprintf(value, sizeof value, "%s", below(2) ? ANY(values) : ANY(words));
-      info = gsc_change(text, n, group, key, value, fresh(much, 1), much, &length, message, words_room());
+      info = gsc_edit("change", text, n, group, key, value, fresh(much, 1), much, &length, message, words_room());
       break;
-    case 3: info = gsc_outline(text, n, (int)below(4), much / 8, &points, D(much / 8), D(much / 8), message, words_room()); break;
-    case 4: info = gsc_unused(text, n, fresh(much, 1), much, &length, message, words_room()); break;
-    default: info = gsc_sizes(text, n, below(9) ? NULL : "no/folder", I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1), I(1),
-                              message, words_room());
+    default: /* a run that reads no file and computes nothing: it has no such checkpoint */
+      info = gsc_run(text, n, below(9) ? NULL : "no/folder", 1, below(2) ? shared : NULL, NULL, "no/checkpoint", NULL, &study,
+                     message, words_room());
+      check("a refused run makes no study", which, info, study == NULL);
   }
   free(text);
   judge(which, info);
 }
-
-/* --- spoilt sizes ------------------------------------------------------------------------ */
-
-static int speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, nwork;
-static double *good;
-static const char *folder;
 
 static int some_size(int right)
 {
   int sizes[] = {right, right, right, right + 1, right + 7, right - 1, 1, 0, -1, INT_MIN};
   return ANY(sizes);
 }
-
-/* For an array's last size, which may be said to be any. */
-static int last_size(int right) { return below(6) ? some_size(right) : INT_MAX; }
 static long held(int size, int right) { return size < right + 8 ? size : right + 8; }
-static long most(int size) { return size > 0 ? size : 0; }
 
-/* For an array that is read: no more than there is. */
-static int few(int right)
+static void spoilt_call(void)
 {
-  int sizes[] = {right, right, right, right - 1, 0, -1, INT_MIN};
-  return ANY(sizes);
-}
-
-static const double odd[] = {0, -1, 1e308, -1e-308, 2.5, 1e9};
-
-/* Work with a number spoilt, or none of it. */
-static double *some_work(int *n)
-{
-  double *work;
-  int sizes[] = {nwork, nwork, nwork, 0, 0, nwork - 1, 1, -1, INT_MIN};
-  *n = ANY(sizes);
-  work = malloc(sizeof *work * (size_t)(*n > 0 ? *n : 1));
-  if (!work) exit(1);
-  if (*n > 0) memcpy(work, good, sizeof *work * (size_t)*n);
-  if (*n > 0 && below(3) == 0) work[below(below(2) ? 4 : (unsigned)*n) % (unsigned)*n] = below(5) ? ANY(odd) : 0.0 / (work[0] - work[0]);
-  return below(20) ? work : (free(work), NULL);
-}
-
-static void spoilt_size(void)
-{
-  static const int some_threads[] = {1, 1, 1, 2, 0, -1, 1025, INT_MAX, INT_MIN};
-  const char *t = geared;
-  size_t length = strlen(t), answer_length = 0;
-  int n, a, b, c, info = -1, found, which = 10 + (int)below(18), threads = ANY(some_threads);
-  double *w = some_work(&n);
-  long x, y, z;
+  static const char *const tables[] = {"sweep", "sweep", "sweep", "mesh", "swep", "", "\xff", "a table with a very long name"};
+  static const char *const columns[] = {"dynamic_factor", "dynamic_factor", "status", "rpm", "rmp", "", "\n", "*"};
+  static const char *const kinds[] = {"report", "log", "tables", "case", "logs", "", "\x01"};
+  static const int some_threads[] = {1, 1, 2, 0, -1, 1025, INT_MAX, INT_MIN};
+  const gsc_study *study = below(12) ? shared : NULL;
+  gsc_study *made = NULL;
+  size_t length = 0;
+  int a, info = -1, which = 10 + (int)below(7);
+  char name[20];
   switch (which) {
-    case 10: a = last_size(nwork), info = gsc_prepare(t, length, NULL, a, D(held(a, nwork)), message, words_room()); break;
-    case 11: info = gsc_motion(t, length, n, w, D(1), D(2), D(1), D(1), D(1), D(1), message, words_room()); break;
+    case 10: a = (int)below(20000), info = gsc_text(study, ANY(kinds), fresh(a, 1), a, &length, message, words_room()); break;
+    case 11: info = gsc_size(study, ANY(tables), ANY(columns), I(1), I(1), I(1), message, words_room()); break;
     case 12:
-      a = last_size(rows), x = held(a, rows);
-      info = gsc_mesh(t, length, n, w, a, D(x), D(x), D(x), D(x), D(x), D(x), D(x), message, words_room());
+      a = below(6) ? some_size(rows) : INT_MAX;
+      info = gsc_column(study, ANY(tables), ANY(columns), a, D(held(a, rows)), message, words_room());
       break;
-    case 13:
-      a = last_size(700), x = held(a, 10000);
-      info = gsc_load(t, length, n, w, a, &found, D(x), D(x), D(x), D(x), D(x), I(x), I(x), I(x), message, words_room());
-      break;
-    case 14:
-      a = some_size(speeds), b = last_size(reliefs), y = held(b, reliefs), z = most(a) * y;
-      info = gsc_sweep(t, length, n, w, threads, a, b, D(a), D(y), D(z), D(z), I(z), I(z), D(z), D(z), I(z), I(z), message,
-                       words_room());
+    case 13: a = (int)below(30), info = gsc_words(study, ANY(tables), ANY(columns), some_size(longest_row), fresh(a, 1), a, message,
+                                                  words_room()); break;
+    case 14: /* the list is refused where it does not fit, the files are written */
+      sprintf(name, "%s%d", below(4) ? "case" : "no/folder/", number), a = (int)below(6000);
+      info = gsc_write(study, below(4) ? folder : "/dev/null/none", name, fresh(a, 1), a, &length, message, words_room());
       break;
     case 15:
-      a = last_size(tried), x = held(a, tried);
-      info = gsc_optimum(t, length, n, w, threads, a, I(1), D(x), D(x), D(x), I(x), D(1), D(1), D(1), D(1), message, words_room());
+      info = gsc_run(below(20) ? geared : NULL, below(20) ? strlen(geared) : (size_t)-1, NULL, ANY(some_threads),
+                     below(2) ? shared : NULL, NULL, NULL, NULL, below(20) ? &made : NULL, message, words_room());
+      check("a study where there is one", which, info, (info == GSC_OK) == (made != NULL));
+      gsc_free(&made), gsc_free(&made);
       break;
-    case 16:
-      a = last_size(modes), b = below(2) ? 0 : some_size(nodes), x = held(a, modes);
-      info = gsc_modes(t, length, a, b, D(x), D(x), D(x), D(x), D(2 * most(b) * x), message, words_room());
-      break;
-    case 17:
-      a = some_size(nodes), b = last_size(elements), y = held(b, elements);
-      info = gsc_section(t, length, a, b, D(a), D(a), I(8 * y), I(y), message, words_room());
-      break;
-    case 18:
-      a = some_size(positions), b = last_size(reliefs), y = held(b, reliefs), z = most(a) * y;
-      info = gsc_root(t, length, n, w, a, b, D(y), D(a), D(a), D(z), D(2 * z), D(6 * z), D(y), D(y), D(y), D(y), D(y), D(1),
-                      D(1), message, words_room());
-      break;
-    case 19:
-      a = last_size(nodes), x = held(a, nodes);
-      info = gsc_stress(t, length, n, w, some_size(positions), some_size(reliefs), a, D(1), D(1), D(1), D(1), D(3 * x), message,
-                        words_room());
-      break;
-    case 20: a = (int)below(6000), info = gsc_report(t, length, NULL, n, w, threads, fresh(a, 1), a, &answer_length, message,
-                                                     words_room()); break;
-    case 21: {
-      double curve[2][6] = {{1, 2, 3, 4, 5, 6}, {1, 3, 1, 0.0 / (speeds - speeds), 1, 1e308}};
-      a = some_size(5), a = a > 6 ? 6 : a;
-      info = gsc_resonances(a, curve[0], curve[below(2)], I(1), D(5), D(5), message, words_room());
-      break;
-    }
-    case 22:
-      a = some_size(harmonics), b = last_size(reliefs), y = held(b, reliefs), z = most(a) * y;
-      info = gsc_harmonics(t, length, n, w, a, b, D(y), D(y), D(y), D(y), D(z), D(z), D(y), message, words_room());
-      break;
-    case 23: { /* the texts are cut, not refused */
-      char name[20];
-      sprintf(name, "%s%d", below(4) ? "case" : "no/folder/", number);
-      a = (int)below(6000), b = (int)below(400);
-      info = gsc_files(t, length, NULL, n, w, threads, below(4) ? folder : "/dev/null/none", name, fresh(a, 1), a,
-                       &answer_length, fresh(b, 1), b, fresh(b, 1), b, message, words_room());
-      break;
-    }
-    case 24: {
-      double rpm[3] = {3000, 6000, 9000}, damping_ratio[2] = {0.02, 0.1};
-      if (below(4) == 0) rpm[below(3)] = ANY(odd);
-      if (below(4) == 0) damping_ratio[below(2)] = ANY(odd);
-      a = few(3), b = few(2), c = below(9) ? few(1) : 101, y = most(a) * most(b), z = most(c);
-      info = gsc_stability(t, length, n, w, a, rpm, b, damping_ratio, c, D(y), I(y), D(z), D(z), D(2 * most(b) * z), message,
-                           words_room());
-      break;
-    }
-    case 25: {
-      double rpm[3] = {3000, 6000, 9000};
-      if (below(4) == 0) rpm[below(3)] = ANY(odd);
-      a = few(3), b = few(2), x = most(a), y = 2 * most(b);
-      info = gsc_follow(t, length, n, w, some_size(1), a, rpm, below(5) ? 0.02 : ANY(odd), below(5) ? 1e-3 : ANY(odd), b, &found,
-                        D(y), D(y), I(y), I(y), D(x), D(x), I(x), I(x), D(x), I(x), D(x), D(x), message, words_room());
-      break;
-    }
-    case 26: {
-      double rpm[3] = {3000, 6000, 9000};
-      if (below(4) == 0) rpm[below(3)] = ANY(odd);
-      a = few(3), b = few(9), x = most(a), y = x * most(b);
-      info = gsc_strobe(t, length, n, w, some_size(1), a, rpm, below(2) ? 8 : ANY(odd), below(2) ? 0 : ANY(odd), some_size(9), b, D(y),
-                        D(y), D(x), I(x), I(x), message, words_room());
-      break;
-    }
     default: a = (int)below(10), info = gsc_version(fresh(a, 1), a, message, words_room());
   }
-  free(w);
   judge(which, info);
 }
 
 /* --- a good call --------------------------------------------------------------------------- */
 
-static int ready(void)
-{
-  int info = gsc_sizes(geared, strlen(geared), NULL, &speeds, &reliefs, &rows, &tried, &positions, &modes, &nodes, &elements,
-                       &harmonics, &nwork, message, sizeof message);
-  good = malloc(sizeof *good * (size_t)(nwork > 0 ? nwork : 1));
-  return info == GSC_OK && good && gsc_prepare(geared, strlen(geared), NULL, nwork, good, message, sizeof message) == GSC_OK;
-}
-
-enum { LONGEST_ANSWER = 20000 };
+enum { LONGEST_ANSWER = 40000 };
 static char before[LONGEST_ANSWER];
 
-static void answer(char *text)
+/* Runs the case and takes its report and a column. */
+static void answer(char *text, const gsc_study *earlier)
 {
-  size_t length = 0, size = LONGEST_ANSWER;
-  memset(text, 0, size);
-  int info = gsc_report(geared, strlen(geared), NULL, 0, NULL, 1, text, size, &length, message, sizeof message);
+  size_t length = 0;
+  gsc_study *study = NULL;
+  memset(text, 0, LONGEST_ANSWER);
+  int info = gsc_run(geared, strlen(geared), NULL, 1, earlier, NULL, NULL, NULL, &study, message, sizeof message);
+  if (info == GSC_OK) info = gsc_text(study, "report", text, LONGEST_ANSWER / 2, &length, message, sizeof message);
+  if (info == GSC_OK) info = gsc_column(study, "sweep", "dynamic_factor", rows, (double *)(text + LONGEST_ANSWER / 2), message,
+                                        sizeof message);
   check("a good call succeeds", 0, info, info == GSC_OK && length == strlen(text));
+  gsc_free(&study);
 }
 
 static void same_answer(void)
 {
   char *now = malloc(LONGEST_ANSWER);
   if (!now) exit(1);
-  answer(now);
+  answer(now, below(2) ? shared : NULL);
   check("the same answer as before", 0, 0, memcmp(before, now, LONGEST_ANSWER) == 0);
   free(now);
+}
+
+static int ready(void)
+{
+  int kind, width;
+  if (gsc_run(geared, strlen(geared), NULL, 1, NULL, NULL, NULL, NULL, &shared, message, sizeof message)) return 0;
+  if (gsc_size(shared, "sweep", "dynamic_factor", &rows, &kind, &width, message, sizeof message)) return 0;
+  longest_row = rows - 1;
+  answer(before, NULL);
+  return 1;
 }
 
 typedef struct { pthread_t thread; long calls; int number, passed, failed; } caller_t;
@@ -344,7 +269,7 @@ static void *caller(void *argument)
   state += (uint64_t)(number = this->number);
   for (long i = 1; i <= this->calls; i++) {
     spoilt_text();
-    if (i % 10 == 0) spoilt_size();
+    if (i % 10 == 0) spoilt_call();
     if (i % 100 == 0) same_answer();
   }
   this->passed = passed, this->failed = failed;
@@ -358,7 +283,6 @@ int main(int count, char **arguments)
   if (count < 2) return 2;
   folder = arguments[1];
   if (!ready()) return printf("%s\n0 passed, 1 failed\n", message), 1;
-  answer(before);
   for (int i = 0; i < CALLERS; i++) {
     callers[i].calls = calls / CALLERS, callers[i].number = i;
     if (pthread_create(&callers[i].thread, NULL, caller, &callers[i])) exit(1);
@@ -368,7 +292,7 @@ int main(int count, char **arguments)
     passed += callers[i].passed, failed += callers[i].failed;
   }
   same_answer();
-  free(good);
+  gsc_free(&shared);
   printf("%d passed, %d failed\n", passed, failed);
   return failed > 0;
 }

@@ -10,7 +10,8 @@
 #include <string.h>
 #include <gearsweep.h>
 
-enum { speeds = 3, keep = 20, room = 50, longest = 200000 };
+#define M message, sizeof message
+enum { longest = 200000 };
 static const int all = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
 static char text[longest];
 static _Thread_local char words[longest], message[300];
@@ -24,33 +25,48 @@ static void note(const char *name, int info)
   bad = 1;
 }
 
+/* Every number of every table, as the caller's own threads would read them. */
+static void read_all(const gsc_study *study)
+{
+  static const char *const place[][2] = {{"mesh", "load_share"}, {"sweep", "dynamic_factor"}, {"sweep", "status"},
+    {"modal", "frequency_hz"}, {"mode_shapes", "x"}, {"root_stress", "sigma_mpa"}, {"load", "pair_load_n"}};
+  for (size_t i = 0; i < sizeof place / sizeof *place; i++) {
+    int rows, kind, width;
+    double *values;
+    if (gsc_size(study, place[i][0], place[i][1], &rows, &kind, &width, M)) continue;
+    if (kind == GSC_TEXT) note("words", gsc_words(study, place[i][0], place[i][1], 0, words, sizeof words, M));
+    else if ((values = malloc(sizeof *values * (size_t)rows))) {
+      note("column", gsc_column(study, place[i][0], place[i][1], rows, values, M));
+      free(values);
+    }
+  }
+}
+
 static void *call_all(void *name)
 {
-  static const char *folder = "";
+  static const char *const changes[][3] = {{"relief", "amount_um", "3"}, {"dynamics", "damping_ratio", "0.1"}};
   size_t n = strlen(text), length;
-  int size[10], info, changes, status[room], sense[room], more[room], periods[room], pair[2*room], other[2*room];
-  double rpm[speeds] = {2000, 5000, 9000}, damping[2] = {0.01, 0.2}, a[room], b[room], c[room], d[room], e[room];
-  double x[speeds*keep], v[speeds*keep], *work;
-#define M message, sizeof message
-  note("complete", gsc_complete(text, n, words, sizeof words, &length, M));
-  note("unused", gsc_unused(text, n, words, sizeof words, &length, M));
-  note("change", gsc_change(text, n, "pair", "module_mm", "2.5", words, sizeof words, &length, M));
-  note("report", gsc_report(text, n, folder, 0, NULL, 2, words, sizeof words, &length, M));
-  note("write", gsc_files(text, n, folder, 0, NULL, 2, "host.out", name, words, sizeof words, &length, NULL, 0,
-                          NULL, 0, M));
-  info = gsc_sizes(text, n, folder, size, size + 1, size + 2, size + 3, size + 4, size + 5, size + 6, size + 7, size + 8,
-                   size + 9, M);
-  note("sizes", info);
-  if (info || size[9] <= 0 || !(work = malloc(sizeof *work * (size_t)size[9]))) return 0;
-  info = gsc_prepare(text, n, folder, size[9], work, M);
-  note("prepare", info);
-  if (!info) {
-    note("stability", gsc_stability(text, n, size[9], work, speeds, rpm, 2, damping, 2, a, sense, b, c, d, M));
-    note("follow", gsc_follow(text, n, size[9], work, 1, speeds, rpm, 0.02, 1e-6, room, &changes, x, v, pair, other, a, b,
-                              status, sense, c, more, d, e, M));
-    note("strobe", gsc_strobe(text, n, size[9], work, 1, speeds, rpm, 0.0/1.0, 0.0, 50, keep, x, v, a, status, periods, M));
+  gsc_study *study = NULL, *later;
+  int info;
+  note("complete", gsc_edit("complete", text, n, NULL, NULL, NULL, words, sizeof words, &length, M));
+  note("unused", gsc_edit("unused", text, n, NULL, NULL, NULL, words, sizeof words, &length, M));
+  note("tasks", gsc_describe("tasks", words, sizeof words, &length, M));
+  info = gsc_run(text, n, "", 2, NULL, NULL, NULL, NULL, &study, M);
+  note("run", info);
+  if (study) {
+    read_all(study);
+    note("report", gsc_text(study, "report", words, sizeof words, &length, M));
+    note("tables", gsc_text(study, "tables", words, sizeof words, &length, M));
+    note("write", gsc_write(study, "host.out", name, words, sizeof words, &length, M));
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+      later = NULL;
+      info = gsc_edit("change", text, n, changes[i][0], changes[i][1], changes[i][2], words, sizeof words, &length, M);
+      note("change", info);
+      if (info == GSC_OK) note("again", gsc_run(words, length, "", 2, study, NULL, NULL, NULL, &later, M));
+      gsc_free(&later);
+    }
   }
-  free(work);
+  gsc_free(&study);
   return 0;
 }
 

@@ -1,55 +1,53 @@
-"""Prints every number that gearsweep has for a case, a line each with its name and 17 digits, then the answer: what
-results.f and results.c print, line by line: python results.py CASE.nml"""
+"""Prints every number and word of every table that a case gives, a line each with its table and column, then the report:
+what results.f and results.c print, line by line: python results.py CASE.nml"""
 
+import json
 import sys
 
 import numpy as np
 
-import gearsweep
+from gearsweep import _flat
 
 
-def show(name, values):
-    """In Fortran's order, and in its form."""
-    for value in np.ravel(values, order='F'):
-        if isinstance(value, np.integer):
-            print(f'{name},{value:12d}')
-        elif np.isnan(value):
-            print(f'{name},{"NaN":>25}')
+def checked(*results):
+    """All results but the last two, which are the code and the message of every call."""
+    *found, info, message = results
+    if info:
+        sys.exit(f'info{info:2d}: {message.decode()}')
+    return found
+
+
+def text_of(study, what):
+    room = np.array(b' ')
+    room = np.array(b' ' * _flat.gs_text(study, what, room)[0])
+    checked(*_flat.gs_text(study, what, room))
+    return room.item().decode()
+
+
+def shown(value):
+    """In Fortran's form."""
+    if np.isnan(value):
+        return f'{"NaN":>25}'
+    digits, power = f'{value:.16E}'.split('E')
+    return f'{f"{digits}E{int(power):+04d}":>25}'
+
+
+with open(sys.argv[1], 'rb') as file:
+    case = file.read()
+(study,) = checked(*_flat.gs_run(case, '', 2, 0, np.zeros(3, np.intc), '', ''))
+for table in json.loads(text_of(study, 'tables')):
+    for column in table['columns']:
+        place = study, table['name'], column['name']
+        rows, kind, width = checked(*_flat.gs_size(*place))
+        if kind == 3:
+            values = []
+            for row in range(rows):
+                word = np.array(b' ' * max(1, width))
+                checked(*_flat.gs_words(*place, row + 1, word))
+                values.append(word.item().decode().rstrip())
         else:
-            digits, power = f'{value:.16E}'.split('E')
-            print(f'{name},{f"{digits}E{int(power):+04d}":>25}')
-
-
-def show_all(task, result, fields):
-    for field in fields:
-        show(f'{task}.{field}', getattr(result, field))
-
-
-case = gearsweep.Case.read(sys.argv[1])
-study = gearsweep.run(case, threads=2)
-if study.geometry:
-    outlines = ('pinion_outline_mm', 'gear_outline_mm')
-    show_all('geometry', study.geometry, (field for field in study.geometry.units if field not in outlines))
-    for field in outlines:
-        show('outline.x_mm', getattr(study.geometry, field)[:, 0])
-        show('outline.y_mm', getattr(study.geometry, field)[:, 1])
-for task in ('motion', 'mesh', 'harmonics', 'load', 'sweep', 'optimum'):
-    if result := getattr(study, task):
-        show_all(task, result, (field for field in result.units if field != 'harmonic'))
-    if task == 'sweep' and result:
-        rpm, factor = result.resonances()
-        show('resonances.peak_rpm', rpm)
-        show('resonances.peak_factor', factor)
-grid = ('x_mm', 'y_mm', 'element', 'tooth')
-if study.section:
-    show_all('section', study.section, grid[:2])
-    show('section.element', study.section.element.T + 1)
-    show('section.tooth', study.section.tooth)
-if study.modal:
-    show_all('modal', study.modal, (field for field in study.modal.units if field not in grid))
-if study.static:
-    show_all('static', study.static, study.static.units)
-    positions, reliefs = study.static.share.shape
-    stress = gearsweep.stress(case, positions - 1, reliefs - 1)
-    show_all('stress', stress, (field for field in stress.units if field not in grid))
-print(gearsweep.report(case), end='')
+            values = map(shown, *checked(*_flat.gs_column(*place, rows)))
+        for value in values:
+            print(f'{place[1]}.{place[2]},{value}')
+print(text_of(study, 'report'), end='')
+sys.exit(_flat.gs_free(study))

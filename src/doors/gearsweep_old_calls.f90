@@ -1,21 +1,14 @@
 !> Interfaces of the flat layer for modern Fortran, whose compiler then checks
 !> the arguments. What they mean is told in gearsweep_flat*.f90.
-module gearsweep_calls
+module gearsweep_old_calls
   implicit none
   private
-  public :: gs_version, gs_sizes, gs_prepare, gs_report, gs_files, gs_all, gs_complete, gs_unused, gs_change
+  public :: gs_sizes, gs_prepare, gs_report, gs_files, gs_all, gs_complete, gs_unused, gs_change
   public :: gs_geometry, gs_motion, gs_mesh, gs_harmonics, gs_load, gs_sweep, gs_resonances, gs_optimum
   public :: gs_outline, gs_section, gs_modes, gs_root, gs_stress
   public :: gs_stability, gs_follow, gs_strobe
 
-  public :: gs_describe, gs_edit, gs_run, gs_text, gs_size, gs_column, gs_words, gs_write, gs_free
-
   interface
-    subroutine gs_version(version, info, message)
-      character(*), intent(inout) :: version
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_version
 
     subroutine gs_sizes(text, folder, speeds, reliefs, rows, tried, positions, modes, nodes, elements, harmonics, &
                         nwork, info, message)
@@ -267,85 +260,5 @@ module gearsweep_calls
       character(*), intent(out) :: message
     end subroutine gs_strobe
 
-    subroutine gs_describe(what, buffer, length, info, message)
-      character(*), intent(in) :: what
-      character(*), intent(inout) :: buffer
-      integer, intent(inout) :: length
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_describe
-
-    subroutine gs_edit(action, text, group, key, value, buffer, length, info, message)
-      character(*), intent(in) :: action, text, group, key, value
-      character(*), intent(inout) :: buffer
-      integer, intent(inout) :: length
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_edit
-
-    subroutine gs_run(text, folder, threads, earlier, watch, resume, keep, study, info, message)
-      use, intrinsic :: iso_fortran_env, only: int64
-      character(*), intent(in) :: text, folder, resume, keep
-      integer, intent(in) :: threads
-      integer(int64), intent(in) :: earlier
-      integer, intent(inout), target :: watch(3)
-      integer(int64), intent(inout) :: study
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_run
-
-    subroutine gs_text(study, what, buffer, length, info, message)
-      use, intrinsic :: iso_fortran_env, only: int64
-      integer(int64), intent(in) :: study
-      character(*), intent(in) :: what
-      character(*), intent(inout) :: buffer
-      integer, intent(inout) :: length
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_text
-
-    subroutine gs_size(study, table, column, rows, kind, width, info, message)
-      use, intrinsic :: iso_fortran_env, only: int64
-      integer(int64), intent(in) :: study
-      character(*), intent(in) :: table, column
-      integer, intent(inout) :: rows, kind, width
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_size
-
-    subroutine gs_column(study, table, column, rows, values, info, message)
-      use, intrinsic :: iso_fortran_env, only: int64
-      integer(int64), intent(in) :: study
-      character(*), intent(in) :: table, column
-      integer, intent(in) :: rows
-      double precision, intent(inout) :: values(rows)
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_column
-
-    subroutine gs_words(study, table, column, row, word, info, message)
-      use, intrinsic :: iso_fortran_env, only: int64
-      integer(int64), intent(in) :: study
-      character(*), intent(in) :: table, column
-      integer, intent(in) :: row
-      character(*), intent(inout) :: word
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_words
-
-    subroutine gs_write(study, folder, name, buffer, length, info, message)
-      use, intrinsic :: iso_fortran_env, only: int64
-      integer(int64), intent(in) :: study
-      character(*), intent(in) :: folder, name
-      character(*), intent(inout) :: buffer
-      integer, intent(inout) :: length
-      integer, intent(out) :: info
-      character(*), intent(out) :: message
-    end subroutine gs_write
-
-    subroutine gs_free(study)
-      use, intrinsic :: iso_fortran_env, only: int64
-      integer(int64), intent(inout) :: study
-    end subroutine gs_free
   end interface
-end module gearsweep_calls
+end module gearsweep_old_calls
