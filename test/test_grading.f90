@@ -78,7 +78,7 @@ contains
     time = duration*[ratio - 1, 2 - ratio]
     m(:, :, 1) = transition(w(1), zeta, time(1))
     m(:, :, 2) = transition(w(2), zeta, time(2))
-    ! The second zone after the first leads back: start = a start + b.
+    ! The second smooth interval after the first leads back: start = a start + b.
     a = matmul(m(:, :, 2), m(:, :, 1))
     b = matmul(m(:, :, 2), [rest(1) - rest(2), 0.0_dp] - m(:, 1, 1)*rest(1)) + [rest(2), 0.0_dp]
     multiplier = largest_multiplier(a)

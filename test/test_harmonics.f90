@@ -5,7 +5,7 @@ module test_harmonics
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: segment_t, smooth_segments
-  use gearsweep_mesh, only: zone_t
+  use gearsweep_mesh, only: interval_t
   use gearsweep_sharing, only: sharing_t, share_load
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close
@@ -99,11 +99,11 @@ contains
     real(dp), parameter :: tip = 24e-6_dp, apart = double*single/tip, slope = tip/(2*double)
     type(oscillator_t) :: osc
     type(harmonics_t) :: harmonics
-    type(zone_t), allocatable :: zones(:)
+    type(interval_t), allocatable :: intervals(:)
     type(segment_t), allocatable :: segments(:)
 
     call prescribed(ratio, [400.0_dp], [1e6_dp*tip, 0.0_dp], 1, osc)
-    call smooth_segments(osc%mesh, load, zones, segments)
+    call smooth_segments(osc%mesh, load, intervals, segments)
     call check_close(t, 'place of the separation', minval(abs(segments%first - apart)), 0.0_dp, absolute=1e-14_dp)
     call find_harmonics(osc%mesh, load, 40, harmonics)
     call check_linear(t, 'ramp', harmonics, [0.0_dp, apart], [-single/2, 0.0_dp], [slope, -slope])

@@ -137,7 +137,7 @@ contains
     end do
   end subroutine tight_tolerance
 
-  !> Slow: the deflection settles in each zone, and where the second pair leaves
+  !> Slow: the deflection settles in each smooth interval, and where the second pair leaves
   !> it overshoots from F_s/(K_A + K_D) to F_s/K: DF = 1 + K_A/(K_A + K_D) exp(-pi zeta/sqrt(1 - zeta^2)),
   !> exact for constant stiffness (K_A = K_D). Fast: the inertia holds the
   !> deflection at F_s/mean K: DF = largest K/mean K.

@@ -116,8 +116,8 @@ contains
                     (1 - 1e-12_dp)*sqrt(2*400e6_dp*(1/0.8_dp + 1/0.9_dp)))
     call check_close(t, 'mean deflection', osc%static_deflection, 7000/(ratio*400e6_dp), 1e-12_dp)
     call check_close(t, 'at high speed', osc%mean_deflection, 7000/(ratio*400e6_dp), 1e-9_dp)
-    call check_close(t, 'lowest frequency of a zone', minval(osc%frequency), sqrt(400e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
-    call check_close(t, 'highest frequency of a zone', maxval(osc%frequency), sqrt(800e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
+    call check_close(t, 'lowest interval frequency', minval(osc%frequency), sqrt(400e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
+    call check_close(t, 'highest interval frequency', maxval(osc%frequency), sqrt(800e6_dp*(1/0.8_dp + 1/0.9_dp)), 1e-9_dp)
     osc = stated()
     osc%has_backlash = .true.
     osc%backlash = 1e-4_dp

@@ -161,7 +161,7 @@ contains
     end subroutine exact
   end subroutine meissner_map
 
-  !> At a contact ratio of sqrt(2) the natural motion turns by the same angle in both zones; where that is
+  !> At a contact ratio of sqrt(2) the natural motion turns by the same angle in both smooth intervals; where that is
   !> pi, the map is 1 times itself: the second tongue has no width.
   subroutine coexistence(t)
     type(tally_t), intent(inout) :: t

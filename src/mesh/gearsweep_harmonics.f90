@@ -5,7 +5,7 @@
 !> of n samples is off by 1/n or 1/n^2. Here every smooth segment is integrated by itself.
 module gearsweep_harmonics
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_mesh, only: mesh_t, zone_t
+  use gearsweep_mesh, only: mesh_t, interval_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: segment_t, smooth_segments
   use gearsweep_sharing, only: pairs_at, static_deflection
@@ -43,22 +43,22 @@ contains
     real(dp), intent(in) :: load
     integer, intent(in) :: count
     type(harmonics_t), intent(out) :: harmonics
-    type(zone_t), allocatable :: zones(:)
+    type(interval_t), allocatable :: intervals(:)
     type(segment_t), allocatable :: segments(:)
     type(integrand_t) :: f
     complex(dp) :: total(-1:count), whole(-1:count)
     integer :: i
 
-    call smooth_segments(mesh, load, zones, segments)
-    call set_up(mesh, load, count, zones, segments, f)
+    call smooth_segments(mesh, load, intervals, segments)
+    call set_up(mesh, load, count, intervals, segments, f)
     harmonics%least = huge(1.0_dp)
     harmonics%largest = -huge(1.0_dp)
     total = 0
     do i = 1, size(segments)
-      associate (zone => zones(segments(i)%zone), a => segments(i)%first, b => segments(i)%last)
-        whole = panel(f, zone, a, b, count)
-        call refine(f, zone, a, b, whole, most_halvings, total, harmonics%error_estimate)
-        call extremes(f, zone, a, b, harmonics%least, harmonics%largest)
+      associate (interval => intervals(segments(i)%interval), a => segments(i)%first, b => segments(i)%last)
+        whole = panel(f, interval, a, b, count)
+        call refine(f, interval, a, b, whole, most_halvings, total, harmonics%error_estimate)
+        call extremes(f, interval, a, b, harmonics%least, harmonics%largest)
       end associate
     end do
     associate (discs => mesh%disc%yield()*load)
@@ -78,11 +78,11 @@ contains
     peak_to_peak = self%largest - self%least
   end function peak_to_peak
 
-  pure subroutine set_up(mesh, load, count, zones, segments, f)
+  pure subroutine set_up(mesh, load, count, intervals, segments, f)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
     integer, intent(in) :: count
-    type(zone_t), intent(in) :: zones(:)
+    type(interval_t), intent(in) :: intervals(:)
     type(segment_t), intent(in) :: segments(:)
     type(integrand_t), intent(out) :: f
     integer :: i
@@ -92,27 +92,27 @@ contains
     call gauss_legendre(f%node, f%weight)
     f%node = (1 + f%node)/2
     f%weight = f%weight/2
-    f%scale = maxval([(error_at(f, zones(segments(i)%zone), segments(i)%first), i=1, size(segments))])
+    f%scale = maxval([(error_at(f, intervals(segments(i)%interval), segments(i)%first), i=1, size(segments))])
     ! Rounding errors of the phase grow with the harmonic.
     f%tolerance = 1e-13_dp + 4e-15_dp*count
   end subroutine set_up
 
   !> The pairs' part of the static transmission error, m.
-  pure real(dp) function error_at(f, zone, phase)
+  pure real(dp) function error_at(f, interval, phase)
     type(integrand_t), intent(in) :: f
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: phase
-    real(dp), dimension(zone%pairs) :: stiffness, error
+    real(dp), dimension(interval%pairs) :: stiffness, error
 
-    call pairs_at(f%mesh, zone, phase, stiffness, error)
+    call pairs_at(f%mesh, interval, phase, stiffness, error)
     error_at = static_deflection(stiffness, error, f%load)
   end function error_at
 
   !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k tau) in part(k), k = 0 to
   !> `count`, and of x**2 in part(-1).
-  pure function panel(f, zone, a, b, count) result(part)
+  pure function panel(f, interval, a, b, count) result(part)
     type(integrand_t), intent(in) :: f
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: a, b
     integer, intent(in) :: count
     complex(dp) :: part(-1:count)
@@ -123,7 +123,7 @@ contains
     part = 0
     do i = 1, points
       phase = a + (b - a)*f%node(i)
-      x = error_at(f, zone, phase)/f%scale - 1
+      x = error_at(f, interval, phase)/f%scale - 1
       part(-1) = part(-1) + (b - a)*f%weight(i)*x**2
       turn = exp(cmplx(0.0_dp, -2*pi*phase, dp))
       term = (b - a)*f%weight(i)*x
@@ -136,9 +136,9 @@ contains
 
   !> Adds the integrals from a to b to `total`: those of the halves where they agree with `whole`,
   !> else halved again. `estimate` grows by how far they disagree.
-  pure recursive subroutine refine(f, zone, a, b, whole, halvings, total, estimate)
+  pure recursive subroutine refine(f, interval, a, b, whole, halvings, total, estimate)
     type(integrand_t), intent(in) :: f
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: a, b
     complex(dp), intent(in) :: whole(-1:)
     integer, intent(in) :: halvings
@@ -148,23 +148,23 @@ contains
     real(dp) :: off
 
     associate (middle => (a + b)/2)
-      left = panel(f, zone, a, middle, ubound(whole, 1))
-      right = panel(f, zone, middle, b, ubound(whole, 1))
+      left = panel(f, interval, a, middle, ubound(whole, 1))
+      right = panel(f, interval, middle, b, ubound(whole, 1))
       off = maxval(abs(whole - left - right))
       if (off <= f%tolerance*(b - a) .or. halvings == 0) then
         total = total + left + right
         estimate = estimate + off
       else
-        call refine(f, zone, a, middle, left, halvings - 1, total, estimate)
-        call refine(f, zone, middle, b, right, halvings - 1, total, estimate)
+        call refine(f, interval, a, middle, left, halvings - 1, total, estimate)
+        call refine(f, interval, middle, b, right, halvings - 1, total, estimate)
       end if
     end associate
   end subroutine refine
 
   !> Widens `least` and `largest` by what x reaches from a to b.
-  pure subroutine extremes(f, zone, a, b, least, largest)
+  pure subroutine extremes(f, interval, a, b, least, largest)
     type(integrand_t), intent(in) :: f
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: a, b
     real(dp), intent(inout) :: least, largest
     real(dp) :: phase(0:points + 1), x(0:points + 1)
@@ -172,24 +172,24 @@ contains
 
     phase = [a, a + (b - a)*f%node, b]
     do i = 0, points + 1
-      x(i) = error_at(f, zone, phase(i))
+      x(i) = error_at(f, interval, phase(i))
     end do
     least = min(least, minval(x))
     largest = max(largest, maxval(x))
     highest = maxloc(x, 1) - 1
     lowest = minloc(x, 1) - 1
     if (highest > 0 .and. highest <= points) then
-      largest = max(largest, summit(f, zone, phase(highest - 1), phase(highest + 1), 1))
+      largest = max(largest, summit(f, interval, phase(highest - 1), phase(highest + 1), 1))
     end if
     if (lowest > 0 .and. lowest <= points) then
-      least = min(least, -summit(f, zone, phase(lowest - 1), phase(lowest + 1), -1))
+      least = min(least, -summit(f, interval, phase(lowest - 1), phase(lowest + 1), -1))
     end if
   end subroutine extremes
 
   !> The largest value of way*x between two phases with one summit between them, by golden section.
-  pure real(dp) function summit(f, zone, first, last, way)
+  pure real(dp) function summit(f, interval, first, last, way)
     type(integrand_t), intent(in) :: f
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: first, last
     integer, intent(in) :: way
     real(dp), parameter :: golden = (sqrt(5.0_dp) - 1)/2
@@ -200,16 +200,16 @@ contains
     a = first
     b = last
     inner = [b - golden*(b - a), a + golden*(b - a)]
-    x = way*[error_at(f, zone, inner(1)), error_at(f, zone, inner(2))]
+    x = way*[error_at(f, interval, inner(1)), error_at(f, interval, inner(2))]
     do i = 1, cuts
       if (x(1) > x(2)) then
         b = inner(2)
         inner = [b - golden*(b - a), inner(1)]
-        x = [way*error_at(f, zone, inner(1)), x(1)]
+        x = [way*error_at(f, interval, inner(1)), x(1)]
       else
         a = inner(1)
         inner = [inner(2), a + golden*(b - a)]
-        x = [x(2), way*error_at(f, zone, inner(2))]
+        x = [x(2), way*error_at(f, interval, inner(2))]
       end if
     end do
     summit = maxval(x)

@@ -10,7 +10,7 @@ module gearsweep_mesh
   use gearsweep_piecewise, only: piecewise_t
   implicit none
   private
-  public :: mesh_t, zone_t, make_zones
+  public :: mesh_t, interval_t, smooth_intervals
 
   type :: mesh_t
     real(dp) :: contact_ratio = 0
@@ -28,13 +28,13 @@ module gearsweep_mesh
     procedure :: curvature_ratio
   end type mesh_t
 
-  !> A stretch of the mesh period on which every coefficient is smooth.
-  type :: zone_t
+  !> A smooth interval: a part of the mesh period within which no coefficient has a break.
+  type :: interval_t
     real(dp) :: first = 0, last = 0              !< phases
     integer :: pairs = 0
     integer, allocatable :: piece(:)             !< of the profile error, for each pair
     logical, allocatable :: recess(:)            !< the pair has passed the pitch point
-  end type zone_t
+  end type interval_t
 
   !> Breaks closer than this are one: no step could tell them apart.
   real(dp), parameter :: same_phase = 1e-11_dp
@@ -72,10 +72,10 @@ contains
 
   !> Splits the period where a pair enters or leaves, where a relief begins and,
   !> with friction, at the pitch point.
-  pure function make_zones(mesh, friction) result(zones)
+  pure function smooth_intervals(mesh, friction) result(intervals)
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: friction
-    type(zone_t), allocatable :: zones(:)
+    type(interval_t), allocatable :: intervals(:)
     real(dp), allocatable :: breaks(:)
     integer :: i, j
 
@@ -88,17 +88,17 @@ contains
     end if
     breaks = sorted(breaks)
 
-    allocate (zones(size(breaks) - 1))
-    do i = 1, size(zones)
-      zones(i)%first = breaks(i)
-      zones(i)%last = breaks(i + 1)
+    allocate (intervals(size(breaks) - 1))
+    do i = 1, size(intervals)
+      intervals(i)%first = breaks(i)
+      intervals(i)%last = breaks(i + 1)
       associate (middle => (breaks(i) + breaks(i + 1))/2)
-        zones(i)%pairs = ceiling(mesh%contact_ratio - middle)
-        zones(i)%piece = [(mesh%profile_error%locate(middle + j - 1), j=1, zones(i)%pairs)]
-        zones(i)%recess = [(middle + j - 1 > mesh%pitch_point, j=1, zones(i)%pairs)]
+        intervals(i)%pairs = ceiling(mesh%contact_ratio - middle)
+        intervals(i)%piece = [(mesh%profile_error%locate(middle + j - 1), j=1, intervals(i)%pairs)]
+        intervals(i)%recess = [(middle + j - 1 > mesh%pitch_point, j=1, intervals(i)%pairs)]
       end associate
     end do
-  end function make_zones
+  end function smooth_intervals
 
   elemental real(dp) function phase(s)
     real(dp), intent(in) :: s

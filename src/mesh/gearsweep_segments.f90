@@ -3,7 +3,7 @@
 !> and where the stiffness passes from one polynomial to the next.
 module gearsweep_segments
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: mesh_t, zone_t, make_zones
+  use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   use gearsweep_sharing, only: pairs_at, static_deflection
   implicit none
   private
@@ -11,7 +11,7 @@ module gearsweep_segments
 
   type :: segment_t
     real(dp) :: first = 0, last = 0              !< phases
-    integer :: zone = 0                          !< in which it lies
+    integer :: interval = 0                          !< in which it lies
   end type segment_t
 
   !> Breaks closer than this are one.
@@ -19,61 +19,61 @@ module gearsweep_segments
 
 contains
 
-  !> The segments under a static `load` (N), ascending, from phase 0 to 1, and the mesh's zones.
-  pure subroutine smooth_segments(mesh, load, zones, segments)
+  !> The segments under a static `load` (N), ascending, from phase 0 to 1, and the mesh's smooth intervals.
+  pure subroutine smooth_segments(mesh, load, intervals, segments)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
-    type(zone_t), allocatable, intent(out) :: zones(:)
+    type(interval_t), allocatable, intent(out) :: intervals(:)
     type(segment_t), allocatable, intent(out) :: segments(:)
     real(dp), allocatable :: breaks(:)
     integer :: i, k
 
-    zones = make_zones(mesh, .false.)
+    intervals = smooth_intervals(mesh, .false.)
     allocate (segments(0))
-    do i = 1, size(zones)
-      call stiffness_breaks(mesh, zones(i), breaks)
-      call add_contact_breaks(mesh, load, zones(i), breaks)
+    do i = 1, size(intervals)
+      call stiffness_breaks(mesh, intervals(i), breaks)
+      call add_contact_breaks(mesh, load, intervals(i), breaks)
       segments = [segments, (segment_t(breaks(k), breaks(k + 1), i), k=1, size(breaks) - 1)]
     end do
   end subroutine smooth_segments
 
-  !> Ends of the zone, and the phases between at which a pair passes a knot of the stiffness.
-  pure subroutine stiffness_breaks(mesh, zone, breaks)
+  !> Ends of the interval, and the phases between at which a pair passes a knot of the stiffness.
+  pure subroutine stiffness_breaks(mesh, interval, breaks)
     type(mesh_t), intent(in) :: mesh
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), allocatable, intent(out) :: breaks(:)
     real(dp), allocatable :: knots(:)
     real(dp) :: next
 
     knots = mesh%stiffness%breaks - floor(mesh%stiffness%breaks)
-    breaks = [zone%first]
+    breaks = [interval%first]
     do
       next = minval(knots, mask=knots > breaks(size(breaks)) + same_phase)
-      if (.not. next < zone%last - same_phase) exit
+      if (.not. next < interval%last - same_phase) exit
       breaks = [breaks, next]
     end do
-    breaks = [breaks, zone%last]
+    breaks = [breaks, interval%last]
   end subroutine stiffness_breaks
 
   !> Adds the phases at which the set of pairs that carry changes. Between two breaks the set is
   !> looked at in a few places; what comes and goes between them is too short to matter.
-  pure subroutine add_contact_breaks(mesh, load, zone, breaks)
+  pure subroutine add_contact_breaks(mesh, load, interval, breaks)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), allocatable, intent(inout) :: breaks(:)
     integer, parameter :: looks = 8
     real(dp), allocatable :: list(:)
     real(dp) :: from, until
     integer :: i, k
 
-    if (zone%pairs == 1) return
+    if (interval%pairs == 1) return
     list = [breaks(1)]
     do i = 1, size(breaks) - 1
       from = breaks(i)
       do k = 1, looks
         until = breaks(i) + (breaks(i + 1) - breaks(i))*k/looks
-        call find_changes(mesh, load, zone, from, until, list)
+        call find_changes(mesh, load, interval, from, until, list)
         from = until
       end do
       if (breaks(i + 1) < list(size(list)) + same_phase) list = list(:size(list) - 1)
@@ -84,18 +84,18 @@ contains
 
   !> Adds the changes between `from` and `until` to `list`. Gaps that are nothing but rounding
   !> errors change without end; they do not matter.
-  pure subroutine find_changes(mesh, load, zone, from, until, list)
+  pure subroutine find_changes(mesh, load, interval, from, until, list)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, from, until
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), allocatable, intent(inout) :: list(:)
     integer, parameter :: most = 8
-    logical, dimension(zone%pairs) :: before, behind
+    logical, dimension(interval%pairs) :: before, behind
     real(dp) :: low, high, middle
     integer :: n
 
-    before = carrying(mesh, load, zone, from)
-    behind = carrying(mesh, load, zone, until)
+    before = carrying(mesh, load, interval, from)
+    behind = carrying(mesh, load, interval, until)
     low = from
     do n = 1, most
       if (all(before .eqv. behind)) return
@@ -103,26 +103,26 @@ contains
       do
         middle = (low + high)/2
         if (.not. (middle > low .and. middle < high)) exit
-        if (all(carrying(mesh, load, zone, middle) .eqv. before)) then
+        if (all(carrying(mesh, load, interval, middle) .eqv. before)) then
           low = middle
         else
           high = middle
         end if
       end do
       if (high > list(size(list)) + same_phase) list = [list, high]
-      before = carrying(mesh, load, zone, high)
+      before = carrying(mesh, load, interval, high)
       low = high
     end do
   end subroutine find_changes
 
-  pure function carrying(mesh, load, zone, phase)
+  pure function carrying(mesh, load, interval, phase)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, phase
-    type(zone_t), intent(in) :: zone
-    logical :: carrying(zone%pairs)
-    real(dp), dimension(zone%pairs) :: stiffness, error
+    type(interval_t), intent(in) :: interval
+    logical :: carrying(interval%pairs)
+    real(dp), dimension(interval%pairs) :: stiffness, error
 
-    call pairs_at(mesh, zone, phase, stiffness, error)
+    call pairs_at(mesh, interval, phase, stiffness, error)
     carrying = static_deflection(stiffness, error, load) > error
   end function carrying
 end module gearsweep_segments

@@ -4,7 +4,7 @@
 !> yield under all of them is one spring in series, which no relief or share changes.
 module gearsweep_sharing
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: mesh_t, zone_t, make_zones
+  use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   implicit none
   private
   public :: sharing_t, share_load, load_share, pairs_at, static_deflection
@@ -39,17 +39,17 @@ contains
     end do
   end function static_deflection
 
-  !> Own stiffness (N/m) and profile error (m) of each pair at a phase of `zone`, one-sided at its ends.
-  pure subroutine pairs_at(mesh, zone, phase, stiffness, error)
+  !> Own stiffness (N/m) and profile error (m) of each pair at a phase of `interval`, one-sided at its ends.
+  pure subroutine pairs_at(mesh, interval, phase, stiffness, error)
     type(mesh_t), intent(in) :: mesh
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: phase
-    real(dp), intent(out) :: stiffness(zone%pairs), error(zone%pairs)
+    real(dp), intent(out) :: stiffness(interval%pairs), error(interval%pairs)
     integer :: j
 
-    do j = 1, zone%pairs
+    do j = 1, interval%pairs
       stiffness(j) = mesh%own_stiffness(phase + j - 1)
-      error(j) = mesh%profile_error%value(phase + j - 1, zone%piece(j))
+      error(j) = mesh%profile_error%value(phase + j - 1, interval%piece(j))
     end do
   end subroutine pairs_at
 
@@ -60,43 +60,43 @@ contains
     real(dp), intent(in) :: load
     integer, intent(in) :: samples
     type(sharing_t), intent(out) :: sharing
-    type(zone_t), allocatable :: zones(:)
+    type(interval_t), allocatable :: intervals(:)
     integer, allocatable :: counts(:)
     integer :: i, k, row
 
-    zones = make_zones(mesh, .false.)
-    counts = [(1 + max(1, nint(samples*(zones(i)%last - zones(i)%first))), i=1, size(zones))]
-    associate (n => sum(counts), most => maxval(zones%pairs))
+    intervals = smooth_intervals(mesh, .false.)
+    counts = [(1 + max(1, nint(samples*(intervals(i)%last - intervals(i)%first))), i=1, size(intervals))]
+    associate (n => sum(counts), most => maxval(intervals%pairs))
       allocate (sharing%phase(n), sharing%error(n), sharing%stiffness(n), sharing%pairs(n))
       allocate (sharing%s(most, n), sharing%load(most, n), source=0.0_dp)
     end associate
     row = 0
-    do i = 1, size(zones)
+    do i = 1, size(intervals)
       do k = 0, counts(i) - 1
         row = row + 1
-        sharing%phase(row) = zones(i)%first + (zones(i)%last - zones(i)%first)*k/(counts(i) - 1)
-        call share_at(mesh, zones(i), load, row, sharing)
+        sharing%phase(row) = intervals(i)%first + (intervals(i)%last - intervals(i)%first)*k/(counts(i) - 1)
+        call share_at(mesh, intervals(i), load, row, sharing)
       end do
     end do
   end subroutine share_load
 
-  pure subroutine share_at(mesh, zone, load, row, sharing)
+  pure subroutine share_at(mesh, interval, load, row, sharing)
     type(mesh_t), intent(in) :: mesh
-    type(zone_t), intent(in) :: zone
+    type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: load
     integer, intent(in) :: row
     type(sharing_t), intent(inout) :: sharing
-    real(dp), dimension(zone%pairs) :: stiffness, error, gap
+    real(dp), dimension(interval%pairs) :: stiffness, error, gap
     real(dp) :: deflection
     integer :: j
 
-    sharing%s(:zone%pairs, row) = [(sharing%phase(row) + j - 1, j=1, zone%pairs)]
-    call pairs_at(mesh, zone, sharing%phase(row), stiffness, error)
-    sharing%pairs(row) = zone%pairs
+    sharing%s(:interval%pairs, row) = [(sharing%phase(row) + j - 1, j=1, interval%pairs)]
+    call pairs_at(mesh, interval, sharing%phase(row), stiffness, error)
+    sharing%pairs(row) = interval%pairs
     deflection = static_deflection(stiffness, error, load)
     gap = deflection - error
     sharing%error(row) = deflection + mesh%disc%yield()*load
-    sharing%load(:zone%pairs, row) = stiffness*max(0.0_dp, gap)
+    sharing%load(:interval%pairs, row) = stiffness*max(0.0_dp, gap)
     associate (pairs => sum(stiffness, mask=gap > 0))
       sharing%stiffness(row) = pairs/(1 + mesh%disc%yield()*pairs)
     end associate

@@ -22,7 +22,7 @@ module gearsweep_task_poincare
     ! Result:
     real(dp), allocatable :: rpm(:)
     real(dp), allocatable :: relief(:)           !< m
-    type(section_points_t), allocatable :: strobe(:)     !< one for each relief
+    type(section_points_t), allocatable :: section(:)     !< one for each relief
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, fill_table, add_report
@@ -77,18 +77,18 @@ contains
     call claim_memory(size(which)*size(self%rpm)*(24 + 16.0_dp*self%kept), '&poincare: '//str(size(self%rpm))//' speeds by '// &
                       str(self%kept)//' kept periods', error)
     if (allocated(error)) return
-    allocate (self%strobe(size(which)))
+    allocate (self%section(size(which)))
     do i = 1, size(which)
       associate (motion => stages%motion(which(i)), stop => stages%accuracy%steady%stop)
         if (self%at_rest) then
-          call sample_section(motion, self%rpm, self%settling, self%kept, self%strobe(i), stop=stop)
+          call sample_section(motion, self%rpm, self%settling, self%kept, self%section(i), stop=stop)
         else
-          call sample_section(motion, self%rpm, self%settling, self%kept, self%strobe(i), self%start, stop)
+          call sample_section(motion, self%rpm, self%settling, self%kept, self%section(i), self%start, stop)
         end if
       end associate
-      if (self%strobe(i)%lacks) call fail(error, code_memory, '&poincare: the memory does not hold the motions')
-      if (allocated(error) .or. any(self%strobe(i)%status == status_stopped)) return
-      self%failed = self%failed + count(self%strobe(i)%status == status_unresolved .or. self%strobe(i)%status == status_chatter)
+      if (self%section(i)%lacks) call fail(error, code_memory, '&poincare: the memory does not hold the motions')
+      if (allocated(error) .or. any(self%section(i)%status == status_stopped)) return
+      self%failed = self%failed + count(self%section(i)%status == status_unresolved .or. self%section(i)%status == status_chatter)
     end do
     self%is_done = .true.
     self%log = 'poincare: '//str(size(which)*size(self%rpm))//' motions seen over '//str(self%kept)//' mesh periods each'
@@ -122,8 +122,8 @@ contains
     each_speed = n*self%kept
     allocate (seen(m*each_speed, 2))
     do i = 1, m
-      seen((i - 1)*each_speed + 1:i*each_speed, 1) = 1e6_dp*reshape(self%strobe(i)%x, [each_speed])
-      seen((i - 1)*each_speed + 1:i*each_speed, 2) = 1e3_dp*reshape(self%strobe(i)%v, [each_speed])
+      seen((i - 1)*each_speed + 1:i*each_speed, 1) = 1e6_dp*reshape(self%section(i)%x, [each_speed])
+      seen((i - 1)*each_speed + 1:i*each_speed, 2) = 1e3_dp*reshape(self%section(i)%v, [each_speed])
     end do
     call table%add('dte_um', 'um', 'dynamic transmission error; NaN where the motion was not followed', seen(:, 1))
     call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error', seen(:, 2))
@@ -143,10 +143,10 @@ contains
     m = size(self%relief)
     allocate (exponent(m*n), periods(m*n), status(m*n))
     do i = 1, m
-      exponent((i - 1)*n + 1:i*n) = self%strobe(i)%exponent
-      periods((i - 1)*n + 1:i*n) = self%strobe(i)%periods
+      exponent((i - 1)*n + 1:i*n) = self%section(i)%exponent
+      periods((i - 1)*n + 1:i*n) = self%section(i)%periods
       do k = 1, n
-        status((i - 1)*n + k) = status_name(self%strobe(i)%status(k))
+        status((i - 1)*n + k) = status_name(self%section(i)%status(k))
       end do
     end do
     call table%begin('how the motion seen once a mesh period goes on', m*n, 5, error, extent=[m, n])
@@ -170,20 +170,20 @@ contains
     call lines%add('Motion seen once a mesh period, '//str(size(self%rpm))//' speeds, '//str(self%kept)//' periods kept')
     call lines%add('   relief um   largest Lyapunov exponent      at rpm   motions')
     do i = 1, size(self%relief)
-      associate (strobe => self%strobe(i))
+      associate (section => self%section(i))
         ! NaN is never the largest.
-        at = maxloc(strobe%exponent, 1, mask=strobe%exponent > -huge(1.0_dp))
+        at = maxloc(section%exponent, 1, mask=section%exponent > -huge(1.0_dp))
         call lines%put(right(str(in_um(self%relief(i))), 12))
-        if (at > 0) call lines%put(right(str(strobe%exponent(at), 4), 28)//right(str(self%rpm(at)), 12)//'  ')
+        if (at > 0) call lines%put(right(str(section%exponent(at), 4), 28)//right(str(self%rpm(at)), 12)//'  ')
         if (at == 0) call lines%put(right('none', 28)//right('-', 12)//'  ')
         do status = 0, status_stopped
-          n = count(strobe%status == status)
+          n = count(section%status == status)
           if (n > 0) call lines%put(' '//str(n)//' '//status_name(status))
         end do
         call lines%add('')
       end associate
     end do
-    if (any([(self%strobe(i)%status == status_chaotic, i=1, size(self%relief))])) call lines%add(left('', 19)// &
+    if (any([(self%section(i)%status == status_chaotic, i=1, size(self%relief))])) call lines%add(left('', 19)// &
       'chaotic: disturbances keep growing')
   end subroutine add_report
 end module gearsweep_task_poincare

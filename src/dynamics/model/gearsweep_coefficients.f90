@@ -6,7 +6,7 @@ module gearsweep_coefficients
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
-  use gearsweep_mesh, only: zone_t
+  use gearsweep_mesh, only: interval_t
   use gearsweep_oscillator, only: oscillator_t, acceleration, mobility
   use gearsweep_nodes, only: nodes, stiff_nodes
   implicit none
@@ -207,7 +207,7 @@ contains
   !> Pair j over the steps first to last, those of one smooth interval.
   pure subroutine fill_pair(osc, interval, j, first, last, table)
     type(oscillator_t), intent(in) :: osc
-    type(zone_t), intent(in) :: interval
+    type(interval_t), intent(in) :: interval
     integer, intent(in) :: j, first, last
     type(coefficients_t), intent(inout) :: table
     real(dp), dimension(3*(last - first + 1)) :: s, rate, error

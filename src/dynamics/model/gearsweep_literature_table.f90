@@ -7,7 +7,7 @@ module gearsweep_literature_table
   use gearsweep_coefficients, only: resolution_t, scheme_rk4
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
-  use gearsweep_mesh, only: zone_t
+  use gearsweep_mesh, only: interval_t
   use gearsweep_oscillator, only: oscillator_t, mobility
   implicit none
   private
@@ -94,7 +94,7 @@ contains
   !> A step within a smooth interval.
   pure subroutine fill_aligned(osc, interval, step, table)
     type(oscillator_t), intent(in) :: osc
-    type(zone_t), intent(in) :: interval
+    type(interval_t), intent(in) :: interval
     integer, intent(in) :: step
     type(literature_table_t), intent(inout) :: table
     integer :: j, place

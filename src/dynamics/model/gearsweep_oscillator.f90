@@ -9,7 +9,7 @@
 module gearsweep_oscillator
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_mesh, only: mesh_t, zone_t, make_zones
+  use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   use gearsweep_text, only: str
   implicit none
   private
@@ -31,7 +31,7 @@ module gearsweep_oscillator
     real(dp) :: highest_frequency = 0  !< upper bound of omega over the period, rad/s
     real(dp) :: static_deflection = 0  !< load over mean stiffness, m: the unit of residuals
     real(dp) :: mean_deflection = 0    !< deflection whose mean load over the period is the static one, m
-    type(zone_t), allocatable :: intervals(:)  !< smooth intervals of the mesh period: no coefficient has a break within
+    type(interval_t), allocatable :: intervals(:)  !< smooth intervals of the mesh period: no coefficient has a break within
     real(dp), allocatable :: frequency(:, :)   !< lowest and highest omega of each interval, rad/s; (2, interval)
   end type oscillator_t
 
@@ -52,7 +52,7 @@ contains
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
       osc%friction, 'needs the teeth of both members and the pressure angle')
     if (allocated(error)) return
-    osc%intervals = make_zones(osc%mesh, osc%friction > 0)
+    osc%intervals = smooth_intervals(osc%mesh, osc%friction > 0)
     osc%pairs = maxval(osc%intervals%pairs)
     osc%contacts = osc%pairs + merge(1, 0, osc%has_backlash)
     osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
