@@ -3,6 +3,7 @@
 module gearsweep_describe
   use gearsweep_case_reader, only: list_keys
   use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_kinds, only: dp
   use gearsweep_key, only: key_t, kind_integer, kind_logical, kind_number, kind_text
   use gearsweep_keys, only: keys_t
   use gearsweep_lines, only: lines_t
@@ -175,7 +176,7 @@ contains
     end function truth
 
     function bound(value, side) result(word)
-      double precision, intent(in) :: value
+      real(dp), intent(in) :: value
       integer, intent(in) :: side
       character(24) :: word
 

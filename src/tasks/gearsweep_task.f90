@@ -28,7 +28,7 @@ module gearsweep_task
     real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses, kg
-    type(oscillator_t), allocatable :: motion(:) !< one for each relief
+    type(oscillator_t), allocatable :: motion(:)  !< one for each relief
     real(dp), allocatable :: amount(:)           !< the reliefs, m
     real(dp), allocatable :: rpm(:)              !< speeds of &sweep, 1/min, ascending
     type(accuracy_t) :: accuracy                 !< with the flag that ends the run

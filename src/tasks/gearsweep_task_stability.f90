@@ -126,6 +126,7 @@ contains
       end do
       call table%add('lower_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 1))
       call table%add('upper_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 2))
+    case default  ! it has no other
     end select
   end subroutine fill_table
 
