@@ -126,11 +126,46 @@ for option in --help -h; do
   run $option
   check "$option: exit code" exits 0
   check "$option: stderr" silent stderr
-  for word in usage CASE.nml --out --threads --verbose --quiet --version --help 'exit code' doc/case.md; do
+  for word in usage CASE.nml --out --threads --verbose --quiet --version --help --new --describe 'exit code' doc/case.md; do
     check "$option names $word" says stdout "$word"
   done
 done
 check 'the reference of the case is there' test -s "$root/doc/case.md"
+run --help pair module_mm
+check 'help on a key: exit code' exits 0
+check 'help on a key' says stdout '  allowed   0.001 to 1000'
+run --help optimum
+check 'help on a task' says stdout 'task optimum'
+run --describe
+check 'description: exit code' exits 0
+check 'description: JSON' "$root/.venv/bin/python" -c 'import json, sys
+found = json.load(open(sys.argv[1]))
+assert {"version", "tasks", "groups", "keys"} == set(found) and len(found["keys"]) > 80' stdout
+
+# A case to begin with runs once the keys that stand out have a value: for each task, and for all together.
+# begin TASK...: the text of such a case, with values.
+begin() {
+  "$program" --new "$@" | sed -e '/REQUIRED/{
+    /normal_force_n\|line_load_n_mm/b
+    s/teeth =/teeth = 25/
+    s/module_mm =/module_mm = 3/
+    s/face_width_mm =/face_width_mm = 20/
+    s/torque_nm =/torque_nm = 100/
+    s/rpm_first =/rpm_first = 5000/
+    s/rpm_last =/rpm_last = 6000/
+    s/rpm_step =/rpm_step = 500/
+    s/load_rpm =/load_rpm = 5500/
+  }'
+}
+tasks=$("$program" --describe tasks | sed -n 's/^  {"name": "\([a-z]*\)".*/\1/p')
+check 'the tasks are described' test "$(echo $tasks | wc -w)" -gt 8
+for task in $tasks "$(echo $tasks)"; do
+  begin $task >new.nml
+  run new.nml --out new
+  check "a new case runs: $task" exits 0
+  check "a new case has nothing that is not used: $task" lacks stdout 'Not used'
+done
+rm -r new new.nml
 
 # misuse TEXT ARGUMENTS...
 misuse() {
@@ -142,6 +177,10 @@ misuse() {
   check "misuse leaves nothing: $*" test "$(files_in .)" = 'base.nml stderr stdout '
 }
 mkdir misuse && cp base.nml misuse && cd misuse || exit
+misuse 'rim_m: no such task, group or key (did you mean rim_mm?)' --help rim_m
+misuse 'sweeep: no such task (did you mean sweep?)' --new sweeep
+misuse 'name at least one task' --new
+misuse 'keyss: cannot be described (did you mean keys?)' --describe keyss
 misuse 'no case' --quiet
 misuse 'no case'
 misuse '--colour' --colour base.nml

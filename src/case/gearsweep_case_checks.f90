@@ -37,7 +37,7 @@ contains
     if (given > 1 .or. (given == 0 .and. case%needs_load())) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), normal_force_n and line_load_n_mm; '//str(given)//' are given')
     do i = 1, 2
-      if (case%mass(i) > 0 .and. case%inertia(i) > 0) call fail(error, code_input, '&'//case%spec(i)%name// &
+      if (case%mass(i) > 0 .and. case%inertia(i) > 0) call fail(error, code_input, '&'//trim(case%spec(i)%name)// &
         ' inertia_kgm2: give effective_mass_kg or inertia_kgm2, not both')
     end do
   end subroutine check_load
@@ -49,7 +49,7 @@ contains
     integer :: i
 
     do i = 1, 2
-      if (case%mass(i) <= 0 .and. case%inertia(i) <= 0) call fail(error, code_input, '&'//case%spec(i)%name// &
+      if (case%mass(i) <= 0 .and. case%inertia(i) <= 0) call fail(error, code_input, '&'//trim(case%spec(i)%name)// &
         ' effective_mass_kg: missing; a prescribed mesh has no body to take it from; must be above 0')
     end do
     if (case%base_pitch <= 0) then
