@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds the Python package as a wheel that needs nothing of the system but Python and its C library:
 #   sh app/wheel.sh FOLDER
-# Sets up first where needed. OpenBLAS and the compiler's run-time libraries go into the wheel.
+# Sets up first where needed. OpenBLAS, MUMPS, ARPACK and the compiler's run-time libraries go into the wheel.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 case ${1-} in
   '' | -*) echo "usage: sh app/wheel.sh FOLDER" >&2; exit 2 ;;

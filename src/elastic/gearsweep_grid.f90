@@ -52,8 +52,8 @@ contains
       'the grid is folded: smallest scaled Jacobian '//str(grid%quality()))
   end subroutine make_grid
 
-  !> Nodes run up the column lines, one line after the other: the band is then
-  !> as narrow as the body is thin. In a closed grid lines from both ends alternate.
+  !> Nodes run up the column lines, one line after the other. In a closed grid lines from both ends alternate,
+  !> so that neighbours have numbers that lie close together.
   subroutine number_nodes(part, closed, node, nodes)
     integer, intent(in) :: part(:, :)
     logical, intent(in) :: closed
