@@ -128,32 +128,32 @@ contains
     call pencil%body%stiffness%solve(x, error)
   end subroutine solve_stiffness
 
-  !> y = M x on the unknowns, element by element.
+  !> y = M x on the unknowns, element by element, in both directions at once. What is held reads a zero before the
+  !> first unknown, and what it gets there is dropped.
   subroutine mass_times(pencil, x, y)
     class(body_pencil_t), intent(in) :: pencil
     real(dp), intent(in) :: x(:)
     real(dp), intent(out) :: y(:)
-    real(dp) :: xe(nodes_per_element), ye(nodes_per_element)
-    integer :: e, d, i
+    real(dp) :: from(0:pencil%n), to(0:pencil%n), ye(nodes_per_element, 2)
+    integer :: e, i
 
-    y = 0
-    associate (dof => pencil%dof)
-      do e = 1, size(pencil%masses, 3)
-        do d = 1, 2
-          do i = 1, nodes_per_element
-            xe(i) = 0
-            if (dof(d, i, e) > 0) xe(i) = x(dof(d, i, e))
-          end do
-          ye = 0
-          do i = 1, nodes_per_element
-            ye = ye + pencil%masses(:, i, e)*xe(i)
-          end do
-          do i = 1, nodes_per_element
-            if (dof(d, i, e) > 0) y(dof(d, i, e)) = y(dof(d, i, e)) + ye(i)
-          end do
+    from(0) = 0
+    from(1:) = x
+    to = 0
+    do e = 1, size(pencil%masses, 3)
+      associate (dof => pencil%dof(:, :, e), mass => pencil%masses(:, :, e))
+        ye = 0
+        do i = 1, nodes_per_element
+          ye(:, 1) = ye(:, 1) + mass(:, i)*from(dof(1, i))
+          ye(:, 2) = ye(:, 2) + mass(:, i)*from(dof(2, i))
         end do
-      end do
-    end associate
+        do i = 1, nodes_per_element
+          to(dof(1, i)) = to(dof(1, i)) + ye(i, 1)
+          to(dof(2, i)) = to(dof(2, i)) + ye(i, 2)
+        end do
+      end associate
+    end do
+    y = to(1:)
   end subroutine mass_times
 
   !> Frequencies, shapes, residuals and energy shares.
