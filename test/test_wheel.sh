@@ -24,7 +24,7 @@ nothing_else() {
   find "$work/unpacked" -name '*.so*' -exec ldd {} + >"$work/needed" || return
   grep -q "$work/unpacked/.*openblas" "$work/needed" && grep -q "$work/unpacked/.*gfortran" "$work/needed" &&
     ! grep '=>' "$work/needed" | grep -v "=> .*$work/unpacked/" |
-      grep -Ev '^\s(libc|libm|libmvec|libgcc_s|libpthread|libdl|librt)\.so'
+      grep -Ev '^\s(libc|libm|libmvec|libgcc_s|libpthread|libdl|librt|libz)\.so'
 }
 # factors PATH: by the package that lies there, or for none by that in .venv.
 factors() {
