@@ -1,7 +1,6 @@
 !> Stress and rating against Hooke's law, brute force on the outline, and the whole stress field beside the fillet's.
 module test_closed_stress
   use gearsweep_body, only: body_t, make_body
-  use gearsweep_old_calls, only: gs_stress
   use gearsweep_contour, only: tooth_contour
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
@@ -207,26 +206,25 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: steps = 400, position = 4
     character(:), allocatable :: text
-    character(200) :: message
     type(stated_t) :: list(5)
     type(answer_t) :: answer
     real(dp), allocatable :: x(:), y(:), field(:, :), along(:)
-    real(dp) :: points(2, 5*steps + 1), place(2), radius, none(1), told(3), largest, relief, s, at, share
-    integer :: side, node, i, info, nodes
+    real(dp) :: points(2, 5*steps + 1), place(2), radius, told(3), largest
+    integer :: side, node, i
 
-    none = 0
     list = examples()
-    text = text_of(list(3))//loaded//'&section elements_across=14 / &static positions=7 /'
-    call ask(t, '&case tasks=''section'', ''static'' / '//text, answer)
+    text = text_of(list(3))//loaded//'&section elements_across=14 / &static positions=7 field_position=4 /'
+    call ask(t, task//text, answer)
     along = answer%all_of('static.sigma_mpa')
     x = answer%all_of('nodes.x_mm')
     y = answer%all_of('nodes.y_mm')
-    nodes = size(x)
-    allocate (field(3, nodes))
-    call gs_stress('&case tasks=''static'' / '//text, 0, none, position, 1, nodes, relief, s, at, share, field, info, message)
-    call check_equal(t, 'stress field', info, 0)
-    call check_close(t, 'same position', s, value_at(answer%all_of('static.s'), 2*position), 1e-14_dp)
-    call check_close(t, 'same share', share, value_at(answer%all_of('static.load_share'), 2*position), 1e-14_dp)
+    allocate (field(3, size(x)))
+    field(1, :) = answer%all_of('stress.sigma_x_mpa')
+    field(2, :) = answer%all_of('stress.sigma_y_mpa')
+    field(3, :) = answer%all_of('stress.tau_xy_mpa')
+    call check_close(t, 'same position', answer%one('stress_load.s'), value_at(answer%all_of('static.s'), 2*position), 1e-14_dp)
+    call check_close(t, 'same share', answer%one('stress_load.load_share'), &
+                     value_at(answer%all_of('static.load_share'), 2*position), 1e-14_dp)
     points = sampled(list(3), 1, steps)
     do side = drive, coast
       if (side == drive) call at_30_degrees(points(:, 4*steps + 1:), place, radius)

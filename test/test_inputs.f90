@@ -167,6 +167,7 @@ contains
     call add('static sharing', '''equal''')
     call add('static shares', '0.5, 1', only='static positions ;')
     call add('static tangent_deg', '35')
+    call add('static field_position', '0')
     call add('modal modes', '3')
     call add('dynamics damping_ratio', '0.03')
     call add('dynamics friction', '0.05', 'g')

@@ -66,14 +66,18 @@ def is_in(number, tables):
     for _, columns in tables:
         for name, values in columns.items():
             for value in values:
-                try:
-                    value = float(value)
-                except ValueError:
-                    continue
                 for factor in (1, 100) if re.search('share|estimate|deviation', name) else (1,):
-                    if abs(factor * value - shown) <= 0.5000001 * step or (number.isdigit() and is_round(factor * value, shown)):
+                    near = factor * as_number(value)
+                    if abs(near - shown) <= 0.5000001 * step or (number.isdigit() and is_round(near, shown)):
                         return True
     return False
+
+
+def as_number(word):
+    try:
+        return float(word)
+    except ValueError:
+        return math.nan
 
 
 def is_round(value, shown):
@@ -86,17 +90,15 @@ def test_every_number_of_the_screen_is_in_a_table(run):
     lines, tables = run
     place, looked_for = None, 0
     for line in lines:
-        if line.startswith(('Time', 'Wrote', 'Not used')) or not line.strip():
-            place = None if line.startswith(('Time', 'Wrote', 'Not used')) else place
-            continue
+        if line.startswith(('Time', 'Wrote', 'Not used')):
+            break
         place = next((PLACES[begin] for begin in PLACES if line.startswith(begin)), place)
-        if place is None or (place == 'published' and 'place' in line):
-            continue
+        assert place or not line.strip()
+        # The names and places of published quantities have digits of their own.
+        shown = line[43:] if place == 'published' else line
         for words in WORDS:
-            line = line.replace(words, '')
-        if place == 'published':
-            line = ' ' + line[43:]  # the names and places of quantities have numbers of their own
-        for number in NUMBER.findall(line.replace('+/-', ' ').replace('/', ' / ')):
+            shown = shown.replace(words, '')
+        for number in NUMBER.findall(shown.replace('+/-', ' ').replace('/', ' / ')):
             looked_for += 1
             assert is_in(number, [tables[name] for name in place.split() if name in tables]), f'{number}: {line}'
     assert looked_for > 10

@@ -100,6 +100,10 @@ contains
                       above=0.0_dp, below=90.0_dp, &
                       meaning='angle between the tangent to the fillet and the axis of the tooth where the table gives the '// &
                       'stress; such a point must lie on the fillet')
+      call reader%get('static', 'field_position', root%field_position, error, at_least=0, at_most=2000, tasks=task, &
+                      refused=geared, otherwise='no such table', &
+                      meaning='position of the load, counted from 1 in the table static, for the stress all over the section '// &
+                      'in the table stress; 0: where the tension is largest')
       if (.not. stated .or. allocated(error)) return
       root%sharing = shares_stated
       root%positions = size(root%shares)

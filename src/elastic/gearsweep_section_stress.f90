@@ -12,7 +12,7 @@ module gearsweep_section_stress
   use gearsweep_section_body, only: section_body_t, make_section_body
   implicit none
   private
-  public :: section_stress
+  public :: section_stress, loaded_stress
 
 contains
 
@@ -26,10 +26,20 @@ contains
     real(dp), allocatable, intent(out) :: stress(:, :)
     type(error_t), allocatable, intent(out) :: error
     type(section_body_t) :: grid
-    real(dp), allocatable :: x(:, :)
 
     call make_section_body(gear, material, options, grid, error)
-    if (allocated(error)) return
+    if (.not. allocated(error)) call loaded_stress(grid, radius, line_load, stress, error)
+  end subroutine section_stress
+
+  !> The same on a section that is made and factored already.
+  subroutine loaded_stress(grid, radius, line_load, stress, error)
+    type(section_body_t), intent(in) :: grid
+    real(dp), intent(in) :: radius               !< where the load acts on the drive flank, m
+    real(dp), intent(in) :: line_load            !< N/m
+    real(dp), allocatable, intent(out) :: stress(:, :)   !< sigma_x, sigma_y, tau_xy at the nodes (3, nodes), Pa
+    type(error_t), allocatable, intent(inout) :: error   !< the memory does not hold it, or the radius is not on the flank
+    real(dp), allocatable :: x(:, :)
+
     call claim_memory(100.0_dp*grid%body%unknowns, '&static: the stress on '//str(grid%body%unknowns)//' unknowns', error, &
                       blas=.true.)
     if (allocated(error)) return
@@ -39,5 +49,5 @@ contains
     call grid%body%stiffness%solve(x, error)
     if (allocated(error)) return
     stress = line_load*nodal_stress(grid%body, grid%body%spread_out(x(:, 1)))
-  end subroutine section_stress
+  end subroutine loaded_stress
 end module gearsweep_section_stress

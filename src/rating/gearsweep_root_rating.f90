@@ -24,6 +24,8 @@ module gearsweep_root_rating
     integer :: sharing = shared_by_mesh
     real(dp), allocatable :: shares(:)           !< with `shares_stated`: of the load, one a position
     real(dp) :: tangent = pi/6                   !< of the fillet where stress is told, rad
+    !> Of the load, from 1, for the stress all over the section; 0: where the tension is largest; -1: not wanted.
+    integer :: field_position = -1
   end type root_options_t
 
   type :: root_rating_t

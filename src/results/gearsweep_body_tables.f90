@@ -11,8 +11,8 @@ module gearsweep_body_tables
   use gearsweep_text, only: str
   implicit none
   private
-  public :: section_table, outline_table, static_table, root_stress_table, root_rating_table, modal_table
-  public :: mode_energy_table, nodes_table, elements_table, mode_shapes_table
+  public :: find_grid, section_table, outline_table, static_table, root_stress_table, root_rating_table, modal_table
+  public :: mode_energy_table, nodes_table, elements_table, mode_shapes_table, stress_load_table, stress_table
 
   real(dp), parameter :: milli = 1e3_dp, mega = 1e-6_dp, degree = pi/180
   character(*), parameter :: members(2) = [character(6) :: 'pinion', 'gear'], sides(2) = [character(5) :: 'drive', 'coast']
@@ -238,7 +238,44 @@ contains
     end associate
   end subroutine mode_shapes_table
 
-  !> The grid that section and modes share.
+  !> The load under which the table `stress` is.
+  pure subroutine stress_load_table(study, table, error)
+    type(study_t), intent(in) :: study
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (.not. allocated(study%field)) return
+    call table%begin('the load under which the stress is given all over the section', 1, 5, error)
+    if (allocated(error)) return
+    associate (i => study%field%relief, k => study%field%position)
+      call table%add('relief_um', 'um', 'amount of relief: the one with the largest tension', in_um(study%case%amount(i:i)))
+      call table%add('position', '', 'of the load, counted from 1 in the table static', [k])
+      call table%add('s', '', 'path coordinate of the load, in base pitches from A', study%root(i)%s(k:k))
+      call table%add('radius_mm', 'mm', 'radius at which it acts on this member', milli*study%root(i)%radius(k:k))
+      call table%add('load_share', '', 'load of this pair over the whole load', study%root(i)%share(k:k))
+    end associate
+  end subroutine stress_load_table
+
+  !> Stress at the nodes.
+  pure subroutine stress_table(study, table, error)
+    type(study_t), intent(in) :: study
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    if (.not. allocated(study%field)) return
+    associate (stress => study%field%stress, n => size(study%field%stress, 2))
+      call table%begin('stress at the nodes of the section''s grid under the load of the table stress_load', n, 4, error, &
+                       extent=[n], grid=grid_of_section)
+      if (allocated(error)) return
+      call table%add_index('node', '', 'its number', [(i, i=1, n)])
+      call table%add('sigma_x_mpa', 'MPa', 'component across the middle tooth, x to its drive side', mega*stress(1, :))
+      call table%add('sigma_y_mpa', 'MPa', 'component along that tooth''s axis y', mega*stress(2, :))
+      call table%add('tau_xy_mpa', 'MPa', 'shear component', mega*stress(3, :))
+    end associate
+  end subroutine stress_table
+
+  !> The grid that section, modes and stress share.
   pure subroutine find_grid(study, grid)
     type(study_t), intent(in) :: study
     type(grid_t), allocatable, intent(out) :: grid
@@ -247,6 +284,8 @@ contains
       grid = study%section%grid
     else if (allocated(study%modal)) then
       grid = study%modal%section%grid
+    else if (allocated(study%field)) then
+      grid = study%field%grid
     end if
   end subroutine find_grid
 end module gearsweep_body_tables

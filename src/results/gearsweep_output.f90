@@ -1,5 +1,6 @@
 !> The results as files, for every door that writes them.
 module gearsweep_output
+  use gearsweep_body_tables, only: find_grid
   use gearsweep_csv, only: csv_start
   use gearsweep_error, only: error_t
   use gearsweep_file_set, only: file_set_t
@@ -28,7 +29,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(file_set_t) :: files
     character(:), allocatable :: text, names(:)
-    type(table_t) :: shapes
+    type(table_t) :: table
+    type(grid_t), allocatable :: grid
     integer :: i
 
     written = ''
@@ -42,34 +44,35 @@ contains
         call files%lacks(name//'.'//trim(names(i))//'.csv', csv_start)
       end if
     end do
-    if (allocated(study%section)) then
-      call claim_text('section.vtu', grid_bytes(study%section%grid, 0))
-      if (.not. allocated(error)) call write_vtu(study%section%grid, [vtu_field_t ::], text)
-      call put('section.vtu', vtu_start)
-    else
-      call files%lacks(name//'.section.vtu', vtu_start)
-    end if
-    call make_table(study, 'mode_shapes', shapes, error)
-    if (shapes%is_there()) then
-      call claim_text('mode_shapes.vtu', grid_bytes(study%modal%section%grid, size(study%modal%modes%frequency)))
-      if (.not. allocated(error)) call write_vtu(study%modal%section%grid, fields_of(shapes), text)
-      call put('mode_shapes.vtu', vtu_start)
-    else
-      call files%lacks(name//'.mode_shapes.vtu', vtu_start)
-    end if
+    call find_grid(study, grid)
+    ! The grid by itself, where it was asked for, and with each field of its nodes.
+    call write_grid('section', has=allocated(study%section))
+    names = table_names(on_grid=.true.)
+    do i = 1, size(names)
+      if (any(names(i) == [character(8) :: 'nodes', 'elements'])) cycle
+      call make_table(study, names(i), table, error)
+      call write_grid(trim(names(i)), has=table%is_there())
+    end do
     call settle_memory()
     call files%finish(error)
     if (allocated(error)) written = ''
 
   contains
 
-    !> In room that doubles and is copied, then handed over once more.
-    subroutine claim_text(ending, bytes)
-      character(*), intent(in) :: ending
-      real(dp), intent(in) :: bytes
+    !> The grid with the fields of `table`, if it has any.
+    subroutine write_grid(of, has)
+      character(*), intent(in) :: of
+      logical, intent(in) :: has
 
-      call claim_memory(5*bytes, 'the text of '//name//'.'//ending, error)
-    end subroutine claim_text
+      if (.not. has) then
+        call files%lacks(name//'.'//of//'.vtu', vtu_start)
+        return
+      end if
+      ! In room that doubles and is copied, then handed over once more.
+      call claim_memory(5*grid_bytes(grid, table), 'the text of '//name//'.'//of//'.vtu', error)
+      if (.not. allocated(error)) call write_vtu(grid, fields_of(table), text)
+      call put(of//'.vtu', vtu_start)
+    end subroutine write_grid
 
     subroutine put(ending, start)
       character(*), intent(in) :: ending, start
@@ -80,27 +83,40 @@ contains
     end subroutine put
   end subroutine write_results
 
-  !> Length of a grid's text, at most, with vector fields, which are copied once more.
-  pure real(dp) function grid_bytes(grid, fields)
+  !> Length of a grid's text with the fields of a table, at most; these are copied once more.
+  pure real(dp) function grid_bytes(grid, table)
     type(grid_t), intent(in) :: grid
-    integer, intent(in) :: fields
+    type(table_t), intent(in) :: table
 
-    grid_bytes = 1e4_dp + size(grid%x, 2)*(50 + 45.0_dp*fields) + 120.0_dp*size(grid%part)
+    grid_bytes = 1e4_dp + 50.0_dp*size(grid%x, 2) + 120.0_dp*size(grid%part)
+    if (table%is_there()) grid_bytes = grid_bytes + 25.0_dp*table%rows*size(table%columns)
   end function grid_bytes
 
-  !> A table of a grid's nodes as fields: for each value of the index that stands before the node, one of all values.
+  !> The values at a grid's nodes as fields: of a table with another index before the node, for each of its values a field
+  !> of all columns; otherwise each column.
   pure function fields_of(table) result(fields)
     type(table_t), intent(in) :: table
-    type(vtu_field_t) :: fields(table%extent(1))
+    type(vtu_field_t), allocatable :: fields(:)
     integer :: i, k, nodes
 
-    nodes = table%extent(2)
-    do i = 1, size(fields)
-      fields(i)%name = table%columns(1)%name//'_'//str(nint(table%columns(1)%numbers(i*nodes)))
-      allocate (fields(i)%values(size(table%columns) - 2, nodes))
-      do k = 3, size(table%columns)
-        fields(i)%values(k - 2, :) = table%columns(k)%numbers((i - 1)*nodes + 1:i*nodes)
+    if (.not. table%is_there()) then
+      allocate (fields(0))
+    else if (size(table%extent) == 1) then
+      allocate (fields(size(table%columns) - 1))
+      do i = 1, size(fields)
+        fields(i)%name = table%columns(i + 1)%name
+        fields(i)%values = reshape(table%columns(i + 1)%numbers, [1, table%rows])
       end do
-    end do
+    else
+      nodes = table%extent(2)
+      allocate (fields(table%extent(1)))
+      do i = 1, size(fields)
+        fields(i)%name = table%columns(1)%name//'_'//str(nint(table%columns(1)%numbers(i*nodes)))
+        allocate (fields(i)%values(size(table%columns) - 2, nodes))
+        do k = 3, size(table%columns)
+          fields(i)%values(k - 2, :) = table%columns(k)%numbers((i - 1)*nodes + 1:i*nodes)
+        end do
+      end do
+    end if
   end function fields_of
 end module gearsweep_output

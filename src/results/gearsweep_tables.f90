@@ -1,7 +1,7 @@
 !> The tables of a study, by name.
 module gearsweep_tables
   use gearsweep_body_tables, only: elements_table, modal_table, mode_energy_table, mode_shapes_table, nodes_table, &
-    outline_table, root_rating_table, root_stress_table, section_table, static_table
+    outline_table, root_rating_table, root_stress_table, section_table, static_table, stress_load_table, stress_table
   use gearsweep_csv, only: write_csv
   use gearsweep_error, only: error_t
   use gearsweep_geometry_tables, only: contact_points_table, gears_table, geometry_table, motion_table
@@ -37,7 +37,7 @@ contains
 
   !> All that there can be, in the order of the screen: a line each.
   pure function entries() result(list)
-    type(entry_t) :: list(26)
+    type(entry_t) :: list(28)
 
     list = [ &
       & entry_t('geometry', geometry_table), &
@@ -54,6 +54,8 @@ contains
       & entry_t('static', static_table), &
       & entry_t('root_stress', root_stress_table), &
       & entry_t('root_rating', root_rating_table), &
+      & entry_t('stress_load', stress_load_table), &
+      & entry_t('stress', stress_table, on_grid=.true.), &
       & entry_t('mesh', mesh_table), &
       & entry_t('transmission_error', transmission_error_table), &
       & entry_t('harmonics', harmonics_table), &

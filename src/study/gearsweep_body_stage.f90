@@ -9,8 +9,9 @@ module gearsweep_body_stage
   use gearsweep_products, only: note, study_t
   use gearsweep_root_rating, only: load_positions, load_radius, rate_root
   use gearsweep_section, only: make_section
-  use gearsweep_section_body, only: make_two_grids, section_body_t
+  use gearsweep_section_body, only: make_section_body, make_two_grids, section_body_t
   use gearsweep_stress, only: root_stress, root_stress_t
+  use gearsweep_stress_field, only: find_stress_field
   use gearsweep_text, only: str
   implicit none
   private
@@ -53,6 +54,8 @@ contains
       if (case%asks('static')) call rate(study, error)
       if (case%asks('static')) &
         call note(study, 'static: root stress at '//str(case%root%positions)//' positions of the load'//how(new_stress))
+      if (case%asks('static') .and. case%root%field_position >= 0) &
+        call find_field(study, grids(1), new_modes .or. new_stress, error)
     end associate
   end subroutine look_at_body
 
@@ -113,4 +116,22 @@ contains
     meshes = study%motion%mesh
     call rate_root(study%pair, meshes, study%load, study%unit_stress, study%case%root, study%root, error)
   end subroutine rate
+
+  !> Stress all over the section, on the finer of the two grids.
+  subroutine find_field(study, section, is_made, error)
+    type(study_t), intent(inout) :: study
+    type(section_body_t), intent(inout) :: section
+    logical, intent(in) :: is_made
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (allocated(error)) return
+    associate (body => study%unit_inputs%body)
+      if (.not. is_made) call make_section_body(body%gear, body%material, body%options, section, error)
+    end associate
+    if (allocated(error)) return
+    allocate (study%field)
+    call find_stress_field(section, study%root, study%load/minval(study%pair%gear%spec%face_width), &
+                           study%case%root%field_position, study%field, error)
+    call note(study, 'static: stress all over the section under one position of the load')
+  end subroutine find_field
 end module gearsweep_body_stage

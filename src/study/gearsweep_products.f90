@@ -12,6 +12,7 @@ module gearsweep_products
   use gearsweep_sharing, only: sharing_t
   use gearsweep_stop, only: wants_stop
   use gearsweep_stress, only: root_stress_t
+  use gearsweep_stress_field, only: stress_field_t
   use gearsweep_sweep, only: sweep_options_t, sweep_state_t, sweep_t
   use gearsweep_task, only: stages_t
   use gearsweep_tasks, only: task_slot_t
@@ -35,6 +36,7 @@ module gearsweep_products
     type(root_stress_t), allocatable :: unit_stress  !< at that member's root, under unit loads
     type(unit_inputs_t) :: unit_inputs
     type(root_rating_t), allocatable :: root(:)  !< of that member, one for each relief
+    type(stress_field_t), allocatable :: field   !< all over its section
     type(sweep_t), allocatable :: sweep
     type(points_inputs_t) :: sweep_inputs
     type(peak_t), allocatable :: resonance(:)    !< of the least relieved mesh
