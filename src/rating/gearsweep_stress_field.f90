@@ -23,7 +23,7 @@ contains
   !> The field of the relief with the largest tension, under the load where that tension occurs or at another position.
   subroutine find_stress_field(section, rating, load, position, field, error)
     type(section_body_t), intent(in) :: section  !< that `rating` was found with, the finer of the two
-    type(root_rating_t), intent(in) :: rating(:) !< one for each relief
+    type(root_rating_t), intent(in) :: rating(:)  !< one for each relief
     real(dp), intent(in) :: load                 !< static load over the face width, N/m
     integer, intent(in) :: position              !< of the load, from 1; 0: where the tension is largest
     type(stress_field_t), intent(out) :: field

@@ -11,7 +11,7 @@ module gearsweep_motion_tables
   implicit none
   private
   public :: load_table, load_points_table, sweep_table, sweep_worst_table, resonances_table, sweep_summary_table
-  public :: optimum_table, optimum_curve_table
+  public :: optimum_table, optimum_curve_table, find_best, worst_near
 
   real(dp), parameter :: micro = 1e6_dp
   character(*), parameter :: of_relief = 'amount of relief', of_speed = 'speed of the pinion'

@@ -3,6 +3,7 @@ module gearsweep_motion_report
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_motion_tables, only: find_best, worst_near
   use gearsweep_optimum, only: peak_t, worst_of
   use gearsweep_status, only: has_result, status_meaning, status_name, status_stopped
   use gearsweep_study, only: study_t
@@ -64,45 +65,34 @@ contains
   pure subroutine add_reliefs(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
-    type(peak_t) :: worst
-    real(dp) :: least
-    integer :: i, k, best
+    type(peak_t) :: worst, best
+    integer :: i, k, least
 
-    best = 0
-    least = huge(least)
     associate (sweep => study%sweep, amount => study%case%amount)
       do i = 1, size(amount)
         worst = worst_of(sweep%rpm, sweep%dynamic_factor(:, i))
-        if (.not. worst%rpm > 0) then
-          call lines%add(right(str(micro*amount(i)), 12)//right('none', 10))
-          cycle
+        call lines%put(right(str(micro*amount(i)), 12)//factor_of(worst))
+        if (worst%rpm > 0) then
+          call lines%put(right(str(worst%rpm), 10))
+          do k = 1, size(study%resonance)
+            call lines%put(factor_of(worst_near(sweep%rpm, sweep%dynamic_factor(:, i), study%resonance(k)%rpm)))
+          end do
         end if
-        if (worst%dynamic_factor < least) best = i
-        least = min(least, worst%dynamic_factor)
-        call lines%put(right(str(micro*amount(i)), 12)//right(fixed(worst%dynamic_factor, 4), 10)//right(str(worst%rpm), 10))
-        do k = 1, size(study%resonance)
-          call put_near(lines, sweep%rpm, sweep%dynamic_factor(:, i), study%resonance(k)%rpm)
-        end do
         call lines%add('')
       end do
-      ! Of curves that are not whole, none is known to be the best.
-      if (any(sweep%status == status_stopped)) best = 0
-      if (best > 0 .and. size(amount) > 1) call lines%add(left('Best of the list', 19)//str(micro*amount(best))// &
-        ' um: worst DF '//fixed(least, 4))
+      call find_best(study, least, best)
+      if (least > 0 .and. size(amount) > 1) call lines%add(left('Best of the list', 19)//str(micro*amount(least))// &
+        ' um: worst DF '//fixed(best%dynamic_factor, 4))
     end associate
   end subroutine add_reliefs
 
-  !> Largest value within 15 % of a speed.
-  pure subroutine put_near(lines, rpm, dynamic_factor, centre)
-    type(lines_t), intent(inout) :: lines
-    real(dp), intent(in) :: rpm(:), dynamic_factor(:), centre
-    type(peak_t) :: worst
+  !> Its dynamic factor, if there is any.
+  pure character(10) function factor_of(peak)
+    type(peak_t), intent(in) :: peak
 
-    worst = worst_of(pack(rpm, abs(rpm - centre) <= 0.15_dp*centre), &
-                     pack(dynamic_factor, abs(rpm - centre) <= 0.15_dp*centre))
-    if (worst%rpm > 0) call lines%put(right(fixed(worst%dynamic_factor, 4), 10))
-    if (.not. worst%rpm > 0) call lines%put(right('none', 10))
-  end subroutine put_near
+    factor_of = right('none', 10)
+    if (peak%rpm > 0) factor_of = right(fixed(peak%dynamic_factor, 4), 10)
+  end function factor_of
 
   !> How exact, and what failed.
   pure subroutine add_quality(study, lines)
