@@ -5,6 +5,7 @@ module gearsweep_motion_tables
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_optimum, only: peak_t, worst_of
+  use gearsweep_oscillator, only: frequency_ratio
   use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
   use gearsweep_study, only: study_t
   use gearsweep_table, only: each, no_number, over_and_over, table_t
@@ -130,6 +131,8 @@ contains
       call table%add('residual', '', 'by how much the motion fails to repeat, in static deflections', [sweep%residual])
       call table%add('steps', '', 'steps in a mesh period', [sweep%steps])
       call table%add('mesh_periods', '', of_periods, [sweep%periods])
+      call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
+                     over_and_over(frequency_ratio(study%motion(1), sweep%rpm), m))
     end associate
   end subroutine sweep_table
 

@@ -7,13 +7,13 @@
 !> stiffness, without profile error and friction.
 !> Source: Dogan et al. 2021, Eqs. 9 to 20, misprints corrected.
 module gearsweep_oscillator
-  use gearsweep_kinds, only: dp
+  use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   use gearsweep_text, only: str
   implicit none
   private
-  public :: oscillator_t, make_oscillator, mesh_period, mobility, damping, acceleration
+  public :: oscillator_t, make_oscillator, mesh_period, frequency_ratio, mobility, damping, acceleration
 
   !> The first seven components are set by the caller; `make_oscillator` checks them and fills in the others,
   !> which hold for all speeds.
@@ -130,6 +130,14 @@ contains
 
     mesh_period = 60/(teeth*rpm)
   end function mesh_period
+
+  !> Mesh frequency over the natural frequency of the mean mesh stiffness.
+  elemental real(dp) function frequency_ratio(osc, rpm)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm        !< speed of the pinion, 1/min
+
+    frequency_ratio = 2*pi/mesh_period(osc%mesh%teeth(1), rpm)/osc%natural_frequency
+  end function frequency_ratio
 
   !> What the force of a pair makes of the acceleration of x (1/kg): the friction factors of pinion and gear
   !> over their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards after
