@@ -3,6 +3,7 @@
 !> has references of its own (suites motion, extremes).
 module test_methods
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_coefficients, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_contact_set, only: period_t
   use gearsweep_error, only: error_t
@@ -35,6 +36,7 @@ contains
     if (t%wants('constant_coefficients')) call constant_coefficients(t)
     if (t%wants('one_period')) call one_period(t)
     if (t%wants('estimates')) call estimates(t)
+    if (t%wants('threads')) call threads(t)
     if (t%wants('marched')) call marched(t)
     if (t%wants('published')) call published(t)
   end subroutine run
@@ -200,7 +202,8 @@ contains
     call run_sweep(osc, rpm, options, truth, error)
     options%accuracy = in_steps(scheme_rk4, 200)
     call run_sweep(osc, rpm, options, sweep, error)
-    both = has_result(truth%status) .and. has_result(sweep%status) .and. truth%contact == sweep%contact
+    both = has_result(truth%status) .and. has_result(sweep%status) .and. truth%contact == sweep%contact .and. &
+           .not. ieee_is_nan(sweep%estimate)
     off = merge(abs(sweep%dynamic_factor - truth%dynamic_factor), 0.0_dp, both)
     associate (estimate => merge(sweep%estimate, 0.0_dp, both), full => both .and. truth%contact == contact_full)
       covered = count(both .and. off <= estimate)/real(count(both), dp)
@@ -216,6 +219,32 @@ contains
       call check_true(t, 'so many steps', all(sweep%steps == 200 .or. .not. has_result(sweep%status)))
     end do
   end subroutine estimates
+
+  !> The same bits for any number of threads, along a branch and with contact lost.
+  subroutine threads(t)
+    type(tally_t), intent(inout) :: t
+    integer :: k
+    real(dp), parameter :: rpm(60) = [(6000 + 150.0_dp*k, k=1, 60)]
+    type(sweep_options_t) :: options
+    type(sweep_t) :: one, three
+    type(error_t), allocatable :: error
+    type(oscillator_t) :: osc(2)
+    integer :: m
+
+    osc = [mesh_of(1.6_dp, [400.0_dp, 30.0_dp, -110.0_dp], [4.0_dp, 4.0_dp], 0.05_dp), &
+           mesh_of(1.6_dp, [400.0_dp, 30.0_dp, -110.0_dp], [20.0_dp, 20.0_dp], 0.1_dp)]
+    do m = 1, 3
+      options%accuracy = in_steps(schemes(m), 100)
+      options%threads = 1
+      call run_sweep(osc, rpm, options, one, error)
+      options%threads = 3
+      call run_sweep(osc, rpm, options, three, error)
+      call check_true(t, 'some lose contact', any(one%contact > contact_full))
+      call check_true(t, 'scheme '//str(schemes(m)), all(one%status == three%status) .and. &
+                      all(transfer(one%dynamic_factor, 0_int64, size(one%status)) == &
+                          transfer(three%dynamic_factor, 0_int64, size(one%status))))
+    end do
+  end subroutine threads
 
   !> From rest until the motion repeats, as the papers have it, comes to what Newton's method finds.
   subroutine marched(t)

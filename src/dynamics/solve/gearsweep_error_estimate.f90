@@ -43,6 +43,10 @@ contains
     type(steady_t), intent(in) :: half           !< the motion with half the steps
     type(point_t), intent(inout) :: point
 
+    if (point%resolution%scheme == scheme_rk4 .and. .not. has_result(half%status)) then
+      call leave_unknown(osc, point)
+      return
+    end if
     point%dynamic_factor = point%steady%peak/osc%load
     point%step_error = unbounded
     if (has_result(half%status)) then
