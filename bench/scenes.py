@@ -33,11 +33,11 @@ ROUNDS = 5
 MAIN = "import sys; from gearsweep.__main__ import main; main([{case!r}, '--quiet', '--out', {out!r}{more}])"
 PYTHON = {
     'import gearsweep': 'import gearsweep',
-    'a sweep': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r}))',
+    'a sweep': "import gearsweep; gearsweep.run(gearsweep.Case.read({case!r}), 'sweep')",
     'python -m gearsweep CASE --no-pictures': MAIN.replace('{more}', ", '--no-pictures'"),
     'python -m gearsweep CASE': MAIN.replace('{more}', ''),
-    'sweep.to_pandas()': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_pandas()',
-    'sweep.to_xarray()': 'import gearsweep; gearsweep.sweep(gearsweep.Case.read({case!r})).to_xarray()',
+    'sweep.to_pandas()': "import gearsweep; gearsweep.run(gearsweep.Case.read({case!r}), 'sweep').sweep.to_pandas()",
+    'sweep.to_xarray()': "import gearsweep; gearsweep.run(gearsweep.Case.read({case!r}), 'sweep').sweep.to_xarray()",
 }
 
 # Everything at once, and task by task; medians of both in turn.
@@ -45,18 +45,13 @@ ONCE = """
 import time, gearsweep
 from statistics import median
 case = gearsweep.Case.read({case!r})
-work = gearsweep.prepare(case)
-study = gearsweep.run(case, work=work)
-plain = [name for name in ('geometry', 'section', 'modal') if getattr(study, name)]
-loaded = [name for name in ('motion', 'mesh', 'harmonics', 'static', 'load', 'sweep', 'optimum') if getattr(study, name)]
+mesh = gearsweep.run(case, 'mesh')
 def apart():
-    for name in plain:
-        getattr(gearsweep, name)(case)
-    for name in loaded:
-        getattr(gearsweep, name)(case, work=work)
+    for task in case.tasks:
+        gearsweep.run(case, task, earlier=mesh)
 taken = []
 for _ in range({rounds}):
-    for way in (lambda: gearsweep.run(case, work=work), apart):
+    for way in (lambda: gearsweep.run(case, earlier=mesh), apart):
         start = time.perf_counter()
         way()
         taken.append(time.perf_counter() - start)
@@ -118,7 +113,7 @@ def once(report):
         lean, full = map(float, run(sys.executable, '-c', ONCE.format(case=str(case), rounds=ROUNDS)).split())
         table.append((f'`data/{case.name}`', duration(lean), duration(full), f'{full / lean:.3g}'))
     report.add('**Python.** All tasks of a case by `gearsweep.run`, of which `python -m gearsweep` also draws its pictures, and each task by\n'
-               'a call of its own; stiffness passed in. The same bits (`python/tests/test_same_bits.py`).\n')
+               'a call of its own; stiffness of an earlier study. The same bits (`python/tests/test_same_bits.py`).\n')
     report.table(('case', 'in one call', 'task by task', 'ratio'), table)
 
 

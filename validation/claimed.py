@@ -9,7 +9,7 @@ import numpy as np
 import gearsweep
 
 from . import dogan2021, hassan2009, ledger, quantities, thamba2020
-from .cases import case, given, result
+from .cases import case, given, result, run
 
 ACROSS = 32  # the finest grid of doc/elastic.md
 REFERENCE = ledger.FOLDER.parent / 'test' / 'reference'
@@ -39,9 +39,9 @@ def stiffness_change(across):
 def hassan_on(across):
     """Hassan's section: elements, first frequency and its estimate in per cent, tension, compression, their estimate."""
     study = _hassan(across)
-    modal, static = study.modal, study.static
-    return [len(modal.element), modal.frequency_hz[0], 100 * modal.estimate[0], static.tension_mpa[0],
-            static.compression_mpa[0], 100 * static.estimate[0]]
+    modal, stress = study.modal, study.root_stress
+    return [study.elements.rows, modal.frequency_hz[0], 100 * modal.error_estimate[0], stress.tension_mpa[0],
+            stress.compression_mpa[0], 100 * stress.error_estimate[0]]
 
 
 def hassan_row(across):
@@ -58,8 +58,8 @@ def hassan_error(across):
 def stress_moves(across):
     """How far its largest tension or compression lies from the finest grid's at most, from this grid on, per cent."""
     grids = [n for n in (4, 6, 8, 12, 16, 24) if n >= across]
-    fine = _hassan(ACROSS).static
-    return max(100 * abs(getattr(_hassan(n).static, side)[0] / getattr(fine, side)[0] - 1)
+    fine = _hassan(ACROSS).root_stress
+    return max(100 * abs(_hassan(n).root_stress[side][0] / fine[side][0] - 1)
                for n in grids for side in ('tension_mpa', 'compression_mpa'))
 
 
@@ -72,11 +72,11 @@ def support(teeth, fixed='sides+rim', plane='strain'):
 def root_stress(teeth):
     """Largest root tension of case 1 with so many teeth on the body, MPa."""
     section = {'teeth': teeth, 'elements_across': 16}
-    return gearsweep.static(case('case1').changed(section=section, relief={'amount_um': 0})).tension_mpa[0]
+    return run(case('case1').changed(section=section, relief={'amount_um': 0}), 'static').root_stress.tension_mpa[0]
 
 
 def iso_stress():
-    return result('static', 'case1').iso_mpa
+    return result('root_rating', 'case1').iso_mpa
 
 
 def disc(bore):
@@ -85,30 +85,28 @@ def disc(bore):
     whole = case('case1').changed(section={'teeth': 25, 'fixed': 'rim'}, pinion={'bore_mm': bore}, gear={'bore_mm': bore},
                                   relief={'amount_um': 0})
     stiffness, error, motion, mesh = _motion_and_error(whole)
-    s, pair = mesh.s, mesh.pair_n_um
+    s, pair = mesh.s, mesh.pair_stiffness_n_um
     period = np.linspace(0, 1, 4001)[:-1]
     together = np.interp(period, s, pair) + np.where(period < s[-1] - 1, np.interp(period + 1, s, pair), 0)
-    static = np.interp(period, s, mesh.mesh_n_um)
+    static = np.interp(period, s, mesh.mesh_stiffness_n_um)
     width = given('case1', 'pair', 'face_width_mm')
-    return [motion.turn_um, motion.shared_um, stiffness, static.mean() / width, error, np.ptp(motion.load_n / together)]
+    return [motion.body_rotation_um, motion.body_coupling_um, stiffness, static.mean() / width, error, np.ptp(motion.load_n / together)]
 
 
 def _motion_and_error(of_case):
-    work = gearsweep.prepare(of_case)
-    motion, mesh = gearsweep.motion(of_case, work=work), gearsweep.mesh(of_case, work=work)
-    return motion.stiffness_n_um / of_case.get('pair', 'face_width_mm'), np.ptp(mesh.ste_um), motion, mesh
+    study = run(of_case, 'mesh')
+    return study.motion.mean_mesh_stiffness_n_um_mm, np.ptp(study.mesh.ste_um), study.motion, study.mesh
 
 
 @functools.cache
 def _stiffness(across):
-    mesh = gearsweep.mesh(case('case1').changed(section={'elements_across': across}, relief={'amount_um': 0}))
-    return mesh.s, mesh.pair_n_um
+    mesh = run(case('case1').changed(section={'elements_across': across}, relief={'amount_um': 0}), 'mesh').mesh
+    return mesh.s, mesh.pair_stiffness_n_um
 
 
 @functools.cache
 def _hassan(across):
-    return gearsweep.run(case('hassan').changed(case={'tasks': ('static', 'modal'), 'published': None},
-                                                section={'elements_across': across}))
+    return run(case('hassan').changed(section={'elements_across': across}), ('static', 'modal', 'section'))
 
 
 # What README.md takes from the tables of doc/performance.md
@@ -160,8 +158,8 @@ def extreme_cases():
 
 def prescribed():
     """The prescribed mesh of doc/limits.md: mean stiffness, N/um, natural frequency, Hz, and its speed, 1/min."""
-    motion = gearsweep.motion(gearsweep.Case(_prescribed()))
-    return [motion.stiffness_n_um, motion.frequency_hz, 60 * motion.frequency_hz / 25]
+    motion = run(gearsweep.Case(_prescribed()), 'mesh').motion
+    return [motion.mean_mesh_stiffness_n_um, motion.natural_frequency_hz, motion.resonance_rpm]
 
 
 # Printed numbers, and what the reasons in the ledger say of them
@@ -220,7 +218,7 @@ def resolved_and_not():
     mesh = gearsweep.Case(_prescribed()).changed(relief={'amount_um': 40})
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', gearsweep.PartialWarning)
-        status = [gearsweep.sweep(mesh.changed(sweep={'rpm_first': rpm, 'rpm_last': rpm})).status_name[0, 0] for rpm in (1, 0.1)]
+        status = [run(mesh.changed(sweep={'rpm_first': rpm, 'rpm_last': rpm}), 'sweep').sweep.status[0, 0] for rpm in (1, 0.1)]
     return [1 if status[0] == 'ok' else float('nan'), 0.1 if status[1] == 'unresolved' else float('nan')]
 
 

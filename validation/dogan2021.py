@@ -7,9 +7,7 @@ import functools
 
 import numpy as np
 
-import gearsweep
-
-from .cases import case, result, work
+from .cases import case, result, run
 
 
 def factor(name, rpm, relief):
@@ -45,15 +43,15 @@ def falls(name, relief):
 
 def v_form(name):
     """Over the relief, the worst DF falls to its least value and rises behind it."""
-    curve = result('optimum', name)
-    least = np.nanargmin(curve.worst_factor)
-    down, up = np.split(curve.worst_factor, [least + 1])
+    curve = result('optimum_curve', name)
+    least = np.nanargmin(curve.worst_dynamic_factor)
+    down, up = np.split(curve.worst_dynamic_factor, [least + 1])
     return bool(len(down) > 2 and len(up) > 1 and np.all(np.diff(down) < 0) and np.all(np.diff(up) > 0))
 
 
 def best_relief(name):
     """Relief of the least worst DF, not only among the listed."""
-    return result('optimum', name).best_um
+    return result('optimum', name).relief_um
 
 
 def peak_rpm(name, resonance):
@@ -65,7 +63,7 @@ def peak_factor(name, resonance, relief):
     """Largest DF within 15 % of a resonance."""
     sweep = result('sweep', name)
     near = np.abs(sweep.rpm / peak_rpm(name, resonance) - 1) <= 0.15
-    return sweep.dynamic_factor[near, _index(name, relief)].max()
+    return sweep.dynamic_factor[_index(name, relief), near].max()
 
 
 def peak_rises(name, resonance, relief, further):
@@ -86,16 +84,14 @@ def _index(name, relief):
 def _at(name, rpm):
     """DF of all listed reliefs at one speed."""
     at_rpm = case(name).changed(sweep={'rpm_first': rpm, 'rpm_last': rpm})
-    return gearsweep.sweep(at_rpm, work=work(name)).dynamic_factor[0]
+    return run(at_rpm, 'sweep').sweep.dynamic_factor[:, 0]
 
 
 def _worst(name):
     """Largest DF over all speeds, for each listed relief."""
-    return result('sweep', name).dynamic_factor.max(axis=0)
+    return result('sweep', name).dynamic_factor.max(axis=1)
 
 
-@functools.cache
 def _resonances(name):
     """Speeds of the last two resonances without relief: half the natural frequency, and the whole."""
-    rpm, _ = result('sweep', name).resonances(_index(name, 0))
-    return rpm[-2:]
+    return result('resonances', name).resonance_rpm[-2:]

@@ -13,7 +13,7 @@ from .quantities import load, mode, radius
 
 CASE = 'hassan'
 COAST = 1
-COMPONENTS = ('x', 'y', 'xy')
+COMPONENTS = {'x': 'sigma_x_mpa', 'y': 'sigma_y_mpa', 'xy': 'tau_xy_mpa'}
 
 
 def printed(id):
@@ -104,8 +104,9 @@ def mode_1_period():
 def step(name, k, component, shift=0):
     """Size of a stress component on the compression side in a load step; its load may be shifted by part of a step."""
     root = result('static', name)
-    whole = np.abs(root.parts_mpa[COMPONENTS.index(component), COAST, :, 0]) / root.share[:, 0]
-    return root.share[k - 1, 0] * np.interp(k - 1 + shift, np.arange(len(whole)), whole)
+    share = root.load_share[0, :, COAST]
+    whole = np.abs(root[COMPONENTS[component]][0, :, COAST]) / share
+    return share[k - 1] * np.interp(k - 1 + shift, np.arange(len(whole)), whole)
 
 
 def worst_step(k):

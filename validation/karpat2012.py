@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-import gearsweep
-
-from .cases import case, result, work
+from .cases import case, result, run
 
 STAND_IN = 'case1'
 
@@ -23,14 +21,13 @@ def recess_sign():
 
 def mesh_period():
     """Path from A to D, base pitches."""
-    return result('geometry', STAND_IN).point[3]
+    return result('contact_points', STAND_IN).at(point='D').s
 
 
 def accurate(steps):
     """A number of steps in a mesh period changes DF without relief by less than 1e-3 at all speeds."""
     few = case(STAND_IN).changed(numerics={'steps_per_period': steps}, relief={'amount_um': 0})
-    error = (gearsweep.sweep(few, work=work(STAND_IN)).dynamic_factor
-             - result('sweep', STAND_IN).dynamic_factor[:, :1])
+    error = run(few, 'sweep').sweep.dynamic_factor - result('sweep', STAND_IN).dynamic_factor[:1]
     return bool(np.abs(error).max() < 1e-3)
 
 
@@ -41,11 +38,11 @@ def hertz_width(poisson):
 
 def _friction_sign(first, second):
     """From the mean load of a pair between two of the points A, B, P, D, E, with and without friction."""
-    ends = result('geometry', STAND_IN).point[[first, second]]
+    ends = result('contact_points', STAND_IN).s[[first, second]]
     means = []
     for friction in (0, 0.1):
         slow = case(STAND_IN).changed(dynamics={'friction': friction}, relief={'amount_um': 0}, sweep={'load_rpm': 400})
-        path = gearsweep.load(slow, work=work(STAND_IN))
+        path = run(slow, 'load').load
         inside = (path.s > ends[0]) & (path.s < ends[1])
         means.append(np.trapezoid(path.pair_load_n[inside], path.s[inside]))
     return -np.sign(means[1] - means[0])

@@ -5,20 +5,18 @@ import io
 import pathlib
 from dataclasses import dataclass
 
-import gearsweep
-
 from . import ledger
-from .cases import OF_THE_MESH, result
+from .cases import TASKS, study
 
 README = pathlib.Path(__file__).parent.parent / 'doc' / 'dynamic_factor.svg'
 
 
 @dataclass(frozen=True)
 class Picture:
-    """The task and case whose result is drawn, and printed points, of which each number is one or a row's id."""
+    """The table and case that are drawn, and printed points, of which each number is one or a row's id."""
 
     paper: str
-    task: str
+    table: str
     case: str
     title: str
     caption: str
@@ -31,11 +29,11 @@ PICTURES = (
             f'Dynamic factor over speed, case 1; {CIRCLES} 1.16 at 15 um cannot be reproduced.',
             (('rpm_1', 'df_1', 'relief_1_0'), ('n1_1', 'df1_1', 'relief_1_0'), ('n2_1', 'df2_1', 'relief_1_0'),
              ('rpm_1', 'df_15', 'relief_1_15'), ('n1_1', 'df1_15', 'relief_1_15'), ('n2_1', 'df2_15', 'relief_1_15'))),
-    Picture('dogan2021', 'optimum', 'case1', 'Fig. 8a', f'Largest dynamic factor over relief, case 1; {CIRCLES}',
+    Picture('dogan2021', 'optimum_curve', 'case1', 'Fig. 8a', f'Largest dynamic factor over relief, case 1; {CIRCLES}',
             (('relief_1_0', 'df2_1'), ('best_1', 'df2_15'))),
     Picture('dogan2021', 'sweep', 'case2', 'Fig. 7b', f'Dynamic factor over speed, case 2; {CIRCLES}',
             (('rpm_2', 'df_2', 'relief_2_0'), ('n1_2', 'df1_2', 'relief_2_0'), ('n1_2', 'df1_28', 'relief_2_28'))),
-    Picture('dogan2021', 'optimum', 'case2', 'Fig. 8b', f'Largest dynamic factor over relief, case 2; {CIRCLES}',
+    Picture('dogan2021', 'optimum_curve', 'case2', 'Fig. 8b', f'Largest dynamic factor over relief, case 2; {CIRCLES}',
             (('relief_2_0', 'df1_2'), ('best_2', 'df1_28'))),
     Picture('dogan2021', 'load', 'case1', 'Fig. 5', 'Load of one pair along its path at 1600 rpm, case 1.'),
     Picture('dogan2021', 'load', 'case2', 'Fig. 6', 'Load of one pair along its path at 1000 rpm, case 2.'),
@@ -76,15 +74,12 @@ def _drawn(picture, ending):
 
 
 def _figure(picture, plots):
-    answer = result(picture.task, picture.case)
+    answer = study(TASKS.get(picture.table, picture.table), picture.case)
     if picture.points:
         points = [[_value(picture.paper, end) for end in point] for point in picture.points]
-        return getattr(plots, f'plot_{picture.task}')(answer, points=points).figure
-    found = {picture.task: answer}
-    if picture.task in OF_THE_MESH:
-        found['motion'] = result('motion', picture.case)
-    _, figure = next(plots.figures(gearsweep.Study(answer.case, answer.version, **found)))
-    return figure
+        plot = {'sweep': plots.plot_sweep, 'optimum_curve': plots.plot_optimum}[picture.table]
+        return plot(answer, points=points).figure
+    return next(plots.figures(answer, picture.table))[1]
 
 
 def _value(paper, end):

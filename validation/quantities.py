@@ -1,20 +1,15 @@
 """What several papers print: geometry, load and contact of a case by its name; mm, N, MPa."""
 
 import math
-import re
 
 import numpy as np
 
-import gearsweep
-
-from .cases import case, given, result
+from .cases import given, result
 
 
 def radius(name, member, which):
     """Radius of a circle of member 1 or 2: tip, reference, root, base of the drive flanks."""
-    geometry = result('geometry', name)
-    which = 'drive base' if which == 'base' else which
-    return geometry.radius_mm[geometry.labels['circle'].index(which), member - 1]
+    return result('gears', name)[f'{which}_diameter_mm'][member - 1] / 2
 
 
 def pitch_radius(name, member):
@@ -24,7 +19,7 @@ def pitch_radius(name, member):
 
 def working_angle(name):
     """Of the drive flanks, rad."""
-    return math.radians(result('geometry', name).working_angle_deg[0])
+    return math.radians(result('geometry', name).working_angle_deg)
 
 
 def diameter(name, member, which):
@@ -69,8 +64,7 @@ def point(name, letter):
 
 def point_radius(name, letter):
     """Radius at which the pinion touches there."""
-    geometry = result('geometry', name)
-    return geometry.point_radius_mm[geometry.labels['place'].index(letter), 0]
+    return result('contact_points', name).at(point=letter).pinion_radius_mm
 
 
 def line_of_action(name):
@@ -86,7 +80,7 @@ def load(name):
 def pair_stiffness(name, letter):
     """Of one pair at a point of the path of contact, N/um."""
     mesh = result('mesh', name)
-    return np.interp(_at(name, letter), mesh.s, mesh.pair_n_um)
+    return np.interp(_at(name, letter), mesh.s, mesh.pair_stiffness_n_um)
 
 
 def static_error(name, letter, shift=0):
@@ -123,7 +117,7 @@ def hertz_half_width(name):
 
 def iso_root_stress(name):
     """sigma_F0 by ISO 6336-3."""
-    return result('static', name).iso_mpa
+    return result('root_rating', name).iso_mpa
 
 
 def iso_root_stress_working(name):
@@ -133,14 +127,13 @@ def iso_root_stress_working(name):
 
 
 def form_factor(name, which):
-    """Y_F, Y_S by ISO 6336-3, to the four digits of the report."""
-    alone = case(name).changed(case={'tasks': 'static'})
-    return float(re.search(rf'{which} ([\d.]+)', gearsweep.report(alone))[1])
+    """Y_F, Y_S by ISO 6336-3."""
+    return result('root_rating', name)[{'Y_F': 'iso_form_factor', 'Y_S': 'iso_stress_correction'}[which]]
 
 
 def root_tension(name):
     """Largest stress in the fillets."""
-    return result('static', name).tension_mpa[0]
+    return result('root_stress', name).tension_mpa[0]
 
 
 def mode(name, k):
@@ -160,5 +153,4 @@ def _half_tooth_angle(name, member, shift):
 
 def _at(name, letter):
     """Path coordinate of a point, base pitches from A."""
-    geometry = result('geometry', name)
-    return geometry.point[geometry.labels['place'].index(letter)]
+    return result('contact_points', name).at(point=letter).s

@@ -9,9 +9,9 @@
 ...     relief={'amount_um': [0, 10]},
 ...     sweep={'rpm_first': 4000, 'rpm_last': 8000, 'rpm_step': 1000},
 ... )
->>> sweep = gearsweep.sweep(case)
->>> sweep.dynamic_factor.shape
-(5, 2)
+>>> study = gearsweep.run(case, 'sweep')
+>>> study.sweep.dynamic_factor.shape
+(2, 5)
 
 A case's keys are described in doc/case.md, this package in doc/python.md. Names of numbers end in their
 unit. Pictures, pandas and xarray are loaded when they are asked for.
@@ -19,78 +19,28 @@ unit. Pictures, pandas and xarray are loaded when they are asked for.
 
 import importlib
 
-from . import _border
-from ._border import Code, Error, PartialWarning, UnusedWarning
+from . import _library
+from ._library import Code, Error, PartialWarning, UnusedWarning
 from .case import Case
-from .maps import Hysteresis, StabilityMap, Strobe, hysteresis, stability_map, strobe
-from .results import (
-    Contact,
-    Geometry,
-    Harmonics,
-    Load,
-    Mesh,
-    Modal,
-    Motion,
-    Optimum,
-    Result,
-    Section,
-    Static,
-    Status,
-    Stress,
-    Study,
-    Sweep,
-)
-from .store import read
-from .tasks import geometry, harmonics, load, mesh, modal, motion, optimum, prepare, report, run, section, static, stress, sweep
+from .study import Study, read, run
+from .table import Table
 
-__version__ = _border.version()
+__version__ = _library.version()
 
 __all__ = [
     'Case',
     'Code',
-    'Contact',
     'Error',
-    'Geometry',
-    'Harmonics',
-    'Hysteresis',
-    'Load',
-    'Mesh',
-    'Modal',
-    'Motion',
-    'Optimum',
     'PartialWarning',
-    'Result',
-    'Section',
-    'StabilityMap',
-    'Static',
-    'Status',
-    'Stress',
-    'Strobe',
     'Study',
-    'Sweep',
+    'Table',
     'UnusedWarning',
-    'geometry',
-    'harmonics',
-    'hysteresis',
-    'load',
-    'mesh',
-    'modal',
-    'motion',
-    'optimum',
-    'prepare',
     'read',
-    'report',
     'run',
-    'section',
-    'stability_map',
-    'static',
-    'stress',
-    'strobe',
-    'sweep',
 ]
 
 
-for _one in (Code, Error, PartialWarning, UnusedWarning):
+for _one in (Code, Error, PartialWarning, UnusedWarning, Study, Table, Case):
     _one.__module__ = __name__  # a traceback names them as people do
 
 #: In `gearsweep.plots`, which is loaded with the first of them.
@@ -101,6 +51,7 @@ _PLOTS = (
     'plot_load',
     'plot_modal',
     'plot_optimum',
+    'plot_poincare',
     'plot_section',
     'plot_sharing',
     'plot_stability',
@@ -108,10 +59,27 @@ _PLOTS = (
     'plot_ste',
     'plot_stiffness',
     'plot_stress',
-    'plot_strobe',
     'plot_sweep',
     'plots',
 )
+
+#: What names of earlier versions are called now.
+_NOW = {
+    **{task: f"run(case, '{task}').{task}" for task in ('geometry', 'load', 'mesh', 'optimum', 'static', 'sweep')},
+    'Contact': "the words in the column contact, such as 'full'",
+    'Status': "the words in the column status, such as 'ok'",
+    'harmonics': "run(case, 'mesh').harmonics",
+    'hysteresis': "run(case, 'hysteresis').hysteresis, with its speeds in &hysteresis",
+    'modal': "run(case, 'modal').modal",
+    'motion': "run(case, 'mesh').motion",
+    'plot_strobe': 'plot_poincare',
+    'prepare': 'run(case, earlier=study)',
+    'report': 'run(case).report()',
+    'section': "run(case, 'section').section",
+    'stability_map': "run(case, 'stability').stability, with speeds and damping ratios in &stability",
+    'stress': "run(case, 'static').stress, with &static field_position",
+    'strobe': "run(case, 'poincare').poincare, with its speeds in &poincare",
+}
 
 
 def __dir__() -> list[str]:
@@ -123,4 +91,5 @@ def __getattr__(name: str):
     if name in _PLOTS:
         plots = importlib.import_module('.plots', __name__)
         return plots if name == 'plots' else getattr(plots, name)
-    raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    now = f': it is {_NOW[name]} now' if name in _NOW else ''
+    raise AttributeError(f'module {__name__!r} has no attribute {name!r}{now}')

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import sys
+import tempfile
 import time
 import unicodedata
 from dataclasses import dataclass
 
-from . import Case, Code, Error, __version__, _border
+from . import Case, Code, Error, Study, __version__
 from ._watch import Line
-from .results import Study
-from .tasks import room, study
+from .study import attempt
 
 HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
 
@@ -91,7 +92,7 @@ def say(text: str) -> None:
 
 def complain(message: str) -> None:
     """On one line, without what a terminal would obey."""
-    words = ''.join('?' if unicodedata.category(letter) == 'Cc' else letter for letter in message)
+    words = ''.join('?' if is_control(letter) else letter for letter in message)
     print(f'gearsweep: {words}', file=sys.stderr)
 
 
@@ -146,33 +147,63 @@ def answer(wanted: Arguments) -> None:
     began = time.perf_counter()
     case, folder, name = read(wanted.case)
     name = wanted.name or name
+    if any(map(is_control, name)):
+        raise Error(f'name = {name}: must not have control characters')
+    case.complete()  # refuses what is no case before anything is made
+    made = make_folder(wanted.out)
     kept = f'{wanted.out}/{name}.checkpoint'
     shown = Line() if sys.stderr.isatty() and not wanted.quiet else None
-    numbers, text, stages, written, error = _border.run(
-        case.text,
-        folder,
-        _border.NO_WORK,
-        wanted.threads,
-        room(case) if wanted.pictures else 0,
-        wanted.out,
-        name,
-        progress=shown,
-        resume=kept if wanted.resume else '',
-        keep=kept,
-    )
+    study, error, _ = attempt(Case(case.text, folder), wanted.threads, None, shown, kept if wanted.resume else '', kept)
     if shown:
         shown.close()
+    if study is None:
+        remove_folder(wanted.out, made)
+        raise error
+    written, failure = [], None
+    try:
+        written = study.write(wanted.out, name)
+    except Error as one:  # told after the answer
+        failure = one
     if error is not None and error.code == Code.INTERRUPTED:
         written.append(kept)
-    if text and not wanted.quiet:
-        lines = [f'gearsweep {__version__}\n{text}Time               {time.perf_counter() - began:.3g} s']
+    if not wanted.quiet:
+        lines = [f'gearsweep {__version__}\n{study.report()}Time               {time.perf_counter() - began:.3g} s']
         if wanted.verbose:
-            lines.append('\n' + stages.rstrip('\n'))
+            lines.append('\n' + study.log.rstrip('\n'))
         say('\n'.join(lines + [f'Wrote              {path}' for path in written]))
+    if failure is not None:
+        remove_folder(wanted.out, made)
+        raise failure
     if wanted.pictures and (error is None or error.code == Code.PARTIAL):
-        draw(study(case, numbers), wanted, name)
+        draw(study, wanted, name)
     if error is not None:
         raise error
+
+
+def make_folder(path: str) -> bool:
+    """Makes the last folder of a path if it is missing, and tries whether it takes files; was it missing?"""
+    if any(map(is_control, path)):
+        raise Error(f'folder {path}: must not have control characters')
+    try:
+        made = not os.path.isdir(path)
+        if made:
+            os.mkdir(path)
+        tempfile.TemporaryDirectory(prefix='.gearsweep-', dir=path).cleanup()
+    except OSError as error:
+        reason = 'Not a directory' if isinstance(error, FileExistsError) else error.strerror
+        raise Error(f'cannot write to the folder {path}: {reason}', Code.FILE) from error
+    return made
+
+
+def remove_folder(path: str, made: bool) -> None:
+    """Removes a folder that this run made, if nothing is in it."""
+    if made:
+        with contextlib.suppress(OSError):
+            os.rmdir(path)
+
+
+def is_control(letter: str) -> bool:
+    return unicodedata.category(letter) == 'Cc'
 
 
 def read(path: str) -> tuple[Case, str, str]:

@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 
-from ._border import Code, Error
+from ._library import Code, Error
 
 #: What the library allows for a case and for the files that it names.
 _LONGEST = 10_000_000

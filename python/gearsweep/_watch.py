@@ -17,27 +17,38 @@ import numpy as np
 #: Seconds between two looks at the progress.
 _INTERVAL = 0.1
 
-#: Calls that end at once are not worth a thread.
-_SHORT = {'gs_version', 'gs_sizes', 'gs_geometry', 'gs_outline', 'gs_resonances', 'gs_complete', 'gs_unused', 'gs_change'}
+#: Seconds that a run has, once it is told to stop, until nobody waits for it any longer.
+_GRACE = 0.7
 
 
 class _Worker(threading.Thread):
     """Runs a call; `done` is set when it has ended."""
 
-    def __init__(self, call: Callable[[], Any]):
+    def __init__(self, call: Callable[[], Any], drop: Callable[[Any], object]):
         super().__init__(daemon=True, name='gearsweep')
         self.call = call
+        self.drop = drop
         self.done = threading.Event()
         self.result: Any = None
         self.error: BaseException | None = None
+        self.is_left = False
+        self.lock = threading.Lock()
 
     def run(self) -> None:
         try:
             self.result = self.call()
         except BaseException as error:  # handed on to who waits
             self.error = error
-        finally:
+        with self.lock:
             self.done.set()
+            if self.is_left and self.error is None:
+                self.drop(self.result)
+
+    def leave(self) -> bool:
+        """Nobody waits any longer: the result will be dropped. False where it is there already."""
+        with self.lock:
+            self.is_left = not self.done.is_set()
+        return self.is_left
 
     def answer(self) -> Any:
         if self.error is not None:
@@ -45,38 +56,26 @@ class _Worker(threading.Thread):
         return self.result
 
 
-def _begin(call: Callable[[], Any]) -> _Worker | None:
-    """None where no thread can be started, as at the end of the interpreter."""
-    worker = _Worker(call)
-    try:
-        worker.start()
-    except RuntimeError:
-        return None
-    return worker
-
-
-def in_background(procedure: Callable, *arguments: Any) -> Any:
-    """The call's results. On Ctrl-C the main thread goes on at once; what is under way ends by itself."""
-    short = getattr(procedure, '__name__', '').split()[-1:] or ['']
-    if threading.current_thread() is not threading.main_thread() or short[0] in _SHORT:
-        return procedure(*arguments)
-    worker = _begin(lambda: procedure(*arguments))
-    if worker is None:
-        return procedure(*arguments)
-    worker.done.wait()
-    return worker.answer()
-
-
-def watched(call: Callable[[np.ndarray], Any], progress: Callable[[int, int], object] | None) -> tuple[Any, BaseException | None]:
+def watched(
+    call: Callable[[np.ndarray], Any],
+    progress: Callable[[int, int], object] | None,
+    drop: Callable[[Any], object],
+    waits: bool = False,
+) -> tuple[Any, BaseException | None]:
     """The results of `call(watch)`, and the exception that ended it, if any.
 
-    `watch` is stop, points done and of how many; `progress` is told the last two by the calling thread.
+    `watch` is stop, points done and of how many; `progress` is told the last two by the calling thread. After an
+    exception the call is told to stop. Where it is in a part that does not look, nobody waits for it: the exception
+    comes out, the call ends in the background, and `drop` gets its results. With `waits`, points that are under way
+    are waited for, as what is done by then is to be kept.
     """
     watch = np.zeros(3, dtype=np.intc)
     if progress is None and threading.current_thread() is not threading.main_thread():
         return call(watch), None
-    worker = _begin(lambda: call(watch))
-    if worker is None:
+    worker = _Worker(lambda: call(watch), drop)
+    try:
+        worker.start()
+    except RuntimeError:  # no thread can be started, as at the end of the interpreter
         return call(watch), None
     cause = None
     told = 0
@@ -90,7 +89,12 @@ def watched(call: Callable[[np.ndarray], Any], progress: Callable[[int, int], ob
     except BaseException as error:
         cause = error
         watch[0] = 1
-        worker.done.wait()
+        try:
+            worker.done.wait(None if waits and watch[2] > 0 else _GRACE)
+        except BaseException as again:
+            cause = again
+    if cause is not None and worker.leave():
+        raise cause
     return worker.answer(), cause
 
 

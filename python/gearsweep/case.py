@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import _border
-from ._border import Error
+from . import _library
 from ._files import content, replacing
+from ._library import Error
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Case:
         text = self.text
         for group, keys in groups.items():
             for key, value in keys.items():
-                text = _border.change(text, group, key, written(value))
+                text = _library.edit('change', text, group, key, written(value))
         return Case(text, self.folder)
 
     def get(self, group: str, key: str, default: Any = None) -> Any:
@@ -110,7 +110,7 @@ class Case:
         group, key = group.lower(), key.lower()
         values = self.values.get(group, {})
         if key not in values:
-            _border.change('', group, key, '')  # fails where there is no such key
+            _library.edit('change', '', group, key, '')  # fails where there is no such key
         return values.get(key, default)
 
     @functools.cached_property
@@ -120,7 +120,7 @@ class Case:
 
     def complete(self) -> Case:
         """The case with every default written out. It gives the same answer."""
-        return Case(_border.complete(self.text), self.folder)
+        return Case(_library.edit('complete', self.text), self.folder)
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -139,7 +139,7 @@ class Case:
         ...      "&pinion teeth = 21 /  &gear teeth = 34 /  &modal modes = 5 /").unused
         ['modal: &modal modes']
         """
-        return _border.unused(self.text)
+        return _library.edit('unused', self.text).splitlines()
 
     def __str__(self) -> str:
         return self.text

@@ -4,6 +4,7 @@ import os
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -38,6 +39,17 @@ PARTIAL = """&case tasks = 'sweep' /
 &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
 &numerics steps_per_period = 20 / &sweep rpm_first = 1 rpm_last = 6001 rpm_step = 1000 /
 """
+
+
+def bits(study):
+    """All that a study holds."""
+    return {(table.name, name): np.asarray(table[name]).tobytes() for table in study for name in table}
+
+
+def grid_of(study):
+    """Nodes (x and y in mm) of the section's grid, and those of each element, counted from 0."""
+    element = np.column_stack([study.elements[f'node_{corner}'] for corner in range(1, 9)]) - 1
+    return np.column_stack((study.nodes.x_mm, study.nodes.y_mm)), element
 
 
 @pytest.fixture(scope='session')

@@ -122,10 +122,10 @@ def test_changed(text, group, key, value, expected):
      ('', 'b', '1'), ('a', '', '1'), ('a', 'b', "'"), ('a', 'b', '\n/\n&c'), ('a', 'b', '\x01'), ('a', 'b', '\0')],
 )  # fmt: skip
 def test_one_key_and_no_more(group, key, text):
-    from gearsweep import _border
+    from gearsweep import _library
 
     with pytest.raises(Error) as caught:
-        _border.change('&a b = 1 /', group, key, text)
+        _library.edit('change', '&a b = 1 /', group, key, text)
     assert caught.value.code == Code.INPUT
 
 
@@ -190,15 +190,15 @@ def test_keys_for_other_tasks():
     assert case.unused == []
     rest = case.changed(case={'tasks': ['geometry', 'modal']})
     assert 'static: &static positions' in rest.unused and 'load: &sweep load_rpm' in rest.unused
-    assert gearsweep.geometry(rest).contact_ratio == gearsweep.geometry(case).contact_ratio
-    assert len(gearsweep.static(rest).s) == len(gearsweep.static(case).s)
+    one, other = (gearsweep.run(of, ('geometry', 'static')) for of in (rest, case))
+    assert one.geometry.contact_ratio == other.geometry.contact_ratio and one.static.rows == other.static.rows
     # Without a value that is given, they have none in effect.
     assert rest.get('static', 'positions') == 5 and rest.get('static', 'spacing') is None
     assert 'spacing' not in rest.complete().text
     assert rest.complete().unused == rest.unused
     # They are checked all the same.
     with pytest.raises(Error, match='&static positions = 1: must be at least 2'):
-        gearsweep.geometry(rest.changed(static={'positions': 1}))
+        gearsweep.run(rest.changed(static={'positions': 1}), 'geometry')
 
 
 @pytest.mark.parametrize('value', [object(), {'a': 1}, b'x', 1j, [object()]])

@@ -1,6 +1,7 @@
 """Full disks, links, names and full standard output: old files stay, and nothing ends without a word."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -8,7 +9,7 @@ import pytest
 from conftest import GEARED, PRESCRIBED
 
 import gearsweep
-from gearsweep import Case, Code, Error, _border
+from gearsweep import Case, Code, Error
 
 # Files may have 1 kB, as if the disk were full then; Python leaves out the signal that would end the process.
 LIMITED = """
@@ -34,25 +35,24 @@ def said(script, folder):
 @pytest.mark.parametrize(
     ('name', 'write'),
     [
-        ('x.npz', 'gearsweep.geometry(case).save("x.npz")'),
+        ('x.npz', 'study.save("x.npz")'),
         ('x.nml', 'gearsweep.Case(case.text + "! " + 2000*"x").write("x.nml")'),
-        ('x.png', 'gearsweep.plots.save(gearsweep.plot_geometry(gearsweep.geometry(case)).figure, "x.png", "png")'),
+        ('x.png', 'gearsweep.plots.save(gearsweep.plot_geometry(study).figure, "x.png", "png")'),
     ],
 )
 def test_full_disk(tmp_path, name, write):
     (tmp_path / name).write_text('old')
-    script = f'import gearsweep.plots\ncase = gearsweep.Case({GEARED!r})\nlimited(lambda: {write})\n'
+    script = f'import gearsweep.plots\ncase = gearsweep.Case({GEARED!r})\nstudy = gearsweep.run(case)\nlimited(lambda: {write})\n'
     assert said(script, tmp_path) == f'FILE cannot write {name}: File too large\n'
     assert os.listdir(tmp_path) == [name] and (tmp_path / name).read_text() == 'old'
 
 
 def test_tables_on_a_full_disk(tmp_path):
-    case = Case(PRESCRIBED)
-    run = f'_border.run({PRESCRIBED!r}, "", _border.NO_WORK, 1, 0, "out", "q")'
-    script = f'from gearsweep import _border\n{run}\nlimited(lambda: print({run}[3:]))\n'
-    first = _border.run(case.text, '', _border.NO_WORK, 1, 0, str(tmp_path / 'kept'), 'q')
-    assert first[4] is None and len(first[3]) == 5
-    assert said(script, tmp_path) == "([], Error('cannot write out/q.mesh.csv: File too large'))\n"
+    study = gearsweep.run(Case(PRESCRIBED))
+    first = study.write(tmp_path / 'kept', 'q')
+    assert [os.path.basename(path) for path in first] == [f'q.{name}.csv' for name in study.tables]
+    script = f'study = gearsweep.run(gearsweep.Case({PRESCRIBED!r}))\nstudy.write("out", "q")\nlimited(lambda: study.write("out", "q"))\n'
+    assert re.fullmatch(r'FILE cannot write out/q\.\w+\.csv: File too large\n', said(script, tmp_path))
     assert sorted(os.listdir(tmp_path / 'out')) == sorted(os.listdir(tmp_path / 'kept'))
     for table in os.listdir(tmp_path / 'out'):
         assert (tmp_path / 'out' / table).read_bytes() == (tmp_path / 'kept' / table).read_bytes()
@@ -63,11 +63,11 @@ def test_temporary_names(tmp_path):
     (tmp_path / 'victim').write_text('mine')
     for name in ('x.npz.part', 'x.npz', 'x.nml'):
         (tmp_path / name).symlink_to(tmp_path / 'victim')
-    geometry = gearsweep.geometry(Case(GEARED))
-    geometry.save(tmp_path / 'x.npz')
+    study = gearsweep.run(Case(GEARED), 'geometry')
+    study.save(tmp_path / 'x.npz')
     Case(GEARED).write(tmp_path / 'x.nml')
     assert (tmp_path / 'victim').read_text() == 'mine'
-    assert gearsweep.read(tmp_path / 'x.npz').distance_mm == geometry.distance_mm
+    assert gearsweep.read(tmp_path / 'x.npz').geometry.centre_distance_mm == study.geometry.centre_distance_mm
     assert Case.read(tmp_path / 'x.nml').text == GEARED
     assert sorted(os.listdir(tmp_path)) == ['victim', 'x.nml', 'x.npz', 'x.npz.part']
     umask = os.umask(0)
@@ -77,18 +77,19 @@ def test_temporary_names(tmp_path):
 
 @pytest.mark.parametrize('name', ['', ' ', '.', '..', '../x', 'a/b', '/x', 'a\nb', 'a\x1bb', 'a\x9bb', 'a\x85'])
 def test_names(tmp_path, name):
-    out = str(tmp_path / 'out')
-    error = _border.run(PRESCRIBED, '', _border.NO_WORK, 1, 0, out, name)[4]
-    assert error.code == Code.INPUT and 'name' in str(error)
+    study = gearsweep.run(Case(PRESCRIBED), 'mesh')
+    with pytest.raises(Error, match='name') as caught:
+        study.write(tmp_path / 'out', name)
+    assert caught.value.code == Code.INPUT
     assert os.listdir(tmp_path) == []
 
 
 def test_control_characters():
     for control in '\x1b\x07\x00\x7f\x80\x9b':
         with pytest.raises(Error, match='NUL' if control == '\0' else f'control character .code {ord(control)}.'):
-            gearsweep.report(Case(PRESCRIBED + f"! {control}"))
+            gearsweep.run(Case(PRESCRIBED + f'! {control}'))
     with pytest.raises(Error, match=r'control character .code 155.'):
-        gearsweep.report(Case(PRESCRIBED + '! \udc9b'))
+        gearsweep.run(Case(PRESCRIBED + '! \udc9b'))
 
 
 def test_endless_and_long_cases(tmp_path):

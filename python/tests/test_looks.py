@@ -1,13 +1,12 @@
 """What a newcomer sees: names, reprs, notebooks."""
 
-import dataclasses
 import re
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from conftest import GEARED, PARTIAL, PRESCRIBED
+from conftest import GEARED, PARTIAL
 
 import gearsweep
 from gearsweep import Case
@@ -28,7 +27,7 @@ def test_dir_shows_what_people_use_and_nothing_else():
         name for name in gearsweep.plots.__all__ if name.startswith('plot_')
     }
     # No module of ours, nothing imported for our own use.
-    assert {'case', 'results', 'tasks', 'maps', 'store', 'importlib', '_border'}.isdisjoint(shown)
+    assert {'case', 'study', 'table', 'importlib', '_library'}.isdisjoint(shown)
 
 
 def test_dir_loads_no_matplotlib():
@@ -43,34 +42,37 @@ def test_errors_are_named_as_people_write_them():
     assert gearsweep.Error.__module__ == gearsweep.PartialWarning.__module__ == 'gearsweep'
 
 
-def test_a_sweep_says_its_answer(study):
-    """Best relief, its worst dynamic factor and the resonances, here found without the library's help."""
-    sweep = study.sweep
-    worst = sweep.dynamic_factor.max(axis=0)
-    best = worst.argmin()
-    at = sweep.rpm[sweep.dynamic_factor[:, best].argmax()]
-    said = f'best relief {sweep.relief_um[best]:g} um: worst DF {worst[best]:.4f} at {at:g} rpm'
-    assert said in repr(sweep) and '13 rpm, 2 relief_um' in repr(sweep)
-    rpm, _ = sweep.resonances()
-    if len(rpm):
-        assert f'resonances {", ".join(f"{one:.0f}" for one in rpm)} rpm' in repr(sweep)
-    assert said in repr(study)
+def test_completion_offers_tables_and_columns(study):
+    assert set(study.tables) < set(dir(study)) and {'report', 'write', 'save', 'log'} < set(dir(study))
+    assert set(study.sweep) < set(dir(study.sweep)) and {'units', 'dims', 'at', 'to_pandas'} < set(dir(study.sweep))
+    assert not [name for name in (*dir(study), *dir(study.sweep)) if name.startswith('_')]
 
 
-def test_an_optimum_says_its_answer(study):
+def test_a_study_says_its_answer(study):
+    """Its single numbers, here those of the optimum, and how much there is of the others."""
     optimum = study.optimum
-    i = np.nanargmin(optimum.worst_factor)
-    assert f'best relief {optimum.relief_um[i]:.4g} um' in repr(optimum)
-    assert f'worst DF {optimum.worst_factor[i]:.4f} at {optimum.rpm[i]:g} rpm' in repr(optimum)
+    assert repr(study).splitlines()[0] == '<gearsweep.Study of a <small> pair'
+    line = next(line for line in repr(study).splitlines() if line.startswith('  optimum:'))
+    assert f'relief_um {optimum.relief_um:.6g}, worst_dynamic_factor {optimum.worst_dynamic_factor:.6g}' in line
+    assert re.search(r'^  sweep: +2 relief_um, 13 rpm$', repr(study), re.MULTILINE)
+    assert len(repr(study).splitlines()) == 1 + len(study.tables)
 
 
-def test_every_result_has_one_line_and_a_table(study):
-    for name in study.tasks:
-        part = getattr(study, name)
-        assert '\n' not in repr(part) and repr(part).startswith(f'<gearsweep.{type(part).__name__}: ')
-        assert re.fullmatch(r'<table>.*</table>', part._repr_html_())
-    assert len(repr(study).splitlines()) == 1 + len(study.tasks)
-    assert set(study.tasks) == {f.name for f in dataclasses.fields(study)} - {'case', 'version'}
+def test_a_table_says_its_answer(study):
+    """A line for each column: size, unit, least and largest value or the words, meaning."""
+    factor = study.sweep.dynamic_factor
+    shown = [re.split(' {2,}', line.strip().rstrip('>')) for line in repr(study.sweep).splitlines()]
+    assert shown[0] == ['<gearsweep.Table sweep: ' + study.sweep.meaning]
+    assert shown[2][:3] == ['rpm (13)', '1/min', '3000 to 9000']
+    assert shown[3] == ['dynamic_factor', f'{factor.min():.6g} to {factor.max():.6g}', study.sweep.meanings['dynamic_factor']]
+    assert shown[5][:2] == ['status', '26 ok']
+    assert shown[1][:3] == ['relief_um (2)', 'um', '0, 10']
+
+
+def test_every_table_has_its_columns_in_a_notebook(study):
+    for table in study:
+        assert len(repr(table).splitlines()) == 1 + len(list(table))
+        assert re.fullmatch(r'<table>.*</table>', table._repr_html_()) and table._repr_html_().count('<tr>') == 1 + len(list(table))
 
 
 def test_a_notebook_shows_no_foreign_markup(study):
@@ -80,15 +82,6 @@ def test_a_notebook_shows_no_foreign_markup(study):
 
 def test_points_without_an_answer_are_told():
     with pytest.warns(gearsweep.PartialWarning):
-        sweep = gearsweep.sweep(Case(PARTIAL))
+        sweep = gearsweep.run(Case(PARTIAL), 'sweep').sweep
     missing = int(np.isnan(sweep.dynamic_factor).sum())
-    assert f'without an answer {missing} of 7 points' in repr(sweep)
-    with pytest.warns(gearsweep.PartialWarning):
-        none = gearsweep.sweep(Case(PARTIAL).changed(sweep={'rpm_last': 1}))
-    assert 'without an answer 1 of 1 points' in repr(none) and 'DF' not in repr(none)
-
-
-def test_maps_say_their_answers():
-    case = Case(PRESCRIBED).changed(dynamics={'damping_ratio': 0.02}, relief={'amount_um': 0})
-    assert 'changes' in repr(gearsweep.hysteresis(case.changed(sweep={'rpm_first': 12000, 'rpm_step': 500})))
-    assert 'unstable' in repr(gearsweep.stability_map(case))
+    assert missing and f', {missing} without  ' in repr(sweep) and f'{missing} unresolved' in repr(sweep)

@@ -9,7 +9,7 @@ import sys
 import matplotlib
 import numpy as np
 import pytest
-from conftest import GEARED, PARTIAL, PRESCRIBED
+from conftest import GEARED, PARTIAL, PRESCRIBED, grid_of
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.path import Path
@@ -21,7 +21,8 @@ from gearsweep.plots.along_path import contact_points
 from gearsweep.plots.gears import contact_path
 from gearsweep.plots.stress import principal
 
-ALONG_PATH = {'stiffness': 'mesh_n_um', 'sharing': 'share', 'ste': 'ste_um'}
+ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
+MAPS = ('stability', 'hysteresis', 'poincare')
 MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
 ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
 ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
@@ -41,7 +42,7 @@ def prescribed():
 @pytest.fixture(scope='module')
 def partial():
     with pytest.warns(gearsweep.PartialWarning):
-        return gearsweep.sweep(Case(PARTIAL).changed(relief={'amount_um': [0, 5]}))
+        return gearsweep.run(Case(PARTIAL).changed(relief={'amount_um': [0, 5]})).sweep
 
 
 @pytest.fixture
@@ -59,24 +60,17 @@ def rattling():
 
 @pytest.fixture(scope='module')
 def both(rattling):
-    return gearsweep.hysteresis(rattling)
+    return gearsweep.run(rattling, 'hysteresis')
 
 
-def all_plots(study):
-    """Each plot function with what it takes of this study."""
-    taken = {'stiffness': 'mesh', 'sharing': 'mesh', 'ste': 'mesh'}
-    computed = {
-        'stress': lambda case: gearsweep.stress(case, 2),
-        'stability': gearsweep.stability_map,
-        'hysteresis': gearsweep.hysteresis,
-        'strobe': lambda case: gearsweep.strobe(case, settle=20, keep=10),
-    }
-    for name in plots.__all__:
-        kind = name.removeprefix('plot_')
-        if kind in computed:
-            yield getattr(plots, name), computed[kind](study.case)
-        elif name != kind:
-            yield getattr(plots, name), getattr(study, taken.get(kind, kind))
+@pytest.fixture(scope='module')
+def everything():
+    case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, static={'field_position': 0})
+    return gearsweep.run(case, (*case.tasks, *MAPS))
+
+
+def all_plots():
+    return [getattr(plots, name) for name in plots.__all__ if name.startswith('plot_')]
 
 
 def curves(ax, n):
@@ -84,11 +78,11 @@ def curves(ax, n):
     return [np.array(line.get_data()) for line in ax.lines[:n]]
 
 
-def test_every_plot_draws_into_given_axes_with_units_and_leaves_the_style_alone(study):
+def test_every_plot_draws_into_given_axes_with_units_and_leaves_the_style_alone(everything):
     before = dict(matplotlib.rcParams)
-    for plot, result in all_plots(study):
+    for plot in all_plots():
         ax = Figure().subplots()
-        assert plot(result, ax) is ax
+        assert plot(everything, ax) is ax
         assert ax.has_data()
         if ax.axison:
             for label in (ax.get_xlabel(), ax.get_ylabel()):
@@ -96,12 +90,12 @@ def test_every_plot_draws_into_given_axes_with_units_and_leaves_the_style_alone(
     assert dict(matplotlib.rcParams) == before
 
 
-def test_figures_of_their_own_have_the_width_of_a_journal(study):
+def test_figures_of_their_own_have_the_width_of_a_journal(everything):
     from matplotlib import pyplot
 
     before = dict(matplotlib.rcParams)
-    for plot, result in all_plots(study):
-        figure = plot(result).figure
+    for plot in all_plots():
+        figure = plot(everything).figure
         assert round(figure.get_size_inches()[0] * 25.4, 6) in (85, 175)
         pyplot.close(figure)
     assert dict(matplotlib.rcParams) == before
@@ -111,7 +105,7 @@ def test_sweep_shows_its_arrays_and_published_points(study, ax):
     sweep = study.sweep
     points = [(4000, 1.3, 10), (6000, 1.1)]
     plots.plot_sweep(sweep, ax, points=points)
-    for curve, factor in zip(curves(ax, 2), sweep.dynamic_factor.T):
+    for curve, factor in zip(curves(ax, 2), sweep.dynamic_factor):
         np.testing.assert_array_equal(curve, [sweep.rpm, factor])
     circles = ax.lines[2:4]
     assert [tuple(np.ravel(circle.get_data())) for circle in circles] == [point[:2] for point in points]
@@ -120,49 +114,49 @@ def test_sweep_shows_its_arrays_and_published_points(study, ax):
 
 
 def test_points_without_an_answer_are_gaps_with_crosses(partial, ax):
-    missing = partial.status >= gearsweep.Status.UNSTABLE
+    missing = partial.status == 'unresolved'
     assert missing.any() and not missing.all()
     plots.plot_sweep(partial, ax)
-    for curve, gaps in zip(curves(ax, 2), missing.T):
+    for curve, gaps in zip(curves(ax, 2), missing):
         np.testing.assert_array_equal(np.isnan(curve[1]), gaps)
     crosses = [line for line in ax.lines if line.get_marker() == 'x']
     assert len(crosses) == 2
     for line in crosses:  # from the lowest row up: the last relief first
-        np.testing.assert_array_equal(line.get_xdata(), partial.rpm[missing[:, 1 - crosses.index(line)]])
+        np.testing.assert_array_equal(line.get_xdata(), partial.rpm[missing[1 - crosses.index(line)]])
         assert line.get_transform() == ax.get_xaxis_transform() and 0 < line.get_ydata()[0] < 0.1
     assert ax.transLimits.transform((0, np.nanmin(partial.dynamic_factor)))[1] > 0.07
     assert any('no answer: unresolved' in text.get_text() for text in ax.findobj(Text))
 
 
 def test_points_that_are_not_plainly_ok_are_marked(partial, ax):
-    inexact = partial.status == gearsweep.Status.INEXACT
+    inexact = partial.status == 'inexact'
     assert inexact.any()
     plots.plot_sweep(partial, ax)
     marks = [line for line in ax.lines if line.get_marker() == '^']
-    for line, here, factor in zip(marks, inexact.T, partial.dynamic_factor.T):
+    for line, here, factor in zip(marks, inexact, partial.dynamic_factor):
         np.testing.assert_array_equal(line.get_data(), [partial.rpm[here], factor[here]])
 
 
 def test_a_point_alone_is_seen(ax):
-    plots.plot_sweep(gearsweep.sweep(Case(PRESCRIBED).changed(**ONE_SPEED)), ax)
+    plots.plot_sweep(gearsweep.run(Case(PRESCRIBED).changed(**ONE_SPEED), 'sweep'), ax)
     assert ax.lines[0].get_markevery() == [0] and ax.lines[0].get_marker() == 'o'
 
 
 def test_undamped_motion_is_marginal_throughout(ax):
     case = Case(PRESCRIBED).changed(dynamics={'damping_ratio': 0}, sweep={'rpm_first': 19000, 'rpm_last': 24000})
-    sweep = gearsweep.sweep(case)
-    assert (sweep.status == gearsweep.Status.MARGINAL).all()
+    sweep = gearsweep.run(case, 'sweep').sweep
+    assert (sweep.status == 'marginal').all()
     plots.plot_sweep(sweep, ax)
     assert len(ax.lines) == 2 and any(text.get_text() == 'all marginal' for text in ax.findobj(Text))
 
 
 def test_optimum_shows_its_curve_and_names_the_least(study, ax):
-    optimum = study.optimum
-    plots.plot_optimum(optimum, ax, points=[(10, 1.2)])
-    np.testing.assert_array_equal(curves(ax, 1)[0], [optimum.relief_um, optimum.worst_factor])
+    optimum, tried = study.optimum, study.optimum_curve
+    plots.plot_optimum(study, ax, points=[(10, 1.2)])
+    np.testing.assert_array_equal(curves(ax, 1)[0], [tried.relief_um, tried.worst_dynamic_factor])
     best = next(line for line in ax.lines if line.get_marker() == 'D')
-    assert tuple(np.ravel(best.get_data())) == (optimum.best_um, optimum.best_factor)
-    assert f'{optimum.best_um:.4g} µm' in ax.texts[-1].get_text()
+    assert tuple(np.ravel(best.get_data())) == (optimum.relief_um, optimum.worst_dynamic_factor)
+    assert f'{optimum.relief_um:.4g} µm' in ax.texts[-1].get_text()
 
 
 @pytest.mark.parametrize('kind, field', ALONG_PATH.items())
@@ -173,20 +167,20 @@ def test_mesh_pictures_show_its_arrays(study, ax, kind, field):
         rows = np.isclose(mesh.relief_um, relief)
         np.testing.assert_array_equal(curve, [mesh.s[rows], getattr(mesh, field)[rows]])
     letters = {text.get_text(): text.xy[0] for text in ax.texts if text.get_text() in tuple('ABPDE')}
-    assert letters == dict(zip('ABPDE', study.geometry.point))
+    assert letters == dict(zip('ABPDE', study.contact_points.s))
 
 
 def test_harmonics_are_bars(study, ax):
     harmonics = study.harmonics
     plots.plot_harmonics(harmonics, ax)
-    for bars, amplitude in zip(ax.containers, harmonics.amplitude_um.T, strict=True):
+    for bars, amplitude in zip(ax.containers, harmonics.amplitude_um[:, 1:], strict=True):
         np.testing.assert_array_equal([bar.get_height() for bar in bars], amplitude)
-        np.testing.assert_array_equal(np.round([bar.get_x() + bar.get_width() / 2 for bar in bars]), harmonics.harmonic)
+        np.testing.assert_array_equal(np.round([bar.get_x() + bar.get_width() / 2 for bar in bars]), harmonics.harmonic[1:])
 
 
 def test_load_shows_the_speed_asked_for(study, ax):
     load = study.load
-    plots.plot_load(load, ax, rpm=6000, static_n=4000)
+    plots.plot_load(load, ax, rpm=6000)
     found = [line for line in ax.lines if len(line.get_xdata()) > 2]
     for line, relief in zip(found, (0, 10), strict=True):
         rows = np.isclose(load.relief_um, relief) & np.isclose(load.rpm, 6000)
@@ -199,8 +193,8 @@ def test_load_shows_the_speed_asked_for(study, ax):
 def test_load_names_reliefs_without_an_answer(ax):
     case = Case(PRESCRIBED).changed(numerics={'steps_per_period': 20}, sweep={'load_rpm': 1})
     with pytest.warns(gearsweep.PartialWarning):
-        load = gearsweep.load(case)
-    assert np.isnan(load.s).all() and list(load.status_name) == ['unresolved'] * 2
+        load = gearsweep.run(case, 'load').load
+    assert np.isnan(load.s).all() and list(load.status) == ['unresolved'] * 2
     plots.plot_load(load, ax)
     assert any(text.get_text() == 'no answer: 0, 15 µm' for text in ax.findobj(Text))
 
@@ -208,7 +202,7 @@ def test_load_names_reliefs_without_an_answer(ax):
 def test_static_shows_both_sides_and_its_error(study, ax):
     static = study.static
     plots.plot_static(static, ax)
-    expected = [static.sigma_mpa[side, :, relief] for side in (0, 1) for relief in (0, 1)]
+    expected = [static.sigma_mpa[relief, :, side] for side in (0, 1) for relief in (0, 1)]
     for curve, sigma in zip(curves(ax, 4), expected):
         np.testing.assert_array_equal(curve, [static.s, sigma])
     assert len(ax.collections) == 4  # on this coarse grid the error can be seen
@@ -216,25 +210,26 @@ def test_static_shows_both_sides_and_its_error(study, ax):
 
 def test_contact_points_of_a_prescribed_mesh():
     """As ISO 21771 defines them: a pair enters where another has one base pitch left to go."""
-    assert contact_points(Case(PRESCRIBED)) == pytest.approx({'A': 0, 'B': 0.6, 'D': 1, 'E': 1.6})
+    assert contact_points(gearsweep.run(Case(PRESCRIBED), 'mesh')) == pytest.approx({'A': 0, 'B': 0.6, 'D': 1, 'E': 1.6})
     high = Case(PRESCRIBED).changed(mesh={'contact_ratio': 2.25, 'pitch_point': 1.2}, relief={'start': 'pitch'})
-    assert contact_points(high) == pytest.approx({'A': 0, 'B': 0.25, 'P': 1.2, 'D': 2, 'E': 2.25})
+    assert contact_points(gearsweep.run(high, 'mesh')) == pytest.approx({'A': 0, 'B': 0.25, 'P': 1.2, 'D': 2, 'E': 2.25})
 
 
 @pytest.mark.parametrize('changes', [{}, ASYMMETRIC, {'gear': {'teeth': 20000}}, {'pair': {'centre_distance_mm': 83.6}}])
 def test_gears_touch_on_the_path_and_nowhere_overlap(changes, ax):
-    geometry = gearsweep.geometry(Case(GEARED).changed(case={'tasks': 'geometry'}, **changes))
-    path = contact_path(geometry, geometry.point)
-    centre = np.array([0, geometry.distance_mm])
-    np.testing.assert_allclose(np.hypot(*path.T), geometry.point_radius_mm[:, 0], rtol=1e-9)
-    np.testing.assert_allclose(np.hypot(*(path - centre).T), geometry.point_radius_mm[:, 1], rtol=1e-9)
+    study = gearsweep.run(Case(GEARED).changed(**changes), 'section')
+    geometry, points = study.geometry, study.contact_points
+    path = contact_path(study, points.s)
+    centre = np.array([0, geometry.centre_distance_mm])
+    np.testing.assert_allclose(np.hypot(*path.T), points.pinion_radius_mm, rtol=1e-9)
+    np.testing.assert_allclose(np.hypot(*(path - centre).T), points.gear_radius_mm, rtol=1e-9)
 
-    plots.plot_geometry(geometry, ax)
+    plots.plot_geometry(study, ax)
     pinion, gear = (patch.get_path() for patch in ax.patches[:2])
-    touch = contact_path(geometry, np.array([geometry.contact_ratio / 2]))[0]
+    touch = contact_path(study, np.array([geometry.contact_ratio / 2]))[0]
     size = 0.002 * 3  # parts of the module: the chords of the outlines lie off the flanks
     for outline, away in ((pinion, 1), (gear, -1)):
-        normal = away * np.array([1, np.tan(np.radians(geometry.working_angle_deg[0]))])
+        normal = away * np.array([1, np.tan(np.radians(geometry.working_angle_deg))])
         assert outline.contains_point(touch - size * normal) and not outline.contains_point(touch + size * normal)
     assert depth(pinion.vertices, gear.vertices) < size and depth(gear.vertices, pinion.vertices) < size
 
@@ -253,9 +248,9 @@ def test_modes_show_the_shape(study, ax):
     modal = study.modal
     plots.plot_modal(modal, ax, mode=2)
     rest, _, moved = (np.concatenate(lines.get_segments()) for lines in ax.findobj(LineCollection))
-    nodes = np.column_stack((modal.x_mm, modal.y_mm))
+    nodes, _ = grid_of(study)
     place = [np.flatnonzero((nodes == point).all(axis=1)) for point in rest[::5]]  # ends of the curves are corners
-    shape = modal.shape[:, np.concatenate(place), 1].T
+    shape = np.column_stack([study.mode_shapes[axis][1, np.concatenate(place)] for axis in ('shape_x', 'shape_y')])
     shown = (moved - rest)[::5]
     scale = np.vdot(shown, shape) / np.vdot(shape, shape)
     np.testing.assert_allclose(shown, scale * shape, atol=1e-12 * np.abs(nodes).max())
@@ -266,10 +261,10 @@ def test_modes_show_the_shape(study, ax):
 
 def test_section_shows_every_edge_once(study, ax):
     """Euler: corners - edges + elements = 1 for a grid without holes."""
-    section = study.section
-    plots.plot_section(section, ax)
+    _, element = grid_of(study)
+    plots.plot_section(study, ax)
     edges = len(ax.collections[0].get_segments())
-    assert len(np.unique(section.element[:, :4])) - edges + len(section.element) == 1
+    assert len(np.unique(element[:, :4])) - edges + len(element) == 1
 
 
 def test_principal_stress():
@@ -281,67 +276,75 @@ def test_principal_stress():
 
 
 def test_stability_shows_its_map_and_tongues(rattling, ax):
-    stability = gearsweep.stability_map(rattling, np.linspace(8000, 36000, 57), np.linspace(0, 0.12, 13), tongues=3)
-    plots.plot_stability(stability, ax)
-    np.testing.assert_array_equal(ax.collections[0].get_array(), stability.modulus.T)
+    case = rattling.changed(stability={'rpm': np.linspace(8000, 36000, 57), 'damping_last': 0.12, 'damping_count': 13, 'tongues': 3})
+    study = gearsweep.run(case, 'stability')
+    plots.plot_stability(study, ax)
+    np.testing.assert_array_equal(ax.collections[0].get_array(), study.stability.floquet_modulus.T)
+    tongues, edges = study.tongues, study.tongue_edges
     for n in range(3):
         rpm, damping = ax.lines[n].get_data()
         top = damping.argmax()
-        assert (rpm[top], damping[top]) == (stability.closing_rpm[n], stability.closing_ratio[n])
-        open_ = np.isfinite(stability.edge_rpm[0, :, n])
-        np.testing.assert_array_equal(rpm[:top], stability.edge_rpm[0, open_, n])
-        np.testing.assert_array_equal(rpm[:top:-1], stability.edge_rpm[1, open_, n])
-        np.testing.assert_array_equal(damping[:top], stability.damping_ratio[open_])
+        assert (rpm[top], damping[top]) == (tongues.closing_rpm[n], tongues.closing_damping_ratio[n])
+        open_ = np.isfinite(edges.lower_rpm[n])
+        np.testing.assert_array_equal(rpm[:top], edges.lower_rpm[n, open_])
+        np.testing.assert_array_equal(rpm[:top:-1], edges.upper_rpm[n, open_])
+        np.testing.assert_array_equal(damping[:top], edges.damping_ratio[open_])
     words = {text.get_text() for text in ax.findobj(Text)}
-    assert 'damping ratio of the case, 0.02' in words and f'{stability.closing_ratio[0]:.3g}' in words
+    assert f'{tongues.closing_damping_ratio[0]:.3g}' in words
 
 
 def test_stability_where_nothing_is_known(rattling, ax):
-    stability = gearsweep.stability_map(rattling, [0.001, 0.002], [0.1, 0.2])
-    assert np.isnan(stability.modulus).all()
-    plots.plot_stability(stability, ax)
+    study = gearsweep.run(rattling.changed(stability={'rpm': [0.001, 0.002], 'tongues': 0}), 'stability')
+    assert np.isnan(study.stability.floquet_modulus).all()
+    plots.plot_stability(study, ax)
 
 
 def test_hysteresis_shows_both_branches_cut_at_jumps(both, ax):
     plots.plot_hysteresis(both, ax)
-    before, after = both.change_factor.T
-    jumps = (both.change_name == 'jump') | (np.abs(after - before) > 0.02 * np.nanmax(both.dynamic_factor))
-    assert jumps.any() and not jumps.all() and (jumps & (both.change_name == 'doubling')).any()
-    for way, (rpm, factor) in enumerate(curves(ax, 2)):
+    runs, changes = both.hysteresis, both.hysteresis_changes
+    rpm_ends = np.column_stack((changes.rpm_before, changes.rpm_after))
+    factor_ends = np.column_stack((changes.dynamic_factor_before, changes.dynamic_factor_after))
+    before, after = factor_ends.T
+    jumps = (changes.kind == 'jump') | (np.abs(after - before) > 0.02 * np.nanmax(runs.dynamic_factor))
+    assert jumps.any() and not jumps.all() and (jumps & (changes.kind == 'doubling')).any()
+    for (rpm, factor), way in zip(curves(ax, 2), ('up', 'down')):
         assert (np.diff(rpm) > 0).all()
-        found = np.isin(rpm, both.rpm)
-        np.testing.assert_array_equal(factor[found], both.dynamic_factor[way])
-        of_way = both.change_direction == (1, -1)[way]
-        assert set(rpm[~found & np.isfinite(factor)]) <= set(both.change_rpm[of_way].ravel())
-        for low, high in np.sort(both.change_rpm[of_way & jumps]):
+        found = np.isin(rpm, runs.rpm)
+        np.testing.assert_array_equal(factor[found], runs.at(direction=way, relief_um=0).dynamic_factor)
+        of_way = changes.direction == way
+        assert set(rpm[~found & np.isfinite(factor)]) <= set(rpm_ends[of_way].ravel())
+        for low, high in np.sort(rpm_ends[of_way & jumps]):
             assert np.isnan(factor[(rpm > low) & (rpm < high)]).all()
     arrows = [(text.xyann, text.xy) for text in ax.texts if text.arrow_patch]
-    expected = [tuple(zip((rpm[0], rpm[0]), factor)) for rpm, factor in zip(both.change_rpm[jumps], both.change_factor[jumps])]
+    expected = [tuple(zip((rpm[0], rpm[0]), factor)) for rpm, factor in zip(rpm_ends[jumps], factor_ends[jumps])]
     assert sorted(arrows) == sorted(expected)
-    largest = both.change_rpm[np.nanargmax(np.abs(after - before)), 0]
+    largest = changes.rpm_before[np.nanargmax(np.abs(after - before))]
     assert f'{largest:.0f}' in {text.get_text() for text in ax.texts}
 
 
-def test_strobe_shows_each_motion_in_its_colour(both, ax):
-    at = np.flatnonzero(both.rpm == 7000)[0]
-    seen = gearsweep.strobe(both.case, np.arange(7000, 4500, -25), start=(both.x_um[1, at], both.v_mm_s[1, at]))
-    plots.plot_strobe(seen, ax)
-    kinds = {'repeats with the mesh': seen.periods == 1, 'after 2 periods': seen.periods == 2,
-             'chaotic': seen.status == gearsweep.Status.CHAOTIC}  # fmt: skip
+def test_poincare_shows_each_motion_in_its_colour(both, ax):
+    start = both.hysteresis.at(rpm=7000, direction='down', relief_um=0)
+    section = {'rpm': np.arange(7000, 4500, -25), 'start_um': start.dte_um, 'start_mm_s': start.dte_rate_mm_s}
+    study = gearsweep.run(both.case.changed(poincare=section), 'poincare')
+    seen, motion = study.poincare.at(relief_um=0), study.lyapunov.at(relief_um=0)
+    plots.plot_poincare(study, ax)
+    kinds = {'repeats with the mesh': motion.mesh_periods == 1, 'after 2 periods': motion.mesh_periods == 2,
+             'chaotic': motion.status == 'chaotic'}  # fmt: skip
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
     for line, label in zip(ax.lines, labels, strict=True):
         if label in kinds:
-            np.testing.assert_array_equal(line.get_ydata(), seen.x_um[:, kinds[label]].ravel())
-    assert labels[:2] == list(kinds)[:2] and sum(len(line.get_xdata()) for line in ax.lines) == seen.x_um.size
+            np.testing.assert_array_equal(line.get_ydata(), seen.dte_um[kinds[label]].ravel())
+    assert labels[:2] == list(kinds)[:2] and sum(len(line.get_xdata()) for line in ax.lines) == seen.dte_um.size
 
 
-def test_draw_all_writes_what_there_is(study, prescribed, tmp_path):
-    names = ('outline', 'section', 'mesh', 'harmonics', 'root', 'stress', 'modes', 'load', 'sweep', 'vcurve')
-    found = plots.draw_all(study, tmp_path / 'new', 'pair')
+def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
+    names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
+             'stability', 'hysteresis', 'poincare')  # fmt: skip
+    found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)
     few = plots.draw_all(prescribed, tmp_path, formats=['pdf'])
-    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'sweep', 'vcurve')]
+    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'sweep', 'optimum_curve')]
 
 
 def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):
@@ -368,13 +371,9 @@ def test_all_text_is_large_enough_whole_and_free(text, changes, monkeypatch):
     check_text(plots.figures(gearsweep.run(Case(text).changed(**changes))), monkeypatch)
 
 
-def test_text_of_the_maps_is_large_enough_whole_and_free(rattling, both, monkeypatch):
-    from matplotlib import pyplot
-
-    maps = (gearsweep.stability_map(rattling, np.linspace(2000, 36000, 50), tongues=12), both, gearsweep.strobe(rattling, keep=20))
-    shown = (plots.plot_stability, plots.plot_hysteresis, plots.plot_strobe)
-    check_text([(plot.__name__, plot(result).figure) for plot, result in zip(shown, maps)], monkeypatch)
-    pyplot.close('all')
+def test_text_of_the_maps_is_large_enough_whole_and_free(rattling, monkeypatch):
+    case = rattling.changed(stability={'tongues': 12}, poincare={'kept_periods': 20})
+    check_text(plots.figures(gearsweep.run(case, MAPS)), monkeypatch)
 
 
 def check_text(figures, monkeypatch):

@@ -10,7 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
-from conftest import GEARED, PRESCRIBED
+from conftest import GEARED, PRESCRIBED, bits
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -73,7 +73,7 @@ def refusal_allowed():
 def test_any_text_is_read_or_refused(text):
     case = Case(text)
     assert str(case) == text
-    for call in (gearsweep.geometry, Case.complete, lambda case: case.tasks, lambda case: case.get('pair', 'module_mm')):
+    for call in (lambda case: gearsweep.run(case, 'geometry'), Case.complete, lambda case: case.tasks, lambda case: case.get('pair', 'module_mm')):
         with refusal_allowed():
             call(case)
 
@@ -95,7 +95,7 @@ def test_any_value_is_used_or_refused(name, value):
     group, key = name
     with refusal_allowed():
         case = Case(GEARED).changed(**{group: {key: value}})
-        gearsweep.geometry(case.changed(case={'tasks': 'geometry'}))
+        gearsweep.run(case, 'geometry')
 
 
 @few
@@ -130,19 +130,12 @@ def test_control_characters_in_a_title_are_refused(code):
 
 # --- arguments ----------------------------------------------------------------
 
-TASKS = [gearsweep.run, gearsweep.report, gearsweep.prepare, gearsweep.geometry, gearsweep.motion, gearsweep.mesh, gearsweep.static,
-         gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.section, gearsweep.modal, gearsweep.stability_map,
-         gearsweep.hysteresis, gearsweep.strobe]  # fmt: skip
-WITH_WORK = [gearsweep.motion, gearsweep.mesh, gearsweep.load, gearsweep.sweep, gearsweep.optimum, gearsweep.report,
-             gearsweep.stability_map, gearsweep.hysteresis]  # fmt: skip
-
-
-@pytest.mark.parametrize('task', TASKS, ids=lambda task: task.__name__)
 @fewer
 @given(thing=objects)
-def test_no_case(task, thing):
-    with pytest.raises(TypeError, match='case'):
-        task(thing)
+def test_no_case(thing):
+    for arguments in ((thing,), (thing, 'sweep')):
+        with pytest.raises(TypeError, match='case'):
+            gearsweep.run(*arguments)
 
 
 @fewer
@@ -152,78 +145,27 @@ def test_no_text(thing):
         Case(thing)
 
 
+@few
+@given(st.one_of(objects, st.text(max_size=9), st.lists(st.text(max_size=9), max_size=3)))
+def test_any_tasks_are_run_or_refused(tasks):
+    with contextlib.suppress(TypeError), refusal_allowed():
+        gearsweep.run(Case(SMALL), tasks)
+
+
+@fewer
+@given(st.text(max_size=12), st.text(max_size=12), st.dictionaries(st.text(max_size=6), values, max_size=2))
+def test_any_name_of_a_table_or_column_is_found_or_refused(study, table, column, where):
+    with contextlib.suppress(AttributeError):
+        getattr(study, table)
+    with contextlib.suppress(AttributeError):
+        getattr(study.sweep, column)
+    with contextlib.suppress(TypeError, ValueError):
+        study.sweep.at(**where)
+
+
 @pytest.fixture(scope='module')
-def work():
-    return gearsweep.prepare(Case(SMALL))
-
-
-arrays = st.one_of(
-    st.lists(numbers, max_size=30),
-    st.integers(0, 30).map(np.zeros),
-    st.tuples(st.integers(0, 3), st.integers(0, 3)).map(np.ones),
-    st.sampled_from([np.array(3.0), np.full(9, np.nan), np.full(9, np.inf), np.array(['a']), np.array([None]), np.array([1j]),
-                     np.zeros(3, bool), np.zeros(4, np.float16), 'abc', 3, object()]),
-)  # fmt: skip
-
-
-@few
-@given(st.sampled_from(WITH_WORK), arrays)
-def test_any_work_is_used_or_refused(call, given_work):
-    """An empty one counts as none."""
-    with contextlib.suppress(TypeError, OverflowError, ValueError), refusal_allowed():
-        call(Case(SMALL), work=given_work)
-        assert np.size(given_work) == 0
-
-
-@few
-@given(st.sampled_from(WITH_WORK), st.integers(0, 10**6), numbers)
-def test_spoilt_work_is_used_or_refused(work, call, at, number):
-    spoilt = work.copy()
-    with contextlib.suppress(OverflowError), refusal_allowed():
-        spoilt[at % work.size] = number
-        call(Case(SMALL), work=spoilt)
-
-
-def test_work_of_any_layout_gives_the_same_bits(work):
-    expected = gearsweep.sweep(Case(SMALL), work=work).dynamic_factor.tobytes()
-    frozen = work.copy()
-    frozen.setflags(write=False)
-    column = np.asfortranarray(np.repeat(work[:, None], 3, axis=1))[:, 1]
-    for same in (frozen, column, work[::-1].copy()[::-1], work.astype('>f8'), work.astype(np.longdouble), work.tolist()):
-        assert gearsweep.sweep(Case(SMALL), work=same).dynamic_factor.tobytes() == expected
-
-
-@few
-@given(st.integers(-(2**40), 2**40), st.integers(-(2**40), 2**40))
-def test_stress_at_any_place(position, relief):
-    """Only places that there are; counted from 0, and never from the end."""
-    case = Case(GEARED).changed(mesh={'model': 'weber'})
-    with pytest.raises((Error, OverflowError)):
-        gearsweep.stress(case, position, 2 + abs(relief))
-    with pytest.raises((Error, OverflowError)):
-        gearsweep.stress(case, -1 - abs(position))
-
-
-@few
-@given(st.lists(numbers, max_size=4), st.lists(numbers, max_size=3), st.integers(-2, 12))
-def test_any_map_is_made_or_refused(rpm, damping, tongues):
-    with contextlib.suppress(OverflowError), refusal_allowed():
-        gearsweep.stability_map(Case(SMALL), sorted(map(float, rpm)), list(map(float, damping)), tongues=tongues)
-
-
-@few
-@given(st.lists(st.floats(100, 1e9), max_size=3), numbers, numbers, st.integers(-1, 2))
-def test_any_branch_is_followed_or_refused(rpm, jump, closeness, relief):
-    with contextlib.suppress(OverflowError), refusal_allowed():
-        gearsweep.hysteresis(Case(SMALL), rpm, relief=relief, jump=max(float(jump), 1e-3), closeness=max(float(closeness), 1e-4))
-
-
-@few
-@given(st.lists(numbers, max_size=3), numbers, numbers, st.integers(-1, 30), st.integers(-1, 30))
-def test_any_strobe_is_made_or_refused(rpm, x, v, settle, keep):
-    with contextlib.suppress(OverflowError), refusal_allowed():
-        seen = gearsweep.strobe(Case(SMALL), list(map(float, rpm)), start=(float(x), float(v)), settle=settle, keep=keep)
-        assert seen.x_um.shape == (keep, len(rpm))
+def study():
+    return gearsweep.run(Case(SMALL))
 
 
 # --- results ------------------------------------------------------------------
@@ -248,11 +190,6 @@ def test_a_file_of_another_kind(tmp_path_factory, content):
     path.write_bytes(content)
     with pytest.raises(Error, match='cannot read'):
         gearsweep.read(path)
-
-
-def bits(study):
-    parts = {name: part for name, part in vars(study).items() if isinstance(part, gearsweep.Result)}
-    return {(name, field): np.asarray(getattr(part, field)).tobytes() for name, part in parts.items() for field in part.units}
 
 
 # --- many calls ----------------------------------------------------------------
@@ -293,7 +230,7 @@ def heap_in_use() -> int:
     return heap.uordblks + heap.hblkhd
 
 
-def test_no_leak(work):
+def test_no_leak(study):
     """Good and refused calls leave nothing behind; 1 kB a call would show, as it does where it is kept. What stays for
     good comes with the first calls, or once with a later one; other things are freed now and then: a leak is what shows
     most times."""
@@ -307,9 +244,9 @@ def test_no_leak(work):
         return (heap_in_use() - before) / times
 
     def calls():
-        gearsweep.mesh(good, work=work)
+        assert gearsweep.run(good, earlier=study).mesh.s.size
         with pytest.raises(Error):
-            gearsweep.mesh(bad, work=work)
+            gearsweep.run(bad)
 
     kept = []
     growth(calls)

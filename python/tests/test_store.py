@@ -1,11 +1,10 @@
 """Results in files and tables."""
 
-import dataclasses
 import os
 
 import numpy as np
 import pytest
-from conftest import GEARED, PARTIAL
+from conftest import GEARED, PARTIAL, bits
 
 import gearsweep
 from gearsweep import Case, Code, Error
@@ -17,34 +16,32 @@ def study():
 
 
 def alike(one, two):
-    assert type(one) is type(two) and one.case == two.case and one.version == two.version
-    for name in one.units:
-        a, b = getattr(one, name), getattr(two, name)
-        assert type(a) is type(b), name
-        assert np.asarray(a).dtype == np.asarray(b).dtype and np.shape(a) == np.shape(b), name
-        assert np.asarray(a).tobytes() == np.asarray(b).tobytes(), name
+    assert one.tables == two.tables and (one.case, one.version, one.is_complete) == (two.case, two.version, two.is_complete)
+    assert bits(one) == bits(two) and repr(one) == repr(two)
+    for table, other in zip(one, two):
+        assert (table.units, table.meanings, table.dims) == (other.units, other.meanings, other.dims)
+        assert [np.asarray(table[name]).dtype for name in table] == [np.asarray(other[name]).dtype for name in other]
 
 
 def test_study_comes_back(study, tmp_path):
     study.save(tmp_path / 'all.npz')
     back = gearsweep.read(tmp_path / 'all.npz')
-    assert isinstance(back, gearsweep.Study) and back.case == study.case
-    for field in dataclasses.fields(study)[2:]:
-        alike(getattr(study, field.name), getattr(back, field.name))
+    alike(study, back)
+    assert back.report() == study.report() and back.log == study.log
     assert os.listdir(tmp_path) == ['all.npz']
     with pytest.raises(ValueError):
         back.sweep.rpm[0] = 0
 
 
 @pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
-def test_result_comes_back(tmp_path):
-    """With its NaN, and a case of any bytes."""
-    sweep = gearsweep.sweep(Case(PARTIAL + '! \u00fc \udcff\r\n'))
+def test_table_comes_back(tmp_path):
+    """Alone, with its NaN, and a case of any bytes."""
+    sweep = gearsweep.run(Case(PARTIAL + '! \u00fc \udcff\r\n'), 'sweep').sweep
     path = str(tmp_path / 'sweep')
     sweep.save(path)
     back = gearsweep.read(path)
-    alike(sweep, back)
-    assert np.isnan(back.dynamic_factor).any() and not back.is_complete
+    assert back.tables == ('sweep',) and back.case == sweep.case and repr(back.sweep) == repr(sweep)
+    assert np.isnan(back.sweep.dynamic_factor).any() and not back.is_complete
 
 
 def test_files_that_are_no_results(study, tmp_path):
@@ -68,7 +65,7 @@ def test_files_that_are_no_results(study, tmp_path):
     (tmp_path / 'x').write_bytes(whole[: len(whole) // 2])
     fails('no result')
     # Bytes that are wrong at any place: the file is read as it was, or refused by its name.
-    study.mesh.save(tmp_path / 'x')
+    study.harmonics.save(tmp_path / 'x')
     whole = (tmp_path / 'x').read_bytes()
     refused = 0
     for at in range(0, len(whole), max(1, len(whole) // 400)):
@@ -84,33 +81,49 @@ def test_files_that_are_no_results(study, tmp_path):
     assert caught.value.code == Code.FILE
 
 
+def test_files_of_another_format(study, tmp_path, monkeypatch):
+    monkeypatch.setattr('gearsweep.study._FORMAT', 1)
+    study.motion.save(tmp_path / 'x')
+    monkeypatch.undo()
+    with pytest.raises(Error, match='format 1 is not known'):
+        gearsweep.read(tmp_path / 'x')
+
+
 def test_pandas(study):
-    table = study.sweep.to_pandas()
-    assert list(table.relief_um) == [0] * 13 + [10] * 13 and list(table.rpm[:13]) == list(study.sweep.rpm)
-    np.testing.assert_array_equal(table.dynamic_factor, study.sweep.dynamic_factor.T.ravel())
-    assert table.status[0] == 'ok' and table.attrs['units']['rpm'] == '1/min'
-    assert table.attrs['case'] == GEARED and table.attrs['version'] == gearsweep.__version__
-    table = study.static.to_pandas()
-    assert list(table.columns) == ['side', 'relief_um', 's', 'radius_mm', 'share', 'sigma_mpa', 'tension_mpa',
-                                   'tension_deg', 'compression_mpa', 'compression_deg', 'estimate']  # fmt: skip
-    np.testing.assert_array_equal(table.sigma_mpa, study.static.sigma_mpa.transpose(2, 1, 0).ravel())
-    assert len(study.mesh.to_pandas()) == len(study.mesh.s)
-    assert study.optimum.to_pandas().attrs['best_um'] == study.optimum.best_um
-    for part in (study.geometry, study.motion, study.load, study.section, study.modal):
-        assert len(part.to_pandas()) > 0
+    frame = study.sweep.to_pandas()
+    assert list(frame.relief_um) == [0] * 13 + [10] * 13 and list(frame.rpm[:13]) == list(study.sweep.rpm)
+    np.testing.assert_array_equal(frame.dynamic_factor, study.sweep.dynamic_factor.ravel())
+    assert frame.status[0] == 'ok' and frame.attrs['units']['rpm'] == '1/min'
+    assert frame.attrs['case'] == GEARED and frame.attrs['version'] == gearsweep.__version__
+    for table in study:
+        frame = table.to_pandas()
+        assert list(frame.columns) == list(table) and len(frame) == table.rows
+        for name in table:
+            if table.dims[name] != (name,):
+                np.testing.assert_array_equal(frame[name], np.ravel(table[name]))
 
 
 def test_xarray(study):
     data = study.sweep.to_xarray()
-    assert data.dynamic_factor.dims == ('rpm', 'relief_um')
-    assert float(data.dynamic_factor.sel(rpm=4000, relief_um=10)) == study.sweep.dynamic_factor[2, 1]
-    assert data.residual.attrs['units'] == 'static deflection' and data.attrs['case'] == GEARED
+    assert data.dynamic_factor.dims == ('relief_um', 'rpm')
+    assert float(data.dynamic_factor.sel(rpm=4000, relief_um=10)) == study.sweep.dynamic_factor[1, 2]
+    assert data.rpm.attrs['units'] == '1/min' and data.attrs['case'] == GEARED
     data = study.static.to_xarray()
-    assert data.parts_mpa.sel(part='xy', side='coast').shape == study.static.share.shape
-    assert data.attrs['iso_mpa'] == study.static.iso_mpa
-    for part in vars(study).values():
-        if isinstance(part, gearsweep.Result):
-            found = part.to_xarray()
-            for name, dims in part.dims.items():
-                if dims:
-                    np.testing.assert_array_equal(found[name], getattr(part, name))
+    assert data.tau_xy_mpa.sel(side='coast').shape == study.static.tau_xy_mpa.shape[:2]
+    for table in study:
+        data = table.to_xarray()
+        for name, dims in table.dims.items():
+            assert data[name].dims == dims
+            np.testing.assert_array_equal(data[name], table[name])
+
+
+def test_the_rows_at_a_place(study):
+    """As picked by hand: by the closest value of an index column, or its word."""
+    sweep, load, static = study.sweep, study.load, study.static
+    assert sweep.at(rpm=4100, relief_um=9).dynamic_factor == sweep.dynamic_factor[1, 2]
+    assert sweep.at(rpm=4000).dims['status'] == ('relief_um',) and sweep.at(rpm=4000).rpm.tolist() == [4000, 4000]
+    np.testing.assert_array_equal(load.at(rpm=6100).dte_um, load.dte_um[load.rpm == 6000])
+    np.testing.assert_array_equal(static.at(side='coast', relief_um=10).sigma_mpa, static.sigma_mpa[1, :, 1])
+    for wrong, error in (({'side': 'left'}, "'left': must be one of 'drive', 'coast'"), ({'sde': 'drive'}, 'did you mean side')):
+        with pytest.raises((ValueError, TypeError), match=error):
+            static.at(**wrong)

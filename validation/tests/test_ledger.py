@@ -95,15 +95,12 @@ def test_the_programs_file_is_the_ledgers():
 
 def test_program_and_ledger_say_the_same():
     """Of each printed number that the program sets beside ours: printed, our value, status."""
-    said = gearsweep.report(cases.case('hassan')).partition('Printed values and ours')[2].splitlines()[2:]
-    said = [re.split(r' {2,}', line.strip(), maxsplit=1) for line in said if line.strip()]
-    said = dict(said)
+    table = gearsweep.run(cases.case('hassan')).published
     rows = [row for row in ledger.read('hassan2009') if re.fullmatch(published.KNOWN, row.id)]
-    assert list(said) == [row.id for row in rows] and rows
-    for row in rows:
-        printed, ours, status = re.fullmatch(r'.*? +(\S+) +(\S+) +\S+ %   (.*)', said[row.id]).groups()
-        assert (float(printed), status) == (row.value, row.inputs), row.id
-        assert math.isclose(float(ours), check.compute(row), rel_tol=2e-5), row.id
+    assert list(table.quantity) == [row.id for row in rows] and rows
+    for row, printed, ours, status in zip(rows, table.printed, table.ours, table.status):
+        assert (printed, status) == (row.value, row.inputs), row.id
+        assert math.isclose(ours, check.compute(row), rel_tol=2e-5), row.id
 
 
 def test_runner(tmp_path, capsys):

@@ -9,7 +9,7 @@ while they draw: nothing global is changed.
 ...     &load normal_force_n = 7000 / &relief amount_um = 0, 10 /
 ...     &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
 ...     &sweep rpm_first = 8000 rpm_last = 16000 rpm_step = 500 /''')
->>> ax = gearsweep.plot_sweep(gearsweep.sweep(case), points=[(13700, 2.1)])
+>>> ax = gearsweep.plot_sweep(gearsweep.run(case, 'sweep'), points=[(13700, 2.1)])
 >>> ax.get_ylabel(), len(ax.lines[0].get_xdata())
 ('Dynamic factor (–)', 17)
 """
@@ -25,7 +25,7 @@ from .files import draw_all, figures, save
 from .gears import plot_geometry
 from .look import style
 from .over_speed import plot_optimum, plot_sweep
-from .stability import plot_hysteresis, plot_stability, plot_strobe
+from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 
 __all__ = [
@@ -37,6 +37,7 @@ __all__ = [
     'plot_load',
     'plot_modal',
     'plot_optimum',
+    'plot_poincare',
     'plot_section',
     'plot_sharing',
     'plot_stability',
@@ -44,7 +45,6 @@ __all__ = [
     'plot_ste',
     'plot_stiffness',
     'plot_stress',
-    'plot_strobe',
     'plot_sweep',
     'save',
     'style',

@@ -11,55 +11,58 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from ..case import Case
-from ..results import Harmonics, Integers, Load, Mesh, Reals, Static, Status
-from ..tasks import geometry
+from ..study import Study
+from ..table import Table
 from .look import ASIDE, CROSS, FAINT, GREY, HALO, INK, VISIBLE, canvas
-from .reliefs import Reliefs, paths
+from .reliefs import Integers, Reals, Reliefs, paths, table_of
 
 
-def plot_stiffness(mesh: Mesh, ax: Axes | None = None) -> Axes:
-    """Stiffness of all pairs that carry, and of one pair, along the path of contact."""
+def plot_stiffness(mesh: Study | Table, ax: Axes | None = None) -> Axes:
+    """Stiffness of all pairs that carry, and of one pair, along the path of contact: of a study or its table `mesh`."""
+    mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
-        _curves(ax, mesh.case, paths(mesh.s, mesh.mesh_n_um, mesh.relief_um))
-        s, one = paths(mesh.s, mesh.pair_n_um)[0]
+        _curves(ax, mesh, paths(mesh.s, mesh.mesh_stiffness_n_um, mesh.relief_um))
+        s, one = paths(mesh.s, mesh.pair_stiffness_n_um)[0]
         ax.plot(s, one, **ASIDE)
         ax.annotate('one pair', (s[0], one[0]), (8, -3), textcoords='offset points', va='top')
         ax.set_ylim(bottom=0)
-        _finish(ax, mesh.case, 'Stiffness (N/µm)')
+        _finish(ax, mesh, 'Stiffness (N/µm)')
     return ax
 
 
-def plot_sharing(mesh: Mesh, ax: Axes | None = None) -> Axes:
-    """Share of the static load that one pair carries along the path of contact."""
+def plot_sharing(mesh: Study | Table, ax: Axes | None = None) -> Axes:
+    """Share of the static load that one pair carries along the path of contact: of a study or its table `mesh`."""
+    mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
-        _curves(ax, mesh.case, paths(mesh.s, mesh.share, mesh.relief_um))
-        _finish(ax, mesh.case, 'Load share (–)')
+        _curves(ax, mesh, paths(mesh.s, mesh.load_share, mesh.relief_um))
+        _finish(ax, mesh, 'Load share (–)')
     return ax
 
 
-def plot_ste(mesh: Mesh, ax: Axes | None = None) -> Axes:
-    """Static transmission error along the path of contact of one pair."""
+def plot_ste(mesh: Study | Table, ax: Axes | None = None) -> Axes:
+    """Static transmission error along the path of contact of one pair: of a study or its table `mesh`."""
+    mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
-        _curves(ax, mesh.case, paths(mesh.s, mesh.ste_um, mesh.relief_um))
-        _finish(ax, mesh.case, 'Static transmission error (µm)')
+        _curves(ax, mesh, paths(mesh.s, mesh.ste_um, mesh.relief_um))
+        _finish(ax, mesh, 'Static transmission error (µm)')
     return ax
 
 
-def plot_harmonics(harmonics: Harmonics, ax: Axes | None = None) -> Axes:
-    """Amplitudes of the harmonics of the static transmission error, a bar for each relief.
+def plot_harmonics(harmonics: Study | Table, ax: Axes | None = None) -> Axes:
+    """Amplitudes of the harmonics of the static transmission error, a bar for each relief: of a study or its table `harmonics`.
 
     A thin line across the end of a bar shows its estimated error where that is wide enough to be seen.
     """
+    harmonics = table_of(harmonics, 'harmonics')
     reliefs = Reliefs(harmonics.case)
-    amplitude, error = harmonics.amplitude_um, harmonics.estimate_um
+    amplitude, error = harmonics.amplitude_um[:, 1:], harmonics.error_estimate_um[:, 0]  # 0 is the mean
     width = 0.84 / max(2, len(error))
     with canvas(ax) as ax:
         for i, look in enumerate(reliefs.styles):
-            place = harmonics.harmonic + width * (i - (len(error) - 1) / 2)
-            ax.bar(place, amplitude[:, i], 0.94 * width, color=look['color'])
+            place = harmonics.harmonic[1:] + width * (i - (len(error) - 1) / 2)
+            ax.bar(place, amplitude[i], 0.94 * width, color=look['color'])
             if error[i] > VISIBLE * amplitude.max():
-                ax.errorbar(place, amplitude[:, i], error[i], color=INK, linestyle='', linewidth=0.7)
+                ax.errorbar(place, amplitude[i], error[i], color=INK, linestyle='', linewidth=0.7)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.set_xlabel('Harmonic of the mesh frequency (–)')
         ax.set_ylabel('Amplitude of the STE (µm)')
@@ -67,21 +70,19 @@ def plot_harmonics(harmonics: Harmonics, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_load(load: Load, ax: Axes | None = None, *, rpm: float | None = None, static_n: float | None = None) -> Axes:
-    """Dynamic load of one pair along its path of contact, at one speed.
+def plot_load(load: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
+    """Dynamic load of one pair along its path of contact, at one speed, and the static load.
 
     A relief without an answer has no curve; the legend names it.
 
     Parameters
     ----------
-    load : Load
-        From `gearsweep.load`.
+    load : Study or Table
+        A study, or its table `load`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
     rpm : float, optional
         One of the case's `load_rpm`; otherwise the first.
-    static_n : float, optional
-        The static load, `load_n` of `gearsweep.motion`, drawn as a line.
 
     Returns
     -------
@@ -92,40 +93,43 @@ def plot_load(load: Load, ax: Axes | None = None, *, rpm: float | None = None, s
     ValueError
         The case has no such `load_rpm`.
     """
+    load = table_of(load, 'load')
     speeds = np.atleast_1d(load.case.get('sweep', 'load_rpm'))
     rpm = speeds[0] if rpm is None else rpm
     if not np.isclose(speeds, rpm).any():
         raise ValueError(f'rpm = {rpm:g}: must be one of {", ".join(f"{speed:g}" for speed in speeds)}')
-    here = np.isclose(load.rpm, rpm) & (load.status < Status.UNSTABLE)
+    here = np.isclose(load.rpm, rpm) & np.isfinite(load.pair_load_n)
     with canvas(ax) as ax:
-        found = _curves(ax, load.case, paths(load.s[here], load.pair_load_n[here], load.relief_um[here]))
+        found = _curves(ax, load, paths(load.s[here], load.pair_load_n[here], load.relief_um[here]))
         missing = [f'{amount:g}' for i, amount in enumerate(Reliefs(load.case).amounts) if i not in found]
         cross = Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(missing)} µm')
-        if static_n is not None:
-            _level(ax, static_n, 'static load')
-        _finish(ax, load.case, f'Pair load at {rpm:g} 1/min (N)', [cross] if missing else [])
+        if 'motion' in load.study:
+            _level(ax, load.study.motion.load_n, 'static load')
+        _finish(ax, load, f'Pair load at {rpm:g} 1/min (N)', [cross] if missing else [])
     return ax
 
 
-def plot_static(static: Static, ax: Axes | None = None) -> Axes:
+def plot_static(stress: Study | Table, ax: Axes | None = None) -> Axes:
     """Stress at the fillet tangent of either side while the load moves along the path of contact.
 
-    ISO 6336-3 and Lewis are for the whole load at the outer point of single contact. A band shows the
+    Of a study or its table `static`. ISO 6336-3 and Lewis are for the whole load at the outer point of single contact. A band shows the
     estimated error where it is wide enough to be seen.
     """
-    reliefs = Reliefs(static.case)
-    order = np.argsort(static.s, kind='stable')
+    stress = table_of(stress, 'static')
+    reliefs = Reliefs(stress.case)
+    order = np.argsort(stress.s, kind='stable')
     dots = {'marker': 'o', 'markersize': 2.5} if order.size < 20 else {}
     with canvas(ax) as ax:
         for side, name, rise, va in ((0, 'drive side', 2, 'bottom'), (1, 'coast side', -2, 'top')):
-            for relief, stress in zip(static.relief_um, static.sigma_mpa[side].T):
-                ax.plot(static.s[order], stress[order], **reliefs.style(relief), **dots)
-            ax.annotate(name, (static.s.mean(), 0), (0, rise), textcoords='offset points', ha='center', va=va)
-        _error_bands(ax, static, order)
+            for relief, sigma in zip(stress.relief_um, stress.sigma_mpa[:, :, side]):
+                ax.plot(stress.s[order], sigma[order], **reliefs.style(relief), **dots)
+            ax.annotate(name, (stress.s.mean(), 0), (0, rise), textcoords='offset points', ha='center', va=va)
+        _error_bands(ax, stress, order)
         ax.axhline(0, color=FAINT, linewidth=0.5, zorder=0)
-        _level(ax, static.iso_mpa, 'ISO 6336-3')
-        _level(ax, static.lewis_mpa, 'Lewis')
-        _finish(ax, static.case, 'Root stress (MPa)')
+        if 'root_rating' in stress.study:
+            _level(ax, stress.study.root_rating.iso_mpa, 'ISO 6336-3')
+            _level(ax, stress.study.root_rating.lewis_mpa, 'Lewis')
+        _finish(ax, stress, 'Root stress (MPa)')
     return ax
 
 
@@ -136,29 +140,34 @@ def _level(ax: Axes, value: float, name: str) -> None:
     ax.margins(y=0.09)
 
 
-def contact_points(case: Case) -> dict[str, float]:
+def contact_points(study: Study) -> dict[str, float]:
     """A, B, P, D, E along the path, in base pitches; no P where a prescribed mesh does not say it."""
-    ratio = case.get('mesh', 'contact_ratio')
-    if ratio is None:
-        return dict(zip('ABPDE', geometry(case).point))
-    pitch = case.get('mesh', 'pitch_point')
+    if 'contact_points' in study:
+        return dict(zip(study.contact_points.point, study.contact_points.s))
+    ratio = study.case.get('mesh', 'contact_ratio')
+    if ratio is None:  # of a table alone
+        return {}
+    pitch = study.case.get('mesh', 'pitch_point')
     whole = float(floor(ratio))
     return {'A': 0.0, 'B': ratio - whole, **({} if pitch is None else {'P': pitch}), 'D': whole, 'E': ratio}
 
 
-def _error_bands(ax: Axes, static: Static, order: Integers) -> None:
+def _error_bands(ax: Axes, stress: Table, order: Integers) -> None:
     """The estimated error, where it is wide enough to be seen."""
+    if 'root_stress' not in stress.study:
+        return
     visible = VISIBLE * np.ptp(ax.get_ylim())
-    for stress in static.sigma_mpa[:, order]:
-        for curve, estimate, look in zip(stress.T, static.estimate, Reliefs(static.case).styles):
+    for side in (0, 1):
+        curves = stress.sigma_mpa[:, order, side]
+        for curve, estimate, look in zip(curves, stress.study.root_stress.error_estimate, Reliefs(stress.case).styles):
             if (estimate * np.abs(curve) > visible).any():
                 band = curve * (1 - estimate), curve * (1 + estimate)
-                ax.fill_between(static.s[order], *band, color=look['color'], alpha=0.25, linewidth=0)
+                ax.fill_between(stress.s[order], *band, color=look['color'], alpha=0.25, linewidth=0)
 
 
-def _curves(ax: Axes, case: Case, curves: Iterable[tuple[Reals, ...]]) -> set[int]:
+def _curves(ax: Axes, table: Table, curves: Iterable[tuple[Reals, ...]]) -> set[int]:
     """Draws each (s, values, relief); which of the case's reliefs these are."""
-    reliefs = Reliefs(case)
+    reliefs = Reliefs(table.case)
     found = set()
     for s, values, relief in curves:
         ax.plot(s, values, **reliefs.style(relief[0]))
@@ -166,10 +175,10 @@ def _curves(ax: Axes, case: Case, curves: Iterable[tuple[Reals, ...]]) -> set[in
     return found
 
 
-def _finish(ax: Axes, case: Case, label: str, more: Sequence[Artist] = ()) -> None:
+def _finish(ax: Axes, table: Table, label: str, more: Sequence[Artist] = ()) -> None:
     """Points of contact, with those letters in one that would overlap; labels and legend."""
-    points = sorted(contact_points(case).items(), key=lambda point: point[1])
-    length = points[-1][1]
+    points = sorted(contact_points(table.study).items(), key=lambda point: point[1])
+    length = points[-1][1] if points else np.nanmax(table.s)
     letters: dict[float, str] = {}
     for name, s in points:
         ax.axvline(s, color=FAINT, linewidth=0.5, zorder=0)
@@ -180,4 +189,4 @@ def _finish(ax: Axes, case: Case, label: str, more: Sequence[Artist] = ()) -> No
     ax.set_xlim(-0.02 * length, 1.02 * length)
     ax.set_xlabel('Path coordinate s (base pitches)')
     ax.set_ylabel(label)
-    Reliefs(case).legend(ax, more, gap=1.6)
+    Reliefs(table.case).legend(ax, more, gap=1.6)

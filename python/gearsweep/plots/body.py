@@ -6,29 +6,31 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from ..results import Integers, Modal, Reals, Section
+from ..study import Study
+from ..table import Table
 from .look import ACCENT, GREY, INK, MM, canvas, in_mm
+from .reliefs import Integers, Reals
 
 #: Lines that a vector file should not have to hold.
 MANY = 3000
 
 
-def plot_section(section: Section, ax: Axes | None = None) -> Axes:
-    """The finite-element grid of a section."""
-    nodes = np.column_stack((section.x_mm, section.y_mm))
+def plot_section(section: Study | Table, ax: Axes | None = None) -> Axes:
+    """The finite-element grid of a section: of a study or any of its tables."""
+    nodes, element = grid_of(section)
     with canvas(ax, height=80 * MM) as ax:
-        _draw_grid(ax, nodes, section.element, INK)
+        _draw_grid(ax, nodes, element, INK)
         in_mm(ax)
     return ax
 
 
-def plot_modal(modal: Modal, ax: Axes | None = None, *, mode: int = 1) -> Axes:
+def plot_modal(modal: Study | Table, ax: Axes | None = None, *, mode: int = 1) -> Axes:
     """A mode shape: the deformed grid over the one at rest, to no scale.
 
     Parameters
     ----------
-    modal : Modal
-        From `gearsweep.modal`.
+    modal : Study or Table
+        A study, or its table `modal`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
     mode : int
@@ -38,17 +40,26 @@ def plot_modal(modal: Modal, ax: Axes | None = None, *, mode: int = 1) -> Axes:
     -------
     Axes
     """
-    if not 1 <= mode <= len(modal.frequency_hz):
-        raise ValueError(f'mode = {mode}: must be from 1 to {len(modal.frequency_hz)}')
-    nodes = np.column_stack((modal.x_mm, modal.y_mm))
-    shape = modal.shape[:, :, mode - 1].T
+    study = modal if isinstance(modal, Study) else modal.study
+    modal = study.modal
+    if not 1 <= mode <= modal.rows:
+        raise ValueError(f'mode = {mode}: must be from 1 to {modal.rows}')
+    nodes, element = grid_of(study)
+    shape = np.column_stack([study.mode_shapes[axis][mode - 1] for axis in ('shape_x', 'shape_y')])
     scale = 0.05 * np.linalg.norm(np.ptp(nodes, axis=0)) / np.linalg.norm(shape, axis=1).max()
     with canvas(ax, height=80 * MM) as ax:
-        ax.add_collection(LineCollection(edges(nodes, modal.element)[1], colors=GREY, linewidths=0.5))
-        _draw_grid(ax, nodes + scale * shape, modal.element, ACCENT)
+        ax.add_collection(LineCollection(edges(nodes, element)[1], colors=GREY, linewidths=0.5))
+        _draw_grid(ax, nodes + scale * shape, element, ACCENT)
         ax.set_axis_off()
-        ax.set_title(f'{mode}: {modal.frequency_hz[mode - 1]:.5g} Hz ± {100 * modal.estimate[mode - 1]:.1g} %')
+        ax.set_title(f'{mode}: {modal.frequency_hz[mode - 1]:.5g} Hz ± {100 * modal.error_estimate[mode - 1]:.1g} %')
     return ax
+
+
+def grid_of(result: Study | Table) -> tuple[Reals, Integers]:
+    """Nodes (x and y in mm), and those of each element, counted from 0."""
+    study = result if isinstance(result, Study) else result.study
+    element = np.column_stack([study.elements[f'node_{corner}'] for corner in range(1, 9)]) - 1
+    return np.column_stack((study.nodes.x_mm, study.nodes.y_mm)), element
 
 
 def edges(nodes: Reals, element: Integers) -> tuple[Reals, Reals]:

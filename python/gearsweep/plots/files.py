@@ -13,13 +13,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .._files import replacing
-from ..results import Load, Mesh, Modal, Motion, Static, Stress, Study
-from ..tasks import stress
+from ..study import Study
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
 from .gears import plot_geometry
 from .look import COLUMN, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
+from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 
 #: No more panels than this in a picture; it says how many there would be.
@@ -56,24 +56,27 @@ def draw_all(
     return paths
 
 
-def figures(study: Study) -> Iterator[tuple[str, Figure]]:
-    """Name and figure of each picture that `draw_all` writes."""
+def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
+    """Name and figure of each picture that `draw_all` writes, or of those named: as the table that it mainly shows."""
     drawings = {
-        'outline': (study.geometry, lambda result: _single(plot_geometry, result, 52)),
-        'section': (study.section, lambda result: _single(plot_section, result, 80)),
-        'mesh': (study.mesh, _mesh),
-        'harmonics': (study.harmonics, lambda result: _single(plot_harmonics, result, 60)),
-        'root': (study.static, lambda result: _single(plot_static, result, 65)),
-        'stress': (study.static, lambda result: _single(plot_stress, _worst(result), 55)),
-        'modes': (study.modal, _modes),
-        'load': (study.load, lambda result: _loads(result, study.motion)),
-        'sweep': (study.sweep, lambda result: _single(plot_sweep, result, 80, PAGE)),
-        'vcurve': (study.optimum, lambda result: _single(plot_optimum, result, 60)),
+        'outline': _single(plot_geometry, 52),
+        'section': _single(plot_section, 80),
+        'mesh': _mesh,
+        'harmonics': _single(plot_harmonics, 60),
+        'static': _single(plot_static, 65),
+        'stress': _single(plot_stress, 55),
+        'modal': _modes,
+        'load': _loads,
+        'sweep': _single(plot_sweep, 80, PAGE),
+        'optimum_curve': _single(plot_optimum, 60),
+        'stability': _single(plot_stability, 80, PAGE),
+        'hysteresis': _reliefs('hysteresis', plot_hysteresis),
+        'poincare': _reliefs('lyapunov', plot_poincare),
     }
-    for name, (result, draw) in drawings.items():
-        if result is not None:
+    for name, draw in drawings.items():
+        if name in study and (not names or name in names):
             with style():
-                figure = draw(result)
+                figure = draw(study)
             yield name, figure
 
 
@@ -93,45 +96,55 @@ def save(figure: Figure, file: str | os.PathLike | BinaryIO, ending: str) -> Non
         figure.savefig(new, format=ending, metadata=dates.get(ending))
 
 
-def _single(plot: Callable, result, height: float, width: float = COLUMN) -> Figure:
-    figure = Figure((width, height * MM), layout='constrained')
-    plot(result, figure.subplots())
-    return figure
+def _single(plot: Callable, height: float, width: float = COLUMN) -> Callable[[Study], Figure]:
+    def draw(study: Study) -> Figure:
+        figure = Figure((width, height * MM), layout='constrained')
+        plot(study, figure.subplots())
+        return figure
+
+    return draw
 
 
-def _worst(static: Static) -> Stress:
-    """All over the section, with the load where it stresses the drive side's root most, without or with the first relief."""
-    return stress(static.case, int(static.sigma_mpa[0, :, 0].argmax()))
+def _reliefs(table: str, plot: Callable) -> Callable[[Study], Figure]:
+    """A panel below the other for each relief."""
+
+    def draw(study: Study) -> Figure:
+        amounts = study[table].relief_um
+        figure, axes = _panels(len(amounts), 'reliefs', 1, 80)
+        for ax, amount in zip(axes, amounts):
+            plot(study, ax, relief_um=amount)
+        return figure
+
+    return draw
 
 
-def _mesh(mesh: Mesh) -> Figure:
+def _mesh(study: Study) -> Figure:
     """Stiffness, sharing and transmission error below each other."""
     figure = Figure((COLUMN, 150 * MM), layout='constrained')
     axes = figure.subplots(3, sharex=True)
     for plot, ax in zip((plot_stiffness, plot_sharing, plot_ste), axes):
-        plot(mesh, ax)
+        plot(study, ax)
         ax.label_outer()
     _one_legend(axes)
     return figure
 
 
-def _loads(load: Load, motion: Motion | None) -> Figure:
+def _loads(study: Study) -> Figure:
     """A panel for each speed."""
-    static_n = None if motion is None else motion.load_n
-    speeds = np.atleast_1d(load.case.get('sweep', 'load_rpm'))
+    speeds = np.atleast_1d(study.case.get('sweep', 'load_rpm'))
     figure, axes = _panels(len(speeds), 'speeds', 2, 60)
     for ax, rpm in zip(axes, speeds):
-        plot_load(load, ax, rpm=rpm, static_n=static_n)
+        plot_load(study, ax, rpm=rpm)
     _one_legend(axes)
     return figure
 
 
-def _modes(modal: Modal) -> Figure:
+def _modes(study: Study) -> Figure:
     """A panel for each mode."""
-    aspect = np.ptp(modal.y_mm) / np.ptp(modal.x_mm)
-    figure, axes = _panels(len(modal.frequency_hz), 'modes', 4, 5 + 42 * aspect)
+    aspect = np.ptp(study.nodes.y_mm) / np.ptp(study.nodes.x_mm)
+    figure, axes = _panels(study.modal.rows, 'modes', 4, 5 + 42 * aspect)
     for i, ax in enumerate(axes):
-        plot_modal(modal, ax, mode=i + 1)
+        plot_modal(study, ax, mode=i + 1)
     return figure
 
 

@@ -6,33 +6,37 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 
-from ..results import Geometry, Reals
+from ..study import Study
+from ..table import Table
 from .look import ACCENT, GREY, HALO, INK, MM, canvas, in_mm
+from .reliefs import Reals
 
 FILL = {'pinion': '#dbe6ee', 'gear': '#ececec'}
 
 
-def plot_geometry(geometry: Geometry, ax: Axes | None = None) -> Axes:
+def plot_geometry(study: Study | Table, ax: Axes | None = None) -> Axes:
     """The teeth around the path of contact with its points A, B, P, D, E; the pinion below drives to the right.
 
-    Contact is in the middle of the path. Thin lines are the line of action and the working pitch circles. The
+    Of a study or any of its tables. Contact is in the middle of the path. Thin lines are the line of action and the working pitch circles. The
     gears are drawn whole, so that `ax.autoscale()` shows all of them; of a gear with more than 500 teeth,
     those nearby.
     """
-    centre = np.array([0, geometry.distance_mm])
-    touch = contact_path(geometry, np.array([geometry.contact_ratio / 2]))[0]
-    pinion = _turned(geometry, 'pinion', touch)
-    gear = centre - _turned(geometry, 'gear', centre - touch)
-    path = contact_path(geometry, geometry.point)
+    study = study if isinstance(study, Study) else study.study
+    geometry = study.geometry
+    centre = np.array([0, geometry.centre_distance_mm])
+    touch = contact_path(study, np.array([geometry.contact_ratio / 2]))[0]
+    pinion = _turned(study, 'pinion', touch)
+    gear = centre - _turned(study, 'gear', centre - touch)
+    path = contact_path(study, study.contact_points.s)
     with canvas(ax, height=52 * MM) as ax:
         for outline, fill in zip((pinion, gear), FILL.values()):
             ax.add_patch(Polygon(outline, facecolor=fill, edgecolor=INK, linewidth=0.7, joinstyle='round'))
-        pitch = geometry.radius_mm[2] / np.cos(np.radians(geometry.working_angle_deg[0]))
+        pitch = study.gears.base_diameter_mm / 2 / np.cos(np.radians(geometry.working_angle_deg))
         for place, radius in zip(((0, 0), centre), pitch):
             ax.add_patch(Circle(place, radius, fill=False, edgecolor=GREY, linewidth=0.5, linestyle=(0, (8, 2, 2, 2))))
         ax.axline(path[0], path[-1], color=GREY, linewidth=0.5)
         ax.plot(*path.T, color=ACCENT, marker='o', markersize=3, markerfacecolor='white', markeredgewidth=0.7)
-        for name, place, rise in zip(geometry.labels['place'], path, (4, -10, 4, -10, 4)):
+        for name, place, rise in zip(study.contact_points.point, path, (4, -10, 4, -10, 4)):
             ax.annotate(name, place, (0, rise), textcoords='offset points', ha='center', color=ACCENT, path_effects=HALO)
         in_mm(ax)
         reach = 1.1 * geometry.base_pitch_mm * max(1.6, geometry.contact_ratio)
@@ -41,35 +45,36 @@ def plot_geometry(geometry: Geometry, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def contact_path(geometry: Geometry, s: Reals) -> Reals:
+def contact_path(study: Study, s: Reals) -> Reals:
     """Points x, y (mm) of the path of contact from the pinion's centre, the gear's centre straight above it."""
-    angle = np.radians(geometry.working_angle_deg[0])
-    along = (s - geometry.point[2]) * geometry.base_pitch_mm
-    pitch = geometry.radius_mm[2, 0] / np.cos(angle)
+    angle = np.radians(study.geometry.working_angle_deg)
+    along = (s - study.contact_points.at(point='P').s) * study.geometry.base_pitch_mm
+    pitch = study.gears.at(member='pinion').base_diameter_mm / 2 / np.cos(angle)
     return np.column_stack((along * np.cos(angle), pitch + along * np.sin(angle)))
 
 
-def flank_angle(geometry: Geometry, member: str, radius: float) -> float:
+def flank_angle(study: Study, member: str, radius: float) -> float:
     """From the axis of the first tooth to its drive flank at this radius (mm), off the outline; rad."""
-    outline, points = _outline(geometry, member)
+    outline, points = _outline(study, member)
     radii, angles = np.hypot(*outline[:points].T), np.arctan2(*outline[:points].T)
     flank = slice(np.flatnonzero(radii > radii.max() * (1 - 1e-9))[-1], None)  # from the tip downwards
     return np.interp(radius, radii[flank][::-1], angles[flank][::-1])
 
 
-def _outline(geometry: Geometry, member: str) -> tuple[Reals, int]:
+def _outline(study: Study, member: str) -> tuple[Reals, int]:
     """The outline, and how many of its points are of the first tooth and the space behind it."""
-    outline = geometry.pinion_outline_mm if member == 'pinion' else geometry.gear_outline_mm
-    return outline, len(outline) // geometry.case.get(member, 'teeth') or len(outline)
+    points = study.outline.at(member=member)
+    outline = np.column_stack((points.x_mm, points.y_mm))
+    return outline, len(outline) // study.case.get(member, 'teeth') or len(outline)
 
 
-def _turned(geometry: Geometry, member: str, touch: Reals) -> Reals:
+def _turned(study: Study, member: str, touch: Reals) -> Reals:
     """The outline about its centre, turned until the first tooth's drive flank goes through the point `touch`."""
-    outline, points = _outline(geometry, member)
-    turn = np.arctan2(*touch) - flank_angle(geometry, member, np.hypot(*touch))
+    outline, points = _outline(study, member)
+    turn = np.arctan2(*touch) - flank_angle(study, member, np.hypot(*touch))
     if points < len(outline):
         return _rotated(outline, turn)
-    pitch = 2 * np.pi / geometry.case.get(member, 'teeth')
+    pitch = 2 * np.pi / study.case.get(member, 'teeth')
     some = np.concatenate([_rotated(outline, turn + k * pitch) for k in range(-4, 5)])
     return np.vstack((0.9 * some[0], some, 0.9 * some[-1]))
 

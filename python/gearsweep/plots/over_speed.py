@@ -9,15 +9,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from ..results import Optimum, Reals, Status, Sweep
+from ..study import Study
+from ..table import Table
 from .look import ACCENT, CROSS, GREY, HOLLOW, INK, MM, PAGE, PUBLISHED, VISIBLE, canvas, legends_above
-from .reliefs import Reliefs
+from .reliefs import Reals, Reliefs, table_of
 
 #: Marks of points that have an answer, but not a plain one.
-MARKS = {Status.MARGINAL: 'o', Status.SUBHARMONIC: 'D', Status.INEXACT: '^'}
+MARKS = {'marginal': 'o', 'subharmonic': 'D', 'inexact': '^'}
 
 
-def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, points: Sequence[Sequence[float]] = ()) -> Axes:
+def plot_sweep(sweep: Study | Table, ax: Axes | None = None, *, points: Sequence[Sequence[float]] = ()) -> Axes:
     """Dynamic factor over speed, a curve for each relief.
 
     A speed without an answer is a gap, with a cross at the lower edge in the colour of the curve. Points that
@@ -26,8 +27,8 @@ def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, points: Sequence[Sequenc
 
     Parameters
     ----------
-    sweep : Sweep
-        From `gearsweep.sweep`.
+    sweep : Study or Table
+        A study, or its table `sweep`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
     points : sequence of (rpm, dynamic factor) or (rpm, dynamic factor, relief in um)
@@ -37,23 +38,24 @@ def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, points: Sequence[Sequenc
     -------
     Axes
     """
+    sweep = table_of(sweep, 'sweep')
     reliefs = Reliefs(sweep.case)
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         for i, look in enumerate(reliefs.styles):
-            curve(ax, sweep.rpm, sweep.dynamic_factor[:, i], look)
+            curve(ax, sweep.rpm, sweep.dynamic_factor[i], look)
         _error_bands(ax, sweep, reliefs)
         circles = [(*point[:2], reliefs.style(point[2])['color'] if len(point) > 2 else INK) for point in points]
         more = _published(ax, circles) + _status_marks(ax, sweep, reliefs)
-        missing = sweep.status >= Status.UNSTABLE
-        words = ', '.join(Status(status).name.lower() for status in np.unique(sweep.status[missing]))
-        rows = [(sweep.rpm[gaps], look['color']) for gaps, look in zip(missing.T, reliefs.styles)]
+        missing = np.isnan(sweep.dynamic_factor)
+        words = ', '.join(dict.fromkeys(sweep.status[missing]))
+        rows = [(sweep.rpm[gaps], look['color']) for gaps, look in zip(missing, reliefs.styles)]
         reliefs.legend(ax, more + crosses(ax, rows, f'no answer: {words}'))
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Dynamic factor (–)')
     return ax
 
 
-def plot_optimum(optimum: Optimum, ax: Axes | None = None, *, points: Sequence[Sequence[float]] = ()) -> Axes:
+def plot_optimum(curve_of: Study | Table, ax: Axes | None = None, *, points: Sequence[Sequence[float]] = ()) -> Axes:
     """Largest dynamic factor over all speeds against the relief, its least value marked.
 
     Reliefs at which some speeds have no answer are hollow; those at which none has one are a gap, with a cross
@@ -61,8 +63,8 @@ def plot_optimum(optimum: Optimum, ax: Axes | None = None, *, points: Sequence[S
 
     Parameters
     ----------
-    optimum : Optimum
-        From `gearsweep.optimum`.
+    curve_of : Study or Table
+        A study, or its table `optimum_curve`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
     points : sequence of (relief in um, dynamic factor)
@@ -72,7 +74,8 @@ def plot_optimum(optimum: Optimum, ax: Axes | None = None, *, points: Sequence[S
     -------
     Axes
     """
-    relief, worst, whole = optimum.relief_um, optimum.worst_factor, optimum.failed == 0
+    tried = table_of(curve_of, 'optimum_curve')
+    relief, worst, whole = tried.relief_um, tried.worst_dynamic_factor, tried.points_without_answer == 0
     with canvas(ax) as ax:
         curve(ax, relief, worst, {'color': ACCENT})
         ax.plot(relief[whole], worst[whole], 'o', color=ACCENT, markersize=2.5)
@@ -82,8 +85,8 @@ def plot_optimum(optimum: Optimum, ax: Axes | None = None, *, points: Sequence[S
             more.append(Line2D([], [], marker='o', markeredgecolor=ACCENT, label='some speeds without answer', **HOLLOW))
         more += crosses(ax, [(relief[np.isnan(worst)], ACCENT)], 'no answer')
         legends_above(ax, ('', more))
-        if np.isfinite(optimum.best_factor):
-            _best(ax, optimum)
+        if 'optimum' in tried.study and np.isfinite(tried.study.optimum.relief_um):
+            _best(ax, tried.study.optimum)
         ax.set_xlabel('Tip relief (µm)')
         ax.set_ylabel('Largest dynamic factor (–)')
     return ax
@@ -96,10 +99,10 @@ def curve(ax: Axes, x: Reals, y: Reals, look: dict[str, Any]) -> None:
     ax.plot(x, y, **look, marker='o', markersize=2.5, markevery=np.flatnonzero(alone).tolist())
 
 
-def _error_bands(ax: Axes, sweep: Sweep, reliefs: Reliefs) -> None:
+def _error_bands(ax: Axes, sweep: Table, reliefs: Reliefs) -> None:
     """The estimated error, where it is wide enough to be seen."""
     visible = VISIBLE * np.ptp(ax.get_ylim())
-    for factor, estimate, look in zip(sweep.dynamic_factor.T, sweep.estimate.T, reliefs.styles):
+    for factor, estimate, look in zip(sweep.dynamic_factor, sweep.error_estimate, reliefs.styles):
         if np.any(estimate > visible):
             ax.fill_between(sweep.rpm, factor - estimate, factor + estimate, color=look['color'], alpha=0.25, linewidth=0)
 
@@ -111,19 +114,19 @@ def _published(ax: Axes, circles: list[tuple]) -> list[Line2D]:
     return [Line2D([], [], **PUBLISHED, markeredgecolor=INK, label='published')] if circles else []
 
 
-def _status_marks(ax: Axes, sweep: Sweep, reliefs: Reliefs) -> list[Line2D]:
+def _status_marks(ax: Axes, sweep: Table, reliefs: Reliefs) -> list[Line2D]:
     """Marks on the curves, no closer than can be told apart, unless all points are alike; entries in the legend."""
     entries = []
     for status, mark in MARKS.items():
         there = sweep.status == status
         if not there.any():
             continue
-        if there[sweep.status < Status.UNSTABLE].all():
-            return [Line2D([], [], linestyle='', label=f'all {status.name.lower()}')]
-        for factor, here, look in zip(sweep.dynamic_factor.T, there.T, reliefs.styles):
+        if there[np.isfinite(sweep.dynamic_factor)].all():
+            return [Line2D([], [], linestyle='', label=f'all {status}')]
+        for factor, here, look in zip(sweep.dynamic_factor, there, reliefs.styles):
             edge = {'marker': mark, 'markeredgecolor': look['color']}
             ax.plot(sweep.rpm[here], factor[here], **HOLLOW, **edge, markevery=0.03, zorder=3)
-        entries.append(Line2D([], [], marker=mark, markeredgecolor=GREY, label=status.name.lower(), **HOLLOW))
+        entries.append(Line2D([], [], marker=mark, markeredgecolor=GREY, label=status, **HOLLOW))
     return entries
 
 
@@ -141,9 +144,9 @@ def crosses(ax: Axes, rows: list[tuple[Reals, Any]], label: str) -> list[Line2D]
     return [Line2D([], [], **CROSS, markeredgecolor=GREY, label=label)]
 
 
-def _best(ax: Axes, optimum: Optimum) -> None:
+def _best(ax: Axes, optimum: Table) -> None:
     """The optimum, named, with its uncertainty where that shows."""
-    x, y = optimum.best_um, optimum.best_factor
+    x, y = optimum.relief_um, optimum.worst_dynamic_factor
     left, right = ax.get_xlim()
     if optimum.within_um > VISIBLE * (right - left):
         ax.errorbar(x, y, xerr=optimum.within_um, color=INK, linewidth=0.8, capsize=2)
@@ -151,5 +154,5 @@ def _best(ax: Axes, optimum: Optimum) -> None:
     side = 'left' if x < left + 0.25 * (right - left) else 'right' if x > right - 0.25 * (right - left) else 'center'
     bottom, top = ax.get_ylim()
     ax.set_ylim(min(bottom, y - 0.25 * (top - y)), top)
-    words = f'{x:.4g} µm\n{y:.4g} at {optimum.best_rpm:.0f} 1/min'
+    words = f'{x:.4g} µm\n{y:.4g} at {optimum.rpm:.0f} 1/min'
     ax.annotate(words, (x, y), (0, -5), textcoords='offset points', ha=side, va='top')

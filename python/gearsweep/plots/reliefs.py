@@ -9,10 +9,20 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from ..case import Case
-from ..results import Reals
+from ..study import Study
+from ..table import Table
 from .look import legends_above, line_styles
+
+Reals = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+def table_of(result: Study | Table, name: str) -> Table:
+    """The table of this name of a study, or the table that is given."""
+    return result[name] if isinstance(result, Study) else result
 
 
 class Reliefs:

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
-from ..maps import Hysteresis, StabilityMap, Strobe
-from ..results import Reals, Status
+from ..study import Study
+from ..table import Table
 from .look import ACCENT, ASIDE, CROSS, FAINT, GREY, HALO, HOLLOW, INK, MM, PAGE, canvas, legends_above, line_styles
 from .over_speed import crosses, curve
+from .reliefs import Reals
 
 #: From what dies out at once to what just dies out, at 1 white; from there on, what grows.
 SHADES = LinearSegmentedColormap.from_list(
@@ -25,7 +25,7 @@ NEUTRAL = 1e-7
 KINDS = {1: ACCENT, 2: '#c9772b', 3: '#3f8f5f', 'chaotic': '#8c2d55', 'undecided': GREY}
 
 
-def plot_stability(stability: StabilityMap, ax: Axes | None = None) -> Axes:
+def plot_stability(stability: Study | Table, ax: Axes | None = None) -> Axes:
     """Largest Floquet multiplier over speed and damping, with the tongues of instability.
 
     In the tongues, which have an outline, the motion with all pairs in contact is unstable. The point at the top
@@ -34,8 +34,8 @@ def plot_stability(stability: StabilityMap, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    stability : StabilityMap
-        From `gearsweep.stability_map`.
+    stability : Study or Table
+        A study, or its table `stability`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
 
@@ -43,18 +43,21 @@ def plot_stability(stability: StabilityMap, ax: Axes | None = None) -> Axes:
     -------
     Axes
     """
-    rpm, damping = stability.rpm, stability.damping_ratio
+    study = stability if isinstance(stability, Study) else stability.study
+    shown = study.stability
+    rpm, damping = shown.rpm, shown.damping_ratio
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         ax.set_facecolor(FAINT)
-        most = max(1.01, np.nanmax(stability.modulus, initial=1))
+        most = max(1.01, np.nanmax(shown.floquet_modulus, initial=1))
         norm = TwoSlopeNorm(1 + NEUTRAL, 0, most)
-        shades = ax.pcolormesh(rpm, damping, stability.modulus.T, cmap=SHADES, norm=norm, shading='nearest', rasterized=True)
+        shades = ax.pcolormesh(rpm, damping, shown.floquet_modulus.T, cmap=SHADES, norm=norm, shading='nearest', rasterized=True)
         ax.set_xlim(rpm[0], rpm[-1])
         ax.set_ylim(damping.min(), damping.max())
-        for n in range(stability.closing_ratio.size):
-            ax.plot(*outline(stability, n), color=INK, linewidth=0.7)
-        _closings(ax, stability)
-        ratio = stability.case.get('dynamics', 'damping_ratio')
+        if 'tongues' in study:
+            for tongue in study.tongues.tongue:
+                ax.plot(*outline(study, tongue), color=INK, linewidth=0.7)
+            _closings(ax, study.tongues)
+        ratio = study.case.get('dynamics', 'damping_ratio', 0)
         if damping.min() < ratio < damping.max():
             ax.axhline(ratio, **ASIDE)
             legends_above(ax, ('', [Line2D([], [], **ASIDE, label=f'damping ratio of the case, {ratio:g}')]))
@@ -67,24 +70,23 @@ def plot_stability(stability: StabilityMap, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def outline(stability: StabilityMap, n: int) -> tuple[Reals, Reals]:
-    """Speeds and damping ratios around tongue n, over its top where it closes."""
-    edge, closing = stability.edge_rpm[:, :, n], stability.closing_ratio[n]
-    order = np.argsort(stability.damping_ratio)
-    order = order[np.isfinite(edge[0, order])]
-    damping = stability.damping_ratio[order]
-    top = [] if np.isnan(closing) else [(stability.closing_rpm[n], closing)]
-    sides = [*zip(edge[0, order], damping), *top, *zip(edge[1, order[::-1]], damping[::-1])]
+def outline(study: Study, tongue: int) -> tuple[Reals, Reals]:
+    """Speeds and damping ratios around a tongue, over its top where it closes."""
+    edge, closing = study.tongue_edges.at(tongue=tongue), study.tongues.at(tongue=tongue)
+    is_open = np.isfinite(edge.lower_rpm)
+    damping = edge.damping_ratio[is_open]
+    top = [] if np.isnan(closing.closing_damping_ratio) else [(closing.closing_rpm, closing.closing_damping_ratio)]
+    sides = [*zip(edge.lower_rpm[is_open], damping), *top, *zip(edge.upper_rpm[is_open][::-1], damping[::-1])]
     return tuple(np.array(sides).reshape(-1, 2).T)
 
 
-def _closings(ax: Axes, stability: StabilityMap) -> None:
+def _closings(ax: Axes, tongues: Table) -> None:
     """Marks where tongues close, and tells the damping ratio where there is room: from the highest speed on."""
     left, right = ax.get_xlim()
     bottom, top = ax.get_ylim()
     room = 30 / (72 * ax.bbox.width / ax.figure.dpi) * (right - left)  # for 30 points
     last = np.inf
-    for rpm, ratio in zip(stability.closing_rpm, stability.closing_ratio):
+    for rpm, ratio in zip(tongues.closing_rpm, tongues.closing_damping_ratio):
         if not (left < rpm < right and bottom < ratio < top):
             continue
         ax.plot(rpm, ratio, 'o', color=INK, markersize=2.5, zorder=4)
@@ -93,57 +95,67 @@ def _closings(ax: Axes, stability: StabilityMap) -> None:
             last = rpm
 
 
-def plot_hysteresis(hysteresis: Hysteresis, ax: Axes | None = None) -> Axes:
-    """Dynamic factor over speed on a slow run up and on one down.
+def plot_hysteresis(hysteresis: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
+    """Dynamic factor over speed on a slow run up and on one down, for one relief.
 
     Arrows are jumps, with their speed where there is room; hollow marks tell where the period doubles or halves,
-    plus signs where periodic motion ends or begins. A speed without an answer is a gap, with a cross at the lower
+    plus signs where periodic motion ends or begins. A speed without a result is a gap, with a cross at the lower
     edge.
 
     Parameters
     ----------
-    hysteresis : Hysteresis
-        From `gearsweep.hysteresis`.
+    hysteresis : Study or Table
+        A study, or its table `hysteresis`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
+    relief_um : float, optional
+        The relief; otherwise the first.
 
     Returns
     -------
     Axes
     """
+    study = hysteresis if isinstance(hysteresis, Study) else hysteresis.study
+    relief_um = study.hysteresis.relief_um[0] if relief_um is None else relief_um
+    runs, changes = study.hysteresis.at(relief_um=relief_um), study.hysteresis_changes
+    changes = changes.at(relief_um=relief_um) if relief_um in changes.relief_um else None
     looks = line_styles(2)
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
-        for way, look in enumerate(looks):
-            curve(ax, *branch(hysteresis, way), look)
-        _arrows(ax, hysteresis, looks)
-        more = _changes(ax, hysteresis, looks)
-        missing = hysteresis.status >= Status.UNSTABLE
-        words = ', '.join(Status(status).name.lower() for status in np.unique(hysteresis.status[missing]))
-        rows = [(hysteresis.rpm[gaps], look['color']) for gaps, look in zip(missing, looks)]
-        ways = [Line2D([], [], label=f'speed goes {way}', **look) for way, look in zip(hysteresis.labels['direction'], looks)]
+        for way, look in zip(runs.direction, looks):
+            curve(ax, *branch(runs, changes, way), look)
+        more = []
+        if changes is not None:
+            _arrows(ax, runs, changes, looks)
+            more = _changes(ax, changes, looks)
+        missing = np.isnan(runs.dynamic_factor)
+        words = ', '.join(dict.fromkeys(runs.status[missing]))
+        rows = [(runs.rpm[gaps], look['color']) for gaps, look in zip(missing, looks)]
+        ways = [Line2D([], [], label=f'speed goes {way}', **look) for way, look in zip(runs.direction, looks)]
         legends_above(ax, ('', ways + more + crosses(ax, rows, f'no answer: {words}')))
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Dynamic factor (–)')
     return ax
 
 
-def branch(hysteresis: Hysteresis, way: int) -> tuple[Reals, Reals]:
+def branch(runs: Table, changes: Table | None, way: str) -> tuple[Reals, Reals]:
     """Speeds and dynamic factors of a run, ascending, with those before and after each change, cut at jumps."""
-    points = dict(zip(hysteresis.rpm, hysteresis.dynamic_factor[way]))
-    for i in np.flatnonzero(hysteresis.change_direction == (1, -1)[way]):
-        points |= zip(hysteresis.change_rpm[i], hysteresis.change_factor[i])
-        if leaps(hysteresis)[i]:
-            points[hysteresis.change_rpm[i].mean()] = np.nan
+    points = dict(zip(runs.rpm, runs.at(direction=way).dynamic_factor))
+    if changes is not None:
+        for i in np.flatnonzero(changes.direction == way):
+            before, after = changes.rpm_before[i], changes.rpm_after[i]
+            points |= {before: changes.dynamic_factor_before[i], after: changes.dynamic_factor_after[i]}
+            if leaps(runs, changes)[i]:
+                points[(before + after) / 2] = np.nan
     return tuple(np.array(sorted(points.items())).T)
 
 
-def leaps(hysteresis: Hysteresis) -> NDArray[np.bool_]:
+def leaps(runs: Table, changes: Table) -> np.ndarray:
     """Which changes are jumps to the eye, also such as double the period on the way."""
-    before, after = hysteresis.change_factor.T
-    return (hysteresis.change_name == 'jump') | (np.abs(after - before) > 0.02 * np.nanmax(hysteresis.dynamic_factor, initial=0))
+    height = np.abs(changes.dynamic_factor_after - changes.dynamic_factor_before)
+    return (changes.kind == 'jump') | (height > 0.02 * np.nanmax(runs.dynamic_factor, initial=0))
 
 
-def _changes(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> list[Line2D]:
+def _changes(ax: Axes, changes: Table, looks: list[dict]) -> list[Line2D]:
     """Marks where the motion changes; entries in the legend."""
     marks = {
         'doubling': ('period doubles', {**HOLLOW, 'marker': 'D'}),
@@ -151,25 +163,27 @@ def _changes(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> list[Line2D
     }
     other = ('to or from no answer', {**CROSS, 'marker': '+', 'markersize': 5})
     entries = {}
-    changes = zip(hysteresis.change_name, hysteresis.change_direction, hysteresis.change_rpm, hysteresis.change_factor)
-    for name, direction, rpm, factor in changes:
-        if name == 'jump':
+    for i, kind in enumerate(changes.kind):
+        if kind == 'jump':
             continue
-        color = looks[int(direction < 0)]['color']
-        at = int(np.isnan(factor[0]))
-        label, mark = marks.get(name, other)
-        ax.plot(rpm[at], factor[at], markeredgecolor=color, **mark, zorder=4)
+        color = looks[int(changes.direction[i] == 'down')]['color']
+        point = changes.rpm_before[i], changes.dynamic_factor_before[i]
+        if np.isnan(point[1]):
+            point = changes.rpm_after[i], changes.dynamic_factor_after[i]
+        label, mark = marks.get(kind, other)
+        ax.plot(*point, markeredgecolor=color, **mark, zorder=4)
         entries[label] = Line2D([], [], markeredgecolor=GREY, label=label, **mark)
     return list(entries.values())
 
 
-def _arrows(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> None:
+def _arrows(ax: Axes, runs: Table, changes: Table, looks: list[dict]) -> None:
     """Jumps, the largest first, with their speed on the side from which they come, unless another stands there."""
     taken = []
     ax.autoscale_view()  # so that places are known
-    height = np.diff(hysteresis.change_factor)[:, 0]
-    for i in sorted(np.flatnonzero(leaps(hysteresis)), key=lambda i: -abs(height[i])):
-        rpm, factor, up = hysteresis.change_rpm[i, 0], hysteresis.change_factor[i], hysteresis.change_direction[i] > 0
+    height = changes.dynamic_factor_after - changes.dynamic_factor_before
+    for i in sorted(np.flatnonzero(leaps(runs, changes)), key=lambda i: -abs(height[i])):
+        rpm, up = changes.rpm_before[i], changes.direction[i] == 'up'
+        factor = np.array([changes.dynamic_factor_before[i], changes.dynamic_factor_after[i]])
         arrow = {'arrowstyle': '-|>', 'color': looks[int(not up)]['color'], 'linewidth': 0.8, 'mutation_scale': 7}
         ax.annotate('', (rpm, factor[1]), (rpm, factor[0]), arrowprops={**arrow, 'shrinkA': 0, 'shrinkB': 0})
         x, y = 72 / ax.figure.dpi * ax.transData.transform((rpm, factor.mean()))  # in points
@@ -180,37 +194,43 @@ def _arrows(ax: Axes, hysteresis: Hysteresis, looks: list[dict]) -> None:
             taken.append((x, y))
 
 
-def plot_strobe(strobe: Strobe, ax: Axes | None = None) -> Axes:
-    """The transmission error once a mesh period over speed, a colour for each kind of motion.
+def plot_poincare(poincare: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
+    """The transmission error once a mesh period over speed, a colour for each kind of motion, for one relief.
 
     One point at a speed where the motion repeats with the mesh, n points where it repeats after n periods, a
     cloud where it is chaotic; undecided is what neither repeats nor is surely chaotic within what was kept.
 
     Parameters
     ----------
-    strobe : Strobe
-        From `gearsweep.strobe`.
+    poincare : Study or Table
+        A study, or its table `poincare`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
+    relief_um : float, optional
+        The relief; otherwise the first.
 
     Returns
     -------
     Axes
     """
-    kind = np.minimum(strobe.periods, 3).astype(object)
-    kind[strobe.status == Status.CHAOTIC] = 'chaotic'
-    kind[strobe.status == Status.APERIODIC] = 'undecided'
-    size = 1.2 if strobe.rpm.size > 150 else 2.5
+    study = poincare if isinstance(poincare, Study) else poincare.study
+    relief_um = study.poincare.relief_um[0] if relief_um is None else relief_um
+    seen, motion = study.poincare.at(relief_um=relief_um), study.lyapunov.at(relief_um=relief_um)
+    kind = np.minimum(motion.mesh_periods, 3).astype(object)
+    kind[motion.status == 'chaotic'] = 'chaotic'
+    kind[motion.status == 'aperiodic'] = 'undecided'
+    size = 1.2 if seen.rpm.size > 150 else 2.5
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         entries = []
         for name, color in KINDS.items():
             there = kind == name
             if not there.any():
                 continue
-            x = strobe.x_um[:, there]
-            rpm = np.broadcast_to(strobe.rpm[there], x.shape)
-            ax.plot(rpm.ravel(), x.ravel(), '.', color=color, markersize=size, markeredgewidth=0, rasterized=True)
-            entries.append(Line2D([], [], linestyle='', marker='.', color=color, label=_words(name, strobe.periods[there])))
+            dte = seen.dte_um[there]
+            rpm = np.broadcast_to(seen.rpm[there, None], dte.shape)
+            ax.plot(rpm.ravel(), dte.ravel(), '.', color=color, markersize=size, markeredgewidth=0, rasterized=True)
+            label = _words(name, motion.mesh_periods[there])
+            entries.append(Line2D([], [], linestyle='', marker='.', color=color, label=label))
         legends_above(ax, ('', entries))
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Transmission error as a pair enters (µm)')

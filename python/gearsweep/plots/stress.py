@@ -8,17 +8,18 @@ from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
-from ..results import Geometry, Reals, Stress
-from ..tasks import geometry
-from .body import edges
+from ..study import Study
+from ..table import Table
+from .body import edges, grid_of
 from .gears import flank_angle
 from .look import INK, MM, canvas, in_mm
+from .reliefs import Reals, table_of
 
 #: Triangles that an eight-node element is drawn as, by its nodes.
 TRIANGLES = np.array([(0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 7), (5, 6, 7)])
 
 
-def plot_stress(stress: Stress, ax: Axes | None = None) -> Axes:
+def plot_stress(stress: Study | Table, ax: Axes | None = None) -> Axes:
     """Stress around the loaded tooth: of the two principal stresses the larger by size.
 
     Lines are full in tension and dashed in compression. The scale ends with the largest stress below the form
@@ -26,8 +27,8 @@ def plot_stress(stress: Stress, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    stress : Stress
-        From `gearsweep.stress`.
+    stress : Study or Table
+        A study, or its table `stress`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
 
@@ -35,22 +36,26 @@ def plot_stress(stress: Stress, ax: Axes | None = None) -> Axes:
     -------
     Axes
     """
-    pair, member = geometry(stress.case), stress.case.get('section', 'member')
-    tip, _, _, _, root, form = pair.radius_mm[:, pair.labels['member'].index(member)]
-    nodes, value = np.column_stack((stress.x_mm, stress.y_mm)), principal(*stress.sigma_mpa)
+    stress = table_of(stress, 'stress')
+    study, load = stress.study, stress.study.stress_load
+    member = study.case.get('section', 'member')
+    gear = study.gears.at(member=member)
+    tip, root, form = (diameter / 2 for diameter in (gear.tip_diameter_mm, gear.root_diameter_mm, gear.form_diameter_mm))
+    value = principal(stress.sigma_x_mpa, stress.sigma_y_mpa, stress.tau_xy_mpa)
+    nodes, element = grid_of(study)
     most = np.abs(value[np.hypot(*nodes.T) < form]).max()
     levels = MaxNLocator(14, symmetric=True).tick_values(-most, most)
     told = levels[levels.size // 2 % 2 :: 2]  # every other, with 0
     levels = levels[levels != 0]  # a line between a little tension and a little compression tells nothing
-    net = Triangulation(*nodes.T, stress.element[:, TRIANGLES].reshape(-1, 3))
+    net = Triangulation(*nodes.T, element[:, TRIANGLES].reshape(-1, 3))
     with canvas(ax, height=55 * MM) as ax:
         fill = ax.tricontourf(net, value, levels, cmap='RdBu_r', extend='both')
         ax.tricontour(net, value, levels, colors=INK, linewidths=0.25)
-        ax.add_collection(LineCollection(edges(nodes, stress.element)[1], colors=INK, linewidths=0.7))
+        ax.add_collection(LineCollection(edges(nodes, element)[1], colors=INK, linewidths=0.7))
         ax.figure.colorbar(fill, ax=ax, label='Principal stress (MPa)', ticks=told, spacing='proportional')
-        _arrow(ax, stress, pair, member)
+        _arrow(ax, study, member)
         in_mm(ax)
-        ax.set_title(f'{100 * stress.share:.3g} % of the load at s = {stress.s:.3g}, tip relief {stress.relief_um:g} µm')
+        ax.set_title(f'{100 * load.load_share:.3g} % of the load at s = {load.s:.3g}, tip relief {load.relief_um:g} µm')
         _look_at_tooth(ax, nodes, tip, root)
     return ax
 
@@ -61,12 +66,12 @@ def principal(x: Reals, y: Reals, xy: Reals) -> Reals:
     return mean + np.copysign(np.hypot((x - y) / 2, xy), mean)
 
 
-def _arrow(ax: Axes, stress: Stress, pair: Geometry, member: str) -> None:
+def _arrow(ax: Axes, study: Study, member: str) -> None:
     """The load, along the line of action."""
-    base = pair.radius_mm[2, pair.labels['member'].index(member)]
-    flank = flank_angle(pair, member, stress.radius_mm)
-    along = flank - np.arccos(min(1, base / stress.radius_mm))
-    point = stress.radius_mm * np.array([np.sin(flank), np.cos(flank)])
+    load, base = study.stress_load, study.gears.at(member=member).base_diameter_mm / 2
+    flank = flank_angle(study, member, load.radius_mm)
+    along = flank - np.arccos(min(1, base / load.radius_mm))
+    point = load.radius_mm * np.array([np.sin(flank), np.cos(flank)])
     tail = 28 * np.array([np.cos(along), -np.sin(along)])  # printer's points
     arrow = {'arrowstyle': '-|>', 'color': INK, 'linewidth': 0.9, 'shrinkA': 0, 'shrinkB': 0, 'mutation_scale': 7}
     ax.annotate('', point, tail, textcoords='offset points', arrowprops=arrow)

@@ -1,0 +1,194 @@
+"""The library's calls in Python's types: the only module that calls it.
+
+Texts go in and come out as bytes of UTF-8; a failed call becomes an `Error`. What the calls do is told in
+src/api/gearsweep_flat_calls.f90.
+"""
+
+from __future__ import annotations
+
+import enum
+import os
+import weakref
+from collections.abc import Callable
+from operator import index
+
+import numpy as np
+
+from . import _flat
+from ._watch import watched
+
+#: Of a text that is longer, the call says how long, and is called again.
+_USUAL_LENGTH = 100_000
+#: What a column holds, as `gs_size` says.
+_INTEGER, _WORDS = 2, 3
+
+
+class Code(enum.IntEnum):
+    """What went wrong: the exit codes of the program."""
+
+    OK = 0
+    INPUT = 1  #: the case or an argument is not usable
+    USAGE = 2  #: the command line is not usable
+    FILE = 3  #: a file or folder cannot be read or written
+    PARTIAL = 4  #: some operating points have no result
+    INTERRUPTED = 130  #: the run was ended before it was done
+    NUMERICAL = 5  #: a method did not deliver, although the input is valid
+    MEMORY = 6  #: the work does not fit into memory
+
+
+class Error(Exception):
+    """A call failed; the message is the library's.
+
+    Attributes
+    ----------
+    code : Code
+        What went wrong.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> try:
+    ...     gearsweep.run(gearsweep.Case('&pair modul_mm = 3 /'), 'geometry')
+    ... except gearsweep.Error as error:
+    ...     print(error.code.name, error)
+    INPUT &pair modul_mm = 3: unknown key (did you mean module_mm?)...
+    """
+
+    def __init__(self, message: str, code: Code = Code.INPUT):
+        super().__init__(message)
+        self.code = Code(code)
+
+
+class PartialWarning(UserWarning):
+    """Some operating points have no result; they are NaN and their status says why."""
+
+
+class UnusedWarning(UserWarning):
+    """The case gives keys that it does not use, mostly for tasks that it does not name; they change nothing."""
+
+
+def version() -> str:
+    return _str(_checked(_flat.gs_version())[0]).rstrip()
+
+
+def describe(what: str) -> str:
+    """What the library has, as JSON."""
+    return _text(_flat.gs_describe, _bytes(what))
+
+
+def edit(action: str, text: str, group: str = '', key: str = '', value: str = '') -> str:
+    """Works on the text of a case: 'complete', 'change', 'unused' ..."""
+    return _text(_flat.gs_edit, *map(_bytes, (action, text, group, key, value)), length=2 * len(text) + len(value))
+
+
+class Handle:
+    """A study in the library's memory, which is freed with the last that refers to it."""
+
+    def __init__(self, address: int):
+        self.address = address
+        weakref.finalize(self, _free, address).atexit = False
+
+    def text(self, what: str) -> str:
+        """Its 'report', 'log', 'tables' (as JSON) or 'case'."""
+        return _text(_flat.gs_text, self.address, _bytes(what))
+
+    def column(self, table: str, name: str) -> np.ndarray:
+        """The values of a column, a row after the other: real or whole numbers, or words."""
+        place = self.address, _bytes(table), _bytes(name)
+        rows, kind, width = _checked(_flat.gs_size(*place))
+        if kind != _WORDS:
+            values = _checked(_flat.gs_column(*place, rows))[0]
+            return values.astype(np.int64) if kind == _INTEGER else values
+        words = []
+        for row in range(rows):
+            word = np.array(b' ' * max(1, width))  # f2py takes the blanks of the last word for its end
+            _checked(_flat.gs_words(*place, row + 1, word))
+            words.append(_str(word.item()).rstrip())
+        return np.array(words, dtype=np.str_)
+
+    def write(self, folder: str, name: str) -> list[str]:
+        """Writes its tables and grids as files; their paths."""
+        return _text(_flat.gs_write, self.address, _bytes(folder), _bytes(name)).splitlines()
+
+
+def run(
+    text: str,
+    folder: str,
+    threads: int,
+    earlier: Handle | None,
+    progress: Callable[[int, int], object] | None,
+    resume: str,
+    keep: str,
+) -> tuple[Handle | None, Error | None, BaseException | None]:
+    """The study, if there is one, the error that the run ended with, and what ended it from outside.
+
+    That is an exception that came up meanwhile, such as KeyboardInterrupt or one of `progress`.
+    """
+    words = [_bytes(word) for word in (text, folder)]
+    files = [_bytes(word) for word in (resume, keep)]
+    team = _threads(threads)
+
+    def call(watch: np.ndarray) -> tuple:
+        # Refers to the earlier study, which so lives as long as the call, also one that nobody waits for.
+        return _flat.gs_run(*words, team, earlier.address if earlier else 0, watch, *files)
+
+    (address, info, message), cause = watched(call, progress, lambda found: _free(found[0]), waits=bool(keep))
+    error = Error(_str(message).rstrip(), Code(info)) if info else None
+    return Handle(address) if address else None, error, cause
+
+
+def _free(address: int) -> None:
+    _flat.gs_free(address)
+
+
+def _checked(results: tuple) -> list:
+    """All results but the last two, which are the code and the message of every call."""
+    *found, info, message = results
+    if info != Code.OK:
+        raise Error(_str(message).rstrip(), Code(info))
+    return found
+
+
+def _text(procedure, *arguments, length: int = 0) -> str:
+    """The text that a call leaves in its last argument; asked for again where it is longer."""
+    room = length + _USUAL_LENGTH
+    while True:
+        buffer = np.array(b' ' * room)
+        length, info, message = procedure(*arguments, buffer)
+        if length <= room:
+            break
+        room = length
+    _checked((info, message))
+    return _str(buffer.item()[:length])
+
+
+def _bytes(text: str) -> bytes:
+    if '\0' in text:
+        raise Error('text: has a NUL character')
+    try:
+        return text.encode('utf-8', 'surrogateescape')
+    except UnicodeEncodeError as error:
+        raise Error(f'text: {error}') from error
+
+
+def _str(text: bytes) -> str:
+    return text.decode('utf-8', 'surrogateescape')
+
+
+_is_fork = False
+
+
+def _forked() -> None:
+    global _is_fork
+    _is_fork = True
+
+
+if hasattr(os, 'register_at_fork'):
+    os.register_at_fork(after_in_child=_forked)
+
+
+def _threads(threads: int) -> int:
+    """One in a forked process, where GNU's OpenMP would wait for the parent's threads for ever."""
+    if not -(2**31) <= index(threads) < 2**31:
+        raise Error(f'threads = {threads}: must be from 0 (all) to 1024')
+    return 1 if _is_fork and threads >= 0 else index(threads)

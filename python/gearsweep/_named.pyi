@@ -1,0 +1,694 @@
+"""The tables of studies and their columns, for editors. Made by python/tools/stub.py: change that one."""
+
+from numpy import float64, int64, str_
+from numpy.typing import NDArray
+
+from .table import Table
+
+class GeometryTable(Table):
+    """the gear pair"""
+
+    module_mm: float
+    """mm: normal module"""
+    pressure_angle_deg: float
+    """deg: of the drive flanks on the reference circle"""
+    coast_angle_deg: float
+    """deg: of the coast flanks on the reference circle"""
+    face_width_mm: float
+    """mm: face width of the contact"""
+    centre_distance_mm: float
+    """mm: centre distance"""
+    working_angle_deg: float
+    """deg: working pressure angle of the drive flanks"""
+    coast_working_angle_deg: float
+    """deg: working pressure angle of the coast flanks"""
+    backlash_um: float
+    """um: along the line of action"""
+    contact_ratio: float
+    """transverse contact ratio: the path of contact in base pitches"""
+    base_pitch_mm: float
+    """mm: of the drive flanks"""
+
+class GearsTable(Table):
+    """the two gears"""
+
+    member: NDArray[str_]
+    """pinion or gear"""
+    teeth: NDArray[int64]
+    """number of teeth"""
+    tip_diameter_mm: NDArray[float64]
+    """mm: tip circle"""
+    reference_diameter_mm: NDArray[float64]
+    """mm: reference circle"""
+    base_diameter_mm: NDArray[float64]
+    """mm: base circle of the drive flanks"""
+    coast_base_diameter_mm: NDArray[float64]
+    """mm: base circle of the coast flanks"""
+    root_diameter_mm: NDArray[float64]
+    """mm: root circle"""
+    form_diameter_mm: NDArray[float64]
+    """mm: circle where the involute of the drive flank begins"""
+
+class ContactPointsTable(Table):
+    """points of the path of contact: A start, B and D where another pair leaves and enters, P pitch point, E end"""
+
+    point: NDArray[str_]
+    """its letter"""
+    s: NDArray[float64]
+    """path coordinate from A, in base pitches"""
+    pinion_radius_mm: NDArray[float64]
+    """mm: radius at which the pinion touches"""
+    gear_radius_mm: NDArray[float64]
+    """mm: radius at which the gear touches"""
+
+class MotionTable(Table):
+    """load, masses and stiffness of the mesh, and its natural frequency"""
+
+    load_n: float
+    """N: static load on the line of action"""
+    pinion_mass_kg: float
+    """kg: effective mass of the pinion on the line of action"""
+    gear_mass_kg: float
+    """kg: effective mass of the gear on the line of action"""
+    least_pair_stiffness_n_um: float
+    """N/um: least stiffness of a pair on its path, whole face width"""
+    largest_pair_stiffness_n_um: float
+    """N/um: largest stiffness of a pair on its path, whole face width"""
+    mean_mesh_stiffness_n_um: float
+    """N/um: mean over a mesh period of all pairs in contact"""
+    mean_mesh_stiffness_n_um_mm: float
+    """N/um/mm: the same per mm of face width"""
+    natural_frequency_hz: float
+    """Hz: of the mean mesh stiffness and the effective masses"""
+    resonance_rpm: float
+    """1/min: speed of the pinion at which the mesh excites it"""
+    body_rotation_um: float
+    """um: turn of whole gears about their bores under the load, on the line of action: not in the motion"""
+    body_coupling_um: float
+    """um: what neighbouring teeth share beyond that: in the stiffness of each pair"""
+    damping_ratio: float
+    """as in the case"""
+    friction: float
+    """friction coefficient, as in the case"""
+
+class SectionTable(Table):
+    """section of one member and its grid"""
+
+    member: str
+    """pinion or gear"""
+    teeth: int
+    """teeth of the section"""
+    gear_teeth: int
+    """teeth of the whole member"""
+    half_angle_deg: float
+    """deg: half of the sector's angle"""
+    inner_radius_mm: float
+    """mm: where the section ends inwards"""
+    elements: int
+    """of eight nodes"""
+    nodes: int
+    """each with two displacements"""
+    smallest_scaled_jacobian: float
+    """of the elements: 1 is a rectangle, 0 useless"""
+    area_mm2: float
+    """mm2: of all elements"""
+
+class OutlineTable(Table):
+    """outline of both gears, each about its own centre"""
+
+    member: NDArray[str_]
+    """pinion or gear"""
+    x_mm: NDArray[float64]
+    """mm: across the tooth that stands upright, towards its drive side"""
+    y_mm: NDArray[float64]
+    """mm: along the axis of that tooth"""
+
+class NodesTable(Table):
+    """nodes of the section's grid"""
+
+    node: NDArray[int64]
+    """its number"""
+    x_mm: NDArray[float64]
+    """mm: across the middle tooth, towards its drive side"""
+    y_mm: NDArray[float64]
+    """mm: along the axis of that tooth"""
+
+class ElementsTable(Table):
+    """elements of the section's grid: four corners anticlockwise, then the midsides behind each"""
+
+    element: NDArray[int64]
+    """its number"""
+    node_1: NDArray[int64]
+    """number of this node"""
+    node_2: NDArray[int64]
+    """number of this node"""
+    node_3: NDArray[int64]
+    """number of this node"""
+    node_4: NDArray[int64]
+    """number of this node"""
+    node_5: NDArray[int64]
+    """number of this node"""
+    node_6: NDArray[int64]
+    """number of this node"""
+    node_7: NDArray[int64]
+    """number of this node"""
+    node_8: NDArray[int64]
+    """number of this node"""
+    tooth: NDArray[int64]
+    """that it belongs to, from the coast side; 0: the rim"""
+
+class ModalTable(Table):
+    """natural frequencies of the section"""
+
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    frequency_hz: NDArray[float64]
+    """Hz: natural frequency"""
+    error_estimate: NDArray[float64]
+    """estimated discretisation error, relative"""
+    residual: NDArray[float64]
+    """residual of the eigenvalue problem, relative"""
+    rim_share: NDArray[float64]
+    """kinetic energy of the body below the teeth over the whole"""
+
+class ModeEnergyTable(Table):
+    """kinetic energy of each mode by part of the section"""
+
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    tooth: NDArray[int64]
+    """counted from the coast side; 0 for the body below the teeth"""
+    energy_share: NDArray[float64]
+    """kinetic energy of this part over the whole"""
+
+class ModeShapesTable(Table):
+    """mode shapes at the nodes of the section's grid, for unit modal mass"""
+
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    node: NDArray[int64]
+    """its number"""
+    shape_x: NDArray[float64]
+    """kg**-0.5: displacement in x over the modal coordinate"""
+    shape_y: NDArray[float64]
+    """kg**-0.5: displacement in y over the modal coordinate"""
+
+class StaticTable(Table):
+    """stress at tangent_deg of the fillet for each relief and position of the load"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    s: NDArray[float64]
+    """path coordinate of the load, in base pitches from A"""
+    radius_mm: NDArray[float64]
+    """mm: radius at which it acts on this member"""
+    load_share: NDArray[float64]
+    """load of this pair over the whole load"""
+    side: NDArray[str_]
+    """drive (the loaded side: tension) or coast"""
+    sigma_mpa: NDArray[float64]
+    """MPa: stress along the surface"""
+    sigma_x_mpa: NDArray[float64]
+    """MPa: component across the tooth, x to its drive side"""
+    sigma_y_mpa: NDArray[float64]
+    """MPa: component along the tooth's axis y"""
+    tau_xy_mpa: NDArray[float64]
+    """MPa: shear component"""
+
+class RootStressTable(Table):
+    """largest stress in the root fillets over the path of contact"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    tension_mpa: NDArray[float64]
+    """MPa: largest tension along the surface"""
+    tension_deg: NDArray[float64]
+    """deg: angle of the fillet tangent there to the tooth's axis"""
+    compression_mpa: NDArray[float64]
+    """MPa: largest compression along the surface, negative"""
+    compression_deg: NDArray[float64]
+    """deg: angle of the fillet tangent there to the tooth's axis"""
+    error_estimate: NDArray[float64]
+    """estimated error of the stresses, relative"""
+
+class RootRatingTable(Table):
+    """nominal root stress by ISO 6336-3 and by Lewis, the whole load at the outer point of single contact"""
+
+    member: str
+    """pinion or gear"""
+    point: str
+    """of the path of contact where the load acts"""
+    iso_mpa: float
+    """MPa: sigma_F0 of ISO 6336-3"""
+    iso_form_factor: float
+    """Y_F"""
+    iso_stress_correction: float
+    """Y_S"""
+    lewis_mpa: float
+    """MPa: by Lewis"""
+    lewis_form_factor: float
+    """Y"""
+
+class StressLoadTable(Table):
+    """the load under which the stress is given all over the section"""
+
+    relief_um: float
+    """um: amount of relief: the one with the largest tension"""
+    position: int
+    """of the load, counted from 1 in the table static"""
+    s: float
+    """path coordinate of the load, in base pitches from A"""
+    radius_mm: float
+    """mm: radius at which it acts on this member"""
+    load_share: float
+    """load of this pair over the whole load"""
+
+class StressTable(Table):
+    """stress at the nodes of the section's grid under the load of the table stress_load"""
+
+    node: NDArray[int64]
+    """its number"""
+    sigma_x_mpa: NDArray[float64]
+    """MPa: component across the middle tooth, x to its drive side"""
+    sigma_y_mpa: NDArray[float64]
+    """MPa: component along that tooth's axis y"""
+    tau_xy_mpa: NDArray[float64]
+    """MPa: shear component"""
+
+class MeshTable(Table):
+    """one pair along its path of contact, static, for each relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    s: NDArray[float64]
+    """path coordinate of the pair, in base pitches from A"""
+    pair_stiffness_n_um: NDArray[float64]
+    """N/um: stiffness of this pair, whole face width; what the dynamics take"""
+    mesh_stiffness_n_um: NDArray[float64]
+    """N/um: of all pairs that carry load; of whole gears also their discs"""
+    profile_error_um: NDArray[float64]
+    """um: material missing at this point, both flanks together"""
+    load_share: NDArray[float64]
+    """static load of this pair over the whole load"""
+    ste_um: NDArray[float64]
+    """um: static transmission error along the line of action"""
+    path_mm: NDArray[float64]
+    """mm: distance from A on the line of action"""
+    pinion_radius_mm: NDArray[float64]
+    """mm: radius at which the pinion touches"""
+    pinion_curvature_mm: NDArray[float64]
+    """mm: radius of curvature of the pinion's flank"""
+    gear_curvature_mm: NDArray[float64]
+    """mm: radius of curvature of the gear's flank"""
+
+class TransmissionErrorTable(Table):
+    """static transmission error and load sharing over a mesh period, for each relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    peak_to_peak_um: NDArray[float64]
+    """um: largest less least transmission error"""
+    mean_um: NDArray[float64]
+    """um: mean transmission error"""
+    rms_um: NDArray[float64]
+    """um: root mean square of what differs from the mean"""
+    error_estimate_um: NDArray[float64]
+    """um: estimated error of mean and amplitudes, without rounding errors"""
+    largest_load_share: NDArray[float64]
+    """largest load of a pair over the static load"""
+
+class HarmonicsTable(Table):
+    """static transmission error for each relief, as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    harmonic: NDArray[int64]
+    """0 for the mean, 1, 2 ... up to ste_harmonics"""
+    amplitude_um: NDArray[float64]
+    """um: half of peak-to-peak; the mean for harmonic 0"""
+    phase_deg: NDArray[float64]
+    """deg: where the amplitude is larger than its error"""
+    error_estimate_um: NDArray[float64]
+    """um: estimated error of mean and amplitudes, without rounding errors"""
+
+class LoadTable(Table):
+    """dynamic load of one pair along its path of contact"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    s: NDArray[float64]
+    """path coordinate of the pair, in base pitches from A"""
+    pair_load_n: NDArray[float64]
+    """N: elastic load on the pair"""
+    load_ratio: NDArray[float64]
+    """the same over the static load; its largest value is DF, up to the refinement of the peak between two rows"""
+    dte_um: NDArray[float64]
+    """um: dynamic transmission error along the line of action, without the turning of whole gears about their bores"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    pair: NDArray[int64]
+    """which of so many pairs this is, from 1; 0 without an answer"""
+
+class LoadPointsTable(Table):
+    """dynamic factor at the speeds of the task load"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
+    error_estimate: NDArray[float64]
+    """estimated error of DF; NaN where there is no answer or it is not known"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+
+class SweepTable(Table):
+    """dynamic factor over speed and relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
+    error_estimate: NDArray[float64]
+    """estimated error of DF; NaN where there is no answer or it is not known"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    contact: NDArray[str_]
+    """full; partial: a pair was apart for a while; lost: all were; coast: the coast sides touched"""
+    floquet_modulus: NDArray[float64]
+    """largest modulus of the Floquet multipliers: what remains of a disturbance after the motion has repeated once; of a chaotic motion, its mean growth in a mesh period"""
+    residual: NDArray[float64]
+    """by how much the motion fails to repeat, in static deflections"""
+    steps: NDArray[int64]
+    """steps in a mesh period"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    frequency_ratio: NDArray[float64]
+    """mesh frequency over the natural frequency of the mean mesh stiffness"""
+
+class SweepWorstTable(Table):
+    """largest dynamic factor of the sweep for each relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    worst_dynamic_factor: NDArray[float64]
+    """largest DF over the speeds; NaN where none has an answer"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion where that is"""
+
+class ResonancesTable(Table):
+    """largest dynamic factor of each relief within 15 % of the speeds at which the least relieved mesh resonates"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    resonance_rpm: NDArray[float64]
+    """1/min: speed of the pinion in the resonance"""
+    dynamic_factor: NDArray[float64]
+    """largest DF within 15 % of that speed; NaN where none has an answer"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion where that is"""
+
+class SweepSummaryTable(Table):
+    """the points of the sweep, and the best of the listed reliefs"""
+
+    best_relief_um: float
+    """um: of the listed reliefs, the one whose largest DF is least; NaN where the sweep was interrupted"""
+    worst_dynamic_factor: float
+    """largest DF over the speeds with that relief"""
+    rpm: float
+    """1/min: speed of the pinion where that is"""
+    speeds: int
+    """of the pinion"""
+    points: int
+    """speeds times reliefs"""
+    points_without_answer: int
+    """points without a dynamic factor"""
+    largest_error_estimate: float
+    """largest estimated error of a dynamic factor"""
+    tolerance: float
+    """largest error that the case asks for"""
+    points_with_contact_loss: int
+    """points at which all pairs were apart for a while"""
+    points_ok: int
+    """steady, stable and periodic with the mesh"""
+    points_marginal: int
+    """periodic, but transients do not die out"""
+    points_subharmonic: int
+    """the motion repeats only after several mesh periods"""
+    points_inexact: int
+    """the estimated error exceeds the tolerance"""
+    points_unstable: int
+    """the periodic motion repels, and no steady motion was reached"""
+    points_aperiodic: int
+    """no periodic motion was found"""
+    points_unresolved: int
+    """the speed is too low for the steps given or allowed"""
+    points_chatter: int
+    """contact changes without end"""
+    points_chaotic: int
+    """no periodic motion was found, and disturbances keep growing"""
+    points_stopped: int
+    """not computed, as the run was interrupted"""
+
+class OptimumTable(Table):
+    """the relief whose largest dynamic factor over the speeds is least"""
+
+    relief_um: float
+    """um: optimum relief; NaN where no point has an answer"""
+    worst_dynamic_factor: float
+    """largest DF over the speeds; NaN where none has an answer"""
+    rpm: float
+    """1/min: speed of the pinion where that is"""
+    within_um: float
+    """um: the true optimum lies so near"""
+    points_without_answer: int
+    """speeds without an answer there; of all reliefs where no point has one"""
+
+class OptimumCurveTable(Table):
+    """largest dynamic factor over the speeds against the relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief, ascending"""
+    worst_dynamic_factor: NDArray[float64]
+    """largest DF over the speeds; NaN where none has an answer"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion where that is"""
+    points_without_answer: NDArray[int64]
+    """speeds without an answer"""
+
+class StabilityTable(Table):
+    """stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1"""
+
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    damping_ratio: NDArray[float64]
+    """damping ratio"""
+    floquet_modulus: NDArray[float64]
+    """largest modulus of the Floquet multipliers: what remains of a disturbance after a mesh period; NaN where the speed is too low"""
+    sense: NDArray[int64]
+    """sign of that multiplier where it is real, 0 for a complex pair: beyond 1, a motion with 1 does not return, one with -1 doubles its period"""
+
+class TonguesTable(Table):
+    """tongues of instability, from the highest speed on"""
+
+    tongue: NDArray[int64]
+    """which tongue"""
+    closing_damping_ratio: NDArray[float64]
+    """damping ratio from which it is closed; NaN: above 1"""
+    closing_rpm: NDArray[float64]
+    """1/min: speed of the pinion at its last point"""
+
+class TongueEdgesTable(Table):
+    """edges of the tongues of instability: between them the motion repels"""
+
+    tongue: NDArray[int64]
+    """which tongue"""
+    damping_ratio: NDArray[float64]
+    """damping ratio"""
+    lower_rpm: NDArray[float64]
+    """1/min: speed of the pinion; NaN where the tongue is closed"""
+    upper_rpm: NDArray[float64]
+    """1/min: speed of the pinion; NaN where the tongue is closed"""
+
+class HysteresisTable(Table):
+    """steady motions that a slow run up through the speeds and one down meet"""
+
+    relief_um: NDArray[float64]
+    """um: tip relief, as amount_um of the case"""
+    direction: NDArray[str_]
+    """of the slow run through the speeds"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    dynamic_factor: NDArray[float64]
+    """largest load of a pair over the static load"""
+    error_estimate: NDArray[float64]
+    """estimated error of the dynamic factor"""
+    status: NDArray[str_]
+    """how the calculation of the operating point ended"""
+    contact: NDArray[str_]
+    """full; partial: a pair was apart for a while; lost: all were; coast: the coast sides touched"""
+    floquet_modulus: NDArray[float64]
+    """largest modulus of the Floquet multipliers"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    dte_um: NDArray[float64]
+    """um: dynamic transmission error as a new pair enters"""
+    dte_rate_mm_s: NDArray[float64]
+    """mm/s: rate of the dynamic transmission error as a new pair enters: the motion can be continued from both"""
+
+class HysteresisChangesTable(Table):
+    """speeds at which the motion of a slow run changes, in the order met"""
+
+    relief_um: NDArray[float64]
+    """um: tip relief, as amount_um of the case"""
+    direction: NDArray[str_]
+    """of the slow run through the speeds"""
+    change: NDArray[int64]
+    """which change of this run"""
+    kind: NDArray[str_]
+    """doubling or halving of the period, or a jump to another motion; where there is no result before or after, the status there"""
+    rpm_before: NDArray[float64]
+    """1/min: speed of the pinion just before"""
+    rpm_after: NDArray[float64]
+    """1/min: speed of the pinion just after"""
+    dynamic_factor_before: NDArray[float64]
+    """largest load of a pair over the static load, before"""
+    dynamic_factor_after: NDArray[float64]
+    """largest load of a pair over the static load, after"""
+    status_before: NDArray[str_]
+    """status of the motion before"""
+    status_after: NDArray[str_]
+    """status of the motion after"""
+    mesh_periods_before: NDArray[int64]
+    """mesh periods until the motion repeats, before"""
+    mesh_periods_after: NDArray[int64]
+    """mesh periods until the motion repeats, after"""
+
+class PoincareTable(Table):
+    """the motion seen once a mesh period, as a new pair enters"""
+
+    relief_um: NDArray[float64]
+    """um: tip relief, as amount_um of the case"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    period: NDArray[int64]
+    """which of the mesh periods kept"""
+    dte_um: NDArray[float64]
+    """um: dynamic transmission error; NaN where the motion was not followed"""
+    dte_rate_mm_s: NDArray[float64]
+    """mm/s: rate of the dynamic transmission error"""
+
+class LyapunovTable(Table):
+    """how the motion seen once a mesh period goes on"""
+
+    relief_um: NDArray[float64]
+    """um: tip relief, as amount_um of the case"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    lyapunov_exponent: NDArray[float64]
+    """largest Lyapunov exponent, of a mesh period: the mean logarithm by which a disturbance grows, below 0 where the motion repeats and above 0 where it is chaotic"""
+    status: NDArray[str_]
+    """ok, subharmonic, chaotic; aperiodic: neither repeats nor is surely chaotic within what was kept; unresolved, chatter"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats; 0: it does not"""
+
+class PublishedTable(Table):
+    """printed values and ours"""
+
+    quantity: NDArray[str_]
+    """what is printed"""
+    place: NDArray[str_]
+    """where it is printed"""
+    printed: NDArray[float64]
+    """the printed value, in the unit of its row"""
+    ours: NDArray[float64]
+    """our value; NaN where the tasks do not compute it"""
+    deviation: NDArray[float64]
+    """ours over the printed value, less 1"""
+    unit: NDArray[str_]
+    """of both values"""
+    status: NDArray[str_]
+    """of the inputs: stated, inferred, fitted or not reproducible"""
+    reason: NDArray[str_]
+    """for the status"""
+
+class Named:
+    @property
+    def geometry(self) -> GeometryTable: ...
+    @property
+    def gears(self) -> GearsTable: ...
+    @property
+    def contact_points(self) -> ContactPointsTable: ...
+    @property
+    def motion(self) -> MotionTable: ...
+    @property
+    def section(self) -> SectionTable: ...
+    @property
+    def outline(self) -> OutlineTable: ...
+    @property
+    def nodes(self) -> NodesTable: ...
+    @property
+    def elements(self) -> ElementsTable: ...
+    @property
+    def modal(self) -> ModalTable: ...
+    @property
+    def mode_energy(self) -> ModeEnergyTable: ...
+    @property
+    def mode_shapes(self) -> ModeShapesTable: ...
+    @property
+    def static(self) -> StaticTable: ...
+    @property
+    def root_stress(self) -> RootStressTable: ...
+    @property
+    def root_rating(self) -> RootRatingTable: ...
+    @property
+    def stress_load(self) -> StressLoadTable: ...
+    @property
+    def stress(self) -> StressTable: ...
+    @property
+    def mesh(self) -> MeshTable: ...
+    @property
+    def transmission_error(self) -> TransmissionErrorTable: ...
+    @property
+    def harmonics(self) -> HarmonicsTable: ...
+    @property
+    def load(self) -> LoadTable: ...
+    @property
+    def load_points(self) -> LoadPointsTable: ...
+    @property
+    def sweep(self) -> SweepTable: ...
+    @property
+    def sweep_worst(self) -> SweepWorstTable: ...
+    @property
+    def resonances(self) -> ResonancesTable: ...
+    @property
+    def sweep_summary(self) -> SweepSummaryTable: ...
+    @property
+    def optimum(self) -> OptimumTable: ...
+    @property
+    def optimum_curve(self) -> OptimumCurveTable: ...
+    @property
+    def stability(self) -> StabilityTable: ...
+    @property
+    def tongues(self) -> TonguesTable: ...
+    @property
+    def tongue_edges(self) -> TongueEdgesTable: ...
+    @property
+    def hysteresis(self) -> HysteresisTable: ...
+    @property
+    def hysteresis_changes(self) -> HysteresisChangesTable: ...
+    @property
+    def poincare(self) -> PoincareTable: ...
+    @property
+    def lyapunov(self) -> LyapunovTable: ...
+    @property
+    def published(self) -> PublishedTable: ...

@@ -1,0 +1,312 @@
+"""A study: what a case answers, as tables; how one is run, kept in files and read again."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _library
+from ._files import replacing
+from ._library import Code, Error, PartialWarning, UnusedWarning
+from ._watch import bar
+from .case import Case
+from .table import Table, as_html, meant
+
+if TYPE_CHECKING:
+    from ._named import Named  # the tables and their columns, for completion
+else:
+    Named = object
+
+#: Of the files; a later one need not be readable by this version.
+_FORMAT = 2
+_TEXTS = ('report', 'log')
+_VERSION = _library.version()
+
+
+class _Kept:
+    """A study that was read from a file or came from another process."""
+
+    def __init__(self, texts: dict[str, str], columns: dict[tuple[str, str], np.ndarray]):
+        self.texts = texts
+        self.columns = columns
+
+    def text(self, what: str) -> str:
+        return self.texts[what]
+
+    def column(self, table: str, name: str) -> np.ndarray:
+        return self.columns[table, name]
+
+
+class Study(Named):
+    """What a case answers: a table for each thing that its tasks compute, under its name.
+
+    Any number of threads may read it. It can be pickled, saved, and be the `earlier` of further runs.
+
+    Attributes
+    ----------
+    case : Case
+        The case that was run.
+    version : str
+        Of the library that ran it.
+    tables : tuple of str
+        The names of its tables.
+    is_complete : bool
+        Every operating point has a result.
+    log : str
+        Which stages ran, which were taken over from an earlier study and which were left out.
+    """
+
+    def __init__(self, case: Case, version: str, is_complete: bool, about: list[dict[str, Any]], source: _library.Handle | _Kept):
+        self.case = case
+        self.version = version
+        self.is_complete = is_complete
+        self._about = {table['name']: table for table in about}
+        self._source = source
+        self._read: dict[tuple[str, str], np.ndarray] = {}
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        return tuple(self._about)
+
+    @property
+    def log(self) -> str:
+        return self._source.text('log')
+
+    def report(self) -> str:
+        """The whole answer as text, as the program prints it."""
+        return self._source.text('report')
+
+    def write(self, folder: str | os.PathLike, name: str) -> list[str]:
+        """Writes tables and grids as files `name.sweep.csv` and so on into a folder, which is made if missing; their paths.
+
+        All or, where one cannot be written, none; a table of this name that this study lacks gets the ending `.old`.
+        """
+        return self._live('to write its tables').write(os.fspath(folder), name)
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes all tables to one file that `gearsweep.read` reads: NumPy's npz format, bit by bit, no pickle.
+
+        Raises
+        ------
+        Error
+            The file cannot be written; one that is there stays as it was.
+        """
+        about, columns = self._state()
+        arrays = {'.'.join(place): values for place, values in columns.items()}
+        with replacing(path) as new, open(new, 'wb') as file:
+            np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
+
+    def __getattr__(self, name: str) -> Table:
+        if name.startswith('_'):
+            raise AttributeError(name)
+        if name not in self._about:
+            raise AttributeError(f'this study has no table {name}{meant(name, self._about)}; the case asks for '
+                                 f'{", ".join(self.case.tasks)}')  # fmt: skip
+        return Table(self, self._about[name], lambda column: self._column(name, column))
+
+    def __getitem__(self, name: str) -> Table:
+        if name not in self._about:
+            raise KeyError(f'this study has no table {name}{meant(name, self._about)}')
+        return getattr(self, name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._about
+
+    def __iter__(self) -> Iterator[Table]:
+        return (self[name] for name in self._about)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*(name for name in dir(type(self)) if not name.startswith('_')), *self._about,
+                       'case', 'is_complete', 'version'})  # fmt: skip
+
+    def __repr__(self) -> str:
+        lines = [f'  {name + ":":{max(map(len, self._about)) + 1}} {self[name]._in_short()}' for name in self._about]
+        return '\n'.join([f'<{self._heading()}', *lines]) + '>'
+
+    def _repr_html_(self) -> str:
+        return as_html(self._heading(), [(table.name, table._in_short(), table.meaning) for table in self])
+
+    def _heading(self) -> str:
+        title = self.case.get('case', 'title')
+        return 'gearsweep.Study' + (f' of {title}' if title else '')
+
+    def _live(self, purpose: str) -> _library.Handle:
+        if isinstance(self._source, _Kept):
+            raise Error(f'this study holds its tables only, as it was read from a file or comes from another process: '
+                        f'run its case again {purpose}')  # fmt: skip
+        return self._source
+
+    def _column(self, table: str, name: str) -> np.ndarray:
+        """The values row by row, read once; where two threads do at the same time, they read the same."""
+        place = table, name
+        if place not in self._read:
+            values = self._source.column(table, name)
+            values.setflags(write=False)
+            self._read[place] = values
+        return self._read[place]
+
+    def _of(self, tables: list[Table]) -> Study:
+        """A study of these tables alone, of which it holds the numbers."""
+        columns = {(table.name, name): table._read(name) for table in tables for name in table}
+        source = _Kept({what: self._source.text(what) for what in _TEXTS}, columns)
+        return Study(self.case, self.version, self.is_complete, [table._about for table in tables], source)
+
+    def _state(self) -> tuple[dict[str, Any], dict[tuple[str, str], np.ndarray]]:
+        """All that there is, without the library's memory."""
+        about = {
+            'format': _FORMAT,
+            'version': self.version,
+            'text': self.case.text,
+            'folder': self.case.folder,
+            'is_complete': self.is_complete,
+            'texts': {what: self._source.text(what) for what in _TEXTS},
+            'tables': list(self._about.values()),
+        }
+        return about, {(table.name, name): self._column(table.name, name) for table in self for name in table}
+
+    def __reduce__(self) -> tuple:
+        return _restored, self._state()
+
+
+def _restored(about: dict[str, Any], columns: dict[tuple[str, str], np.ndarray]) -> Study:
+    source = _Kept(about['texts'], columns)
+    return Study(Case(about['text'], about['folder']), about['version'], about['is_complete'], about['tables'], source)
+
+
+def run(
+    case: Case,
+    tasks: str | Iterable[str] | None = None,
+    *,
+    threads: int = 0,
+    earlier: Study | None = None,
+    progress: Callable[[int, int], object] | bool = False,
+    keep: str | os.PathLike = '',
+    resume: str | os.PathLike = '',
+) -> Study:
+    """Everything that the case asks for.
+
+    Parameters
+    ----------
+    case : Case
+        What to compute.
+    tasks : str or several, optional
+        What to compute instead of the tasks that the case names, such as 'sweep'.
+    threads : int
+        For the sweep; 0: all. The answer is the same for any number.
+    earlier : Study, optional
+        What it was made of, such as the stiffness, is taken over where the inputs are equal, so that it costs nothing;
+        the answer is the same. `log` tells.
+    progress : callable or bool
+        Called now and then with the number of operating points that are done, and of all. True shows a bar on
+        stderr, by tqdm where it is installed. An exception that it raises ends the run and comes out.
+    keep : path, optional
+        File that is written where the run is interrupted, by Ctrl-C or by `progress`, with what is done by then.
+    resume : path, optional
+        Such a file: the run goes on from there, to the same bits as if it had not been interrupted. One of another
+        case or version is refused. Interrupted again, it is written anew, unless `keep` names another file.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    Error
+        The case is not usable, a file is missing, or a method failed. Operating points without a result are
+        no error: they are NaN, and a `PartialWarning` tells how many. An `UnusedWarning` names keys that none of
+        the case's tasks uses, unless `tasks` are given.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> case = gearsweep.Case('''&case tasks = 'mesh' / &pair module_mm = 3 face_width_mm = 20 /
+    ...     &pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 / &section elements_across = 4 /''')
+    >>> study = gearsweep.run(case)
+    >>> print(f'{study.geometry.contact_ratio:.4f}, {study.motion.natural_frequency_hz:.1f} Hz')
+    1.6248, 7591.3 Hz
+    >>> 'sweep' in study
+    False
+    """
+    if not isinstance(case, Case):
+        raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
+    if tasks is not None:
+        case = case.changed(case={'tasks': tasks, 'published': None})
+    elif case.unused:
+        keys = ''.join(f'\n  for {line}' for line in case.unused)
+        warnings.warn(f'keys that no task of this case uses:{keys}', UnusedWarning, stacklevel=2)
+    shown = bar() if progress is True else progress or None
+    try:
+        study, error, cause = attempt(case, threads, earlier, shown, resume, keep or resume)
+    finally:
+        if progress is True:
+            shown.close()
+    if cause is not None:
+        raise cause
+    if study is None or (error is not None and error.code == Code.INTERRUPTED):
+        raise error
+    if error is not None:
+        warnings.warn(str(error), PartialWarning, stacklevel=2)
+    return study
+
+
+def attempt(
+    case: Case,
+    threads: int = 0,
+    earlier: Study | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    resume: str | os.PathLike = '',
+    keep: str | os.PathLike = '',
+) -> tuple[Study | None, Error | None, BaseException | None]:
+    """The study as far as there is one, the error that the run ended with, and the exception that ended it."""
+    if earlier is not None and not isinstance(earlier, Study):
+        raise TypeError(f'earlier: must be a gearsweep.Study, not {type(earlier).__name__}')
+    before = None if earlier is None else earlier._live('to start others from it')
+    found, error, cause = _library.run(case.text, case.folder, threads, before, progress, os.fspath(resume), os.fspath(keep))
+    study = None
+    if found:
+        study = Study(case, _VERSION, error is None, json.loads(found.text('tables')), found)
+    return study, error, cause
+
+
+def read(path: str | os.PathLike) -> Study:
+    """Reads a study that `save` wrote, bit by bit as it was.
+
+    Raises
+    ------
+    Error
+        The file cannot be read, or is none of ours.
+
+    Examples
+    --------
+    >>> import gearsweep, os, tempfile
+    >>> case = gearsweep.Case('&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /')
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     gearsweep.run(case, 'geometry').save(os.path.join(folder, 'pair.npz'))
+    ...     study = gearsweep.read(os.path.join(folder, 'pair.npz'))
+    >>> study.geometry.centre_distance_mm
+    82.5
+    """
+    path = os.fspath(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        about = json.loads(arrays.pop('about').tobytes())
+        if about['format'] != _FORMAT:
+            raise Error(f'cannot read {path}: format {about["format"]} is not known to this version', Code.FILE)
+        study = _restored(about, {tuple(name.split('.')): values for name, values in arrays.items()})
+        for table in study:
+            for name in table:
+                table[name]
+        return study
+    except Error:
+        raise
+    except OSError as error:
+        raise Error(f'cannot read {path}: {error.strerror or error}', Code.FILE) from error
+    # What a damaged file raises is up to zipfile, zlib, NumPy and json, or whatever it makes of the result.
+    except Exception as error:
+        raise Error(f'cannot read {path}: is no result of gearsweep', Code.FILE) from error

@@ -1,0 +1,244 @@
+"""A result as a table: one class for all of them."""
+
+from __future__ import annotations
+
+import difflib
+import html
+import os
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from .case import Case
+    from .study import Study
+
+#: Rows of a table that is no grid of its index columns.
+ROW = 'row'
+_MOST = 5  # values that a line shows
+
+
+class Table:
+    """A table of results: its columns are read-only NumPy arrays, under their names.
+
+    Where the rows are all combinations of the index columns, arrays have a dimension for each of these, the first of
+    them first, and an index column lies along its own. Otherwise all arrays are as long as there are rows. A table of
+    one row without index columns has plain numbers.
+
+    Attributes
+    ----------
+    name, meaning : str
+        As in the files and in all languages; what a row is.
+    rows : int
+        How many there are.
+    units, meanings : dict
+        By column: the unit, empty for plain numbers, and what it tells.
+    dims : dict
+        By column: the names of its dimensions.
+    grid : str
+        Of fields: the table of the nodes or elements that they belong to. Otherwise empty.
+    study : Study
+        The one that it is of, with its case and version.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> case = gearsweep.Case('''&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.8 /
+    ...     &load normal_force_n = 7000 / &relief amount_um = 0, 10 /
+    ...     &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+    ...     &sweep rpm_first = 8000 rpm_last = 16000 rpm_step = 100 /''')
+    >>> sweep = gearsweep.run(case, 'sweep').sweep
+    >>> sweep.dynamic_factor.shape, sweep.dims['dynamic_factor'], sweep.units['rpm']
+    ((2, 81), ('relief_um', 'rpm'), '1/min')
+    >>> sweep.at(relief_um=0, rpm=13700).status
+    'ok'
+    >>> sweep.dynamic_facktor
+    Traceback (most recent call last):
+    ...
+    AttributeError: the table sweep has no column dynamic_facktor (did you mean dynamic_factor?)
+    """
+
+    def __init__(self, study: Study, about: dict[str, Any], read: Callable[[str], np.ndarray]):
+        self._study = study
+        self._about = about
+        self._read = read
+        self._columns = {column['name']: column for column in about['columns']}
+
+    name = property(lambda self: self._about['name'])
+    meaning = property(lambda self: self._about['meaning'])
+    rows = property(lambda self: self._about['rows'])
+    grid = property(lambda self: self._about['grid'])
+    study = property(lambda self: self._study)
+    version = property(lambda self: self._study.version)
+    units = property(lambda self: {name: column['unit'] for name, column in self._columns.items()})
+    meanings = property(lambda self: {name: column['meaning'] for name, column in self._columns.items()})
+
+    @property
+    def case(self) -> Case:
+        return self._study.case
+
+    @property
+    def dims(self) -> dict[str, tuple[str, ...]]:
+        whole = tuple(self._sizes)
+        return {name: (name,) if name in whole else whole for name in self._columns}
+
+    @property
+    def _index(self) -> list[str]:
+        return [name for name, column in self._columns.items() if column['index']]
+
+    @property
+    def _sizes(self) -> dict[str, int]:
+        """How long each dimension is."""
+        if self._about['extent'] is not None and self.rows > 0:
+            return dict(zip(self._index, self._about['extent']))
+        return {ROW: self.rows} if self._index or self.rows != 1 else {}
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith('_'):
+            raise AttributeError(name)
+        if name not in self._columns:
+            raise AttributeError(f'the table {self.name} has no column {name}{meant(name, self._columns)}')
+        sizes = self._sizes
+        values = self._read(name).reshape(tuple(sizes.values()))
+        if name in sizes:
+            along = list(sizes).index(name)
+            values = values[(0,) * along + (slice(None),) + (0,) * (len(sizes) - along - 1)]
+        values.setflags(write=False)
+        return values if values.ndim else values.item()
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._columns:
+            raise KeyError(f'the table {self.name} has no column {name}{meant(name, self._columns)}')
+        return getattr(self, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __len__(self) -> int:
+        return self.rows
+
+    def __dir__(self) -> list[str]:
+        return sorted({*(name for name in dir(type(self)) if not name.startswith('_')), *self._columns})
+
+    def at(self, **where: float | str) -> Table:
+        """The rows at these values of index columns, or at those that come closest: `sweep.at(rpm=1600, relief_um=0)`.
+
+        Each loses its dimension, so that where all are given, columns are plain numbers.
+        """
+        rows = np.ones(self.rows, bool)
+        for name, value in where.items():
+            if name not in self._index:
+                raise TypeError(f'the table {self.name} has no index column {name}{meant(name, self._index)}')
+            there = self._read(name)
+            if there.dtype.kind == 'U':
+                if value not in there:
+                    raise ValueError(f'{name} = {value!r}: must be one of {", ".join(map(repr, dict.fromkeys(there.tolist())))}')
+                rows &= there == value
+            elif there.size:
+                distance = np.where(np.isnan(there), np.inf, np.abs(there - value))
+                rows &= distance == distance.min()
+        columns = [column | {'index': column['index'] and column['name'] not in where} for column in self._about['columns']]
+        extent = self._about['extent']
+        if extent is not None:
+            extent = [size for name, size in self._sizes.items() if name not in where]
+        about = self._about | {'columns': columns, 'extent': extent, 'rows': int(rows.sum())}
+        return Table(self._study, about, lambda name: self._read(name)[rows])
+
+    def __repr__(self) -> str:
+        lines = [(name, unit, values, meaning) for name, unit, values, meaning in self._lines()]
+        wide = [max(len(line[i]) for line in lines) for i in range(3)]
+        body = [f'  {line[0]:{wide[0]}}  {line[1]:{wide[1]}}  {line[2]:{wide[2]}}  {line[3]}'.rstrip() for line in lines]
+        return '\n'.join([f'<gearsweep.Table {self.name}: {self.meaning}', *body]) + '>'
+
+    def _repr_html_(self) -> str:
+        return as_html(f'{self.name}: {self.meaning}', list(self._lines()))
+
+    def _lines(self) -> Iterator[tuple[str, str, str, str]]:
+        """Of each column its name, with its size where it is a dimension; unit, values in short, meaning."""
+        for name, column in self._columns.items():
+            size = f' ({self._sizes[name]})' if name in self._sizes else ''
+            yield name + size, column['unit'], in_short(getattr(self, name)), column['meaning']
+
+    def _in_short(self) -> str:
+        """What stands for the table in a line: its numbers, or how many there are."""
+        if self._sizes:
+            return ', '.join(f'{size} {name}' for name, size in self._sizes.items())
+        return ', '.join(f'{name} {in_short(getattr(self, name))}' for name in self._columns)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The rows with all columns; units, case and version are in its `attrs`."""
+        import pandas
+
+        frame = pandas.DataFrame({name: self._read(name) for name in self._columns})
+        frame.attrs = self._attributes() | {'units': self.units}
+        return frame
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All columns with named dimensions and units, the index columns as coordinates."""
+        import xarray
+
+        dims = self.dims
+        arrays = {
+            name: (dims[name], getattr(self, name), {'units': column['unit'], 'long_name': column['meaning']})
+            for name, column in self._columns.items()
+        }
+        coordinates = {name: arrays.pop(name) for name in self._index}
+        return xarray.Dataset(arrays, coords=coordinates, attrs=self._attributes())
+
+    def _attributes(self) -> dict[str, str]:
+        return {'table': self.name, 'case': str(self.case), 'version': self.version}
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes the table to a file that `gearsweep.read` reads: NumPy's npz format, bit by bit, no pickle."""
+        self._alone().save(path)
+
+    def __reduce__(self) -> tuple:
+        return _only_table, (self._alone(),)
+
+    def _alone(self) -> Study:
+        """A study of this table and nothing else."""
+        return self._study._of([self])
+
+
+def _only_table(study: Study) -> Table:
+    return study[study.tables[0]]
+
+
+def meant(name: str, names) -> str:
+    """The closest of the names, or all, to end a message with."""
+    close = difflib.get_close_matches(name, list(names), 1, 0.6)
+    return f' (did you mean {close[0]}?)' if close else f'; there are {", ".join(names)}' if names else '; there are none'
+
+
+def in_short(values: Any) -> str:
+    """A few of the values, or their range; of words, how often each stands there."""
+    if isinstance(values, str):
+        return values
+    if not isinstance(values, np.ndarray):
+        return f'{values:.6g}'
+    if values.dtype.kind == 'U':
+        words, counts = np.unique(values, return_counts=True)
+        if values.size <= _MOST:
+            return ', '.join(values.ravel())
+        some = [f'{count} {word}' for word, count in zip(words, counts)]
+        return ', '.join(some[:_MOST]) + (' ...' if len(some) > _MOST else '')
+    if values.size <= _MOST:
+        return ', '.join(f'{value:.6g}' for value in values.ravel())
+    known = values[np.isfinite(values)]
+    missing = f', {values.size - known.size} without' if known.size < values.size else ''
+    return (f'{known.min():.6g} to {known.max():.6g}' if known.size else 'none') + missing
+
+
+def as_html(heading: str, rows: list[tuple[str, ...]]) -> str:
+    """A table for notebooks."""
+    left = 'style="text-align:left"'
+    body = ''.join('<tr>' + ''.join(f'<td {left}>{html.escape(cell)}</td>' for cell in row) + '</tr>' for row in rows)
+    wide = max((len(row) for row in rows), default=1)
+    return f'<table><thead><tr><th colspan="{wide}" {left}>{html.escape(heading)}</th></tr></thead>{body}</table>'

@@ -1,0 +1,60 @@
+"""Writes python/gearsweep/_named.pyi, by which editors complete tables and columns: python python/tools/stub.py
+
+The names, units and meanings are those of the tables of a study with all tasks, as the installed library makes them.
+"""
+
+import json
+import warnings
+from pathlib import Path
+
+import gearsweep
+from gearsweep import _library
+
+ROOT = Path(__file__).parents[2]
+STUB = ROOT / 'python/gearsweep/_named.pyi'
+HEAD = '''"""The tables of studies and their columns, for editors. Made by python/tools/stub.py: change that one."""
+
+from numpy import float64, int64, str_
+from numpy.typing import NDArray
+
+from .table import Table
+
+'''
+KINDS = {'real': ('float', 'NDArray[float64]'), 'integer': ('int', 'NDArray[int64]'), 'text': ('str', 'NDArray[str_]')}
+
+
+def studies() -> list[gearsweep.Study]:
+    """Together they have every table: of all tasks on coarse grids, and printed values beside ours."""
+    tasks = json.loads(_library.describe('tasks'))
+    tasks = [task if isinstance(task, str) else task['name'] for task in tasks]
+    coarse = {'section': {'elements_across': 3}, 'static': {'positions': 2, 'field_position': 0}, 'modal': {'modes': 1}, 'relief': {'amount_um': 0},
+              'sweep': {'rpm_step': 19000, 'load_rpm': 1600}, 'poincare': {'settling_periods': 0, 'kept_periods': 1}}  # fmt: skip
+    whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)
+    printed = gearsweep.Case.read(ROOT / 'data/hassan.nml').changed(case={'tasks': 'geometry'})
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', gearsweep.UnusedWarning)
+        return [whole, gearsweep.run(printed)]
+
+
+def text() -> str:
+    """What the stub should hold."""
+    tables = {table.name: table for study in studies() for table in study}
+    lines = []
+    for name, table in tables.items():
+        lines.append(f'class {title(name)}(Table):\n    """{table.meaning}"""\n')
+        for column in table._about['columns']:
+            kind = KINDS[column['kind']][bool(table.dims[column['name']])]
+            unit = f'{column["unit"]}: ' if column['unit'] else ''
+            lines.append(f'    {column["name"]}: {kind}\n    """{unit}{column["meaning"]}"""')
+        lines.append('')
+    lines.append('class Named:')
+    lines += [f'    @property\n    def {name}(self) -> {title(name)}: ...' for name in tables]
+    return HEAD + '\n'.join(lines) + '\n'
+
+
+def title(name: str) -> str:
+    return ''.join(part.capitalize() for part in name.split('_')) + 'Table'
+
+
+if __name__ == '__main__':
+    STUB.write_text(text(), encoding='utf-8')
