@@ -160,7 +160,7 @@ contains
     if (.not. allocated(self%own_relief)) return
     do i = 1, size(self%own_relief)
       if (minval(abs(amount - self%own_relief(i))) > 1e-9_dp*self%own_relief(i)) call fail(error, code_input, &
-        '&'//trim(group)//' relief_um = '//str(in_um(self%own_relief(i)))//': must be one of &relief amount_um')
+        '&'//trim(group)//' relief_um = '//str(in_um(self%own_relief(i)))//': is none of &relief amount_um')
     end do
   end subroutine check_reliefs
 

@@ -59,7 +59,7 @@ contains
     call reader%get(group, 'tongues', self%tongues, error, tasks=group, at_least=0, at_most=100, &
                     meaning='how many tongues of instability to find, from the highest speed on')
     if (reader%wants(group) .and. self%damping_last <= self%damping_first) call fail(error, code_input, &
-      '&stability damping_last = '//str(self%damping_last)//': must be above damping_first = '//str(self%damping_first))
+      '&stability damping_last = '//str(self%damping_last)//': does not lie above damping_first = '//str(self%damping_first))
   end subroutine read_keys
 
   subroutine run(self, stages, error)
