@@ -5,6 +5,7 @@
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/test/checks.sh"
 need cc pkg-config
+build_package || exit
 program=${1:-$root/build/run/gearsweep}
 case $program in /*) ;; *) program=$PWD/$program ;; esac
 
@@ -39,6 +40,8 @@ for language in 'first.f90:gfortran first.f90' 'first.f:gfortran first.f' 'first
   ./"run-$file" >"$file.out" 2>&1
   check "$file prints what the program's table has" same "$file.out"
 done
+"$venv/bin/python" first.py >first.py.out 2>&1
+check "first.py prints what the program's table has" same first.py.out
 sed -n 's/^    \(.* um: worst dynamic factor .*\)/\1/p' "$root/examples/README.md" >page
 check 'the page shows what they print' same page
 finish
