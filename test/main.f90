@@ -24,7 +24,6 @@ program check
   use test_elastic_stress, only: run_elastic_stress => run
   use test_estimates, only: run_estimates => run
   use test_extremes, only: run_extremes => run
-  use test_flat, only: run_flat => run
   use test_geometry, only: run_geometry => run
   use test_grading, only: run_grading => run
   use test_honesty, only: run_honesty => run
@@ -91,8 +90,7 @@ program check
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('elastic_disc', run_elastic_disc), &
     & suite_t('scenes', run_scenes), &
-    & suite_t('calls', run_calls), &
-    & suite_t('flat', run_flat)])
+    & suite_t('calls', run_calls)])
   print '(i0, a, i0, a)', passed, ' passed, ', failed, ' failed'
   if (failed > 0 .or. passed == 0) stop 1, quiet=.true.
 

@@ -1,11 +1,14 @@
 !> Geometry against closed forms and brute force, for equal and unequal flanks, shifted and spread gears:
 !> radii, the path of contact, backlash, the outline as the rack cuts it.
 module test_closed_geometry
-  use gearsweep_old_calls, only: gs_outline
-  use gearsweep_contour, only: tooth_contour
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_contour, only: shown_contour, tooth_contour
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_pair, only: pair_t
+  use gearsweep_stages, only: build_pair
   use gearsweep_text, only: str
   use quantities, only: ask_geometry
   use stated_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &
@@ -231,8 +234,7 @@ contains
     real(dp), parameter :: distances(2) = [93.1_dp, 93.2_dp]
     type(stated_t) :: list(5)
     real(dp) :: radius(6, 2), point(5), at(5, 2), distance, angle(2), ratio, pitch, backlash, x(40000), y(40000)
-    character(200) :: message
-    integer :: i, k, info, points
+    integer :: i, k, points
 
     list = examples()
     associate (pair => list(2))
@@ -256,13 +258,12 @@ contains
       end associate
     end do
     do k = 500, 501
-      call gs_outline('&case tasks=''geometry'' / &pair module_mm=1 face_width_mm=9 / &pinion teeth=40 / &gear teeth='//str(k)// &
-                      ' /', 2, size(x), points, x, y, info, message)
-      call check_equal(t, 'outline of '//str(k)//' teeth', info, 0)
+      call outline('&case tasks=''geometry'' / &pair module_mm=1 face_width_mm=9 / &pinion teeth=40 / &gear teeth='//str(k)// &
+                   ' /', 2)
       if (k == 500) call check_equal(t, 'all teeth', points, 500*72)
       if (k == 501) call check_equal(t, 'one tooth', points, 61)
     end do
-    call gs_outline('&case tasks=''geometry'' / '//text_of(list(3)), 1, size(x), points, x, y, info, message)
+    call outline('&case tasks=''geometry'' / '//text_of(list(3)), 1)
     ! Clockwise, so that the enclosed area counts negative; every chord is short, the closing one too.
     call check_true(t, 'clockwise', sum(x(:points)*cshift(y(:points), 1) - y(:points)*cshift(x(:points), 1)) < 0)
     associate (dx => x(:points) - cshift(x(:points), 1), dy => y(:points) - cshift(y(:points), 1))
@@ -270,6 +271,25 @@ contains
     end associate
 
   contains
+
+    !> Points (mm) on the outline of one gear of a case.
+    subroutine outline(text, member)
+      character(*), intent(in) :: text
+      integer, intent(in) :: member
+      type(case_t) :: case
+      type(pair_t) :: gears
+      type(error_t), allocatable :: error
+      real(dp), allocatable :: found(:, :)
+
+      call read_case(text, case, error)
+      if (.not. allocated(error)) call build_pair(case, gears, error)
+      call check_no_error(t, 'outline', error)
+      if (allocated(error)) return
+      call shown_contour(gears%gear(member), found)
+      points = size(found, 2)
+      x(:points) = 1000*found(1, :)
+      y(:points) = 1000*found(2, :)
+    end subroutine outline
 
     !> The case's groups, going on in &pair.
     function text_without_pair() result(text)

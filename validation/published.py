@@ -13,7 +13,7 @@ HEAD = '''# Hassan, Thanigaiyarasu, Ramamurti 2009: printed values that the case
 # nothing), not reproducible (the stated inputs do not give it).
 quantity,place,printed,unit,status,reason
 '''
-# What the program computes, src/doors/gearsweep_published.f90, as far as the ledger has it from the same inputs
+# What the program computes, src/case/gearsweep_published.f90, as far as the ledger has it from the same inputs
 # (it has beam_sigma_x_mpa from another face width).
 KNOWN = (r'contact_ratio|(tangential|radial)_force_n|(beam|rayleigh)_frequency_rad_s'
          r'|beam_sigma_y_mpa|mode_\d_hz|step_\d_sigma_[xy]_mpa')

@@ -38,7 +38,7 @@ program scenes
                                               'sweep', 'optimum']
   type(case_t) :: prescribed, pair_case, section
   type(oscillator_t), allocatable :: osc(:)
-  type(piecewise_t) :: stiffness
+  type(study_t) :: of_pair
   type(pair_t) :: pair
   type(period_map_t) :: map
   real(dp) :: duration(batch_size)
@@ -90,9 +90,8 @@ contains
     all = speeds(case)
     duration = mesh_period(osc(1)%mesh%teeth(1), [(all(160 + l), l=1, batch_size)])
     call discretise(osc(1), resolution_t(16.0_dp, 2), map)
-    call run(pair_case, ['mesh'], study)
-    stiffness = study%mesh%stiffness
-    pair = study%pair
+    call run(pair_case, ['mesh'], of_pair)
+    pair = of_pair%pair
   end subroutine prepare
 
   !> Takes both ways in turn, so that a busy machine slows both alike, each so many `times` in a row.
@@ -125,13 +124,13 @@ contains
     type(case_t), intent(in) :: case
     character(*), intent(in) :: tasks(:)
     type(study_t), intent(out) :: study
-    type(piecewise_t), intent(in), optional :: known
+    type(study_t), intent(in), optional :: known
     type(case_t) :: wanted
     type(error_t), allocatable :: error
 
     wanted = case
     call wanted%want(tasks)
-    call run_study(wanted, '', 1, study, error, stiffness=known)
+    call run_study(wanted, '', 1, study, error, earlier=known)
     call check(error)
   end subroutine run
 
@@ -150,7 +149,7 @@ contains
   subroutine sweep_of(case, answer, known)
     type(case_t), intent(in) :: case
     type(answer_t), intent(out) :: answer
-    type(piecewise_t), intent(in), optional :: known
+    type(study_t), intent(in), optional :: known
     type(study_t) :: study
 
     call run(case, ['sweep'], study, known)
@@ -292,7 +291,7 @@ contains
     type(answer_t), intent(out) :: answer
 
     if (full) call sweep_of(pair_case, answer)
-    if (.not. full) call sweep_of(pair_case, answer, stiffness)
+    if (.not. full) call sweep_of(pair_case, answer, of_pair)
     answer%slack = 0
   end subroutine known_stiffness
 

@@ -19,24 +19,17 @@ module gearsweep_mesh_stage
 
 contains
 
-  !> What all that needs a load starts from. `stiffness` of one pair (N/m over s) where it is known, with its `disc`; what
-  !> an `earlier` study has of the same inputs is taken over.
-  subroutine mesh_and_motion(study, folder, error, stiffness, disc, earlier)
+  !> What all that needs a load starts from. What an `earlier` study has of the same inputs is taken over.
+  subroutine mesh_and_motion(study, folder, error, earlier)
     type(study_t), intent(inout) :: study
     character(*), intent(in) :: folder
     type(error_t), allocatable, intent(inout) :: error
-    type(piecewise_t), intent(in), optional :: stiffness
-    type(disc_t), intent(in), optional :: disc
     type(study_t), intent(in), optional :: earlier
 
     call find_load(study%case, study%pair, study%base_pitch, study%load, study%mass)
     allocate (study%mesh)
     call place_mesh(study%case, study%pair, study%mesh)
-    if (present(stiffness)) then
-      study%mesh%stiffness = stiffness
-      if (present(disc)) study%mesh%disc = disc
-      call note(study, 'mesh: pair stiffness as passed in')
-    else if (study%case%model == 'fe') then
+    if (study%case%model == 'fe') then
       call find_by_elements(study, error, earlier)
     else
       call build_stiffness(study%case, study%pair, study%load, folder, study%mesh%contact_ratio, study%mesh%stiffness, error)

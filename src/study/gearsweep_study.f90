@@ -5,14 +5,12 @@ module gearsweep_study
   use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_body_stage, only: look_at_body
   use gearsweep_case, only: case_t, speeds
-  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_files, only: beside, read_text
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_mesh_stage, only: mesh_and_motion
   use gearsweep_motion_stage, only: move
-  use gearsweep_piecewise, only: piecewise_t
   use gearsweep_products, only: ends_here, note, record_t, study_t
   use gearsweep_published, only: read_published
   use gearsweep_stages, only: build_pair
@@ -24,23 +22,19 @@ module gearsweep_study
 contains
 
   !> Runs what the case's tasks need. `folder` is where its files lie, with the
-  !> slash; `threads` 0 takes all. `stiffness` is that of one pair (N/m over s)
-  !> where it is known already, with its `disc`: of the same gears, material, section
-  !> and load. Any number of callers at once.
+  !> slash; `threads` 0 takes all. Any number of callers at once.
   !>
   !> `watch(1)` not 0 ends the run soon, whoever sets it: another thread, a signal, `progress`; what is done by then is
   !> in the study, and points that are not have the status `stopped`. `watch(2)` and `watch(3)` tell how many operating
   !> points are done, of how many. With the `record` of a run that was ended, the next one takes over what was done.
   !> What an `earlier` study has whole, made from the same inputs, is taken over; the result is the same bits.
-  subroutine run_study(case, folder, threads, study, error, progress, stiffness, disc, watch, record, earlier)
+  subroutine run_study(case, folder, threads, study, error, progress, watch, record, earlier)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     integer, intent(in) :: threads
     type(study_t), intent(out) :: study
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
-    type(piecewise_t), intent(in), optional :: stiffness
-    type(disc_t), intent(in), optional :: disc
     integer(c_int), intent(inout), target, optional :: watch(3)
     type(record_t), intent(inout), optional :: record
     type(study_t), intent(in), optional :: earlier
@@ -50,22 +44,19 @@ contains
     if (present(watch)) options%accuracy%steady%stop = c_loc(watch)
     call hold_blas()
     call claim_memory(0.0_dp, '&case tasks', error)
-    if (.not. allocated(error)) call run_stages(case, folder, options, study, error, progress, stiffness, disc, record, &
-                                                earlier)
+    if (.not. allocated(error)) call run_stages(case, folder, options, study, error, progress, record, earlier)
     call settle_memory()
     call release_blas()
   end subroutine run_study
 
   !> The same, whatever BLAS does with threads.
-  subroutine run_stages(case, folder, options, study, error, progress, stiffness, disc, record, earlier)
+  subroutine run_stages(case, folder, options, study, error, progress, record, earlier)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     type(sweep_options_t), intent(inout) :: options
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
     procedure(progress_of_sweep), optional :: progress
-    type(piecewise_t), intent(in), optional :: stiffness
-    type(disc_t), intent(in), optional :: disc
     type(record_t), intent(inout), optional :: record
     type(study_t), intent(in), optional :: earlier
 
@@ -87,7 +78,7 @@ contains
     end if
     if (allocated(error)) return
     if (case%needs_load()) then
-      call mesh_and_motion(study, folder, error, stiffness, disc, earlier)
+      call mesh_and_motion(study, folder, error, earlier)
     else
       call note(study, 'mesh and motion left out: no task needs them')
     end if
