@@ -12,7 +12,7 @@ module gearsweep_api
   use gearsweep_kinds, only: dp
   use gearsweep_json, only: list_tables
   use gearsweep_lines, only: lines_t
-  use gearsweep_memory, only: settle_memory
+  use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_new_case, only: write_new_case
   use gearsweep_output, only: write_results
   use gearsweep_report, only: failed_points, write_report
@@ -27,6 +27,9 @@ module gearsweep_api
 
   integer, parameter :: most_threads = 1024
   integer, parameter, public :: longest_text = 10**9
+
+  !> What a text in the making takes, with the parts that it is made of.
+  real(dp), parameter :: text_bytes = 4e6_dp
 
 contains
 
@@ -60,6 +63,8 @@ contains
     type(lines_t) :: lines
     integer :: i
 
+    call claim_memory(text_bytes, 'the description', error)
+    if (allocated(error)) return
     if (what /= 'tables') then
       call describe_case(what, words, error)
       return
@@ -110,6 +115,8 @@ contains
     character(longest) :: name
     integer :: from, length
 
+    call claim_memory(text_bytes, 'the new case', error)
+    if (allocated(error)) return
     allocate (names(0))
     from = 1
     do while (from <= len(tasks))
@@ -191,6 +198,7 @@ contains
     type(kept_t), pointer :: kept
 
     call take(study, kept, error)
+    if (.not. allocated(error)) call claim_memory(text_bytes, 'the text', error)
     if (allocated(error)) return
     select case (what)
     case ('report')
