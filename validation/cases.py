@@ -67,7 +67,7 @@ def run(case, task):
     return found
 
 
-_EARLIER = {}
+_EARLIER: dict[str, gearsweep.Study] = {}
 
 
 def _gears(case):
