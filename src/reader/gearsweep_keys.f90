@@ -27,9 +27,17 @@ contains
   pure subroutine add_group(self, name, meaning)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: name, meaning
+    type(group_t), allocatable :: more(:)
+    integer :: n
 
     if (.not. allocated(self%groups)) allocate (self%groups(0))
-    self%groups = [self%groups, group_t(name, meaning)]
+    n = size(self%groups)
+    ! gfortran does not free the texts of an array constructor's elements.
+    allocate (more(n + 1))
+    more(:n) = self%groups
+    more(n + 1)%name = name
+    more(n + 1)%meaning = meaning
+    call move_alloc(more, self%groups)
   end subroutine add_group
 
   !> The groups' names, as many as there are.
