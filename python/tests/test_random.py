@@ -4,6 +4,7 @@
 import concurrent.futures
 import contextlib
 import ctypes
+import gc
 import math
 import statistics
 import warnings
@@ -238,9 +239,11 @@ def test_no_leak(study):
     bad = good.changed(pinion={'teeth': -1})
 
     def growth(call, times=10):
+        gc.collect()
         before = heap_in_use()
         for _ in range(times):
             call()
+        gc.collect()
         return (heap_in_use() - before) / times
 
     def calls():
