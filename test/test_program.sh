@@ -986,9 +986,9 @@ cat >long.nml <<'END'
 &load normal_force_n = 6858 / &relief amount_um = 0, 2, 15 /
 &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
 &dynamics damping_ratio = 0.01 /
-&sweep rpm_first = 5000 rpm_last = 9000 rpm_step = 10 load_rpm = 6800 /
+&sweep rpm_first = 5000 rpm_last = 9000 rpm_step = 3 load_rpm = 6800 /
 END
-sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 10/rpm_step = 500/" long.nml >short.nml
+sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 3/rpm_step = 500/" long.nml >short.nml
 run short.nml --out named
 sed '/^Time/d; s,named/short,from_stdin/stdin,' stdout >wanted
 "$program" - --out from_stdin <short.nml >stdout 2>stderr
@@ -1008,7 +1008,7 @@ whole_code=$code
 interrupted() {
   "$program" "$@" --out pieces >stdout 2>stderr &
   pid=$!
-  sleep 0.5
+  sleep 0.3
   kill -"$signal" $pid 2>/dev/null
   wait $pid
 }
@@ -1022,7 +1022,7 @@ check 'interrupted: what is computed is right' test "$(rows pieces/long.sweep.cs
   rows whole/long.sweep.csv | grep -Fxvf - ours | wc -l)" = 0
 check 'interrupted: no optimum' test ! -e pieces/long.optimum_curve.csv
 # So many points that no machine is through with them by then.
-sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 10/rpm_step = 0.2/" long.nml >fine.nml
+sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 3/rpm_step = 0.2/" long.nml >fine.nml
 interrupted fine.nml
 check 'interrupted: what is not computed says so' test "$(rows pieces/fine.sweep.csv | grep -c ',NaN,NaN,stopped,')" -gt 0
 rm pieces/fine.*

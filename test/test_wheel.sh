@@ -32,7 +32,7 @@ factors() {
 import sys
 import gearsweep
 case = gearsweep.Case.read(sys.argv[1]).changed(sweep={'rpm_step': 2000})
-print(gearsweep.sweep(case).dynamic_factor.tobytes().hex())
+print(gearsweep.run(case, 'sweep').sweep.dynamic_factor.tobytes().hex())
 print(gearsweep.__file__, file=sys.stderr)
 END
 }
