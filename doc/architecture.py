@@ -32,8 +32,6 @@ ROOMS = {
     'facade': '`use gearsweep`: the public names',
     'app': 'the program: the only place that prints or stops',
 }
-# Rooms that are being taken down; what they use is not judged.
-LEAVING = {'doors': 'being moved into study, results and api'}
 
 
 def room_of(path):
@@ -48,10 +46,10 @@ def sources():
     rooms = {}
     for path in files:
         rooms.setdefault(room_of(path), {})[path] = path.read_text()
-    unknown = set(rooms) - set(ROOMS) - set(LEAVING)
+    unknown = set(rooms) - set(ROOMS)
     if unknown:
         raise SystemExit(f'{__file__}: say what these rooms are for: {", ".join(sorted(unknown))}')
-    order = [*ROOMS, *LEAVING]
+    order = [*ROOMS]
     return {room: rooms[room] for room in sorted(rooms, key=order.index)}
 
 
@@ -145,7 +143,7 @@ def listing(rooms):
     """A table for each room: its files, and what they say they are for."""
     lines = []
     for room, files in rooms.items():
-        what = (ROOMS | LEAVING)[room].replace('`use gearsweep`: the', 'The')
+        what = ROOMS[room].replace('`use gearsweep`: the', 'The')
         folder = {'facade': 'src', 'app': 'app'}.get(room, f'src/{room}')
         lines += ['', f'### {folder}', '', f'{what[0].upper()}{what[1:]}.', '', '| file | what it is for |', '|---|---|']
         lines += [f'| [{path.name}](../{path.relative_to(ROOT).as_posix()}) | {first_sentence(path, text)} |' for path, text in files.items()]

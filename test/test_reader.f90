@@ -90,6 +90,8 @@ contains
     call check_equal(t, 'a long text is cut', shown(repeat('x', 100)), repeat('x', 57)//'...')
     call check_equal(t, 'the closest word', closest_word('modul_mm', ['bore_mm  ', 'module_mm']), 2)
     call check_equal(t, 'a forgotten unit', closest_word('face_width', ['face_width_mm']), 1)
+    call check_equal(t, 'one character rather than an ending', closest_word('rpm_stp', ['rpm     ', 'rpm_step']), 2)
+    call check_equal(t, 'an ending rather than two characters', closest_word('module', ['nodules  ', 'module_mm']), 2)
     call check_equal(t, 'no close word', closest_word('colour', ['module_mm', 'bore_mm  ']), 0)
   end subroutine test_words
 

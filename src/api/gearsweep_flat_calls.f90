@@ -38,7 +38,8 @@ end subroutine gs_version
 
 !> What the library has, as text in JSON.
 !>
-!> what  'tasks': what a case can ask for
+!> what  'tasks': what a case can ask for; 'groups' and 'keys': what a case may say, with units, defaults and bounds;
+!>       'key GROUP KEY': one of the keys; 'all': these three together; 'tables': the tables that there can be
 subroutine gs_describe(what, buffer, length, info, message)
   use gearsweep_api, only: begin_call, describe, end_call, give
   use gearsweep_error, only: error_t
@@ -65,6 +66,7 @@ end subroutine gs_describe
 !>         the key and the value is told by the run
 !>         'unused': the keys that the case gives but does not use, mostly for tasks that it does not name: for each use
 !>         that they would have, a line `use: &group key, key; &group key`
+!>         'new': a case for the tasks in `text`, separated by blanks, with every key of theirs and its default
 !> group   without &; one that is missing is added. This and the next two are for 'change' alone
 !> key     its name
 !> value   as it stands in a case, such as 0, 5, 10 or 'fe'; blank: the key is taken out

@@ -215,12 +215,12 @@ contains
     integer :: i, d, least
 
     best = 0
-    least = max(2, len(word)/3) + 1
+    least = 2*max(2, len(word)/3) + 2
     do i = 1, size(words)
-      d = edit_distance(word, trim(words(i)))
-      ! A forgotten or superfluous ending, such as a unit, is a likely slip.
-      if (index(words(i), word) == 1 .or. index(word, trim(words(i))) == 1) d = min(d, 1)
-      if (d >= least .or. d >= len(word)) cycle
+      d = 2*edit_distance(word, trim(words(i)))
+      ! A forgotten or superfluous ending, such as a unit, is a likely slip: more so than two characters, less than one.
+      if (index(words(i), word) == 1 .or. index(word, trim(words(i))) == 1) d = min(d, 3)
+      if (d >= least .or. d >= 2*len(word)) cycle
       least = d
       best = i
     end do

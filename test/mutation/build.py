@@ -32,7 +32,7 @@ class Sources:
 
     def __init__(self, root):
         self.root = root
-        paths = sorted((root / 'src').glob('**/*.f90')) + sorted((root / 'test').glob('*.f90')) + [root / PROGRAM]
+        paths = sorted((root / 'src').glob('**/*.f90')) + sorted((root / 'test').glob('*.f90')) + sorted((root / 'app').glob('*.f90'))
         self.files = [str(path.relative_to(root)) for path in paths]
         texts = {file: (root / file).read_text().lower() for file in self.files}
         self.modules = {}

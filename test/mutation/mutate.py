@@ -32,7 +32,7 @@ def rooms_of(root):
     """The files of each room: {room: {file: text}}."""
     rooms = {folder.name: sorted(folder.glob('**/*.f90')) for folder in sorted((root / 'src').iterdir()) if folder.is_dir()}
     # The module of all calls stands above the rooms and has no statements of its own.
-    rooms['app'] = [root / build.PROGRAM]
+    rooms['app'] = sorted((root / 'app').glob('*.f90'))
     rooms['python'] = sorted((root / 'python/gearsweep').glob('**/*.py'))
     return {room: {str(path.relative_to(root)): path.read_text() for path in paths} for room, paths in rooms.items()}
 

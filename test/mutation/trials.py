@@ -52,7 +52,7 @@ class Test:
         if self.kind == 'pytest':
             return room == 'python' or not any(word in self.name for word in PICTURES)
         if self.kind == 'callers':
-            return room in ('study', 'results', 'api', 'doors', 'app')
+            return room in ('study', 'results', 'api', 'app')
         return room != 'python'
 
 
