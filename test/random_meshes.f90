@@ -36,6 +36,7 @@ contains
     random%seed = 7919_int64*number + 12345
     associate (osc => draw%osc, mesh => draw%osc%mesh)
       mesh%contact_ratio = random%between(1.05_dp, 2.9_dp)
+      mesh%reach = [0.0_dp, mesh%contact_ratio]
       mesh%teeth = 25
       shape = [1.0_dp, random%between(-0.15_dp, 0.15_dp), random%between(-0.4_dp, 0.0_dp), &
                random%between(-0.1_dp, 0.1_dp), random%between(0.0_dp, 0.1_dp)]

@@ -67,6 +67,7 @@ contains
     type(error_t), allocatable :: error
 
     osc%mesh%contact_ratio = contact_ratio
+    osc%mesh%reach = [0.0_dp, osc%mesh%contact_ratio]
     call polynomial_stiffness(contact_ratio, 1e6_dp*coef, osc%mesh%stiffness, error)
     relief%amount = 1e-6_dp*relief_um
     relief%start = [aint(contact_ratio), contact_ratio - aint(contact_ratio)]

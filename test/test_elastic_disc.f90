@@ -204,6 +204,7 @@ contains
         call make_pair(gear, gear, 2*gear%reference_radius, pair, error)
       end associate
       mesh%contact_ratio = pair%contact_ratio
+      mesh%reach = [0.0_dp, mesh%contact_ratio]
       options%section%teeth = 0
       options%section%elements_across = 8
       call fe_stiffness(pair, material_t(), options, line_load, mesh%stiffness, mesh%disc, error)

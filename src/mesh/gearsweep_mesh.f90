@@ -14,6 +14,9 @@ module gearsweep_mesh
 
   type :: mesh_t
     real(dp) :: contact_ratio = 0
+    !> Path coordinates between which a pair may be in contact: the first at most 0 (A), the second at least the contact
+    !> ratio (E). Both curves cover all of it. Beyond A and E the tip corner of one member touches.
+    real(dp) :: reach(2) = 0
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
     type(disc_t) :: disc                         !< what the discs yield under all pairs together
     type(piecewise_t) :: profile_error           !< e(s) of one pair, m

@@ -106,8 +106,9 @@ contains
                                length=case%length, roll=case%roll)
       if (allocated(study%pair)) relief%pair = study%pair
       study%motions_inputs%motion = motion_inputs_t( &
-        relief=relief, disc=mesh%disc, teeth=mesh%teeth, tan_angle=mesh%tan_angle, load=study%load, mass=study%mass, &
-        damping_ratio=case%damping_ratio, friction=case%friction, has_backlash=case%has_backlash, backlash=case%backlash)
+        relief=relief, disc=mesh%disc, reach=mesh%reach, teeth=mesh%teeth, tan_angle=mesh%tan_angle, load=study%load, &
+        mass=study%mass, damping_ratio=case%damping_ratio, friction=case%friction, has_backlash=case%has_backlash, &
+        backlash=case%backlash)
       study%motions_inputs%stiffness = mesh%stiffness
       study%motions_inputs%amount = case%amount
     end associate

@@ -111,6 +111,7 @@ contains
       mesh%pitch_point = points(3)
       mesh%tan_angle = tan(pair%working_angle(drive))
     end if
+    mesh%reach = [0.0_dp, mesh%contact_ratio]
   end subroutine place_mesh
 
   !> Stiffness of one pair (N/m over s) by a model other than finite elements, under `load` (N). `folder` is where the
@@ -158,6 +159,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     motion%mesh%contact_ratio = inputs%relief%contact_ratio
+    motion%mesh%reach = inputs%reach
     motion%mesh%pitch_point = inputs%relief%pitch_point
     motion%mesh%tan_angle = inputs%tan_angle
     motion%mesh%teeth = inputs%teeth
