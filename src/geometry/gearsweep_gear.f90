@@ -35,6 +35,7 @@ module gearsweep_gear
     real(dp) :: tip_radius = 0
     real(dp) :: root_radius = 0
     real(dp) :: form_radius(2) = 0               !< where the fillet ends and the involute begins
+    real(dp) :: tip_form_radius = 0              !< where the involute ends at the tip, d_Na/2
   contains
     procedure :: half_angle
     procedure :: thickness
@@ -65,6 +66,7 @@ contains
       r = spec%teeth*m/2
       gear%base_radius = r*cos(spec%pressure_angle)
       gear%tip_radius = r + (spec%addendum + spec%profile_shift + spec%tip_alteration)*m
+      gear%tip_form_radius = gear%tip_radius
       gear%root_radius = r - (spec%dedendum - spec%profile_shift)*m
     end associate
     call check_rack_tip(spec, error)
