@@ -17,6 +17,7 @@ module gearsweep
   use gearsweep_gear, only: gear_spec_t, gear_t, make_gear, drive, coast
   use gearsweep_pair, only: pair_t, make_pair, free_centre_distance, tip_alteration
   use gearsweep_relief, only: relief_t, profile_error, linear, parabolic
+  use gearsweep_corner, only: corner_t, corner_contact, corner_reach, add_corners
   use gearsweep_material, only: material_t
   use gearsweep_stiffness, only: polynomial_stiffness, table_stiffness, iso_stiffness
   use gearsweep_weber, only: weber_stiffness

@@ -16,6 +16,7 @@ program check
   use test_closed_relief, only: run_closed_relief => run
   use test_closed_stiffness, only: run_closed_stiffness => run
   use test_closed_stress, only: run_closed_stress => run
+  use test_corner, only: run_corner => run
   use test_declarations, only: run_declarations => run, write_page
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_disc, only: run_elastic_disc => run
@@ -61,6 +62,7 @@ program check
     & suite_t('geometry', run_geometry), &
     & suite_t('closed_geometry', run_closed_geometry), &
     & suite_t('closed_relief', run_closed_relief), &
+    & suite_t('corner', run_corner), &
     & suite_t('mesh', run_mesh), &
     & suite_t('closed_stiffness', run_closed_stiffness), &
     & suite_t('harmonics', run_harmonics), &

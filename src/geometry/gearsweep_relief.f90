@@ -6,7 +6,7 @@ module gearsweep_relief
   use gearsweep_text, only: str
   implicit none
   private
-  public :: relief_t, profile_error
+  public :: relief_t, profile_error, tip_relief
 
   integer, parameter, public :: linear = 1, parabolic = 2
 
@@ -48,6 +48,20 @@ contains
     if (relief%amount(1) > 0) call add(curve, relief%start(1), contact_ratio, relief%amount(1), relief%shape)
     if (relief%amount(2) > 0) call add(curve, relief%start(2), 0.0_dp, relief%amount(2), relief%shape)
   end subroutine profile_error
+
+  !> Relief (m) of one member's flank at the place that touches at path coordinate `s`; beyond its tip, that of the tip.
+  elemental real(dp) function tip_relief(relief, contact_ratio, member, s)
+    type(relief_t), intent(in) :: relief
+    real(dp), intent(in) :: contact_ratio, s
+    integer, intent(in) :: member
+    real(dp) :: part
+
+    tip_relief = 0
+    if (.not. relief%amount(member) > 0) return
+    part = (s - relief%start(member))/(merge(contact_ratio, 0.0_dp, member == 1) - relief%start(member))
+    part = min(1.0_dp, max(0.0_dp, part))
+    tip_relief = relief%amount(member)*merge(part, part**2, relief%shape == linear)
+  end function tip_relief
 
   pure subroutine no_room(member, start, contact_ratio, error)
     character(*), intent(in) :: member

@@ -1,0 +1,182 @@
+!> Contact of a tooth's tip corner before the path of contact and behind it.
+!>
+!> Under load the pairs in contact deflect, so that the next pair closes before its nominal start A, and the leaving
+!> one opens behind its end E. There the corner at the end of one member's involute, the gear's before A and the
+!> pinion's behind E, touches the other member's flank, the mate's, off the line of action.
+!>
+!> The corner moves on its tip circle. Its distance from the mate's centre is least on the line of centres, so that it
+!> meets the mate's involute above the place of A or E, never below: the fillet is out of its reach.
+!> Munro, Morrish, Palmer 1999 (Gear transmission error outside the normal path of contact due to corner and top contact)
+!> treat this contact and give approximations; here it is exact, by the involutes' own equations.
+module gearsweep_corner
+  use gearsweep_gear, only: drive
+  use gearsweep_interpolation, only: interpolated, joined
+  use gearsweep_kinds, only: dp
+  use gearsweep_pair, only: pair_t
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_relief, only: relief_t, tip_relief
+  implicit none
+  private
+  public :: corner_t, corner_contact, corner_reach, add_corners
+
+  !> Where the tip corner is, for one pair at one path coordinate.
+  type :: corner_t
+    !> How far the corner is from the mate's flank, along the flank's normal; as the mate turns by that over its base
+    !> radius, they touch. m.
+    real(dp) :: gap = 0
+    real(dp) :: curvature = 0                    !< radius of curvature of the mate's flank where they meet, m
+    real(dp) :: s = 0                            !< path coordinate at which that place of the flank touches on the path
+    real(dp) :: tilt = 0                         !< of the mate's normal against that of the corner's own flank, rad
+    !> Lever arm of the load about the centre of the corner's gear, over its base radius; the mate's is its base radius.
+    real(dp) :: lever = 1
+  end type corner_t
+
+  !> The gap in base pitches squared is smooth over less than one base pitch: polynomials of this degree hold it to
+  !> some 1e-9 of itself.
+  integer, parameter :: degree = 8
+
+contains
+
+  !> Corner and flank of the pair at path coordinate `s`, before A (below 0) or behind E (above the contact ratio), as
+  !> both gears turn without load. Exact: the corner is placed by its own involute, and the mate's involute through
+  !> it is the mate's flank, turned.
+  elemental type(corner_t) function corner_contact(pair, s) result(corner)
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: s
+    real(dp) :: beyond, tangent, tip, turned, place(2), radius, angle
+    integer :: tooth, mate
+
+    tooth = corner_of(pair, s)
+    mate = 3 - tooth
+    beyond = pair%base_pitch*merge(-s, s - pair%contact_ratio, tooth == 2)
+    tangent = pair%curvature(1, s) + pair%curvature(2, s)
+    associate (own => pair%gear(tooth)%base_radius(drive), other => pair%gear(mate)%base_radius(drive))
+      tip = pair%curvature(tooth, merge(0.0_dp, pair%contact_ratio, tooth == 2))
+      turned = beyond/own
+      ! From the mate's centre: x along the line of action, away from the mate's tangent point, y along its base radius.
+      place = [tangent - own*sin(turned) - tip*cos(turned), own + other - own*cos(turned) + tip*sin(turned)]
+      radius = norm2(place)
+      corner%curvature = sqrt((radius - other)*(radius + other))
+      ! How far the mate's base radius to the line through the corner, tangent to the base circle, is turned.
+      angle = atan2(place(1), place(2)) - atan2(corner%curvature, other)
+      corner%gap = corner%curvature + other*angle - (tangent - tip - beyond)
+      corner%tilt = turned - angle
+      corner%lever = (tangent*sin(angle) + (own + other)*cos(angle) - other)/own
+      corner%s = (corner%curvature - pair%start_curvature)/pair%base_pitch
+      if (mate == 2) corner%s = (tangent - corner%curvature - pair%start_curvature)/pair%base_pitch
+    end associate
+  end function corner_contact
+
+  !> The member whose corner it is: the gear (2) before the path's middle, the pinion (1) behind.
+  elemental integer function corner_of(pair, s)
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: s
+
+    corner_of = merge(2, 1, s < pair%contact_ratio/2)
+  end function corner_of
+
+  !> The path coordinates before A and behind E at which the gap of the corner, without reliefs, is `depth` (m); at most
+  !> 0.9 base pitches off, and no farther than to where the corner meets the mate's tip.
+  pure function corner_reach(pair, depth) result(reach)
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: depth
+    real(dp) :: reach(2)
+    real(dp), parameter :: farthest = 0.9_dp
+    real(dp) :: near, far, middle
+    integer :: i, k
+
+    do i = 1, 2
+      near = 0
+      far = farthest
+      do k = 1, 60
+        middle = (near + far)/2
+        if (is_within(end_of(i) + merge(-middle, middle, i == 1))) then
+          near = middle
+        else
+          far = middle
+        end if
+      end do
+      reach(i) = end_of(i) + merge(-near, near, i == 1)
+    end do
+
+  contains
+
+    pure real(dp) function end_of(i)
+      integer, intent(in) :: i
+
+      end_of = merge(0.0_dp, pair%contact_ratio, i == 1)
+    end function end_of
+
+    pure logical function is_within(s)
+      real(dp), intent(in) :: s
+      type(corner_t) :: corner
+
+      corner = corner_contact(pair, s)
+      is_within = corner%gap < depth .and. corner%s > 0 .and. corner%s < pair%contact_ratio
+    end function is_within
+  end function corner_reach
+
+  !> Extends the profile error `curve` (m), known from A to E, to `reach` (base pitches; see corner_reach): by the gap
+  !> of the corner, the whole relief of the corner, and the relief of the mate where they meet. Continuous at A and E.
+  pure subroutine add_corners(pair, relief, reach, curve)
+    type(pair_t), intent(in) :: pair
+    type(relief_t), intent(in) :: relief
+    real(dp), intent(in) :: reach(2)
+    type(piecewise_t), intent(inout) :: curve
+    real(dp), allocatable :: breaks(:)
+    integer :: i
+
+    if (reach(1) < 0) then
+      breaks = with_relief(0.0_dp, reach(1), 1)
+      do i = 1, size(breaks) - 1
+        curve = joined(piece(breaks(i + 1), breaks(i), 2), curve)
+      end do
+    end if
+    if (reach(2) > pair%contact_ratio) then
+      breaks = with_relief(pair%contact_ratio, reach(2), 2)
+      do i = 1, size(breaks) - 1
+        curve = joined(curve, piece(breaks(i), breaks(i + 1), 1))
+      end do
+    end if
+
+  contains
+
+    !> From the path's end to the reach, with the place between at which the corner meets the begin of the mate's relief.
+    pure function with_relief(from, until, mate) result(breaks)
+      real(dp), intent(in) :: from, until
+      integer, intent(in) :: mate
+      real(dp), allocatable :: breaks(:)
+      type(corner_t) :: corner
+      real(dp) :: near, far
+      integer :: k
+
+      breaks = [from, until]
+      if (.not. relief%amount(mate) > 0) return
+      near = from
+      far = until
+      do k = 1, 60
+        corner = corner_contact(pair, (near + far)/2)
+        if (merge(corner%s < relief%start(mate), corner%s > relief%start(mate), mate == 1)) then
+          near = (near + far)/2
+        else
+          far = (near + far)/2
+        end if
+      end do
+      if (abs(near - from) > 1e-9_dp .and. abs(until - near) > 1e-9_dp) breaks = [from, near, until]
+    end function with_relief
+
+    !> One smooth piece, through points that crowd towards its ends.
+    pure type(piecewise_t) function piece(first, last, tooth)
+      real(dp), intent(in) :: first, last
+      integer, intent(in) :: tooth
+      real(dp) :: s(0:degree)
+      type(corner_t) :: corner(0:degree)
+      integer :: i
+
+      s = [((first + last)/2 - (last - first)/2*cos(i*acos(-1.0_dp)/degree), i=0, degree)]
+      corner = corner_contact(pair, s)
+      piece = interpolated(first, last, corner%gap + relief%amount(tooth) &
+                           + tip_relief(relief, pair%contact_ratio, 3 - tooth, corner%s))
+    end function piece
+  end subroutine add_corners
+end module gearsweep_corner
