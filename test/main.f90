@@ -19,6 +19,7 @@ program check
   use test_corner, only: run_corner => run
   use test_declarations, only: run_declarations => run, write_page
   use test_elastic_body, only: run_elastic_body => run
+  use test_elastic_corner, only: run_elastic_corner => run
   use test_elastic_disc, only: run_elastic_disc => run
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
@@ -91,6 +92,7 @@ program check
     & suite_t('elastic_stiffness', run_elastic_stiffness), &
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('elastic_disc', run_elastic_disc), &
+    & suite_t('elastic_corner', run_elastic_corner), &
     & suite_t('scenes', run_scenes), &
     & suite_t('calls', run_calls)])
   print '(i0, a, i0, a)', passed, ' passed, ', failed, ' failed'

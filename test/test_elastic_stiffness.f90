@@ -3,7 +3,7 @@
 module test_elastic_stiffness
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness, tooth_compliance
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_flattening, only: contact_half_width, surface_to_depth
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
@@ -11,6 +11,7 @@ module test_elastic_stiffness
   use gearsweep_pair, only: pair_t, make_pair
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_text, only: str
+  use gearsweep_tooth_compliance, only: tooth_compliance, tooth_t
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
@@ -183,6 +184,7 @@ contains
     type(fe_options_t) :: options
     type(piecewise_t) :: curve
     type(disc_t) :: disc
+    type(tooth_t) :: tooth
     type(error_t), allocatable :: error
     type(pair_t) :: pair
 
@@ -191,7 +193,7 @@ contains
     call check_error(t, 'no load', error, '&load line_load_n_mm = 0')
     call fe_stiffness(pair, material_t(poisson=0.5_dp), options, load, curve, disc, error)
     call check_error(t, 'incompressible', error, '&material poisson')
-    call tooth_compliance(pair%gear(1), material_t(), options, 0.001_dp, 0.03_dp, curve, disc, error)
+    call tooth_compliance(pair%gear(1), material_t(), options, 0.001_dp, 0.03_dp, tooth, error)
     call check_error(t, 'load off the path', error, 'off the flank')
     options%section%fixed_sides = .false.
     options%section%fixed_rim = .false.

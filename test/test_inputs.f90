@@ -155,6 +155,8 @@ contains
     call add('mesh pitch_point', '0.6', 'p', 'relief start ''pitch'';relief amount_um 0')
     call add('mesh pitch_point', '0.6', 'g')
     call add('mesh ste_harmonics', '3')
+    call add('mesh tooth_coupling', '.false.', 'g', 'section teeth 3')
+    call add('mesh tooth_coupling', '.false.')
     call add('section teeth', '3')
     call add('section half_angle_deg', '8', 'g', 'gear teeth 21')
     call add('section rim_mm', '5')

@@ -64,9 +64,12 @@ def stress_moves(across):
 
 
 def support(teeth, fixed='sides+rim', plane='strain'):
-    """Mean stiffness of the case 1 pair by its width, N/(um mm), and peak-to-peak static transmission error, um."""
+    """Mean stiffness of the case 1 pair by its width, N/(um mm), and peak-to-peak static transmission error, um: each pair
+    alone, and with what neighbours share."""
     section = {'teeth': teeth, 'plane': plane, 'fixed': tuple(fixed.split('+'))}
-    return _motion_and_error(case('case1').changed(section=section, relief={'amount_um': 0}))[:2]
+    alone, shared = (_motion_and_error(case('case1').changed(section=section, relief={'amount_um': 0},
+                                                             mesh={'tooth_coupling': coupled}))[:2] for coupled in (False, True))
+    return [*alone, shared[1]]
 
 
 def root_stress(teeth):
@@ -83,7 +86,7 @@ def disc(bore):
     """Case 1 with whole gears on this bore: turning, shared, um; stiffness in the motion and static mean, N/(um mm);
     peak-to-peak transmission error, static and as the motion has it at creeping speed, um."""
     whole = case('case1').changed(section={'teeth': 25, 'fixed': 'rim'}, pinion={'bore_mm': bore}, gear={'bore_mm': bore},
-                                  relief={'amount_um': 0})
+                                  relief={'amount_um': 0}, mesh={'tooth_coupling': True})
     stiffness, error, motion, mesh = _motion_and_error(whole)
     s, pair = mesh.s, mesh.pair_stiffness_n_um
     period = np.linspace(0, 1, 4001)[:-1]

@@ -41,6 +41,7 @@ module gearsweep_case
     real(dp) :: contact_ratio = 0, base_pitch = 0
     real(dp) :: pitch_point = -1                 !< below 0: half the contact ratio
     integer :: harmonics = 8                     !< of the static transmission error
+    logical :: tooth_coupling = .true.
     ! &dynamics
     real(dp) :: damping_ratio = 0.17_dp, friction = 0
     ! &sweep, &numerics

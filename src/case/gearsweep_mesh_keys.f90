@@ -7,7 +7,7 @@ module gearsweep_mesh_keys
   use gearsweep_relief, only: linear, parabolic
   use gearsweep_root_rating, only: shared_by_mesh
   use gearsweep_tasks, only: sentence_length, sentence_of
-  use gearsweep_uses, only: first_of, for_stage, unless
+  use gearsweep_uses, only: first_of, for_stage, needs_gears, unless
   implicit none
   private
   public :: read_model, read_load, read_relief, read_path
@@ -140,5 +140,21 @@ contains
                     meaning='path coordinate s of the pitch point of a prescribed mesh, at most the contact ratio')
     call reader%get('mesh', 'ste_harmonics', case%harmonics, error, tasks='mesh', at_least=1, at_most=1000, &
                     meaning='harmonics of the static transmission error in the table harmonics')
+    call read_contact(reader, case, error)
   end subroutine read_path
+
+  !> What finite elements know beyond the pairs' stiffness on the path.
+  subroutine read_contact(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(sentence_length) :: geared, waits
+
+    geared = unless(.not. case%prescribed, needs_gears)
+    waits = first_of(for_stage(case, 'mesh'), unless(case%model == 'fe', 'model = ''fe'''))
+    call reader%get('mesh', 'tooth_coupling', case%tooth_coupling, error, tasks=case%tasks_for('mesh'), refused=geared, &
+                    waits=first_of(waits, unless(case%section%teeth /= 1, 'a section of more than one tooth')), &
+                    meaning='whether the load on a tooth moves the next one on the same body, with '// &
+                    'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
+  end subroutine read_contact
 end module gearsweep_mesh_keys

@@ -16,7 +16,7 @@ module gearsweep_compliance
   use gearsweep_text, only: str
   implicit none
   private
-  public :: deflection_at_depth, load_line, flank_load
+  public :: deflection_at_depth, corner_deflection, load_line, flank_load
 
 contains
 
@@ -51,31 +51,62 @@ contains
     at_far = body%thickness*at_far
   end subroutine deflection_at_depth
 
-  !> Where a load on a tooth's drive flank acts, and along which unit vector; on the loaded tooth unless said.
-  pure subroutine load_line(section, radius, point, direction, tooth)
+  !> The same for a unit line load on the tip corner at `radius` (m), each with its own `tilt` (rad) from the flank's
+  !> normal towards the tip land's, read along the load.
+  subroutine corner_deflection(section, body, radius, depth, tilt, at_near, at_far, error)
+    type(section_t), intent(in) :: section
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: radius, depth, tilt(:)
+    real(dp), intent(out) :: at_near(:), at_far(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), parameter :: across = acos(-1.0_dp)/2
+    real(dp) :: x(body%unknowns, 2), both(body%unknowns)
+    integer :: i
+
+    x = 0
+    call flank_load(section, body, radius, x(:, 1), error)
+    if (.not. allocated(error)) call flank_load(section, body, radius, x(:, 2), error, tilt=across)
+    if (.not. allocated(error)) call body%stiffness%solve(x, error)
+    if (allocated(error)) return
+    do i = 1, size(tilt)
+      both = x(:, 1)*cos(tilt(i)) + x(:, 2)*sin(tilt(i))
+      call read_depth(section, body, radius, depth, both, at_near(i), error, tilt(i))
+      if (.not. allocated(error)) call read_depth(section, body, radius, 2*depth, both, at_far(i), error, tilt(i))
+      if (allocated(error)) return
+    end do
+    at_near = body%thickness*at_near
+    at_far = body%thickness*at_far
+  end subroutine corner_deflection
+
+  !> Where a load on a tooth's drive flank acts, and along which unit vector: on the loaded tooth and along the flank's
+  !> normal, unless a tooth or a `tilt` (rad) towards the root is said.
+  pure subroutine load_line(section, radius, point, direction, tooth, tilt)
     type(section_t), intent(in) :: section
     real(dp), intent(in) :: radius
     real(dp), intent(out) :: point(2), direction(2)
     integer, intent(in), optional :: tooth
+    real(dp), intent(in), optional :: tilt
     real(dp) :: angle, along
 
     angle = section%axis(section%loaded) + section%gear%half_angle(drive, radius)
     if (present(tooth)) angle = section%axis(tooth) + section%gear%half_angle(drive, radius)
     point = radius*[sin(angle), cos(angle)]
     along = angle - acos(min(1.0_dp, section%gear%base_radius(drive)/radius))
+    if (present(tilt)) along = along - tilt
     direction = [-cos(along), sin(along)]
   end subroutine load_line
 
   !> Adds a unit force, normal to a tooth's drive flank at `radius` (m), to the
   !> unknowns' forces `x`: consistent on the quadratic edge there. It is the
-  !> loaded tooth unless said.
-  subroutine flank_load(section, body, radius, x, error, tooth)
+  !> loaded tooth unless said, and the force may have a `tilt` (rad) against the normal.
+  subroutine flank_load(section, body, radius, x, error, tooth, tilt)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: radius
     real(dp), intent(inout) :: x(:)
     type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: tooth
+    real(dp), intent(in), optional :: tilt
     real(dp) :: point(2), direction(2), share(3), local
     integer :: nodes(3), on
 
@@ -88,7 +119,7 @@ contains
         str(1000*section%gear%tip_radius, 8)//' mm')
       return
     end if
-    call load_line(section, radius, point, direction, on)
+    call load_line(section, radius, point, direction, on, tilt)
     share = edge_functions(local)
     call add_force(body, nodes, share, direction, x)
   end subroutine flank_load
@@ -128,17 +159,18 @@ contains
   end subroutine find_edge
 
   !> The displacement (m) along the line of action at a depth (m) below the flank, of the unknowns `x` (m).
-  subroutine read_depth(section, body, radius, depth, x, displacement, error)
+  subroutine read_depth(section, body, radius, depth, x, displacement, error, tilt)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: radius, depth, x(:)
     real(dp), intent(out) :: displacement
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), intent(in), optional :: tilt
     real(dp) :: point(2), direction(2), local(2), share(nodes_per_element)
     integer :: element, i, d
 
     displacement = 0
-    call load_line(section, radius, point, direction)
+    call load_line(section, radius, point, direction, tilt=tilt)
     point = point + depth*direction
     call section%grid%find(point, section%loaded, element, local)
     if (element == 0) call section%grid%find(point, 0, element, local)

@@ -1,8 +1,8 @@
-!> What the disc of a whole gear, held at its bore, yields under all teeth in contact together.
+!> What the body behind the teeth yields under all teeth in contact together.
 !>
 !> All loads of a gear mesh lie on one line, tangent to the base circle. So whichever tooth takes
-!> them, the body turns by the same angle, and the teeth beside it move too. A spring of each pair's
-!> own would count that once for each pair.
+!> them, a whole gear held at its bore turns by the same angle, and on any body the teeth beside it move too.
+!> A spring of each pair's own would count that once for each pair.
 module gearsweep_disc
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t
@@ -36,8 +36,9 @@ contains
     yield = disc%turn + disc%shared
   end function yield
 
-  !> `disc` of a whole gear under a unit line load (m2/N), over radii of curvature of the drive flank
-  !> from `first` to `last` (m): the mean over the stretch where two teeth touch, by Gauss's rule.
+  !> `disc` of a section of two teeth or more under a unit line load (m2/N), over radii of curvature of the drive
+  !> flank from `first` to `last` (m): the mean over the stretch where two teeth touch, by Gauss's rule. A section of
+  !> one tooth has no neighbour and shares nothing; one that is no whole gear is held at its sides and does not turn.
   subroutine disc_compliance(section, body, first, last, disc, error)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body
@@ -51,7 +52,8 @@ contains
     real(dp) :: pitch, curvature, turn, both
     integer :: i
 
-    call claim_memory(8.0_dp*body%unknowns*(2*places + 6), '&section teeth: the whole gear on '//str(body%unknowns)// &
+    if (section%options%teeth == 1) return
+    call claim_memory(8.0_dp*body%unknowns*(2*places + 6), '&section teeth: what neighbours share, on '//str(body%unknowns)// &
                       ' unknowns', error)
     if (allocated(error)) return
     allocate (x(body%unknowns, places), beside(body%unknowns, places), source=0.0_dp)
@@ -62,7 +64,8 @@ contains
       if (.not. allocated(error)) call load_tooth(section%loaded + 1, curvature + pitch, beside(:, i))
       if (allocated(error)) return
     end do
-    couple = section%gear%base_radius(drive)*turning(body)
+    allocate (couple(body%unknowns), source=0.0_dp)
+    if (section%grid%closed) couple = section%gear%base_radius(drive)*turning(body)
     call body%stiffness%solve(x, error)
     if (allocated(error)) return
     do i = 1, places

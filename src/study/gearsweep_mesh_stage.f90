@@ -49,8 +49,9 @@ contains
     ! The unloaded teeth may be coarser.
     body = study%case%section
     body%others_across = min(4, body%elements_across)
-    study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t(section=body), &
-                                              study%load/study%case%spec(1)%face_width)
+    study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t( &
+      section=body, tooth_coupling=study%case%tooth_coupling), &
+      study%load/study%case%spec(1)%face_width)
     known = .false.
     if (present(earlier)) known = allocated(earlier%elements_inputs)
     if (known) known = same(study%elements_inputs, earlier%elements_inputs)

@@ -1,0 +1,91 @@
+!> Compliance of a pair of teeth whose tip corner is in contact, before and behind the path of contact.
+!>
+!> The tooth whose corner touches is loaded there along the normal of the mate's flank, the mate where it is met. Both
+!> bodies' finite elements give what lies deeper than the contact, and an edge on a cylinder what lies above.
+module gearsweep_corner_stiffness
+  use gearsweep_corner, only: corner_contact, corner_t
+  use gearsweep_edge_contact, only: edge_compliance, edge_t, make_edge
+  use gearsweep_error, only: error_t
+  use gearsweep_flattening, only: contact_half_width
+  use gearsweep_gear, only: drive
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_pair, only: pair_t
+  use gearsweep_material, only: material_t
+  use gearsweep_tooth_compliance, only: most_tilt, tooth_t
+  implicit none
+  private
+  public :: corner_compliance, edge_zone, edge_share
+
+contains
+
+  !> Compliance (m2/N) of the pair at the path coordinates `s` beyond A or E, all on one side, under `line_load` (N/m), the
+  !> secant; at A and E themselves the contact is cut in half.
+  subroutine corner_compliance(pair, tooth, material, plane_strain, line_load, s, compliance, error)
+    type(pair_t), intent(in) :: pair
+    type(tooth_t), intent(in) :: tooth(2)
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain
+    real(dp), intent(in) :: line_load, s(:)
+    real(dp), intent(out) :: compliance(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(edge_t) :: edge
+    type(corner_t) :: corner
+    real(dp) :: tip, close_up
+    integer :: k, member
+
+    member = merge(2, 1, sum(s) < 0)
+    tip = tip_curvature(pair, member)
+    compliance = 0
+    ! Flank and tip circle at the corner.
+    call make_edge(material, plane_strain, pi/2 + atan2(tip, pair%gear(member)%base_radius(drive)), tooth(member)%corner_depth, &
+                   edge, error)
+    do k = 1, size(s)
+      if (allocated(error)) return
+      corner = corner_contact(pair, s(k))
+      call edge_compliance(edge, line_load, corner%tilt, 1/tip + 1/corner%curvature, pair%gear(1)%spec%module, close_up, &
+                           error)
+      compliance(k) = tooth(member)%corner%value(min(most_tilt, corner%tilt)) &
+                      + tooth(3 - member)%compliance%value(corner%curvature) + close_up
+    end do
+  end subroutine corner_compliance
+
+  !> Radius of curvature (m) of a member's drive flank at its end of the path.
+  pure real(dp) function tip_curvature(pair, member)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: member
+
+    tip_curvature = pair%curvature(member, merge(0.0_dp, pair%contact_ratio, member == 2))
+  end function tip_curvature
+
+  !> How far from A and from E, in base pitches, a contact within the path feels the edge under `line_load` (N/m).
+  pure function edge_zone(pair, material, plane_strain, line_load) result(zone)
+    type(pair_t), intent(in) :: pair
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain
+    real(dp), intent(in) :: line_load
+    real(dp) :: zone(2)
+    !> Between an edge on a cylinder and the same on a half plane nearly nothing is left so many half widths of Hertz's contact
+    !> from the edge (suite elastic_corner).
+    real(dp), parameter :: half_widths = 1.4_dp
+    real(dp) :: tip, arc
+    integer :: i
+
+    do i = 1, 2
+      associate (member => 3 - i, s => merge(0.0_dp, pair%contact_ratio, i == 1))
+        tip = tip_curvature(pair, member)
+        arc = half_widths*contact_half_width(material, plane_strain, line_load, pair%curvature(1, s), pair%curvature(2, s))
+        ! The arc of an involute grows with the square of its radius of curvature.
+        zone(i) = (tip - sqrt(max(0.0_dp, tip**2 - 2*pair%gear(member)%base_radius(drive)*arc)))/pair%base_pitch
+      end associate
+    end do
+    zone = min(zone, pair%contact_ratio/8)
+  end function edge_zone
+
+  !> What the edge adds to the compliance at a contact so far from the path's end, over what it adds at the end: 1 to 0 over
+  !> the `zone`, smooth up to the second derivative.
+  elemental real(dp) function edge_share(distance, zone)
+    real(dp), intent(in) :: distance, zone
+
+    edge_share = max(0.0_dp, 1 - distance/zone)**3
+  end function edge_share
+end module gearsweep_corner_stiffness

@@ -1,0 +1,243 @@
+!> Contact of a sharp edge with a flank, close up: how far a tooth's tip corner and its mate yield at their surfaces.
+!>
+!> Where the tip corner touches, the contact ends at an edge, so that neither Hertz's pressure nor his half plane
+!> holds for that tooth. Close up it is a wedge between its flank and its tip land, and the mate a cylinder that touches
+!> the flank beside the edge, or the edge alone. The wedge is a grid of its own, in steps that shrink towards the edge; the
+!> mate is a half plane in closed form. The pressure between them is found cell by cell, so that both surfaces fit where it
+!> presses, and there is none where they are apart.
+module gearsweep_edge_contact
+  use gearsweep_body, only: body_t, make_body
+  use gearsweep_error, only: code_numerical, error_t, fail
+  use gearsweep_flattening, only: surface_to_depth
+  use gearsweep_grid, only: grid_t, make_grid
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_material, only: material_t
+  use gearsweep_q8, only: nodes_per_element, shape_functions
+  implicit none
+  private
+  public :: edge_t, make_edge, edge_compliance, edge_deflection
+
+  !> A wedge of one material, prepared for contacts at its edge. The edge is the origin; its face is the positive x axis, and
+  !> the material lies below, between the face and the angle.
+  type :: edge_t
+    type(material_t) :: material
+    logical :: plane_strain = .true.
+    real(dp) :: depth = 0                        !< where the deflection is referred to, m
+    real(dp), allocatable :: ends(:)             !< of the cells along the face, m; (0:cells)
+    !> Mean displacement of a cell under a unit load on another, both along x or y (m2/N): (of, at, of cell, on cell).
+    real(dp), allocatable :: influence(:, :, :, :)
+    type(grid_t) :: grid
+    !> Displacement of the nodes under a unit load on the edge, m2/N: (2, nodes, load along x or y).
+    real(dp), allocatable :: apex(:, :, :)
+  end type edge_t
+
+  !> The grid: steps along the face, each so much longer than the one before; rows over the angle; how far it
+  !> goes, and its first step, in depths.
+  real(dp), parameter :: growth = 1.25_dp, farthest = 40, nearest = 2e-4_dp
+  integer, parameter :: rows = 8
+  !> Contact is looked for so far from the edge, in depths.
+  real(dp), parameter :: widest = 0.8_dp
+
+contains
+
+  !> Prepares the wedge with the included `angle` (rad). Deflections are referred to `depth` (m) and twice of it, along the
+  !> line of the load through the edge, as gearsweep_fe_stiffness reads them from the tooth's own grid.
+  subroutine make_edge(material, plane_strain, angle, depth, edge, error)
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain
+    real(dp), intent(in) :: angle, depth
+    type(edge_t), intent(out) :: edge
+    type(error_t), allocatable, intent(out) :: error
+    type(body_t) :: body
+    real(dp), allocatable :: points(:, :, :), radius(:), x(:, :), u(:, :), share(:, :)
+    integer, allocatable :: part(:, :)
+    logical, allocatable :: held(:)
+    integer :: columns, cells, i, j, d
+
+    edge%material = material
+    edge%plane_strain = plane_strain
+    edge%depth = depth
+    columns = ceiling(log(farthest/nearest)/log(growth))
+    radius = [(depth*nearest*(farthest/nearest)**(i/(2.0_dp*columns)), i=0, 2*columns)]
+    allocate (points(2, 0:2*columns, 0:2*rows), part(columns, rows))
+    part = 0
+    do j = 0, 2*rows
+      associate (direction => -angle*(1 - j/(2.0_dp*rows)))
+        do i = 0, 2*columns
+          points(:, i, j) = radius(i + 1)*[cos(direction), sin(direction)]
+        end do
+      end associate
+    end do
+    call make_grid(points, part, .false., edge%grid, error)
+    if (allocated(error)) return
+    allocate (held(size(edge%grid%x, 2)), source=.false.)
+    held(edge%grid%column_nodes(2*columns)) = .true.
+    call make_body(edge%grid, material, plane_strain, 1.0_dp, spread(held, 1, 2), 1e9_dp, body, error)
+    if (allocated(error)) return
+    cells = count(radius(3::2) <= widest*depth)
+    edge%ends = radius(1:2*cells + 1:2)
+    allocate (x(body%unknowns, 2*cells + 2), share(3, cells))
+    do i = 1, cells
+      share(:, i) = even_traction(radius(2*i - 1:2*i + 1))
+      do d = 1, 2
+        x(:, 2*(i - 1) + d) = body%gather(on_face(2*(i - 1), share(:, i), d))
+      end do
+    end do
+    do d = 1, 2
+      x(:, 2*cells + d) = body%gather(on_face(0, [1.0_dp, 0.0_dp, 0.0_dp], d))
+    end do
+    call body%stiffness%solve(x, error)
+    if (allocated(error)) return
+    allocate (edge%influence(2, 2, cells, cells), edge%apex(2, size(edge%grid%x, 2), 2))
+    do i = 1, cells
+      do d = 1, 2
+        u = body%spread_out(x(:, 2*(i - 1) + d))
+        do j = 1, cells
+          edge%influence(:, d, j, i) = matmul(u(:, edge%grid%node(2*j - 2:2*j, 2*rows)), share(:, j))
+        end do
+      end do
+    end do
+    do d = 1, 2
+      edge%apex(:, :, d) = body%spread_out(x(:, 2*cells + d))
+    end do
+
+  contains
+
+    !> Nodal forces along x or y on the three nodes of the face from lattice line `line` on.
+    function on_face(line, weights, direction) result(force)
+      integer, intent(in) :: line, direction
+      real(dp), intent(in) :: weights(3)
+      real(dp) :: force(2, size(edge%grid%x, 2))
+
+      force = 0
+      force(direction, edge%grid%node(line:line + 2, 2*rows)) = weights
+    end function on_face
+  end subroutine make_edge
+
+  !> Weights of the nodes at `x` (m) of a quadratic edge in the mean over its length.
+  pure function even_traction(x) result(weights)
+    real(dp), intent(in) :: x(3)
+    real(dp) :: weights(3), skew
+
+    skew = (x(1) + x(3) - 2*x(2))/(3*(x(3) - x(1)))
+    weights = [1/6.0_dp - skew, 2/3.0_dp, 1/6.0_dp + skew]
+  end function even_traction
+
+  !> Compliance (m2/N) of edge and mate in contact under `line_load` (N/m): their approach over the load, beyond
+  !> what a point load on the edge moves the tooth by at its depth (twice that less what it moves at twice the
+  !> depth), and the mate at `mate_depth` (m).
+  !>
+  !> Without load the mate touches the edge, and is apart from the face by tilt x + curvature x**2/2 at x from it: `tilt`
+  !> (rad) between mate and face, `curvature` (1/m) of both together. The load acts along the mate's normal. Where they press
+  !> the surfaces fit: Johnson 1985, Contact Mechanics, section 5.9.
+  subroutine edge_compliance(edge, line_load, tilt, curvature, mate_depth, compliance, error)
+    type(edge_t), intent(in) :: edge
+    real(dp), intent(in) :: line_load, tilt, curvature, mate_depth
+    real(dp), intent(out) :: compliance
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), dimension(size(edge%ends) - 1) :: gap, pressure
+    real(dp) :: matrix(size(gap), size(gap)), along(2), approach
+    logical :: presses(size(gap))
+    integer :: i, j
+
+    compliance = 0
+    along = [sin(tilt), -cos(tilt)]
+    associate (a => edge%ends(:size(gap)), b => edge%ends(2:))
+      gap = tilt*(a + b)/2 + curvature/6*(a**2 + a*b + b**2)
+      do j = 1, size(gap)
+        do i = 1, size(gap)
+          matrix(i, j) = dot_product(along, matmul(edge%influence(:, :, i, j), along)) &
+                         + surface_to_depth(edge%material, edge%plane_strain, &
+                                            2*exp(0.5_dp + mean_logarithm(a(i), b(i), a(j), b(j))), mate_depth)
+        end do
+      end do
+    end associate
+    presses = .true.
+    do i = 1, size(gap)
+      call press(matrix, gap, line_load, presses, pressure, approach)
+      if (.not. any(presses .and. pressure < 0)) exit
+      presses = presses .and. pressure >= 0
+    end do
+    if (.not. any(presses)) then
+      call fail(error, code_numerical, '&mesh corner_contact: the pressure at the tip corner is not found')
+      return
+    end if
+    compliance = approach/line_load - 2*edge_deflection(edge, edge%depth, tilt) + edge_deflection(edge, 2*edge%depth, tilt)
+  end subroutine edge_compliance
+
+  !> Mean of log |x - y| for x from a to b and y from c to d (m).
+  elemental real(dp) function mean_logarithm(a, b, c, d) result(mean)
+    real(dp), intent(in) :: a, b, c, d
+
+    mean = (twice(b - c) + twice(a - d) - twice(a - c) - twice(b - d))/((b - a)*(d - c))
+
+  contains
+
+    !> The second integral of log |t|.
+    pure real(dp) function twice(t)
+      real(dp), intent(in) :: t
+
+      twice = 0
+      if (abs(t) > 0) twice = t**2*(log(abs(t))/2 - 0.75_dp)
+    end function twice
+  end function mean_logarithm
+
+  !> Loads (N/m) on the cells that press, so that there the surfaces fit at one approach (m), and together they are the load.
+  pure subroutine press(matrix, gap, line_load, presses, pressure, approach)
+    real(dp), intent(in) :: matrix(:, :), gap(:), line_load
+    logical, intent(in) :: presses(:)
+    real(dp), intent(out) :: pressure(:), approach
+    real(dp), allocatable :: a(:, :)
+    integer, allocatable :: list(:)
+    integer :: n, i
+
+    list = pack([(i, i=1, size(gap))], presses)
+    n = size(list)
+    allocate (a(n + 1, n + 2), source=0.0_dp)
+    a(:n, :n) = matrix(list, list)
+    a(:n, n + 1) = -1
+    a(n + 1, :n) = 1
+    a(:n, n + 2) = -gap(list)
+    a(n + 1, n + 2) = line_load
+    call eliminate(a)
+    pressure = 0
+    pressure(list) = a(:n, n + 2)
+    approach = a(n + 1, n + 2)
+  end subroutine press
+
+  !> Solves a linear system, the right side being its last column, by Gauss's elimination with the largest pivot of a column.
+  pure subroutine eliminate(a)
+    real(dp), intent(inout) :: a(:, :)
+    real(dp) :: row(size(a, 2))
+    integer :: n, i, k, pivot
+
+    n = size(a, 1)
+    do k = 1, n
+      pivot = k - 1 + maxloc(abs(a(k:, k)), 1)
+      row = a(pivot, :)
+      a(pivot, :) = a(k, :)
+      a(k, :) = row/row(k)
+      do i = 1, n
+        if (i /= k) a(i, :) = a(i, :) - a(i, k)*a(k, :)
+      end do
+    end do
+  end subroutine eliminate
+
+  !> Displacement (m2/N) of the point at a `depth` (m) under a unit line load on the edge, both along the line with this `tilt`
+  !> (rad) against the face's normal. Only differences of it count, as the grid is held far away.
+  pure real(dp) function edge_deflection(edge, depth, tilt) result(moved)
+    type(edge_t), intent(in) :: edge
+    real(dp), intent(in) :: depth, tilt
+    real(dp) :: along(2), local(2), share(nodes_per_element)
+    integer :: element, d
+
+    moved = 0
+    along = [sin(tilt), -cos(tilt)]
+    call edge%grid%find(depth*along, 0, element, local)
+    if (element == 0) return
+    share = shape_functions(local)
+    do d = 1, 2
+      moved = moved + along(d)*dot_product(along, matmul(edge%apex(:, edge%grid%element(:, element), d), share))
+    end do
+  end function edge_deflection
+end module gearsweep_edge_contact

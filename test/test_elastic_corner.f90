@@ -1,0 +1,200 @@
+!> The tip corner in contact: an edge on a half plane against closed forms, and the pair's stiffness beyond the path.
+module test_elastic_corner
+  use gearsweep_disc, only: disc_t
+  use gearsweep_edge_contact, only: edge_compliance, edge_deflection, edge_t, make_edge
+  use gearsweep_error, only: error_t
+  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_flattening, only: surface_to_depth
+  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_material, only: material_t
+  use gearsweep_pair, only: make_pair, pair_t
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_text, only: str
+  use testing, only: check_close, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  type(material_t), parameter :: steel = material_t()
+  real(dp), parameter :: load = 276e3_dp, depth = 0.7e-3_dp, mate_depth = 3e-3_dp
+  !> E/(1 - nu**2).
+  real(dp), parameter :: modulus = 206e9_dp/0.91_dp
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    if (t%wants('loaded_wedge')) call loaded_wedge(t)
+    if (t%wants('punch')) call punch(t)
+    if (t%wants('self_similar')) call self_similar(t)
+    if (t%wants('beyond_the_path')) call beyond_the_path(t)
+    if (t%wants('corner_estimate')) call corner_estimate(t)
+  end subroutine run
+
+  !> A wedge under a load P on its edge: radial stress alone, along the load's line u(h) - u(2 h) = P ln 2/E' times this (Michell
+  !> 1900; Timoshenko, Goodier, Theory of Elasticity, art. 38). `angle`: between faces; `off`: of the load from the bisector.
+  pure real(dp) function michell(angle, off)
+    real(dp), intent(in) :: angle, off
+
+    michell = 2*cos(off)**2/(angle + sin(angle)) + 2*sin(off)**2/(angle - sin(angle))
+  end function michell
+
+  subroutine loaded_wedge(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: angles(4) = [95, 121, 140, 180]*pi/180, tilts(3) = [0.0_dp, 0.1_dp, 0.3_dp]
+    type(edge_t) :: edge
+    type(error_t), allocatable :: error
+    integer :: i, k
+
+    do i = 1, size(angles)
+      call make_edge(steel, .true., angles(i), depth, edge, error)
+      call check_no_error(t, 'wedge', error)
+      do k = 1, size(tilts)
+        call check_close(t, 'wedge of '//str(angles(i)*180/pi, 3)//' degrees', &
+                         edge_deflection(edge, depth, tilts(k)) - edge_deflection(edge, 2*depth, tilts(k)), &
+                         michell(angles(i), pi/2 - angles(i)/2 - tilts(k))*log(2.0_dp)/modulus, relative=1e-2_dp)
+      end do
+    end do
+  end subroutine loaded_wedge
+
+  !> A half plane under a punch that has an edge, tilted by g and rounded by 1/R: contact from the edge to c, with
+  !> pressure E*/2 ((x + c/2)/R + g) sqrt((c - x)/x) and so a load of pi E* (3 c**2/(16 R) + g c/4) (Muskhelishvili's inversion,
+  !> bounded at c: Johnson 1985, Contact Mechanics, section 2.7). With two half planes 1/E* = 2/E'. The approach is that of
+  !> the edge, through the mean of the logarithm.
+  subroutine punch(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: tilts(4) = [0.0_dp, 0.02_dp, 0.06_dp, 0.15_dp], curvature = 1/4.4e-3_dp
+    integer, parameter :: points = 400
+    type(edge_t) :: edge
+    type(error_t), allocatable :: error
+    real(dp) :: c, mean, found, p, weight
+    integer :: i, k
+
+    call make_edge(steel, .true., pi, depth, edge, error)
+    call check_no_error(t, 'half plane', error)
+    do k = 1, size(tilts)
+      associate (a => 3*curvature/16, b => tilts(k)/4)
+        c = (-b + sqrt(b**2 + 4*a*load/(pi*modulus/2)))/(2*a)
+      end associate
+      ! x = c sin(u)**2 takes the root away.
+      mean = 0
+      weight = 0
+      do i = 1, points
+        associate (u => pi/2*(i - 0.5_dp)/points)
+          p = cos(u)**2*(c*curvature*(sin(u)**2 + 0.5_dp) + tilts(k))
+          mean = mean + p*log(c*sin(u)**2)
+          weight = weight + p
+        end associate
+      end do
+      mean = mean/weight
+      call edge_compliance(edge, load, tilts(k), curvature, mate_depth, found, error)
+      call check_no_error(t, 'punch', error)
+      ! The load's line, and with it the depth's, leans by the tilt.
+      call check_close(t, 'edge of a punch, tilt '//str(tilts(k)), found, 2*kernel(depth) - kernel(2*depth) + kernel(mate_depth), &
+                       relative=2e-2_dp)
+    end do
+
+  contains
+
+    !> Surface at the mean distance to a depth: Hertz's pressure has the mean logarithm log(a/2) - 1/2.
+    real(dp) function kernel(below)
+      real(dp), intent(in) :: below
+
+      kernel = surface_to_depth(steel, .true., 2*exp(mean + 0.5_dp), below)
+    end function kernel
+  end subroutine punch
+
+  !> Flat faces at an angle have no length of their own: half the load presses on half the width, and both surfaces go down by
+  !> their logarithms of it.
+  subroutine self_similar(t)
+    type(tally_t), intent(inout) :: t
+    type(edge_t) :: edge
+    type(error_t), allocatable :: error
+    real(dp) :: whole, half
+    real(dp), parameter :: angle = 121*pi/180, tilt = 0.08_dp
+
+    call make_edge(steel, .true., angle, depth, edge, error)
+    call edge_compliance(edge, load, tilt, 0.0_dp, mate_depth, whole, error)
+    call edge_compliance(edge, load/2, tilt, 0.0_dp, mate_depth, half, error)
+    call check_no_error(t, 'flat faces', error)
+    call check_close(t, 'half the load', half - whole, (michell(angle, pi/2 - angle/2 - tilt) + 2/pi)*log(2.0_dp)/modulus, &
+                     relative=3e-2_dp)
+  end subroutine self_similar
+
+  type(pair_t) function pair_of(teeth) result(pair)
+    integer, intent(in) :: teeth(2)
+    type(gear_t) :: gear(2)
+    type(error_t), allocatable :: error
+    integer :: i
+
+    do i = 1, 2
+      call make_gear(gear_spec_t('pinion', teeth(i), 0.00318_dp, face_width=0.0254_dp), gear(i), error)
+    end do
+    call make_pair(gear(1), gear(2), sum(gear%reference_radius), pair, error)
+  end function pair_of
+
+  !> Continuous at A and E, as without the corners within the path, alike at both ends of equal gears; softer beyond.
+  subroutine beyond_the_path(t)
+    type(tally_t), intent(inout) :: t
+    type(fe_options_t) :: options
+    type(pair_t) :: pair
+    type(piecewise_t) :: plain, curve
+    type(disc_t) :: disc
+    type(error_t), allocatable :: error
+    integer, parameter :: teeth(2, 2) = reshape([25, 25, 22, 41], [2, 2])
+    real(dp) :: ends(2), s, hair
+    integer :: i, k
+
+    do k = 1, 2
+      options%corner_contact = .false.
+      pair = pair_of(teeth(:, k))
+      call fe_stiffness(pair, steel, options, load, plain, disc, error)
+      options%corner_contact = .true.
+      call fe_stiffness(pair, steel, options, load, curve, disc, error)
+      call check_no_error(t, 'stiffness with corners', error)
+      ends = curve%breaks([1, size(curve%breaks)])
+      call check_true(t, 'reaches beyond the path', ends(1) < -0.1_dp .and. ends(2) > pair%contact_ratio + 0.1_dp, str(ends(1)))
+      hair = 1e-9_dp
+      call check_close(t, 'continuous at A', curve%value(-hair), curve%value(hair), relative=1e-6_dp)
+      call check_close(t, 'continuous at E', curve%value(pair%contact_ratio - hair), curve%value(pair%contact_ratio + hair), &
+                       relative=1e-6_dp)
+      do i = 0, 40
+        s = 0.05_dp + (pair%contact_ratio - 0.1_dp)*i/40
+        call check_close(t, 'as without corners', curve%value(s), plain%value(s), relative=2e-4_dp)
+        if (k == 1) call check_close(t, 'equal gears', curve%value(ends(1) + (ends(2) - ends(1))*i/40), &
+                                     curve%value(ends(2) - (ends(2) - ends(1))*i/40), relative=1e-9_dp)
+      end do
+      call check_true(t, 'an edge is softer', curve%value(-0.05_dp) < 0.97_dp*plain%value(0.0_dp) .and. &
+                      curve%value(-0.05_dp) > 0.8_dp*plain%value(0.0_dp), str(curve%value(-0.05_dp)/plain%value(0.0_dp)))
+    end do
+  end subroutine beyond_the_path
+
+  !> What is ours to choose moves the stiffness beyond the path little: the grid, and the depth at which it ends.
+  subroutine corner_estimate(t)
+    type(tally_t), intent(inout) :: t
+    type(fe_options_t) :: options
+    type(pair_t) :: pair
+    type(piecewise_t) :: usual, other
+    type(disc_t) :: disc
+    type(error_t), allocatable :: error
+    integer :: i
+
+    pair = pair_of([25, 25])
+    options%corner_contact = .true.
+    call fe_stiffness(pair, steel, options, load, usual, disc, error)
+    options%section%elements_across = 32
+    options%section%others_across = 4
+    call fe_stiffness(pair, steel, options, load, other, disc, error)
+    do i = 0, 8
+      call check_close(t, 'corner, finer grid', usual%value(-0.02_dp*i), other%value(-0.02_dp*i), relative=1e-2_dp)
+    end do
+    options%depth = 0.25_dp
+    call fe_stiffness(pair, steel, options, load, other, disc, error)
+    do i = 0, 8
+      call check_close(t, 'corner, other depth', usual%value(-0.02_dp*i), other%value(-0.02_dp*i), relative=2e-2_dp)
+    end do
+    call check_no_error(t, 'stiffness with corners', error)
+  end subroutine corner_estimate
+end module test_elastic_corner
