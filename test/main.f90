@@ -6,6 +6,7 @@ program check
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
   use extreme_table, only: print_limits
   use test_sparse, only: run_sparse => run
+  use test_beyond, only: run_beyond => run
   use test_branches, only: run_branches => run
   use test_calls, only: run_calls => run
   use test_closed_estimates, only: run_closed_estimates => run
@@ -67,6 +68,7 @@ program check
     & suite_t('mesh', run_mesh), &
     & suite_t('closed_stiffness', run_closed_stiffness), &
     & suite_t('harmonics', run_harmonics), &
+    & suite_t('beyond', run_beyond), &
     & suite_t('motion', run_motion), &
     & suite_t('oscillator', run_oscillator), &
     & suite_t('grading', run_grading), &

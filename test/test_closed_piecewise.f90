@@ -58,7 +58,7 @@ contains
       x = [(first + (last - first)*(i - 0.5_dp)/7, i=1, 7)]
       call check_close(t, 'parts of an integral', p%integral(first, x(3)) + p%integral(x(3), x(6)) + p%integral(x(6), last), &
                        sum_of, absolute=1e-12_dp)
-      call p%sample(x, 0, f, slope, bend)
+      call p%sample(x, [1, pieces], f, slope, bend)
       do k = 1, 7
         piece = count(p%breaks(:pieces) <= x(k))
         call check_equal(t, 'piece', p%locate(x(k)), piece)

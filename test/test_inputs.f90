@@ -31,7 +31,7 @@ module test_inputs
   !> A value that a case gives to a key; a blank one takes the key out.
   type :: setting_t
     character(10) :: group
-    character(20) :: key
+    character(24) :: key
     character(60) :: value = ''
   end type setting_t
 
@@ -63,6 +63,8 @@ contains
     folder = new_folder()
     call write_stiffness(folder//'/1.csv', 400)
     call write_stiffness(folder//'/2.csv', 350)
+    call write_error(folder//'/4.csv', 2)
+    call write_error(folder//'/5.csv', 5)
     call list_changes(changes)
     is_taken = .false.
     if (t%wants('judge_changes')) call judge_changes(t)
@@ -157,6 +159,8 @@ contains
     call add('mesh ste_harmonics', '3')
     call add('mesh tooth_coupling', '.false.', 'g', 'section teeth 3')
     call add('mesh tooth_coupling', '.false.')
+    call add('mesh shared_compliance_um_n', '4e-4', 'p')
+    call add('mesh profile_error_file', '''5.csv''', 'p', 'relief amount_um 0;mesh profile_error_file ''4.csv''')
     call add('section teeth', '3')
     call add('section half_angle_deg', '8', 'g', 'gear teeth 21')
     call add('section rim_mm', '5')
@@ -275,6 +279,17 @@ contains
     write (unit, '(a, i0)') '0 ', stiffness, '1 ', stiffness - 20, '2 ', stiffness
     close (unit)
   end subroutine write_stiffness
+
+  !> A profile error of some um at A, with a kink at B.
+  subroutine write_error(path, error)
+    character(*), intent(in) :: path
+    integer, intent(in) :: error
+    integer :: unit
+
+    open (newunit=unit, file=path, status='replace', action='write')
+    write (unit, '(a, i0)') '0 ', error, '0.6 ', 0, '0.6 ', 0, '2 ', 0
+    close (unit)
+  end subroutine write_error
 
   ! --- the walk ---------------------------------------------------------------
 

@@ -281,7 +281,7 @@ class MeshTable(Table):
     relief_um: NDArray[float64]
     """um: amount of relief"""
     s: NDArray[float64]
-    """path coordinate of the pair, in base pitches from A"""
+    """path coordinate of the pair, in base pitches from A; below 0 before A"""
     pair_stiffness_n_um: NDArray[float64]
     """N/um: stiffness of this pair, whole face width; what the dynamics take"""
     mesh_stiffness_n_um: NDArray[float64]
@@ -316,6 +316,8 @@ class TransmissionErrorTable(Table):
     """um: estimated error of mean and amplitudes, without rounding errors"""
     largest_load_share: NDArray[float64]
     """largest load of a pair over the static load"""
+    effective_contact_ratio: NDArray[float64]
+    """length of the path over which a pair carries load, in base pitches"""
 
 class HarmonicsTable(Table):
     """static transmission error for each relief, as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean"""

@@ -36,7 +36,8 @@ module gearsweep_case
     character(:), allocatable :: start           !< hpstc, pitch, length, roll
     real(dp) :: length = 0, roll(2) = 0
     ! &mesh
-    character(:), allocatable :: model, file
+    character(:), allocatable :: model, file, profile_error_file
+    real(dp) :: shared_compliance = 0            !< m/N
     real(dp), allocatable :: coefficients(:)
     real(dp) :: contact_ratio = 0, base_pitch = 0
     real(dp) :: pitch_point = -1                 !< below 0: half the contact ratio

@@ -138,6 +138,7 @@ contains
                     'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')), &
                     otherwise='half the contact ratio', &
                     meaning='path coordinate s of the pitch point of a prescribed mesh, at most the contact ratio')
+    call read_beyond(reader, case, made, error)
     call reader%get('mesh', 'ste_harmonics', case%harmonics, error, tasks='mesh', at_least=1, at_most=1000, &
                     meaning='harmonics of the static transmission error in the table harmonics')
     call read_contact(reader, case, error)
@@ -157,4 +158,28 @@ contains
                     meaning='whether the load on a tooth moves the next one on the same body, with '// &
                     'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
   end subroutine read_contact
+
+  !> What a prescribed mesh may have beside the stiffness of its pairs; `refused` where the mesh is not prescribed.
+  subroutine read_beyond(reader, case, refused, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    character(*), intent(in) :: refused
+    type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: relieved = 'has the reliefs in it; remove the amounts above 0 and the task optimum'
+    character(sentence_length) :: waits
+
+    call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', tasks=case%tasks_for('mesh'), &
+                    refused=refused, at_least=0.0_dp, at_most=1e6_dp, &
+                    meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
+                    'bodies: a part of each pair''s compliance')
+    ! Stability feels it only where contact reaches beyond A and E.
+    waits = unless(case%model == 'table' .or. case%asks_any(case%tasks_for('reliefs')), case%tasks_for('reliefs'))
+    call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for('mesh'), &
+                    waits=waits, &
+                    refused=first_of(refused, unless(.not. (any(case%amount > 0) .or. case%asks('optimum')), relieved)), &
+                    otherwise='none', &
+                    meaning='file with a table of the path coordinate s and the profile error of a prescribed mesh in um, '// &
+                    'through which splines go; where s comes twice, a new one begins. As far beyond A and E as it and a '// &
+                    'table of the stiffness reach, a pair may be in contact; a relative name lies beside the case')
+  end subroutine read_beyond
 end module gearsweep_mesh_keys

@@ -20,6 +20,7 @@ module gearsweep_piecewise
     procedure :: minimum
     procedure :: maximum
     procedure :: scaled
+    procedure :: is_smooth_at
   end type piecewise_t
 
 contains
@@ -110,14 +111,19 @@ contains
     end select
   end function knot_slopes
 
-  !> The piece that holds x; the first or last one beyond the ends.
-  pure integer function locate(p, x) result(piece)
+  !> The piece that holds x; the first or last one beyond the ends, or of those `among`.
+  pure integer function locate(p, x, among) result(piece)
     class(piecewise_t), intent(in) :: p
     real(dp), intent(in) :: x
+    integer, intent(in), optional :: among(2)    !< first and last piece in question
     integer :: low, high
 
     low = 1
     high = size(p%breaks)
+    if (present(among)) then
+      low = among(1)
+      high = among(2) + 1
+    end if
     do while (high - low > 1)
       piece = (low + high)/2
       if (x < p%breaks(piece)) then
@@ -163,27 +169,26 @@ contains
     slope = slope*2/width
   end function slope
 
-  !> Values at ascending `x`, and first and second derivatives where wanted, by one `piece` or, where that
-  !> is 0, each by the piece that holds it: the first or last one beyond the ends.
-  pure subroutine sample(p, x, piece, f, slope, curvature)
+  !> Values at ascending `x`, and first and second derivatives where wanted, each by the piece that holds it of those
+  !> `among`: the first or last one beyond their ends.
+  pure subroutine sample(p, x, among, f, slope, curvature)
     class(piecewise_t), intent(in) :: p
     real(dp), intent(in) :: x(:)
-    integer, intent(in) :: piece
+    integer, intent(in) :: among(2)              !< first and last piece in question
     real(dp), intent(out), contiguous :: f(:)
     real(dp), intent(out), contiguous, optional :: slope(:), curvature(:)
     integer :: i, first, last
 
     last = 0
-    i = piece
-    if (piece == 0) i = p%locate(x(1))
+    i = p%locate(x(1), among)
     do while (last < size(x))
       first = last + 1
       last = size(x)
-      if (piece == 0) then
-        do while (i < size(p%breaks) - 1 .and. x(first) >= p%breaks(i + 1))
+      if (i < among(2)) then
+        do while (i < among(2) .and. x(first) >= p%breaks(i + 1))
           i = i + 1
         end do
-        if (i < size(p%breaks) - 1) last = first - 1 + count(x(first:) < p%breaks(i + 1))
+        if (i < among(2)) last = first - 1 + count(x(first:) < p%breaks(i + 1))
       end if
       associate (v => (2*x(first:last) - p%breaks(i) - p%breaks(i + 1))/(p%breaks(i + 1) - p%breaks(i)), &
                  scale => 2/(p%breaks(i + 1) - p%breaks(i)))
@@ -314,6 +319,29 @@ contains
       horner = horner*v + coef(k)
     end do
   end function horner
+
+  !> Do value, slope and second derivative go on across break i, which is none of the ends? Their jumps are rounding then.
+  pure logical function is_smooth_at(p, i) result(smooth)
+    class(piecewise_t), intent(in) :: p
+    integer, intent(in) :: i
+    real(dp), parameter :: rounding = 1e-9_dp
+    real(dp), dimension(size(p%coef, 1)) :: left, right
+    real(dp) :: sense(size(p%coef, 1))
+    integer :: order, k
+
+    left = p%coef(:, i - 1)
+    right = p%coef(:, i)
+    sense = [((-1.0_dp)**k, k=0, size(sense) - 1)]
+    smooth = .true.
+    do order = 0, 2
+      smooth = smooth .and. abs(sum(left) - sum(sense*right)) <= rounding*(sum(abs(left)) + sum(abs(right)))
+      ! Of the derivative, whose ascending coefficients begin with a factor 0.
+      left = 2/(p%breaks(i) - p%breaks(i - 1))*[(k, k=0, size(left) - 1)]*left
+      right = 2/(p%breaks(i + 1) - p%breaks(i))*[(k, k=0, size(right) - 1)]*right
+      left = eoshift(left, 1)
+      right = eoshift(right, 1)
+    end do
+  end function is_smooth_at
 
   pure function scaled(p, factor) result(q)
     class(piecewise_t), intent(in) :: p

@@ -7,7 +7,7 @@ module gearsweep_harmonics
   use gearsweep_kinds, only: dp, pi
   use gearsweep_mesh, only: mesh_t, interval_t
   use gearsweep_quadrature, only: gauss_legendre
-  use gearsweep_segments, only: segment_t, smooth_segments
+  use gearsweep_segments, only: carrying, segment_t, smooth_segments
   use gearsweep_sharing, only: pairs_at, static_deflection
   implicit none
   private
@@ -20,6 +20,8 @@ module gearsweep_harmonics
     real(dp), allocatable :: amplitude(:)        !< of harmonic 1, 2 .. of the mesh frequency, m
     real(dp), allocatable :: phase(:)            !< rad, at the phase 0 where a pair enters at A
     real(dp) :: error_estimate = 0               !< of mean and amplitudes, m
+    !> Length of the path, in base pitches, over which a pair carries load: the mean number of pairs that do.
+    real(dp) :: effective_contact_ratio = 0
   contains
     procedure :: peak_to_peak
   end type harmonics_t
@@ -59,6 +61,8 @@ contains
         whole = panel(f, interval, a, b, count)
         call refine(f, interval, a, b, whole, most_halvings, total, harmonics%error_estimate)
         call extremes(f, interval, a, b, harmonics%least, harmonics%largest)
+        harmonics%effective_contact_ratio = harmonics%effective_contact_ratio + &
+                                            (b - a)*sum(merge(1, 0, carrying(mesh, load, interval, (a + b)/2)))
       end associate
     end do
     associate (discs => mesh%disc%yield()*load)

@@ -7,7 +7,7 @@ module gearsweep_segments
   use gearsweep_sharing, only: pairs_at, static_deflection
   implicit none
   private
-  public :: segment_t, smooth_segments
+  public :: segment_t, smooth_segments, contact_intervals, carrying
 
   type :: segment_t
     real(dp) :: first = 0, last = 0              !< phases
@@ -36,6 +36,33 @@ contains
       segments = [segments, (segment_t(breaks(k), breaks(k + 1), i), k=1, size(breaks) - 1)]
     end do
   end subroutine smooth_segments
+
+  !> The smooth intervals of a mesh, split also where a pair begins or ceases to carry a static `load` (N), each with the
+  !> pairs that do.
+  pure function contact_intervals(mesh, load, friction) result(intervals)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load
+    logical, intent(in) :: friction              !< as for `smooth_intervals`
+    type(interval_t), allocatable :: intervals(:)
+    type(interval_t), allocatable :: whole(:)
+    real(dp), allocatable :: breaks(:)
+    integer :: i, k
+
+    whole = smooth_intervals(mesh, friction)
+    allocate (intervals(0))
+    do i = 1, size(whole)
+      breaks = [whole(i)%first, whole(i)%last]
+      call add_contact_breaks(mesh, load, whole(i), breaks)
+      intervals = [intervals, (whole(i), k=1, size(breaks) - 1)]
+      associate (new => intervals(size(intervals) - size(breaks) + 2:))
+        new%first = breaks(:size(new))
+        new%last = breaks(2:)
+        do k = 1, size(new)
+          new(k)%carries = carrying(mesh, load, whole(i), (breaks(k) + breaks(k + 1))/2)
+        end do
+      end associate
+    end do
+  end function contact_intervals
 
   !> Ends of the interval, and the phases between at which a pair passes a knot of the stiffness.
   pure subroutine stiffness_breaks(mesh, interval, breaks)
@@ -115,6 +142,7 @@ contains
     end do
   end subroutine find_changes
 
+  !> Which pairs carry a static `load` (N) at a phase of `interval`.
   pure function carrying(mesh, load, interval, phase)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, phase

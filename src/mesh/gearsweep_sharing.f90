@@ -16,7 +16,8 @@ module gearsweep_sharing
     real(dp), allocatable :: stiffness(:)        !< of the pairs that carry load and the discs, N/m
     real(dp), allocatable :: s(:, :)             !< path coordinate of each pair; 2nd index as phase
     real(dp), allocatable :: load(:, :)          !< load of each pair, N; 0 where separated
-    integer, allocatable :: pairs(:)             !< pairs between A and E
+    integer, allocatable :: pairs(:)             !< that may be in contact
+    integer, allocatable :: offset(:)            !< path coordinate of the first of them less the phase
   end type sharing_t
 
 contains
@@ -48,8 +49,10 @@ contains
     integer :: j
 
     do j = 1, interval%pairs
-      stiffness(j) = mesh%own_stiffness(phase + j - 1)
-      error(j) = mesh%profile_error%value(phase + j - 1, interval%piece(j))
+      associate (s => interval%place(phase, j))
+        stiffness(j) = mesh%own_stiffness(s, interval%stiffness_piece(:, j))
+        error(j) = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
+      end associate
     end do
   end subroutine pairs_at
 
@@ -67,7 +70,7 @@ contains
     intervals = smooth_intervals(mesh, .false.)
     counts = [(1 + max(1, nint(samples*(intervals(i)%last - intervals(i)%first))), i=1, size(intervals))]
     associate (n => sum(counts), most => maxval(intervals%pairs))
-      allocate (sharing%phase(n), sharing%error(n), sharing%stiffness(n), sharing%pairs(n))
+      allocate (sharing%phase(n), sharing%error(n), sharing%stiffness(n), sharing%pairs(n), sharing%offset(n))
       allocate (sharing%s(most, n), sharing%load(most, n), source=0.0_dp)
     end associate
     row = 0
@@ -90,7 +93,8 @@ contains
     real(dp) :: deflection
     integer :: j
 
-    sharing%s(:interval%pairs, row) = [(sharing%phase(row) + j - 1, j=1, interval%pairs)]
+    sharing%offset(row) = interval%offset
+    sharing%s(:interval%pairs, row) = interval%place(sharing%phase(row), [(j, j=1, interval%pairs)])
     call pairs_at(mesh, interval, sharing%phase(row), stiffness, error)
     sharing%pairs(row) = interval%pairs
     deflection = static_deflection(stiffness, error, load)
@@ -107,17 +111,18 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, s
     real(dp), allocatable :: stiffness(:), error(:)
-    real(dp) :: first
-    integer :: j, pairs
+    real(dp) :: place
+    integer :: before, behind, j
 
-    first = s - floor(s)
-    pairs = 1 + floor(s) + max(0, ceiling(mesh%contact_ratio - s) - 1)
-    allocate (stiffness(pairs), error(pairs))
-    do j = 1, pairs
-      stiffness(j) = mesh%own_stiffness(first + j - 1)
-      error(j) = mesh%profile_error%value(first + j - 1)
+    ! So many pairs stand before and behind this one.
+    before = max(0, floor(s - mesh%reach(1)))
+    behind = max(0, ceiling(mesh%reach(2) - s) - 1)
+    allocate (stiffness(-before:behind), error(-before:behind))
+    do j = -before, behind
+      place = s - floor(s) + (floor(s) + j + 1) - 1
+      stiffness(j) = mesh%own_stiffness(place)
+      error(j) = mesh%profile_error%value(place)
     end do
-    j = 1 + floor(s)
-    load_share = stiffness(j)*max(0.0_dp, static_deflection(stiffness, error, load) - error(j))/load
+    load_share = stiffness(0)*max(0.0_dp, static_deflection(stiffness, error, load) - error(0))/load
   end function load_share
 end module gearsweep_sharing

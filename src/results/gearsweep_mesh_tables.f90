@@ -21,7 +21,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: s(:), values(:, :)
-    integer :: i, j, k, row, rows
+    integer :: i, j, k, n, row, rows
 
     if (.not. allocated(study%sharing)) return
     rows = sum([(sum(study%sharing(i)%pairs), i=1, size(study%sharing))])
@@ -31,9 +31,10 @@ contains
     row = 0
     do i = 1, size(study%sharing)
       associate (sharing => study%sharing(i), mesh => study%motion(i)%mesh, relief_um => in_um(study%case%amount(i)))
-        do j = 1, maxval(sharing%pairs)
+        do n = minval(sharing%offset), maxval(sharing%offset + sharing%pairs) - 1
           do k = 1, size(sharing%phase)
-            if (sharing%pairs(k) < j) cycle
+            j = 1 + n - sharing%offset(k)
+            if (j < 1 .or. j > sharing%pairs(k)) cycle
             row = row + 1
             values(row, :) = [relief_um, sharing%s(j, k), mesh%stiffness%value(sharing%s(j, k))/micro, &
                               sharing%stiffness(k)/micro, micro*mesh%profile_error%value(sharing%s(j, k)), &
@@ -44,7 +45,7 @@ contains
     end do
     s = values(:, 2)
     call table%add_index('relief_um', 'um', of_relief, values(:, 1))
-    call table%add_index('s', '', 'path coordinate of the pair, in base pitches from A', s)
+    call table%add_index('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s)
     call table%add('pair_stiffness_n_um', 'N/um', 'stiffness of this pair, whole face width; what the dynamics take', &
                    values(:, 3))
     call table%add('mesh_stiffness_n_um', 'N/um', 'of all pairs that carry load; of whole gears also their discs', values(:, 4))
@@ -69,7 +70,7 @@ contains
     associate (ste => study%harmonics)
       m = size(ste)
       call table%begin('static transmission error and load sharing over a mesh period, for each relief', &
-                     m, 6, error, extent=[m])
+                     m, 7, error, extent=[m])
       if (allocated(error)) return
       call table%add_index('relief_um', 'um', of_relief, in_um(study%case%amount))
       call table%add('peak_to_peak_um', 'um', 'largest less least transmission error', [(micro*ste(i)%peak_to_peak(), i=1, m)])
@@ -79,6 +80,8 @@ contains
                      micro*ste%error_estimate)
       call table%add('largest_load_share', '', 'largest load of a pair over the static load', &
                      [(maxval(study%sharing(i)%load)/study%load, i=1, m)])
+      call table%add('effective_contact_ratio', '', 'length of the path over which a pair carries load, in base pitches', &
+                     [(ste(i)%effective_contact_ratio, i=1, m)])
     end associate
   end subroutine transmission_error_table
 

@@ -135,11 +135,19 @@ contains
     type(error_t), allocatable :: missing
 
     inputs = case%text
-    if (allocated(case%file)) then
-      call read_text(beside(folder, case%file), table, missing)
-      if (.not. allocated(missing)) inputs = inputs//achar(0)//table
-    end if
+    call add_table(case%file)
+    call add_table(case%profile_error_file)
     line = format//' version '//version//' inputs '//hexadecimal(checksum(inputs))
+
+  contains
+
+    subroutine add_table(file)
+      character(:), allocatable, intent(in) :: file
+
+      if (.not. allocated(file)) return
+      call read_text(beside(folder, file), table, missing)
+      if (.not. allocated(missing)) inputs = inputs//achar(0)//table
+    end subroutine add_table
   end subroutine first_line
 
   subroutine add_state(state, number, lines)

@@ -76,6 +76,7 @@ module gearsweep_inputs
   type :: motions_inputs_t
     type(motion_inputs_t) :: motion
     type(piecewise_t) :: stiffness               !< of one pair, N/m over s
+    type(piecewise_t) :: profile_error           !< of one pair, m over s; without breaks: the relief makes it
     real(dp), allocatable :: amount(:)           !< m
   end type motions_inputs_t
 
@@ -150,10 +151,17 @@ contains
 
     write (words(1), all) a%motion
     write (words(2), all) b%motion
-    same = words(1) == words(2) .and. same_list(a%stiffness%breaks, b%stiffness%breaks) .and. &
-           size(a%stiffness%coef, 1) == size(b%stiffness%coef, 1)
-    if (same) same = .not. any(abs(a%stiffness%coef - b%stiffness%coef) > 0)
+    same = words(1) == words(2) .and. same_curve(a%stiffness, b%stiffness) .and. same_curve(a%profile_error, b%profile_error)
   end function same_but_amounts
+
+  pure logical function same_curve(a, b) result(same)
+    type(piecewise_t), intent(in) :: a, b
+
+    same = allocated(a%breaks) .eqv. allocated(b%breaks)
+    if (.not. (same .and. allocated(a%breaks))) return
+    same = same_list(a%breaks, b%breaks) .and. size(a%coef, 1) == size(b%coef, 1)
+    if (same) same = .not. any(abs(a%coef - b%coef) > 0)
+  end function same_curve
 
   pure logical function same_points(a, b) result(same)
     type(points_inputs_t), intent(in) :: a, b

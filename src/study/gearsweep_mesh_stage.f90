@@ -11,7 +11,7 @@ module gearsweep_mesh_stage
   use gearsweep_products, only: note, study_t
   use gearsweep_section, only: section_options_t
   use gearsweep_sharing, only: share_load
-  use gearsweep_stages, only: build_motion, build_stiffness, find_load, place_mesh
+  use gearsweep_stages, only: build_motion, build_profile_error, build_stiffness, find_load, place_mesh
   use gearsweep_text, only: str
   implicit none
   private
@@ -34,6 +34,7 @@ contains
     else
       call build_stiffness(study%case, study%pair, study%load, folder, study%mesh%contact_ratio, study%mesh%stiffness, error)
       call note(study, 'mesh: pair stiffness by model '//study%case%model)
+      if (study%case%prescribed .and. .not. allocated(error)) call build_profile_error(study%case, folder, study%mesh, error)
     end if
     if (.not. allocated(error)) call build_motions(study, error)
     if (.not. allocated(error) .and. study%case%asks('mesh')) call share_all(study, error, earlier)
@@ -90,7 +91,7 @@ contains
     allocate (study%motion(size(study%case%amount)))
     associate (inputs => study%motions_inputs)
       do i = 1, size(study%motion)
-        call build_motion(inputs%motion, inputs%stiffness, inputs%amount(i), study%motion(i), error)
+        call build_motion(inputs%motion, inputs%stiffness, inputs%profile_error, inputs%amount(i), study%motion(i), error)
         if (allocated(error)) return
       end do
     end associate
@@ -111,6 +112,7 @@ contains
         mass=study%mass, damping_ratio=case%damping_ratio, friction=case%friction, has_backlash=case%has_backlash, &
         backlash=case%backlash)
       study%motions_inputs%stiffness = mesh%stiffness
+      study%motions_inputs%profile_error = mesh%profile_error
       study%motions_inputs%amount = case%amount
     end associate
   end subroutine list_inputs

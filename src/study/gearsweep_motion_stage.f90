@@ -273,7 +273,7 @@ contains
 
     select type (context)
     type is (motions_inputs_t)
-      call build_motion(context%motion, context%stiffness, amount, motion, error)
+      call build_motion(context%motion, context%stiffness, context%profile_error, amount, motion, error)
     end select
   end subroutine with_relief
 end module gearsweep_motion_stage

@@ -12,6 +12,7 @@ module gearsweep_stages
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
   use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_profile_table, only: profile_table
   use gearsweep_relief, only: profile_error, relief_t
   use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
   use gearsweep_table_file, only: read_table
@@ -19,7 +20,7 @@ module gearsweep_stages
   use gearsweep_weber, only: weber_stiffness
   implicit none
   private
-  public :: build_pair, find_load, place_mesh, build_stiffness, build_motion, deepest_relief
+  public :: build_pair, find_load, place_mesh, build_stiffness, build_profile_error, build_motion, deepest_relief
 
 contains
 
@@ -150,10 +151,37 @@ contains
     end function line_load
   end subroutine build_stiffness
 
-  !> The oscillator of a mesh with this pair stiffness (N/m over s) and amount of relief (m).
-  subroutine build_motion(inputs, stiffness, amount, motion, error)
+  !> What a prescribed mesh with a stiffness has besides: shared compliance, and profile error from a table, which may
+  !> reach beyond A and E as far as a table of the stiffness does.
+  subroutine build_profile_error(case, folder, mesh, error)
+    type(case_t), intent(in) :: case
+    character(*), intent(in) :: folder
+    type(mesh_t), intent(inout) :: mesh
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: s(:), values(:)
+    real(dp) :: softest
+
+    mesh%disc%shared = case%shared_compliance
+    softest = 1/mesh%stiffness%maximum()
+    if (mesh%disc%shared >= softest) call fail(error, code_input, '&mesh shared_compliance_um_n = '// &
+      str(1e6_dp*mesh%disc%shared)//': is a part of each pair''s compliance, which falls to '//str(1e6_dp*softest)//' um/N')
+    if (allocated(error) .or. .not. allocated(case%profile_error_file)) return
+    call read_table(beside(folder, case%profile_error_file), s, values, error)
+    if (allocated(error)) return
+    call claim_memory(400.0_dp*size(s), '&mesh profile_error_file: '//str(size(s))//' rows', error)
+    if (.not. allocated(error)) call profile_table(mesh%contact_ratio, s, 1e-6_dp*max(-1e300_dp, min(1e300_dp, values)), &
+                                                   mesh%profile_error, error)
+    if (allocated(error) .or. case%model /= 'table') return
+    associate (known => mesh%stiffness%breaks([1, size(mesh%stiffness%breaks)]))
+      mesh%reach = [min(mesh%reach(1), max(known(1), s(1))), max(mesh%reach(2), min(known(2), s(size(s))))]
+    end associate
+  end subroutine build_profile_error
+
+  !> The oscillator of a mesh with this pair stiffness (N/m over s) and amount of relief (m) or, where it is prescribed,
+  !> this profile error (m over s).
+  subroutine build_motion(inputs, stiffness, prescribed, amount, motion, error)
     type(motion_inputs_t), intent(in) :: inputs
-    type(piecewise_t), intent(in) :: stiffness
+    type(piecewise_t), intent(in) :: stiffness, prescribed   !< without breaks: the relief makes the profile error
     real(dp), intent(in) :: amount
     type(oscillator_t), intent(out) :: motion
     type(error_t), allocatable, intent(out) :: error
@@ -165,8 +193,12 @@ contains
     motion%mesh%teeth = inputs%teeth
     motion%mesh%stiffness = stiffness
     motion%mesh%disc = inputs%disc
-    call relieve(inputs%relief, amount, motion%mesh%profile_error, error)
-    if (allocated(error)) return
+    if (allocated(prescribed%breaks)) then
+      motion%mesh%profile_error = prescribed
+    else
+      call relieve(inputs%relief, amount, motion%mesh%profile_error, error)
+      if (allocated(error)) return
+    end if
     motion%mass = inputs%mass
     motion%load = inputs%load
     motion%damping_ratio = inputs%damping_ratio

@@ -34,7 +34,7 @@ contains
       if (until < from) until = len(text) + 1
       call read_row(text(from:until - 1), numbers, blank, ok)
       if (.not. ok) then
-        call fail(error, code_input, path//' line '//str(line)//': must be two numbers, s and stiffness')
+        call fail(error, code_input, path//' line '//str(line)//': must be two numbers')
         return
       end if
       from = until + 1

@@ -106,7 +106,7 @@ contains
     if (map%steps == 0) return
     call set_durations(map, [duration])
     if (options%steady%method == by_marching) return
-    if (point%steady%partial) then
+    if (point%steady%departs) then
       call shoot(map, options%steady%tolerance, point%steady%periods, state, steady)
     else
       call solve_full_contact(map, state, steady)

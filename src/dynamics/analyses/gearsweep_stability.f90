@@ -1,4 +1,5 @@
-!> Parametric stability of the motion with all pairs in contact, over speed and damping.
+!> Parametric stability of the motion in full contact, over speed and damping: with all pairs between A and E in contact or,
+!> where contact reaches beyond, with those that carry the static load.
 !>
 !> A disturbance d of that motion obeys Hill's equation, d" + 2 zeta omega d' + omega^2 d = 0 with omega of mesh period
 !> T: load and relief drop out. The two Floquet multipliers follow from the trace of its monodromy matrix and from the
@@ -133,10 +134,15 @@ contains
     integer :: steps
 
     hill%osc = osc
-    hill%osc%mesh%profile_error = constant(0.0_dp, osc%mesh%contact_ratio, 0.0_dp)
-    call make_oscillator(hill%osc, error)
     resolved = .false.
-    if (allocated(error)) return
+    if (osc%mesh%reaches_beyond()) then
+      ! The contact is that under the static load, with relief.
+      hill%osc%mesh%profile_error = osc%mesh%profile_error%scaled(0.0_dp)
+    else
+      hill%osc%mesh%profile_error = constant(0.0_dp, osc%mesh%contact_ratio, 0.0_dp)
+      call make_oscillator(hill%osc, error)
+      if (allocated(error)) return
+    end if
     fastest = osc%highest_frequency*max(1.0_dp, 2*maxval(damping_ratio))
     steps = 8
     do while (steps < fastest*duration)

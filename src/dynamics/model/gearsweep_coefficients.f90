@@ -1,17 +1,21 @@
 !> Coefficients of the equation of motion over one mesh period, step by step. They do not depend on the speed.
 !>
-!> The steps end at every break, so that the coefficients are smooth within a step. A contact is a pair between A
-!> and E or, as the last one and only with backlash, the coast sides together.
+!> The steps end at every break, so that the coefficients are smooth within a step. A contact is a pair that may be in
+!> contact or, as the last one and only with backlash, the coast sides together.
+!>
+!> Full contact is the contact set about which the motion is linear: all pairs between A and E are in contact or, where
+!> contact reaches beyond A and E, those that carry the static load.
 module gearsweep_coefficients
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
   use gearsweep_mesh, only: interval_t
-  use gearsweep_oscillator, only: oscillator_t, acceleration, mobility
+  use gearsweep_oscillator, only: oscillator_t, mobility
   use gearsweep_nodes, only: nodes, stiff_nodes
+  use gearsweep_shared_compliance, only: effective_pair, own_derivatives, reduce_sums
   implicit none
   private
-  public :: resolution_t, coefficients_t, tabulate, graded_steps, end_acceleration
+  public :: resolution_t, coefficients_t, tabulate, graded_steps
 
   !> Methods of integration.
   integer, parameter, public :: &
@@ -43,7 +47,9 @@ module gearsweep_coefficients
     integer :: steps = 0               !< of the period; 0: the memory does not hold them
     integer :: contacts = 0            !< pairs at most, and the coast sides
     integer, allocatable :: interval(:)    !< smooth interval that a step lies in; (step)
-    integer, allocatable :: pairs(:)       !< between A and E; (step)
+    integer, allocatable :: pairs(:)       !< that may be in contact; (step)
+    integer, allocatable :: full(:)        !< contact set of full contact: bit j - 1 for pair j; (step)
+    integer, allocatable :: between(:)     !< the pairs between A and E, in the same way; (step)
     type(kind_t), allocatable :: kind(:)   !< (step)
     real(dp), allocatable :: left(:), width(:)     !< begin and length of a step, mesh phase 0 to 1; (step)
     real(dp), allocatable :: rate(:, :, :)         !< k_j, 1/s^2; (contact, node, step)
@@ -53,11 +59,14 @@ module gearsweep_coefficients
     real(dp), allocatable :: end_stiffness(:, :, :, :)
     !> e_j (m) with its first and second derivative over the phase; (0:2, contact, end, step)
     real(dp), allocatable :: end_profile_error(:, :, :, :)
-    !> Upper bound (m) of all profile errors: a motion whose tangents at the ends of the step stay above it keeps
-    !> all pairs in contact; (step)
-    real(dp), allocatable :: upper_bound(:)
-    !> Sums over all pairs: omega^2 (1/s^2), k e (m/s^2), omega (rad/s); (node, step)
+    !> Bounds (m) of the profile errors: a motion whose tangents at the ends of the step stay above the upper one keeps the
+    !> pairs of full contact in contact, and below the lower one the others apart; (step)
+    real(dp), allocatable :: upper_bound(:), lower_bound(:)
+    !> Sums over the pairs of full contact: omega^2 (1/s^2), k e (m/s^2), omega (rad/s); (node, step)
     real(dp), allocatable :: omega_squared(:, :), forcing(:, :), omega(:, :)
+    !> Where pairs share a compliance, `end_stiffness` and `end_profile_error` are the effective ones in full contact, and
+    !> these their own; own stiffness (N/m) also at the nodes, (pair, node, step).
+    real(dp), allocatable :: own_stiffness(:, :, :, :), own_profile_error(:, :, :, :), node_stiffness(:, :, :)
   end type coefficients_t
 
 contains
@@ -87,6 +96,8 @@ contains
       associate (interval => osc%intervals(i))
         table%interval(first:last) = i
         table%pairs(first:last) = interval%pairs
+        table%full(first:last) = set_of(interval%carries)
+        table%between(first:last) = set_of(interval%between)
         table%kind(first:last) = kind_t()
         if (resolution%graded_for > 0) then
           call grade_interval(osc, i, resolution, grading(i), first, last, table)
@@ -100,10 +111,22 @@ contains
         end do
       end associate
     end do
+    if (osc%shared > 0) call share_compliance(osc, table)
     if (osc%has_backlash) call fill_coast(osc, table)
-    call find_upper_bounds(osc, table)
+    call find_bounds(osc, table)
     table%omega(:, :) = sqrt(table%omega_squared)
   end subroutine tabulate
+
+  !> The contact set of these pairs.
+  pure integer function set_of(pairs) result(contact_set)
+    logical, intent(in) :: pairs(:)
+    integer :: j
+
+    contact_set = 0
+    do j = 1, size(pairs)
+      if (pairs(j)) contact_set = ibset(contact_set, j - 1)
+    end do
+  end function set_of
 
   !> How the steps of each smooth interval grow behind its begin; (interval).
   pure function gradings(osc, resolution) result(grading)
@@ -161,7 +184,8 @@ contains
     logical :: fits
 
     if (allocated(table%interval)) then
-      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2)) return
+      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2) .and. &
+          (osc%shared > 0 .eqv. allocated(table%own_stiffness))) return
       table = coefficients_t()
     end if
     fits = .true.
@@ -171,10 +195,12 @@ contains
     table%contacts = osc%contacts
     associate (m => table%contacts, p => osc%pairs)
       allocate (table%interval(steps), table%pairs(steps), table%left(steps), table%width(steps), table%upper_bound(steps))
-      allocate (table%kind(steps))
+      allocate (table%kind(steps), table%full(steps), table%between(steps), table%lower_bound(steps))
       allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%end_rate(p, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, m, 2, steps))
       allocate (table%omega_squared(3, steps), table%forcing(3, steps), table%omega(3, steps))
+      if (osc%shared > 0) allocate (table%own_stiffness(0:2, p, 2, steps), table%own_profile_error(0:2, p, 2, steps), &
+                                    table%node_stiffness(p, 3, steps))
     end associate
   end subroutine allocate_table
 
@@ -183,26 +209,64 @@ contains
     type(oscillator_t), intent(in) :: osc
 
     step_bytes = 8*(60 + 14*osc%contacts + 6*osc%pairs)
+    if (osc%shared > 0) step_bytes = step_bytes + 8*15*osc%pairs
   end function step_bytes
 
-  !> From the highest profile error at the ends of each step and what its derivative takes from the motion's; not
-  !> below the coast sides.
-  pure subroutine find_upper_bounds(osc, table)
+  !> Turns what was tabulated for pairs by themselves into what it is while they share a compliance.
+  pure subroutine share_compliance(osc, table)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(inout) :: table
-    real(dp) :: height, steepness
+    real(dp) :: a, b
+    integer :: i, j, k
+
+    do i = 1, table%steps
+      associate (p => table%pairs(i), full => table%full(i))
+        do k = 1, 3
+          a = 0
+          b = 0
+          do j = 1, p
+            if (.not. btest(full, j - 1)) cycle
+            a = a + table%node_stiffness(j, k, i)
+            b = b + table%node_stiffness(j, k, i)*table%profile_error(j, k, i)
+          end do
+          call reduce_sums(osc%shared, a, b, table%omega_squared(k, i), table%forcing(k, i))
+        end do
+        table%own_stiffness(:, :p, :, i) = table%end_stiffness(:, :p, :, i)
+        table%own_profile_error(:, :p, :, i) = table%end_profile_error(:, :p, :, i)
+        do k = 1, 2
+          do j = 1, p
+            call effective_pair(osc%shared, full, j, table%own_stiffness(:, :p, k, i), table%own_profile_error(:, :p, k, i), &
+                                table%end_stiffness(:, j, k, i), table%end_profile_error(:, j, k, i))
+          end do
+        end do
+      end associate
+    end do
+  end subroutine share_compliance
+
+  !> From the highest profile error of the pairs in full contact at the ends of each step, the lowest of the others, and
+  !> what their derivatives take from the motion's; not below the coast sides.
+  pure subroutine find_bounds(osc, table)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: highest, lowest, steepness
     integer :: i, j
 
     do i = 1, table%steps
-      height = -osc%backlash
+      highest = -osc%backlash
+      lowest = huge(lowest)
       steepness = 0
       do j = 1, table%pairs(i)
-        height = max(height, table%end_profile_error(0, j, 1, i), table%end_profile_error(0, j, 2, i))
+        if (btest(table%full(i), j - 1)) then
+          highest = max(highest, table%end_profile_error(0, j, 1, i), table%end_profile_error(0, j, 2, i))
+        else
+          lowest = min(lowest, table%end_profile_error(0, j, 1, i), table%end_profile_error(0, j, 2, i))
+        end if
         steepness = max(steepness, abs(table%end_profile_error(1, j, 1, i)), abs(table%end_profile_error(1, j, 2, i)))
       end do
-      table%upper_bound(i) = height + steepness*table%width(i)/2
+      table%upper_bound(i) = highest + steepness*table%width(i)/2
+      table%lower_bound(i) = lowest - steepness*table%width(i)/2
     end do
-  end subroutine find_upper_bounds
+  end subroutine find_bounds
 
   !> Pair j over the steps first to last, those of one smooth interval.
   pure subroutine fill_pair(osc, interval, j, first, last, table)
@@ -219,19 +283,24 @@ contains
     do i = 1, n
       associate (step => first + i - 1)
         if (table%kind(step)%stiff) then
-          s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*stiff_nodes
+          s(3*i - 2:3*i) = interval%place(table%left(step), j) + table%width(step)*stiff_nodes
         else
-          s(3*i - 2:3*i) = table%left(step) + j - 1 + table%width(step)*nodes
+          s(3*i - 2:3*i) = interval%place(table%left(step), j) + table%width(step)*nodes
         end if
       end associate
     end do
-    call osc%mesh%stiffness%sample(s, 0, rate)
+    call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), rate)
+    if (osc%shared > 0) then
+      rate = rate/(1 - osc%shared*rate)
+      table%node_stiffness(j, :, first:last) = reshape(rate, [3, n])
+    end if
     call weigh(osc, s, interval%recess(j), rate)
-    call osc%mesh%profile_error%sample(s, interval%piece(j), error)
-    ends(:n - 1) = table%left(first:last) + j - 1
+    call osc%mesh%profile_error%sample(s, interval%piece(:, j), error)
+    ends(:n - 1) = interval%place(table%left(first:last), j)
     ends(n) = ends(n - 1) + table%width(last)
-    call osc%mesh%stiffness%sample(ends, 0, stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
-    call osc%mesh%profile_error%sample(ends, interval%piece(j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
+    call osc%mesh%stiffness%sample(ends, interval%stiffness_piece(:, j), stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
+    call osc%mesh%profile_error%sample(ends, interval%piece(:, j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
+    if (osc%shared > 0) call own_derivatives(osc%shared, stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
     end_rate = stiffness(:, 0)
     call weigh(osc, ends, interval%recess(j), end_rate)
     do i = 1, n
@@ -239,6 +308,7 @@ contains
         do k = 1, 3
           table%rate(j, k, step) = rate(3*i - 3 + k)
           table%profile_error(j, k, step) = error(3*i - 3 + k)
+          if (.not. interval%carries(j)) cycle
           table%omega_squared(k, step) = table%omega_squared(k, step) + rate(3*i - 3 + k)
           table%forcing(k, step) = table%forcing(k, step) + rate(3*i - 3 + k)*error(3*i - 3 + k)
         end do
@@ -281,35 +351,16 @@ contains
         associate (interval => osc%intervals(table%interval(i)))
           s = table%left(i) + table%width(i)*merge(stiff_nodes, nodes, table%kind(i)%stiff)
           do j = 1, interval%pairs
+            if (.not. interval%between(j)) cycle
             do k = 1, size(nodes)
               table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
-                /mobility(osc, s(k) + j - 1, interval%recess(j))
+                /mobility(osc, interval%place(s(k), j), interval%recess(j))
             end do
           end do
         end associate
       end do
+      if (osc%shared > 0) table%rate(coast, :, :) = table%rate(coast, :, :)/(1 + osc%shared*table%rate(coast, :, :)/sum(1/osc%mass))
     end associate
   end subroutine fill_coast
 
-  !> Second derivative of x over the phase (m) at an end of a step. The coast sides count as apart, as this is
-  !> asked for the load of a pair in contact.
-  pure real(dp) function end_acceleration(osc, table, step, end, contact_set, duration, state)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step, end           !< which step; 1 its begin, 2 its end
-    integer, intent(in) :: contact_set         !< bit j - 1: pair j is in contact
-    real(dp), intent(in) :: duration           !< of the mesh period, s
-    real(dp), intent(in) :: state(2)           !< x and its derivative over the phase there, m
-    real(dp) :: omega_squared, forcing
-    integer :: j
-
-    omega_squared = 0
-    forcing = 0
-    do j = 1, osc%pairs
-      if (.not. btest(contact_set, j - 1)) cycle
-      omega_squared = omega_squared + table%end_rate(j, end, step)
-      forcing = forcing + table%end_rate(j, end, step)*table%end_profile_error(0, j, end, step)
-    end do
-    end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
-  end function end_acceleration
 end module gearsweep_coefficients

@@ -1,14 +1,15 @@
 !> Coefficients of the equation of motion for the methods of the literature, in a given number of steps: at the begin,
 !> the middle and the end of each.
 !>
-!> Steps that end at the breaks have one-sided coefficients there. Equal steps know nothing of breaks: a pair counts
-!> from A to E at each of the three places by itself.
+!> Steps that end at the breaks have one-sided coefficients there. Equal steps know nothing of breaks: which pairs may be
+!> in contact is asked at each of the three places by itself.
 module gearsweep_literature_table
   use gearsweep_coefficients, only: resolution_t, scheme_rk4
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
   use gearsweep_mesh, only: interval_t
   use gearsweep_oscillator, only: oscillator_t, mobility
+  use gearsweep_shared_compliance, only: own_derivatives
   implicit none
   private
   public :: literature_table_t, exact_step_t, tabulate_literature
@@ -25,10 +26,12 @@ module gearsweep_literature_table
     integer :: scheme = 0                        !< scheme_rk4 ... of gearsweep_coefficients
     integer :: steps = 0                         !< of the period; 0: the memory does not hold them
     real(dp), allocatable :: left(:), width(:)   !< begin and length of a step, mesh phase; (step)
-    integer, allocatable :: pairs(:)             !< between A and E at any of its places; (step)
-    !> k_j (1/s^2), 0 beyond A to E, and e_j (m); (contact, place, step)
+    integer, allocatable :: pairs(:)             !< that may be in contact at any of its places; (step)
+    integer, allocatable :: offset(:, :)         !< path coordinate of the first of them less the phase; (place, step)
+    integer, allocatable :: between(:, :)        !< those between A and E, as a contact set; (place, step)
+    !> k_j (1/s^2), 0 for a pair that cannot be in contact, and e_j (m); (contact, place, step)
     real(dp), allocatable :: rate(:, :, :), profile_error(:, :, :)
-    !> K_j (N/m), 0 beyond A to E, and its derivative over the phase; (0:1, pair, place, step)
+    !> Own stiffness K_j (N/m), 0 like k_j, and its derivative over the phase; (0:1, pair, place, step)
     real(dp), allocatable :: stiffness(:, :, :, :)
     real(dp), allocatable :: profile_error_slope(:, :, :)    !< derivative of e_j over the phase, m; (pair, place, step)
     type(exact_step_t), allocatable :: exact(:)  !< with constant coefficients; (step)
@@ -80,7 +83,7 @@ contains
     logical :: fits
 
     associate (m => osc%contacts, p => osc%pairs)
-      bytes = 8.0_dp*steps*(10 + 6*m + 9*p)
+      bytes = 8.0_dp*steps*(14 + 6*m + 9*p)
       fits = .true.
       if (bytes > small) call has_memory(bytes, fits)
       if (.not. fits) return
@@ -88,6 +91,7 @@ contains
       allocate (table%left(steps), table%width(steps), table%pairs(steps), table%exact(steps))
       allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%stiffness(0:1, p, 3, steps), &
                 table%profile_error_slope(p, 3, steps), source=0.0_dp)
+      allocate (table%offset(3, steps), table%between(3, steps), source=0)
     end associate
   end subroutine allocate_table
 
@@ -100,9 +104,13 @@ contains
     integer :: j, place
 
     table%pairs(step) = interval%pairs
+    table%offset(:, step) = interval%offset
     do place = 1, 3
       do j = 1, interval%pairs
-        call fill_pair(osc, j, place, step, interval%piece(j), interval%recess(j), table)
+        associate (s => interval%place(phase_of(table, place, step), j))
+          call fill_pair(osc, j, place, step, s, interval%stiffness_piece(:, j), interval%piece(:, j), interval%recess(j), table)
+        end associate
+        if (interval%between(j)) table%between(place, step) = ibset(table%between(place, step), j - 1)
       end do
       call fill_coast(osc, place, step, table)
     end do
@@ -113,50 +121,69 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: step
     type(literature_table_t), intent(inout) :: table
+    ! At the end of the period no pair has begun that is not there before.
+    real(dp), parameter :: before_end = 1 - 1e-12_dp
     real(dp) :: s
     integer :: j, place
 
     table%pairs(step) = 0
-    do place = 1, 3
-      do j = 1, osc%pairs
-        s = coordinate(table, j, place, step)
-        if (s > osc%mesh%contact_ratio) cycle
-        table%pairs(step) = max(table%pairs(step), j)
-        call fill_pair(osc, j, place, step, osc%mesh%profile_error%locate(s), s > osc%mesh%pitch_point, table)
+    associate (mesh => osc%mesh)
+      do place = 1, 3
+        table%offset(place, step) = ceiling(mesh%reach(1) - min(phase_of(table, place, step), before_end))
+        do j = 1, osc%pairs
+          s = phase_of(table, place, step) + (j + table%offset(place, step)) - 1
+          if (s > mesh%reach(2)) cycle
+          table%pairs(step) = max(table%pairs(step), j)
+          call fill_pair(osc, j, place, step, s, [1, size(mesh%stiffness%breaks) - 1], spread(mesh%profile_error%locate(s), 1, 2), &
+                         s > mesh%pitch_point, table)
+          if (s >= 0 .and. s <= mesh%contact_ratio) table%between(place, step) = ibset(table%between(place, step), j - 1)
+        end do
+        call fill_coast(osc, place, step, table)
       end do
-      call fill_coast(osc, place, step, table)
-    end do
+    end associate
   end subroutine fill_equal
 
-  pure real(dp) function coordinate(table, j, place, step) result(s)
+  pure real(dp) function phase_of(table, place, step) result(phase)
     type(literature_table_t), intent(in) :: table
-    integer, intent(in) :: j, place, step
+    integer, intent(in) :: place, step
 
-    s = table%left(step) + table%width(step)*(place - 1)/2 + j - 1
-  end function coordinate
+    phase = table%left(step) + table%width(step)*(place - 1)/2
+  end function phase_of
 
-  pure subroutine fill_pair(osc, j, place, step, piece, recess, table)
+  !> Pair j, at the path coordinate s, from these pieces of stiffness and profile error.
+  pure subroutine fill_pair(osc, j, place, step, s, stiffness_piece, piece, recess, table)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: j, place, step, piece
+    integer, intent(in) :: j, place, step, stiffness_piece(2), piece(2)
+    real(dp), intent(in) :: s
     logical, intent(in) :: recess
     type(literature_table_t), intent(inout) :: table
-    real(dp) :: s
+    real(dp) :: k, slope, none
+    integer :: i
 
-    s = coordinate(table, j, place, step)
-    table%stiffness(:, j, place, step) = [osc%mesh%stiffness%value(s), osc%mesh%stiffness%slope(s)]
-    table%rate(j, place, step) = table%stiffness(0, j, place, step)*mobility(osc, s, recess)
-    table%profile_error(j, place, step) = osc%mesh%profile_error%value(s, piece)
-    table%profile_error_slope(j, place, step) = osc%mesh%profile_error%slope(s, piece)
+    i = osc%mesh%stiffness%locate(s, stiffness_piece)
+    k = osc%mesh%stiffness%value(s, i)
+    slope = osc%mesh%stiffness%slope(s, i)
+    none = 0
+    if (osc%shared > 0) call own_derivatives(osc%shared, k, slope, none)
+    table%stiffness(:, j, place, step) = [k, slope]
+    table%rate(j, place, step) = k*mobility(osc, s, recess)
+    i = osc%mesh%profile_error%locate(s, piece)
+    table%profile_error(j, place, step) = osc%mesh%profile_error%value(s, i)
+    table%profile_error_slope(j, place, step) = osc%mesh%profile_error%slope(s, i)
   end subroutine fill_pair
 
-  !> The coast sides, backed by the stiffness of all pairs.
+  !> The coast sides, backed by the stiffness of all pairs between A and E.
   pure subroutine fill_coast(osc, place, step, table)
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: place, step
     type(literature_table_t), intent(inout) :: table
 
+    real(dp) :: k
+    integer :: j
+
     if (.not. osc%has_backlash) return
-    table%rate(osc%contacts, place, step) = sum(table%stiffness(0, :, place, step))*sum(1/osc%mass)
+    k = sum(table%stiffness(0, :, place, step), mask=btest(table%between(place, step), [(j, j=0, osc%pairs - 1)]))
+    table%rate(osc%contacts, place, step) = k/(1 + osc%shared*k)*sum(1/osc%mass)
     table%profile_error(osc%contacts, place, step) = -osc%backlash
   end subroutine fill_coast
 end module gearsweep_literature_table

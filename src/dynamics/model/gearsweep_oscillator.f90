@@ -3,13 +3,17 @@
 !> x = x1 - x2 is the dynamic transmission error; with the pairs in contact C and f = 1 -/+ mu rho/r_b,
 !>   x" + 2 zeta omega x' + omega^2 x = (1/m1 + 1/m2) F_s + sum_C k_j e_j,
 !>   k_j = K_j (f_1j/m1 + f_2j/m2),  omega^2 = sum_C k_j.
-!> Where the coast sides are in contact (x < -backlash), all pairs between A and E push back with their
+!> Pairs that share a compliance have the effective stiffness and profile error of gearsweep_shared_compliance for K_j and
+!> e_j. Where the coast sides are in contact (x < -backlash), all pairs between A and E push back with their
 !> stiffness, without profile error and friction.
 !> Source: Dogan et al. 2021, Eqs. 9 to 20, misprints corrected.
 module gearsweep_oscillator
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
+  use gearsweep_segments, only: contact_intervals
+  use gearsweep_shared_compliance, only: closed_pairs, reduce_sums
+  use gearsweep_sharing, only: pairs_at
   use gearsweep_text, only: str
   implicit none
   private
@@ -25,13 +29,16 @@ module gearsweep_oscillator
     real(dp) :: friction = 0           !< mu
     logical :: has_backlash = .false.  !< the coast sides can come into contact
     real(dp) :: backlash = 0           !< m, along the line of action
-    integer :: pairs = 0               !< between A and E at most
+    real(dp) :: shared = 0             !< compliance that the pairs share, m/N
+    integer :: pairs = 0               !< that may be in contact at most
     integer :: contacts = 0            !< the pairs, and one for the coast sides where there is backlash
-    real(dp) :: natural_frequency = 0  !< at mean stiffness, without friction and relief, rad/s
+    real(dp) :: natural_frequency = 0  !< at mean stiffness between A and E, without friction and relief, rad/s
     real(dp) :: highest_frequency = 0  !< upper bound of omega over the period, rad/s
     real(dp) :: static_deflection = 0  !< load over mean stiffness, m: the unit of residuals
     real(dp) :: mean_deflection = 0    !< deflection whose mean load over the period is the static one, m
-    type(interval_t), allocatable :: intervals(:)  !< smooth intervals of the mesh period: no coefficient has a break within
+    !> Smooth intervals of the mesh period: no coefficient has a break within. Where contact reaches beyond A and E, they
+    !> also end where pairs begin and cease to carry the static load.
+    type(interval_t), allocatable :: intervals(:)
     real(dp), allocatable :: frequency(:, :)   !< lowest and highest omega of each interval, rad/s; (2, interval)
   end type oscillator_t
 
@@ -43,6 +50,9 @@ contains
     type(error_t), allocatable, intent(out) :: error       !< a value that is not allowed, by its name
 
     call demand(osc%mesh%contact_ratio > 1, 'contact ratio', osc%mesh%contact_ratio, 'must be above 1')
+    call demand(osc%mesh%disc%shared >= 0, 'shared compliance', osc%mesh%disc%shared, 'must be at least 0')
+    call demand(osc%mesh%disc%shared*osc%mesh%stiffness%maximum() < 1, 'shared compliance', osc%mesh%disc%shared, &
+                'must be below the compliance of a pair, of which it is a part')
     call demand(all(osc%mass > 0), 'effective mass', minval(osc%mass), 'must be above 0')
     call demand(osc%load > 0, 'load', osc%load, 'must be above 0')
     call demand(osc%damping_ratio >= 0, 'damping_ratio', osc%damping_ratio, 'must be at least 0')
@@ -52,13 +62,22 @@ contains
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
       osc%friction, 'needs the teeth of both members and the pressure angle')
     if (allocated(error)) return
-    osc%intervals = smooth_intervals(osc%mesh, osc%friction > 0)
+    osc%shared = osc%mesh%disc%shared
+    if (osc%mesh%reaches_beyond()) then
+      osc%intervals = contact_intervals(osc%mesh, osc%load, osc%friction > 0)
+    else
+      osc%intervals = smooth_intervals(osc%mesh, osc%friction > 0)
+    end if
     osc%pairs = maxval(osc%intervals%pairs)
     osc%contacts = osc%pairs + merge(1, 0, osc%has_backlash)
     osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))
     osc%static_deflection = osc%load/osc%mesh%mean_stiffness()
-    osc%mean_deflection = mean_deflection(osc)
+    if (osc%shared > 0) then
+      osc%mean_deflection = mean_deflection_in_series(osc)
+    else
+      osc%mean_deflection = mean_deflection(osc)
+    end if
     osc%frequency = interval_frequencies(osc)
 
   contains
@@ -88,9 +107,9 @@ contains
       associate (interval => osc%intervals(i))
         do k = 1, samples
           do j = 1, interval%pairs
-            s = interval%first + (interval%last - interval%first)*(k - 0.5_dp)/samples + j - 1
+            s = interval%place(interval%first + (interval%last - interval%first)*(k - 0.5_dp)/samples, j)
             stiffness(j, k, i) = osc%mesh%stiffness%value(s)*(interval%last - interval%first)/samples
-            profile_error(j, k, i) = osc%mesh%profile_error%value(s, interval%piece(j))
+            profile_error(j, k, i) = osc%mesh%profile_error%value(s)
           end do
         end do
       end associate
@@ -103,21 +122,60 @@ contains
     end do
   end function mean_deflection
 
-  !> Lowest and highest omega (rad/s) of each smooth interval while all pairs are in contact, (2, interval).
+  !> The same for pairs that share a compliance: Newton's method on the mean of the loads under one deflection.
+  pure real(dp) function mean_deflection_in_series(osc) result(x)
+    type(oscillator_t), intent(in) :: osc
+    integer, parameter :: samples = 32, most = 100
+    real(dp), dimension(osc%pairs) :: stiffness, error
+    real(dp) :: load, slope, phase, a, b
+    integer :: i, j, k, n, set
+
+    x = 2*osc%static_deflection + osc%mesh%profile_error%maximum()
+    do n = 1, most
+      load = 0
+      slope = 0
+      do i = 1, size(osc%intervals)
+        associate (interval => osc%intervals(i), p => osc%intervals(i)%pairs)
+          do k = 1, samples
+            phase = interval%first + (interval%last - interval%first)*(k - 0.5_dp)/samples
+            call pairs_at(osc%mesh, interval, phase, stiffness(:p), error(:p))
+            set = closed_pairs(osc%shared, stiffness(:p), error(:p), x)
+            a = sum(stiffness(:p), mask=btest(set, [(j, j=0, p - 1)]))
+            b = sum(stiffness(:p)*error(:p), mask=btest(set, [(j, j=0, p - 1)]))
+            associate (weight => (interval%last - interval%first)/samples/(1 + osc%shared*a))
+              load = load + weight*(a*x - b)
+              slope = slope + weight*a
+            end associate
+          end do
+        end associate
+      end do
+      if (load - osc%load <= 1e-12_dp*osc%load) exit
+      x = x - (load - osc%load)/slope
+    end do
+  end function mean_deflection_in_series
+
+  !> Lowest and highest omega (rad/s) of each smooth interval while the pairs of the reference contact are, (2, interval).
   pure function interval_frequencies(osc) result(frequency)
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: samples = 17
-    real(dp) :: frequency(2, size(osc%intervals)), omega_squared(samples), s(samples), rate(samples)
+    real(dp), dimension(samples) :: omega_squared, s, rate, own, none
+    real(dp) :: frequency(2, size(osc%intervals))
     integer :: i, j, k
 
     do i = 1, size(osc%intervals)
       associate (interval => osc%intervals(i))
         omega_squared = 0
+        own = 0
+        none = 0
         do j = 1, interval%pairs
-          s = interval%first + (interval%last - interval%first)*[(k, k=0, samples - 1)]/(samples - 1) + j - 1
-          call osc%mesh%stiffness%sample(s, 0, rate)
+          if (.not. interval%carries(j)) cycle
+          s = interval%place(interval%first + (interval%last - interval%first)*[(k, k=0, samples - 1)]/(samples - 1), j)
+          call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), rate)
+          rate = rate/(1 - osc%shared*rate)
+          own = own + rate
           omega_squared = omega_squared + rate*mobility(osc, s, interval%recess(j))
         end do
+        call reduce_sums(osc%shared, own, 0.0_dp, omega_squared, none)
       end associate
       frequency(:, i) = sqrt([minval(omega_squared), maxval(omega_squared)])
     end do

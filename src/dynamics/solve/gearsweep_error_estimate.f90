@@ -55,9 +55,9 @@ contains
                                             abs(point%steady%checksum - half%checksum)/osc%static_deflection))
       if (point%resolution%scheme == scheme_rk4) &
         point%step_error = rk4_error(max(abs(point%steady%peak - half%peak)/osc%load, &
-                                         distance(osc, duration, point%steady%state - half%state)), point%steady%partial)
+                                         distance(osc, duration, point%steady%state - half%state)), point%steady%departs)
       ! Where strong damping ends contact within a step or two, the order does not show.
-      if (osc%damping_ratio > 1 .and. point%steady%partial) point%step_error = 20*point%step_error
+      if (osc%damping_ratio > 1 .and. point%steady%departs) point%step_error = 20*point%step_error
       if (point%resolution%graded_for > 0) &
         point%step_error = graded_error(point%step_error, abs(point%steady%checksum - half%checksum)/osc%static_deflection)
       ! So near to 1 that the error of the steps decides on which side.

@@ -103,7 +103,7 @@ contains
   elemental logical function is_full_contact(steady)
     type(steady_t), intent(in) :: steady
 
-    is_full_contact = settled(steady) .and. .not. steady%partial
+    is_full_contact = settled(steady) .and. .not. steady%departs
   end function is_full_contact
 
   !> One speed in graded steps, on the branch that `start` leads to.

@@ -151,7 +151,7 @@ contains
     call set_durations(coarse, [duration])
     alike = options%steady
     alike%method = by_shooting
-    if (.not. point%steady%partial) then
+    if (.not. point%steady%departs) then
       call find_steady(coarse, alike, half)
     else
       call shoot(coarse, options%steady%tolerance, point%steady%periods, point%steady%state, half)

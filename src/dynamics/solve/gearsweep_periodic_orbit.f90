@@ -24,6 +24,8 @@ module gearsweep_periodic_orbit
     real(dp) :: closure = 0                      !< error of the state that the residual leaves, in static deflections
     integer :: periods = 1                       !< mesh periods until the motion repeats
     real(dp) :: work = 0                         !< computing time to find it, in steps
+    !> It was not all in full contact, about which the motion is linear.
+    logical :: departs = .false.
     !> A pair between A and E was apart for a while; all flanks were; the coast sides came into contact.
     logical :: partial = .false., lost = .false., coast = .false.
   end type steady_t
@@ -112,6 +114,7 @@ contains
       run%work = run%work + next%work
       run%peak = max(run%peak, next%peak)
       run%checksum = run%checksum + next%checksum
+      run%departs = run%departs .or. next%departs
       run%partial = run%partial .or. next%partial
       run%lost = run%lost .or. next%lost
       run%coast = run%coast .or. next%coast
@@ -200,6 +203,7 @@ contains
     steady%state = state
     steady%peak = run%peak
     steady%checksum = run%checksum/periods
+    steady%departs = run%departs
     steady%partial = run%partial
     steady%lost = run%lost
     steady%coast = run%coast

@@ -4,6 +4,7 @@ module gearsweep_steady
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_period, only: run_batch, run_period
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period_map, only: period_map_t, run_full_contact
   use gearsweep_periodic_orbit, only: steady_t, near, settled, shoot, is_closed, closure_of, newton_step, judge, distance
   use gearsweep_transient, only: march, steady_options_t, by_shooting
@@ -31,18 +32,28 @@ contains
         if (settled(steady)) return
         work = steady%work
         ! Far from rest Newton's method may find a motion that no start leads to.
-        if (distance(osc, duration, from - rest) > near) from = rest
+        if (distance(osc, duration, from - rest) > near .and. .not. is_one_branch(osc, steady%partial)) from = rest
       end if
       if (present(start)) from = start
       if (options%method == by_shooting) then
         call shoot(map, options%tolerance, 1, from, steady)
         steady%work = steady%work + work
-        if (settled(steady) .and. distance(osc, duration, steady%state - from) < near) return
+        if (settled(steady) .and. (distance(osc, duration, steady%state - from) < near .or. &
+                                   is_one_branch(osc, steady%partial))) return
       end if
       if (.not. present(start)) from = rest
       call march(map, options, from, steady)
     end associate
   end subroutine find_steady
+
+  !> Is there one motion only, wherever it starts? So it is taken to be while all pairs between A and E stay in contact,
+  !> though pairs beyond come and go.
+  pure logical function is_one_branch(osc, partial)
+    type(oscillator_t), intent(in) :: osc
+    logical, intent(in) :: partial               !< a pair between A and E was apart for a while
+
+    is_one_branch = osc%mesh%reaches_beyond() .and. .not. partial
+  end function is_one_branch
 
   !> The motion in full contact. Its period map is affine: one period gives the periodic state, a second one checks that
   !> no pair separates, and finds the largest load.
@@ -61,7 +72,7 @@ contains
     if (.not. solved) return
     call run_period(map, state, run(1))
     associate (osc => map%osc, duration => map%duration(1))
-      if (.not. (run(1)%partial .or. run(1)%failed)) &
+      if (.not. (run(1)%departs .or. run(1)%failed)) &
         call judge(osc, duration, state, run(1), closure_of(osc, duration, state, run(1)), 1, steady)
     end associate
     steady%work = 2*map%steps
@@ -81,7 +92,7 @@ contains
     parts = .false.
     active = .true.
     if (present(guide)) then
-      parts = guide%partial .or. .not. settled(guide)
+      parts = guide%departs .or. .not. settled(guide)
       active = settled(guide)
       do l = 1, batch_size
         start(:, l) = guide(l)%state
@@ -139,15 +150,18 @@ contains
           if (is_closed(closure, tolerance)) then
             last = .true.
             active(l) = .not. peaks
-            if (peaks .and. distance(osc, duration(l), state(:, l) - from(:, l)) < near) &
+            if (peaks .and. (distance(osc, duration(l), state(:, l) - from(:, l)) < near .or. &
+                             is_one_branch(osc, run(l)%partial))) &
               call judge(osc, duration(l), state(:, l), run(l), closure, 1, steady(l))
-          else if (iteration == 1 .and. .not. parts(l) .and. distance(osc, duration(l), state(:, l) - rest) > near) then
+          else if (iteration == 1 .and. .not. parts(l) .and. distance(osc, duration(l), state(:, l) - rest) > near .and. &
+                   .not. is_one_branch(osc, run(l)%partial)) then
             from(:, l) = rest
             state(:, l) = rest
           else
             call newton_step(run(l)%monodromy, run(l)%state - state(:, l), step, active(l))
             state(:, l) = state(:, l) + step
-            active(l) = active(l) .and. .not. run(l)%failed .and. distance(osc, duration(l), state(:, l) - from(:, l)) < 2*near
+            active(l) = active(l) .and. .not. run(l)%failed .and. (is_one_branch(osc, run(l)%partial) .or. &
+                        distance(osc, duration(l), state(:, l) - from(:, l)) < 2*near)
             last = last .or. distance(osc, duration(l), step)**2 < tolerance
           end if
         end do

@@ -91,7 +91,7 @@ contains
     end do
     if (.not. history%growth > sure_growth) return
     steady = steady_t(status=status_chaotic, multiplier=exp(history%growth/(history%length - first_counted)), &
-                      partial=run%partial, lost=run%lost, coast=run%coast, work=steady%work)
+                      departs=run%departs, partial=run%partial, lost=run%lost, coast=run%coast, work=steady%work)
   end subroutine march
 
   pure subroutine begin(history, periods, start)

@@ -9,9 +9,9 @@ module gearsweep_contact_events
   use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
   use gearsweep_oscillator, only: damping
   use gearsweep_period_map, only: period_map_t
-  use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic, value_of
+  use gearsweep_quintic, only: evaluate, first_zero, may_cross_zero, quintic
   use gearsweep_sub_step, only: event_t, sub_steps_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, &
-                                derivatives, second_derivatives, second_derivatives_of_motion, last
+                                derivatives, second_derivatives, second_derivatives_of_motion, pair_at, pair_at_ends, last
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -149,7 +149,7 @@ contains
     type(integrator_t), intent(in) :: state
     real(dp), intent(out) :: part
     integer, intent(out) :: which
-    real(dp) :: motion(0:1, 2), overlap(0:2, 2), zero
+    real(dp) :: motion(0:1, 2), overlap(0:2, 2), stiffness(0:2, 2), error(0:2, 2), zero
     logical :: found
     integer :: j
 
@@ -162,9 +162,15 @@ contains
       do j = 1, osc%contacts
         if (j > table%pairs(c%step) .and. j <= osc%pairs) cycle
         associate (sense => state%contacts(j)%sense(l))
-          overlap(:1, :) = sense*(motion - derivatives(c, l, c%profile_error(:, j)))
+          if (osc%shared > 0 .and. j <= osc%pairs) then
+            call pair_at_ends(map, l, c, state%contact_set(l), j, stiffness, error)
+          else
+            error(:1, :) = derivatives(c, l, c%profile_error(:, j))
+            error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
+          end if
+          overlap(:1, :) = sense*(motion - error(:1, :))
           if (.not. may_cross_zero(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
-          overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - second_derivatives(c, l, c%profile_error(:, j)))
+          overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - error(2, :))
         end associate
         call first_zero(quintic(overlap(:, 1), overlap(:, 2)), zero, found)
         if (.not. found .or. zero >= part) cycle
@@ -189,7 +195,7 @@ contains
 
     associate (c => state%sub_steps, event => state%sub_steps%event(l))
       associate (sense => state%contacts(event%contact)%sense(l))
-        call evaluate(c%profile_error(:, event%contact), c%left(l) + c%width(l), error, error_slope)
+        call error_of(map, l, state, c%left(l) + c%width(l), error, error_slope)
         overlap = sense*(c%x(l, 2) - error)
         slope = sense*event%length*(map%table%width(c%step)*c%y(l, 2) - error_slope)
       end associate
@@ -216,22 +222,43 @@ contains
     call change_contact(map, l, state, period)
   end subroutine bracket
 
+  !> Profile error of the contact whose event motion l nears, at a place of the step, and its derivative over the step (m).
+  pure subroutine error_of(map, l, state, place, error, slope)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(integrator_t), intent(in) :: state
+    real(dp), intent(in) :: place
+    real(dp), intent(out) :: error, slope
+    real(dp), dimension(0:2) :: k, e
+
+    associate (c => state%sub_steps, j => state%sub_steps%event(l)%contact)
+      if (map%osc%shared > 0 .and. j <= map%osc%pairs) then
+        call pair_at(map, c, state%contact_set(l), j, place, k, e)
+        error = e(0)
+        slope = e(1)
+      else
+        call evaluate(c%profile_error(:, j), place, error, slope)
+      end if
+    end associate
+  end subroutine error_of
+
   !> Opens or closes the contact whose event motion l has reached.
   pure subroutine change_contact(map, l, state, period)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period
-    real(dp) :: approach
+    real(dp) :: approach, error, error_slope
 
     associate (c => state%sub_steps, event => state%sub_steps%event(l))
       associate (j => event%contact)
-        approach = c%y(l, 1) - derivative_of(c%profile_error(:, j), c%left(l))/map%table%width(c%step)
+        call error_of(map, l, state, c%left(l), error, error_slope)
+        approach = c%y(l, 1) - error_slope/map%table%width(c%step)
         event%jumps = abs(approach) > 0
         if (event%jumps) event%ratio = c%y(l, 1)/approach
         event%before = c%omega_squared(l, last)
         call set_contact(map%osc, l, j, .not. in_contact(state%contact_set(l), j), state%contact_set(l), state%contacts(j))
-        call record_contact(map%osc, state%contact_set(l), period)
+        call record_contact(map%osc, state%contact_set(l), map%table%full(c%step), map%table%between(c%step), period)
         event%events = event%events + 1
       end associate
       event%contact = 0
@@ -264,21 +291,29 @@ contains
     integer, intent(in) :: l, contact_set
     type(sub_steps_t), intent(in) :: c
     real(dp), intent(inout) :: peak
-    real(dp) :: motion(0:1, 2), stiffness(0:1, 2), gap(0:1, 2), load(0:2, 2)
+    real(dp) :: motion(0:1, 2), gap(0:1, 2), load(0:2, 2)
+    real(dp), dimension(0:2, 2) :: stiffness, error
     integer :: j
 
     motion(0, :) = c%x(l, :)
     motion(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
     do j = 1, map%table%pairs(c%step)
       if (.not. in_contact(contact_set, j)) cycle
-      stiffness = derivatives(c, l, c%stiffness(:, j))
-      gap = motion - derivatives(c, l, c%profile_error(:, j))
+      if (map%osc%shared > 0) then
+        call pair_at_ends(map, l, c, contact_set, j, stiffness, error)
+      else
+        stiffness(:1, :) = derivatives(c, l, c%stiffness(:, j))
+        stiffness(2, :) = second_derivatives(c, l, c%stiffness(:, j))
+        error(:1, :) = derivatives(c, l, c%profile_error(:, j))
+        error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
+      end if
+      gap = motion - error(:1, :)
       load(0, :) = stiffness(0, :)*gap(0, :)
       load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
       peak = max(peak, load(0, 1), load(0, 2))
       if (.not. may_exceed(load, peak)) cycle
-      load(2, :) = second_derivatives(c, l, c%stiffness(:, j))*gap(0, :) + 2*stiffness(1, :)*gap(1, :) &
-                   + stiffness(0, :)*(second_derivatives_of_motion(map, l, c) - second_derivatives(c, l, c%profile_error(:, j)))
+      load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) &
+                   + stiffness(0, :)*(second_derivatives_of_motion(map, l, c) - error(2, :))
       call raise_to_maximum(load, peak)
     end do
   end subroutine raise_peak
@@ -299,15 +334,22 @@ contains
     integer, intent(in) :: l, contact_set
     type(sub_steps_t), intent(in) :: c
     type(trace_t), intent(inout) :: trace
-    real(dp) :: ends(2)
+    real(dp) :: load(map%osc%pairs, 2), ends(2)
+    real(dp), dimension(0:2) :: stiffness, error
     integer :: j, k
 
     ends = c%left(l) + [0.0_dp, c%width(l)]
-    associate (table => map%table, i => c%step, pairs => map%table%pairs(c%step))
-      call record(trace, pairs, table%left(i) + table%width(i)*ends, c%x(l, :), &
-        reshape([((value_of(c%stiffness(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), &
-        reshape([((value_of(c%profile_error(:, j), ends(k)), j=1, pairs), k=1, 2)], [pairs, 2]), &
-        [(in_contact(contact_set, j), j=1, map%osc%contacts)])
+    load = 0
+    associate (table => map%table, i => c%step)
+      do k = 1, 2
+        do j = 1, table%pairs(i)
+          if (.not. in_contact(contact_set, j)) cycle
+          call pair_at(map, c, contact_set, j, ends(k), stiffness, error)
+          load(j, k) = stiffness(0)*max(0.0_dp, c%x(l, k) - error(0))
+        end do
+      end do
+      call record(trace, table%pairs(i), spread(map%osc%intervals(table%interval(i))%offset, 1, 2), &
+                  table%left(i) + table%width(i)*ends, c%x(l, :), load)
     end associate
   end subroutine record_sub_step
 end module gearsweep_contact_events

@@ -1,16 +1,15 @@
 !> Which contacts are closed, and what one mesh period of the motion does.
 !>
-!> A contact is a pair between A and E or, as the last one and only with backlash, the coast sides together. A
+!> A contact is a pair that may be in contact or, as the last one and only with backlash, the coast sides together. A
 !> contact set is an integer: bit j - 1 is set where contact j is closed. The state of the motion is x (m) and its
 !> derivative y over the mesh phase (m).
 module gearsweep_contact_set
-  use gearsweep_coefficients, only: coefficients_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   implicit none
   private
-  public :: period_t, contact_t, in_contact, full_contact, set_contact, record_contact
+  public :: period_t, contact_t, in_contact, set_contact, record_contact
 
   !> What one mesh period of the motion does.
   type :: period_t
@@ -21,6 +20,7 @@ module gearsweep_contact_set
     real(dp) :: checksum = 0
     integer :: events = 0              !< changes of contact
     real(dp) :: work = 0               !< computing time, in steps
+    logical :: departs = .false.       !< it was not all in full contact, about which the motion is linear
     logical :: partial = .false.       !< a pair between A and E was apart for a while
     logical :: lost = .false.          !< all flanks were apart for a while
     logical :: coast = .false.         !< the coast sides came into contact
@@ -45,14 +45,6 @@ contains
     in_contact = btest(contact_set, j - 1)
   end function in_contact
 
-  !> The contact set of all pairs between A and E.
-  pure integer function full_contact(table, step)
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step        !< in which step of the period
-
-    full_contact = 2**table%pairs(step) - 1
-  end function full_contact
-
   !> Closes or opens a contact of one motion.
   elemental subroutine set_contact(osc, l, j, closed, contact_set, contact)
     type(oscillator_t), intent(in) :: osc
@@ -67,14 +59,20 @@ contains
     contact%sense(l) = merge(1, -1, closed .eqv. j <= osc%pairs)
   end subroutine set_contact
 
-  !> Records in a period that a pair is apart, or that the coast sides are in contact.
-  pure subroutine record_contact(osc, contact_set, period)
+  !> Records in a period what contact there is.
+  pure subroutine record_contact(osc, contact_set, full, between, period)
     type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: contact_set         !< not that of full contact
+    integer, intent(in) :: contact_set
+    integer, intent(in) :: full                !< contact set of full contact
+    integer, intent(in) :: between             !< that of all pairs between A and E
     type(period_t), intent(inout) :: period
+    logical :: coast
 
-    period%partial = .true.
+    coast = osc%has_backlash
+    if (coast) coast = in_contact(contact_set, osc%contacts)
+    period%departs = period%departs .or. contact_set /= full
+    period%partial = period%partial .or. iand(contact_set, between) /= between .or. coast
     period%lost = period%lost .or. contact_set == 0
-    if (osc%has_backlash) period%coast = period%coast .or. in_contact(contact_set, osc%contacts)
+    period%coast = period%coast .or. coast
   end subroutine record_contact
 end module gearsweep_contact_set

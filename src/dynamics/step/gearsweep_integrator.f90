@@ -17,7 +17,7 @@ module gearsweep_integrator
     real(dp) :: held(batch_size)                 !< 0 where contact may change, else a height above all profile errors, m
     type(contact_t), allocatable :: contacts(:)
     integer :: contact_set(batch_size)
-    logical :: full_contact                      !< every pair between A and E is in contact, at every speed
+    logical :: full_contact                      !< there is full contact at every speed
     logical :: all_full                          !< so it was in all steps so far, whose propagators are cached
     logical :: changes(batch_size)               !< contact may change, and then does change, within the step
     type(sub_steps_t), allocatable :: sub_steps

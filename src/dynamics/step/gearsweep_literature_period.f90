@@ -12,6 +12,7 @@ module gearsweep_literature_period
   use gearsweep_kinds, only: dp
   use gearsweep_literature_table, only: exact_step_t, literature_table_t
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping
+  use gearsweep_shared_compliance, only: closed_pairs, effective_pair, reduce_sums
   use gearsweep_trace, only: record, trace_t
   implicit none
   private
@@ -20,7 +21,7 @@ module gearsweep_literature_period
   !> Places of a step.
   integer, parameter :: begins = 1, middle = 2, ends = 3
 
-  !> A height above all profile errors, m.
+  !> A height (m) that no motion reaches.
   real(dp), parameter :: far = 1e30_dp
 
 contains
@@ -32,65 +33,97 @@ contains
     type(literature_table_t), intent(inout) :: table     !< caches the motion over steps with constant coefficients
     real(dp), intent(in) :: duration                     !< of the mesh period, s
     real(dp), intent(in) :: start(2)                     !< x and its derivative over the phase, m
-    logical, intent(in) :: held                          !< all pairs between A and E stay in contact, push or pull
+    logical, intent(in) :: held                          !< the pairs between A and E stay in contact, push or pull
     type(period_t), intent(out) :: period
     type(trace_t), intent(inout), optional :: trace      !< the motion is added to it
-    real(dp) :: before(2), state(2), columns(2, 2), height
+    real(dp) :: before(2), state(2), columns(2, 2)
     integer :: contact_set, last_set, i
 
-    height = merge(far, 0.0_dp, held)
     state = start
     columns = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
     last_set = 0
     do i = 1, table%steps
       before = state
-      contact_set = contacts_at(osc, table, begins, i, state(1) + height)
-      if (contact_set /= all_pairs(osc, table, begins, i)) call record_contact(osc, contact_set, period)
+      contact_set = contacts_at(osc, table, begins, i, state(1), held)
+      call record_contact(osc, contact_set, table%between(begins, i), table%between(begins, i), period)
       if (i > 1 .and. contact_set /= last_set) period%events = period%events + 1
       if (table%scheme == scheme_constant) then
-        call step_exactly(osc, table, i, duration, height, state, columns)
+        call step_exactly(osc, table, i, duration, held, state, columns)
       else
-        call step_rk4(osc, table, i, duration, height, state, columns)
+        call step_rk4(osc, table, i, duration, held, state, columns)
       end if
-      last_set = contacts_at(osc, table, ends, i, state(1) + height)
-      call raise_peak(osc, table, i, before, state, period%peak)
-      if (present(trace)) call record(trace, table%pairs(i), table%left(i) + [0.0_dp, table%width(i)], [before(1), state(1)], &
-        table%stiffness(0, :, ::2, i), table%profile_error(:osc%pairs, ::2, i), spread(.true., 1, osc%contacts))
+      last_set = contacts_at(osc, table, ends, i, state(1), held)
+      call raise_peak(osc, table, i, [contact_set, last_set], before, state, period%peak)
+      if (present(trace)) call record(trace, table%pairs(i), table%offset(::2, i), table%left(i) + [0.0_dp, table%width(i)], &
+        [before(1), state(1)], reshape([loads_at(osc, table, begins, i, contact_set, before(1)), &
+                                        loads_at(osc, table, ends, i, last_set, state(1))], [osc%pairs, 2]))
     end do
     period%state = state
     period%monodromy = columns
     period%work = table%steps
   end subroutine run_literature_period
 
-  !> The contact set at a place of a step.
-  pure integer function contacts_at(osc, table, place, step, x) result(contact_set)
+  !> The contact set at a place of a step; where it is held, that of all pairs between A and E.
+  pure integer function contacts_at(osc, table, place, step, x, held) result(contact_set)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: place, step
     real(dp), intent(in) :: x
+    logical, intent(in) :: held
     integer :: j
 
-    contact_set = 0
-    do j = 1, osc%pairs
-      if (table%rate(j, place, step) > 0 .and. x > table%profile_error(j, place, step)) contact_set = ibset(contact_set, j - 1)
-    end do
+    contact_set = table%between(place, step)
+    if (held) return
+    associate (rate => table%rate(:osc%pairs, place, step), error => table%profile_error(:osc%pairs, place, step))
+      if (osc%shared > 0) then
+        contact_set = closed_pairs(osc%shared, table%stiffness(0, :, place, step), merge(error, far, rate > 0), x)
+      else
+        contact_set = 0
+        do j = 1, osc%pairs
+          if (rate(j) > 0 .and. x > error(j)) contact_set = ibset(contact_set, j - 1)
+        end do
+      end if
+    end associate
     if (osc%has_backlash) then
       if (x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
     end if
   end function contacts_at
 
-  !> That of all pairs between A and E.
-  pure integer function all_pairs(osc, table, place, step) result(contact_set)
+  !> Loads (N) of the pairs at a place of a step; (pair).
+  pure function loads_at(osc, table, place, step, contact_set, x) result(load)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
-    integer, intent(in) :: place, step
+    integer, intent(in) :: place, step, contact_set
+    real(dp), intent(in) :: x
+    real(dp) :: load(osc%pairs), k(0:1), e(0:1)
     integer :: j
 
-    contact_set = 0
+    load = 0
     do j = 1, osc%pairs
-      if (table%rate(j, place, step) > 0) contact_set = ibset(contact_set, j - 1)
+      if (.not. in_contact(contact_set, j)) cycle
+      call pair_at(osc, table, place, step, contact_set, j, k, e)
+      load(j) = k(0)*max(0.0_dp, x - e(0))
     end do
-  end function all_pairs
+  end function loads_at
+
+  !> Effective stiffness and profile error of pair j at a place of a step, with their derivatives over the phase.
+  pure subroutine pair_at(osc, table, place, step, contact_set, j, stiffness, error)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step, contact_set, j
+    real(dp), intent(out) :: stiffness(0:1), error(0:1)
+    real(dp), dimension(0:2, osc%pairs) :: own, errors
+    real(dp), dimension(0:2) :: k, e
+
+    own(:1, :) = table%stiffness(:, :, place, step)
+    own(2, :) = 0
+    errors(0, :) = table%profile_error(:osc%pairs, place, step)
+    errors(1, :) = table%profile_error_slope(:, place, step)
+    errors(2, :) = 0
+    call effective_pair(osc%shared, contact_set, j, own, errors, k, e)
+    stiffness = k(:1)
+    error = e(:1)
+  end subroutine pair_at
 
   !> omega^2 and sum of k e of a contact set, with the coefficients of a place.
   pure subroutine sum_contacts(osc, table, place, step, contact_set, omega_squared, forcing)
@@ -98,23 +131,32 @@ contains
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: place, step, contact_set
     real(dp), intent(out) :: omega_squared, forcing
+    real(dp) :: a, b
     integer :: j
 
     omega_squared = 0
     forcing = 0
+    a = 0
+    b = 0
     do j = 1, osc%contacts
+      if (j > osc%pairs) call reduce_sums(osc%shared, a, b, omega_squared, forcing)
       if (.not. in_contact(contact_set, j)) cycle
       omega_squared = omega_squared + table%rate(j, place, step)
       forcing = forcing + table%rate(j, place, step)*table%profile_error(j, place, step)
+      if (j > osc%pairs) cycle
+      a = a + table%stiffness(0, j, place, step)
+      b = b + table%stiffness(0, j, place, step)*table%profile_error(j, place, step)
     end do
+    if (osc%contacts == osc%pairs) call reduce_sums(osc%shared, a, b, omega_squared, forcing)
   end subroutine sum_contacts
 
-  !> `height` is added to x where contact is asked for.
-  pure subroutine step_rk4(osc, table, step, duration, height, state, columns)
+  !> Where it is held, contact is that of all pairs between A and E.
+  pure subroutine step_rk4(osc, table, step, duration, held, state, columns)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: step
-    real(dp), intent(in) :: duration, height
+    real(dp), intent(in) :: duration
+    logical, intent(in) :: held
     real(dp), intent(inout) :: state(2), columns(2, 2)
     integer, parameter :: place(4) = [begins, middle, middle, ends]
     ! The state and both columns of its derivative: slopes at the stages, and how far each stage goes.
@@ -127,7 +169,7 @@ contains
         z(:, 1) = state
         z(:, 2:) = columns
         if (k > 1) z = z + part(k)*h*slope(:, :, k - 1)
-        contact_set = contacts_at(osc, table, place(k), step, z(1, 1) + height)
+        contact_set = contacts_at(osc, table, place(k), step, z(1, 1), held)
         call sum_contacts(osc, table, place(k), step, contact_set, omega_squared, forcing)
         damped = damping(osc, duration)*sqrt(omega_squared)
         slope(1, :, k) = z(2, :)
@@ -141,16 +183,17 @@ contains
   end subroutine step_rk4
 
   !> With the coefficients of the middle, and the contact that the state at the begin has with them.
-  pure subroutine step_exactly(osc, table, step, duration, height, state, columns)
+  pure subroutine step_exactly(osc, table, step, duration, held, state, columns)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(inout) :: table
     integer, intent(in) :: step
-    real(dp), intent(in) :: duration, height
+    real(dp), intent(in) :: duration
+    logical, intent(in) :: held
     real(dp), intent(inout) :: state(2), columns(2, 2)
     real(dp) :: omega_squared, forcing
     integer :: contact_set
 
-    contact_set = contacts_at(osc, table, middle, step, state(1) + height)
+    contact_set = contacts_at(osc, table, middle, step, state(1), held)
     if (contact_set /= table%exact(step)%contact_set) then
       call sum_contacts(osc, table, middle, step, contact_set, omega_squared, forcing)
       call make_exact(osc, omega_squared*duration**2, (forcing + osc%load*sum(1/osc%mass))*duration**2, table%width(step), &
@@ -192,23 +235,26 @@ contains
     exact%propagator = reshape([c + decay*s, -omega_squared*s, s, c - decay*s], [2, 2])
   end subroutine make_exact
 
-  !> Raises the largest load by those of a step.
-  pure subroutine raise_peak(osc, table, step, before, state, peak)
+  !> Raises the largest load by those of a step. Where pairs share a compliance, the load depends on the contact set.
+  pure subroutine raise_peak(osc, table, step, contact_set, before, state, peak)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: step
+    integer, intent(in) :: contact_set(2)        ! at both ends
     real(dp), intent(in) :: before(2), state(2)
     real(dp), intent(inout) :: peak
-    real(dp) :: gap(0:1, 2), load(0:1, 2)
+    real(dp), dimension(0:1, 2) :: k, e, gap, load
     integer :: j
 
     do j = 1, osc%pairs
-      gap(0, :) = [before(1), state(1)] - table%profile_error(j, ::2, step)
-      load(0, :) = table%stiffness(0, j, ::2, step)*gap(0, :)
+      call pair_at(osc, table, begins, step, contact_set(1), j, k(:, 1), e(:, 1))
+      call pair_at(osc, table, ends, step, contact_set(2), j, k(:, 2), e(:, 2))
+      gap(0, :) = [before(1), state(1)] - e(0, :)
+      load(0, :) = k(0, :)*gap(0, :)
       peak = max(peak, load(0, 1), load(0, 2))
       if (table%scheme /= scheme_rk4) cycle
-      gap(1, :) = [before(2), state(2)] - table%profile_error_slope(j, ::2, step)
-      load(1, :) = table%width(step)*(table%stiffness(1, j, ::2, step)*gap(0, :) + table%stiffness(0, j, ::2, step)*gap(1, :))
+      gap(1, :) = [before(2), state(2)] - e(1, :)
+      load(1, :) = table%width(step)*(k(1, :)*gap(0, :) + k(0, :)*gap(1, :))
       if (load(1, 1) > 0 .and. load(1, 2) < 0) peak = max(peak, maximum_of_cubic(load))
     end do
   end subroutine raise_peak

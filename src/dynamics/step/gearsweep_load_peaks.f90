@@ -3,10 +3,11 @@
 !> Most maxima within steps are too low to matter. So the steps only note candidates with an upper bound, and the
 !> maxima are computed in the end, where the bound is still above the largest load found.
 module gearsweep_load_peaks
-  use gearsweep_coefficients, only: coefficients_t, end_acceleration
+  use gearsweep_coefficients, only: coefficients_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_quintic, only: quintic, maximum_of, value_of
+  use gearsweep_step_ends, only: end_acceleration, pair_at_end
   implicit none
   private
   public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum
@@ -77,25 +78,28 @@ contains
     real(dp), intent(inout) :: peak
     ! In steps of more rad of the natural motion the acceleration is a small difference of large forces.
     real(dp), parameter :: most = 3e3_dp
-    real(dp) :: gap(0:2, 2), load(0:2, 2)
+    real(dp), dimension(0:2, 2) :: stiffness, error, gap, load
     integer :: k
 
     associate (i => candidate%step, j => candidate%pair)
-      associate (stiffness => table%end_stiffness(:, j, :, i), width => table%width(i))
-        gap(0, :) = candidate%x - table%end_profile_error(0, j, :, i)
-        gap(1, :) = candidate%y - table%end_profile_error(1, j, :, i)
-        load(0, :) = stiffness(1, :)*gap(0, :)
-        load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
+      do k = 1, 2
+        call pair_at_end(osc, table, i, k, candidate%contact_set, j, stiffness(:, k), error(:, k))
+      end do
+      associate (width => table%width(i))
+        gap(0, :) = candidate%x - error(0, :)
+        gap(1, :) = candidate%y - error(1, :)
+        load(0, :) = stiffness(0, :)*gap(0, :)
+        load(1, :) = width*(stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :))
         if (.not. may_exceed(load, peak)) return
         if (duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most) then
           do k = 1, 2
             gap(2, k) = end_acceleration(osc, table, i, k, candidate%contact_set, duration, &
-                                         [candidate%x(k), candidate%y(k)]) - table%end_profile_error(2, j, k, i)
+                                         [candidate%x(k), candidate%y(k)]) - error(2, k)
           end do
         else
           gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
         end if
-        load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
+        load(2, :) = width**2*(stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) + stiffness(0, :)*gap(2, :))
       end associate
     end associate
     call raise_to_maximum(load, peak)

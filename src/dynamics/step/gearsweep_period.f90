@@ -3,7 +3,7 @@
 module gearsweep_period
   use gearsweep_coefficients, only: coefficients_t
   use gearsweep_contact_events, only: locate_events
-  use gearsweep_contact_set, only: contact_t, full_contact, in_contact, period_t, record_contact, set_contact
+  use gearsweep_contact_set, only: contact_t, in_contact, period_t, record_contact, set_contact
   use gearsweep_gauss, only: batch_size
   use gearsweep_integrator, only: integrator_t
   use gearsweep_kinds, only: dp
@@ -11,7 +11,9 @@ module gearsweep_period
   use gearsweep_load_peaks, only: add_candidate, candidate_t, settle_candidates
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
+  use gearsweep_shared_compliance, only: closed_pairs
   use gearsweep_trace, only: record, trace_t
+  use gearsweep_step_ends, only: pair_at_end
   implicit none
   private
   public :: run_period, run_batch
@@ -61,7 +63,7 @@ contains
     call begin(map, start, active, peaks, state)
     do i = 1, map%table%steps
       if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
-      if (map%table%kind(i)%widens) call begin_loads(map%table, i, state)
+      if (map%table%kind(i)%widens) call begin_loads(map%osc, map%table, i, state)
       call advance(map, i, state, period, trace)
       if (all(period(:map%speeds)%failed)) return
       if (peaks) call watch_loads(map, i, state)
@@ -111,32 +113,56 @@ contains
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period(batch_size)
     logical :: closed
-    integer :: full, j, l
+    integer :: now(batch_size), j, l
 
     associate (osc => map%osc, table => map%table)
+      do l = 1, batch_size
+        now(l) = contact_set_at(osc, table, step, state%x(l, state%from) + state%held(l), state%held(l) > 0)
+      end do
       state%contact_set = 0
       do j = 1, osc%contacts
         do l = 1, batch_size
-          if (j > osc%pairs) then
-            closed = state%x(l, state%from) + state%held(l) < -osc%backlash
-          else
-            closed = j <= table%pairs(step)
-            if (closed) closed = state%x(l, state%from) + state%held(l) > table%end_profile_error(0, j, 1, step)
-          end if
+          closed = in_contact(now(l), j)
           call set_contact(osc, l, j, closed, state%contact_set(l), state%contacts(j))
         end do
       end do
-      full = full_contact(table, step)
-      state%full_contact = all(state%contact_set == full)
+      state%full_contact = all(state%contact_set == table%full(step))
       do l = 1, map%speeds
-        if (state%contact_set(l) /= full) call record_contact(osc, state%contact_set(l), period(l))
+        call record_contact(osc, state%contact_set(l), table%full(step), table%between(step), period(l))
         period(l)%checksum = period(l)%checksum + state%x(l, state%from)
       end do
     end associate
   end subroutine enter_interval
 
+  !> The contact set at the begin of a step.
+  pure integer function contact_set_at(osc, table, step, x, held) result(contact_set)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    real(dp), intent(in) :: x
+    logical, intent(in) :: held
+    logical :: closed
+    integer :: j
+
+    contact_set = table%full(step)
+    if (held) return
+    contact_set = 0
+    do j = 1, table%pairs(step)
+      closed = x > table%end_profile_error(0, j, 1, step)
+      if (closed) contact_set = ibset(contact_set, j - 1)
+    end do
+    ! The effective profile errors are those of full contact.
+    if (osc%shared > 0 .and. contact_set /= table%full(step)) then
+      associate (p => table%pairs(step))
+        contact_set = closed_pairs(osc%shared, table%own_stiffness(0, :p, 1, step), table%own_profile_error(0, :p, 1, step), x)
+      end associate
+    end if
+    if (osc%has_backlash .and. x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
+  end function contact_set_at
+
   !> The loads where a step begins, after a break or a step of another width.
-  pure subroutine begin_loads(table, step, state)
+  pure subroutine begin_loads(osc, table, step, state)
+    type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
@@ -144,8 +170,7 @@ contains
     integer :: j
 
     do j = 1, table%pairs(step)
-      call move_load(table%width(step), table%end_stiffness(:1, j, 1, step), table%end_profile_error(:1, j, 1, step), &
-                     state%x(:, state%from), state%y(:, state%from), state%contacts(j), state%peak, bound)
+      call move_load(osc, table, step, 1, j, state, bound)
     end do
   end subroutine begin_loads
 
@@ -165,13 +190,13 @@ contains
     call take_step(map%propagator(:, :, place), state%x(:, state%from), state%y(:, state%from), state%x(:, state%to), &
                    state%y(:, state%to))
     state%changes = .false.
-    if (.not. (state%full_contact .and. stays_above(map%table, step, state))) call find_changes(map, step, state)
+    if (.not. (state%full_contact .and. stays_full(map%table, step, state))) call find_changes(map, step, state)
     if (any(state%changes)) then
       if (state%all_full) call leave(map, step, state)
       propagator = map%propagator(:, :, place)
       call locate_events(map, step, state, propagator, period, trace)
       where (period%failed) state%held = far
-      state%full_contact = all(state%contact_set == full_contact(map%table, step))
+      state%full_contact = all(state%contact_set == map%table%full(step))
       call compose(propagator, state%monodromy)
     else if (.not. state%all_full) then
       call compose(map%propagator(:, :, place), state%monodromy)
@@ -188,56 +213,84 @@ contains
     state%all_full = .false.
   end subroutine leave
 
-  !> Do the motions that are not held stay above all profile errors during a step? A convex curve stays above its
-  !> tangents.
-  pure logical function stays_above(table, step, state)
+  !> Do the motions that are not held stay in full contact during a step? A convex curve stays above its tangents, a
+  !> concave one below.
+  pure logical function stays_full(table, step, state)
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
     type(integrator_t), intent(in) :: state
-    real(dp) :: lowest(batch_size), quarter
+    real(dp), dimension(batch_size) :: lowest, highest
+    real(dp) :: quarter
     integer :: l
 
     quarter = table%width(step)/4
     do l = 1, batch_size
       lowest(l) = min(state%x(l, 1), state%x(l, 2)) - (abs(state%y(l, 1)) + abs(state%y(l, 2)))*quarter + state%held(l)
     end do
-    stays_above = minval(lowest) > table%upper_bound(step)
-  end function stays_above
+    stays_full = minval(lowest) > table%upper_bound(step)
+    if (.not. stays_full .or. table%lower_bound(step) > far) return
+    do l = 1, batch_size
+      highest(l) = max(state%x(l, 1), state%x(l, 2)) + (abs(state%y(l, 1)) + abs(state%y(l, 2)))*quarter - state%held(l)
+    end do
+    stays_full = maxval(highest) < table%lower_bound(step)
+  end function stays_full
 
   !> The motions in which a contact may change during a step.
   pure subroutine find_changes(map, step, state)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp) :: lowest(batch_size)
-    integer :: j
+    real(dp) :: lowest(batch_size), error(0:1, 2)
+    integer :: j, l
 
     lowest = huge(lowest)
     do j = 1, map%osc%contacts
       if (j > map%table%pairs(step) .and. j <= map%osc%pairs) cycle
-      call lower(map%table%width(step), map%table%end_profile_error(:1, j, :, step), state%x(:, state%from), &
-                 state%y(:, state%from), state%x(:, state%to), state%y(:, state%to), state%contacts(j)%sense, lowest)
+      associate (x => state%x(:, state%from), y => state%y(:, state%from), x_next => state%x(:, state%to), &
+                 y_next => state%y(:, state%to), sense => state%contacts(j)%sense, width => map%table%width(step))
+        if (map%osc%shared > 0 .and. j <= map%osc%pairs .and. .not. state%full_contact) then
+          do l = 1, map%speeds
+            error = effective_errors(map, step, state%contact_set(l), j)
+            lowest(l) = min(lowest(l), least_overlap(sense(l)*(x(l) - error(0, 1)), sense(l)*(x_next(l) - error(0, 2)), &
+                                                     sense(l)*(y(l) - error(1, 1))*width, sense(l)*(y_next(l) - error(1, 2))*width))
+          end do
+        else
+          error = map%table%end_profile_error(:1, j, :, step)
+          do l = 1, batch_size
+            lowest(l) = min(lowest(l), least_overlap(sense(l)*(x(l) - error(0, 1)), sense(l)*(x_next(l) - error(0, 2)), &
+                                                     sense(l)*(y(l) - error(1, 1))*width, sense(l)*(y_next(l) - error(1, 2))*width))
+          end do
+        end if
+      end associate
     end do
     state%changes = lowest < 0 .and. .not. state%held > 0
   end subroutine find_changes
 
-  !> Lowers `lowest` to what the overlaps, positive until the contact changes, stay above: a convex curve stays above
-  !> its tangents.
-  pure subroutine lower(width, error, x, y, x_next, y_next, sense, lowest)
-    real(dp), intent(in) :: width, error(0:, :)
-    real(dp), intent(in), dimension(batch_size) :: x, y, x_next, y_next, sense
-    real(dp), intent(inout) :: lowest(batch_size)
-    real(dp) :: before, after, fall, rise
-    integer :: l
+  !> Effective profile error of pair j with its derivative over the phase at both ends of a step, (0:1, end).
+  pure function effective_errors(map, step, contact_set, j) result(error)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step, contact_set, j
+    real(dp) :: error(0:1, 2)
+    real(dp), dimension(0:2) :: k, e
+    integer :: end
 
-    do l = 1, batch_size
-      before = max(0.0_dp, sense(l)*(x(l) - error(0, 1)))
-      after = sense(l)*(x_next(l) - error(0, 2))
-      fall = max(0.0_dp, sense(l)*(error(1, 1) - y(l))*width)
-      rise = max(0.0_dp, sense(l)*(y_next(l) - error(1, 2))*width)
-      lowest(l) = min(lowest(l), min(before, after) - min(fall, rise, (fall + rise)/4))
+    do end = 1, 2
+      call pair_at_end(map%osc, map%table, step, end, contact_set, j, k, e)
+      error(:, end) = e(:1)
     end do
-  end subroutine lower
+  end function effective_errors
+
+  !> What an overlap, positive until the contact changes, stays above within a step: a convex curve stays above its
+  !> tangents.
+  elemental real(dp) function least_overlap(first, last, first_slope, last_slope) result(lowest)
+    real(dp), intent(in) :: first, last                  ! at both ends, m
+    real(dp), intent(in) :: first_slope, last_slope      ! derivatives over the step there, m
+    real(dp) :: fall, rise
+
+    fall = max(0.0_dp, -first_slope)
+    rise = max(0.0_dp, last_slope)
+    lowest = min(max(0.0_dp, first), last) - min(fall, rise, (fall + rise)/4)
+  end function least_overlap
 
   !> The loads over a step: raises the largest, and notes candidates for larger ones within the step.
   pure subroutine watch_loads(map, step, state)
@@ -250,8 +303,7 @@ contains
     ends = [state%from, state%to]
     associate (table => map%table)
       do j = 1, table%pairs(step)
-        call move_load(table%width(step), table%end_stiffness(:1, j, 2, step), table%end_profile_error(:1, j, 2, step), &
-                       state%x(:, state%to), state%y(:, state%to), state%contacts(j), state%peak, bound)
+        call move_load(map%osc, table, step, 2, j, state, bound)
         if (.not. any(bound > state%peak)) cycle
         do l = 1, map%speeds
           if (state%changes(l) .or. bound(l) <= state%peak(l)) cycle
@@ -262,29 +314,44 @@ contains
     end associate
   end subroutine watch_loads
 
-  !> Moves the load of a pair to the state x, y: raises `peak`, and tells the bound that the load stays below on the way,
-  !> as a concave curve stays below its tangents.
-  pure subroutine move_load(width, stiffness, error, x, y, pair, peak, bound)
-    real(dp), intent(in) :: width
-    real(dp), intent(in) :: stiffness(0:1), error(0:1)         ! with the derivative over the phase
-    real(dp), intent(in), dimension(batch_size) :: x, y
-    type(contact_t), intent(inout) :: pair
-    real(dp), intent(inout) :: peak(batch_size)
+  !> Moves the load of pair j to an end of a step: raises the largest, and tells the bound that the load stays below on the
+  !> way, as a concave curve stays below its tangents.
+  pure subroutine move_load(osc, table, step, end, j, state, bound)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, end, j
+    type(integrator_t), intent(inout) :: state
     real(dp), intent(out) :: bound(batch_size)
-    real(dp) :: gap, load, load_slope, rise, fall
-    integer :: l
+    real(dp), dimension(batch_size) :: load, load_slope
+    real(dp) :: k(0:2), e(0:2), gap, rise, fall
+    integer :: at, l
 
-    do l = 1, batch_size
-      gap = x(l) - error(0)
-      load = pair%weight(l)*stiffness(0)*gap
-      load_slope = pair%weight(l)*width*(stiffness(1)*gap + stiffness(0)*(y(l) - error(1)))
-      rise = max(0.0_dp, pair%load_slope(l))
-      fall = max(0.0_dp, -load_slope)
-      bound(l) = max(pair%load(l), load) + min(rise, fall, (rise + fall)/4)
-      peak(l) = max(peak(l), load)
-      pair%load(l) = load
-      pair%load_slope(l) = load_slope
-    end do
+    at = merge(state%from, state%to, end == 1)
+    k = table%end_stiffness(:, j, end, step)
+    e = table%end_profile_error(:, j, end, step)
+    associate (pair => state%contacts(j), x => state%x(:, at), y => state%y(:, at), peak => state%peak, width => table%width(step))
+      if (osc%shared > 0 .and. .not. state%full_contact) then
+        do l = 1, batch_size
+          call pair_at_end(osc, table, step, end, state%contact_set(l), j, k, e)
+          load(l) = pair%weight(l)*k(0)*(x(l) - e(0))
+          load_slope(l) = pair%weight(l)*width*(k(1)*(x(l) - e(0)) + k(0)*(y(l) - e(1)))
+        end do
+      else
+        do l = 1, batch_size
+          gap = x(l) - e(0)
+          load(l) = pair%weight(l)*k(0)*gap
+          load_slope(l) = pair%weight(l)*width*(k(1)*gap + k(0)*(y(l) - e(1)))
+        end do
+      end if
+      do l = 1, batch_size
+        rise = max(0.0_dp, pair%load_slope(l))
+        fall = max(0.0_dp, -load_slope(l))
+        bound(l) = max(pair%load(l), load(l)) + min(rise, fall, (rise + fall)/4)
+        peak(l) = max(peak(l), load(l))
+        pair%load(l) = load(l)
+        pair%load_slope(l) = load_slope(l)
+      end do
+    end associate
   end subroutine move_load
 
   pure subroutine record_step(map, step, x, contact_set, trace)
@@ -292,12 +359,21 @@ contains
     integer, intent(in) :: step, contact_set
     real(dp), intent(in) :: x(2)
     type(trace_t), intent(inout) :: trace
-    integer :: j
+    real(dp), dimension(0:2) :: k, e
+    real(dp) :: load(map%osc%pairs, 2)
+    integer :: end, j
 
+    load = 0
     associate (table => map%table)
-      call record(trace, table%pairs(step), table%left(step) + [0.0_dp, table%width(step)], x, &
-                  table%end_stiffness(0, :, :, step), table%end_profile_error(0, :, :, step), &
-                  [(in_contact(contact_set, j), j=1, map%osc%contacts)])
+      do end = 1, 2
+        do j = 1, table%pairs(step)
+          if (.not. in_contact(contact_set, j)) cycle
+          call pair_at_end(map%osc, table, step, end, contact_set, j, k, e)
+          load(j, end) = k(0)*max(0.0_dp, x(end) - e(0))
+        end do
+      end do
+      call record(trace, table%pairs(step), spread(map%osc%intervals(table%interval(step))%offset, 1, 2), &
+                  table%left(step) + [0.0_dp, table%width(step)], x, load)
     end associate
   end subroutine record_step
 end module gearsweep_period

@@ -6,13 +6,14 @@
 !> period. All speeds of a batch share the coefficients, which are read once for all.
 module gearsweep_period_map
   use gearsweep_coefficients, only: coefficients_t, resolution_t, scheme_collocation, tabulate
-  use gearsweep_contact_set, only: contact_t, full_contact, period_t
+  use gearsweep_contact_set, only: contact_t, period_t
   use gearsweep_gauss, only: batch_size, collocate
   use gearsweep_kinds, only: dp
   use gearsweep_literature_period, only: run_literature_period
   use gearsweep_literature_table, only: exact_step_t, literature_table_t, tabulate_literature
   use gearsweep_oscillator, only: oscillator_t, damping
   use gearsweep_radau, only: collocate_stiffly
+  use gearsweep_shared_compliance, only: reduce_sums
   implicit none
   private
   public :: period_map_t, discretise, set_durations, need_propagator, take_step, compose, flush_to_zero
@@ -97,7 +98,7 @@ contains
 
     place = merge(step, 1, map%cached)
     if (map%cached .and. are_same(contact_set, map%contact_set(:, place))) return
-    full = full_contact(map%table, step)
+    full = map%table%full(step)
     if (are_same(contact_set, full)) then
       call propagate_full_contact(map%osc, map%table, step, map%duration(:map%speeds), map%propagator(:, :, place))
     else
@@ -117,7 +118,7 @@ contains
     are_same = other == 0
   end function are_same
 
-  !> The propagator of full contact: the sums over all pairs are those of the table.
+  !> The propagator of full contact: the sums over its pairs are those of the table.
   pure subroutine propagate_full_contact(osc, table, step, duration, propagator)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
@@ -164,6 +165,7 @@ contains
     forcing = 0
     do j = 1, osc%contacts
       if (j > table%pairs(step) .and. j <= osc%pairs) cycle
+      if (j > osc%pairs .and. osc%shared > 0) call share_compliance(osc, table, step, contacts, omega_squared, forcing)
       do k = 1, 3
         rate = table%rate(j, k, step)
         pull = rate*table%profile_error(j, k, step)
@@ -173,6 +175,7 @@ contains
         end do
       end do
     end do
+    if (osc%shared > 0 .and. .not. osc%has_backlash) call share_compliance(osc, table, step, contacts, omega_squared, forcing)
     factor = damping(osc, 1.0_dp)
     do k = 1, 3
       do l = 1, size(duration)
@@ -185,6 +188,27 @@ contains
     end do
     call collocate_step(size(duration), table%width(step), table%kind(step)%stiff, omega_squared, damped, forcing, propagator)
   end subroutine propagate
+
+  !> Turns the sums over the pairs in contact into those of pairs that share a compliance.
+  pure subroutine share_compliance(osc, table, step, contacts, omega_squared, forcing)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    type(contact_t), intent(in) :: contacts(:)
+    real(dp), intent(inout), dimension(batch_size, 3) :: omega_squared, forcing
+    real(dp), dimension(batch_size) :: a, b
+    integer :: j, k
+
+    do k = 1, 3
+      a = 0
+      b = 0
+      do j = 1, table%pairs(step)
+        a = a + contacts(j)%weight*table%node_stiffness(j, k, step)
+        b = b + contacts(j)%weight*(table%node_stiffness(j, k, step)*table%profile_error(j, k, step))
+      end do
+      call reduce_sums(osc%shared, a, b, omega_squared(:, k), forcing(:, k))
+    end do
+  end subroutine share_compliance
 
   !> Collocation over a step, from displacements over the step to derivatives over the phase. It divides by the
   !> width, as the rounding of a factor 1/width would be the same in each of many steps.
@@ -263,8 +287,8 @@ contains
     end do
   end subroutine flush_to_zero
 
-  !> One period in which every pair between A and E stays in contact, whether it pushes or pulls: the state after it
-  !> and the monodromy matrix, but no loads.
+  !> One period in which full contact stays, whether a pair pushes or pulls: the state after it and the monodromy matrix,
+  !> but no loads.
   pure subroutine run_full_contact(map, start, period)
     type(period_map_t), intent(inout) :: map
     real(dp), intent(in) :: start(:, :)                    !< x, y (m) at the begin; (2, speed)
@@ -288,7 +312,7 @@ contains
     do i = 1, map%table%steps
       place = merge(i, 1, map%cached)
       call propagate_full_contact(map%osc, map%table, i, map%duration(:map%speeds), map%propagator(:, :, place))
-      map%contact_set(:, place) = full_contact(map%table, i)
+      map%contact_set(:, place) = map%table%full(i)
       call compose(map%propagator(:, :, place), monodromy)
       if (modulo(i, 64) == 0) call flush_to_zero(monodromy)
       call take_step(map%propagator(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))

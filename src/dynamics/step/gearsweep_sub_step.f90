@@ -8,10 +8,11 @@ module gearsweep_sub_step
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping, mobility
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: quintic, evaluate, second_derivative_of
+  use gearsweep_shared_compliance, only: effective_pair, reduce_sums
   implicit none
   private
   public :: sub_steps_t, event_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, derivatives, &
-            second_derivatives, second_derivatives_of_motion, last
+            second_derivatives, second_derivatives_of_motion, pair_at, pair_at_ends, last
 
   !> Places in a sub-step at which its coefficients are known: both ends, and the nodes of the integration between.
   real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
@@ -31,7 +32,7 @@ module gearsweep_sub_step
     real(dp) :: propagator(4) = [1, 0, 0, 1]     !< of the sub-steps so far, columns one after the other
   end type event_t
 
-  !> Stiffness and profile error within the step are quintics through what the table has at its ends, (0:5, pair) and
+  !> Own stiffness and profile error within the step are quintics through what the table has at its ends, (0:5, pair) and
   !> (0:5, contact); the mobility is linear, (0:1, pair). Places count from 0 to 1 over the step.
   type :: sub_steps_t
     integer :: step = 0
@@ -68,16 +69,26 @@ contains
     associate (osc => map%osc, table => map%table)
       scale = [1.0_dp, table%width(step), table%width(step)**2]
       do j = 1, table%pairs(step)
-        c%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, step), scale*table%end_stiffness(:, j, 2, step))
-        associate (left => table%left(step) + j - 1, recess => osc%intervals(table%interval(step))%recess(j))
+        if (osc%shared > 0) then
+          c%stiffness(:, j) = quintic(scale*table%own_stiffness(:, j, 1, step), scale*table%own_stiffness(:, j, 2, step))
+        else
+          c%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, step), scale*table%end_stiffness(:, j, 2, step))
+        end if
+        associate (left => osc%intervals(table%interval(step))%place(table%left(step), j), &
+                   recess => osc%intervals(table%interval(step))%recess(j))
           c%mobility(0, j) = mobility(osc, left, recess)
           c%mobility(1, j) = mobility(osc, left + table%width(step), recess) - c%mobility(0, j)
         end associate
       end do
       do j = 1, osc%contacts
         if (j > table%pairs(step) .and. j <= osc%pairs) cycle
-        c%profile_error(:, j) = quintic(scale*table%end_profile_error(:, j, 1, step), &
-                                        scale*table%end_profile_error(:, j, 2, step))
+        if (osc%shared > 0 .and. j <= osc%pairs) then
+          c%profile_error(:, j) = quintic(scale*table%own_profile_error(:, j, 1, step), &
+                                          scale*table%own_profile_error(:, j, 2, step))
+        else
+          c%profile_error(:, j) = quintic(scale*table%end_profile_error(:, j, 1, step), &
+                                          scale*table%end_profile_error(:, j, 2, step))
+        end if
       end do
       if (osc%damping_ratio > 1) c%longest = longest_sub_step(osc, map%duration*table%width(step))
     end associate
@@ -101,29 +112,71 @@ contains
     type(contact_t), intent(in) :: contacts(:)
     integer, intent(in) :: k                     !< which of the places
     type(sub_steps_t), intent(inout) :: c
-    real(dp) :: place(batch_size), omega_squared(batch_size), forcing(batch_size), slack(0:5)
+    real(dp), dimension(batch_size) :: place, omega_squared, forcing
     integer :: j
 
-    associate (osc => map%osc, pairs => map%table%pairs(c%step), n => map%speeds)
-      place = c%left + c%width*places(k)
-      omega_squared = 0
-      forcing = 0
-      do j = 1, pairs
-        call add_pair(n, c%stiffness(:, j), c%profile_error(:, j), c%mobility(:, j), place, contacts(j)%weight, &
-                      omega_squared, forcing)
-      end do
-      if (osc%has_backlash) then
-        slack = 0
-        slack(0) = -osc%backlash
-        do j = 1, pairs
-          call add_pair(n, c%stiffness(:, j), slack, [sum(1/osc%mass), 0.0_dp], place, contacts(osc%contacts)%weight, &
-                        omega_squared, forcing)
-        end do
-      end if
-    end associate
+    place = c%left + c%width*places(k)
+    omega_squared = 0
+    forcing = 0
+    do j = 1, map%table%pairs(c%step)
+      call add_pair(map%speeds, c%stiffness(:, j), c%profile_error(:, j), c%mobility(:, j), place, contacts(j)%weight, &
+                    omega_squared, forcing)
+    end do
+    if (map%osc%shared > 0) call share_compliance(map, contacts, place, c, omega_squared, forcing)
+    if (map%osc%has_backlash) call add_coast(map, contacts, place, c, omega_squared, forcing)
     c%omega_squared(:, k) = omega_squared
     c%forcing(:, k) = forcing
   end subroutine sum_contacts
+
+  !> Turns the sums over the pairs in contact into those of pairs that share a compliance.
+  pure subroutine share_compliance(map, contacts, place, c, omega_squared, forcing)
+    type(period_map_t), intent(in) :: map
+    type(contact_t), intent(in) :: contacts(:)
+    real(dp), intent(in) :: place(batch_size)
+    type(sub_steps_t), intent(in) :: c
+    real(dp), intent(inout), dimension(batch_size) :: omega_squared, forcing
+    real(dp), dimension(batch_size) :: a, b
+    integer :: j
+
+    a = 0
+    b = 0
+    do j = 1, map%table%pairs(c%step)
+      call add_pair(map%speeds, c%stiffness(:, j), c%profile_error(:, j), [1.0_dp, 0.0_dp], place, contacts(j)%weight, a, b)
+    end do
+    call reduce_sums(map%osc%shared, a, b, omega_squared, forcing)
+  end subroutine share_compliance
+
+  !> The coast sides, backed by the stiffness of all pairs between A and E.
+  pure subroutine add_coast(map, contacts, place, c, omega_squared, forcing)
+    type(period_map_t), intent(in) :: map
+    type(contact_t), intent(in) :: contacts(:)
+    real(dp), intent(in) :: place(batch_size)
+    type(sub_steps_t), intent(in) :: c
+    real(dp), intent(inout), dimension(batch_size) :: omega_squared, forcing
+    real(dp), dimension(batch_size) :: rate, pull
+    real(dp) :: slack(0:5)
+    integer :: j
+
+    slack = 0
+    slack(0) = -map%osc%backlash
+    associate (osc => map%osc, coast => contacts(map%osc%contacts)%weight)
+      if (osc%shared > 0) then
+        rate = 0
+        pull = 0
+        do j = 1, map%table%pairs(c%step)
+          if (.not. btest(map%table%between(c%step), j - 1)) cycle
+          call add_pair(map%speeds, c%stiffness(:, j), slack, [1.0_dp, 0.0_dp], place, coast, rate, pull)
+        end do
+        omega_squared = omega_squared + sum(1/osc%mass)*rate/(1 + osc%shared*rate)
+        forcing = forcing + sum(1/osc%mass)*pull/(1 + osc%shared*rate)
+      else
+        do j = 1, map%table%pairs(c%step)
+          if (.not. btest(map%table%between(c%step), j - 1)) cycle
+          call add_pair(map%speeds, c%stiffness(:, j), slack, [sum(1/osc%mass), 0.0_dp], place, coast, omega_squared, forcing)
+        end do
+      end if
+    end associate
+  end subroutine add_coast
 
   pure subroutine add_pair(n, stiffness, profile_error, mobility, place, weight, omega_squared, forcing)
     integer, intent(in) :: n
@@ -246,4 +299,43 @@ contains
     f(1) = second_derivative_of(q, c%left(l))*c%width(l)**2
     f(2) = second_derivative_of(q, c%left(l) + c%width(l))*c%width(l)**2
   end function second_derivatives
+
+  !> Effective stiffness and profile error of pair j at a place of the step, with their derivatives over the step.
+  pure subroutine pair_at(map, c, contact_set, j, place, stiffness, profile_error)
+    type(period_map_t), intent(in) :: map
+    type(sub_steps_t), intent(in) :: c
+    integer, intent(in) :: contact_set           !< of the motion
+    integer, intent(in) :: j
+    real(dp), intent(in) :: place                !< 0 to 1
+    real(dp), intent(out) :: stiffness(0:2), profile_error(0:2)    !< N/m, m
+    real(dp), dimension(0:2, map%table%pairs(c%step)) :: k, e
+    integer :: i
+
+    do i = 1, size(k, 2)
+      call evaluate(c%stiffness(:, i), place, k(0, i), k(1, i))
+      call evaluate(c%profile_error(:, i), place, e(0, i), e(1, i))
+      k(2, i) = second_derivative_of(c%stiffness(:, i), place)
+      e(2, i) = second_derivative_of(c%profile_error(:, i), place)
+    end do
+    call effective_pair(map%osc%shared, contact_set, j, k, e, stiffness, profile_error)
+  end subroutine pair_at
+
+  !> The same at both ends of the sub-step of motion l, with the derivatives over the sub-step; (0:2, end).
+  pure subroutine pair_at_ends(map, l, c, contact_set, j, stiffness, profile_error)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l                     !< which speed of the batch
+    type(sub_steps_t), intent(in) :: c
+    integer, intent(in) :: contact_set           !< of the motion
+    integer, intent(in) :: j
+    real(dp), intent(out) :: stiffness(0:2, 2), profile_error(0:2, 2)  !< N/m, m
+    real(dp) :: scale(0:2)
+    integer :: end
+
+    scale = [1.0_dp, c%width(l), c%width(l)**2]
+    do end = 1, 2
+      call pair_at(map, c, contact_set, j, c%left(l) + (end - 1)*c%width(l), stiffness(:, end), profile_error(:, end))
+      stiffness(:, end) = scale*stiffness(:, end)
+      profile_error(:, end) = scale*profile_error(:, end)
+    end do
+  end subroutine pair_at_ends
 end module gearsweep_sub_step

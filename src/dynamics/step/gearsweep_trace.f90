@@ -8,7 +8,8 @@ module gearsweep_trace
   !> Rows come in twos, the two ends of a step or sub-step; only the first `rows` count.
   type :: trace_t
     integer :: rows = 0
-    integer, allocatable :: pairs(:)             !< between A and E; (row)
+    integer, allocatable :: pairs(:)             !< that may be in contact; (row)
+    integer, allocatable :: offset(:)            !< path coordinate of the first of them less the phase; (row)
     real(dp), allocatable :: phase(:)            !< mesh phase, 0 to 1; (row)
     real(dp), allocatable :: x(:)                !< dynamic transmission error, m; (row)
     real(dp), allocatable :: load(:, :)          !< of each pair, N; (pair, row)
@@ -17,26 +18,24 @@ module gearsweep_trace
 contains
 
   !> Adds the two ends of a step.
-  pure subroutine record(trace, pairs, phase, x, stiffness, profile_error, closed)
+  pure subroutine record(trace, pairs, offset, phase, x, load)
     type(trace_t), intent(inout) :: trace
-    integer, intent(in) :: pairs                 !< between A and E
+    integer, intent(in) :: pairs                 !< that may be in contact
+    integer, intent(in) :: offset(2)             !< path coordinate of the first of them less the phase, at both ends
     real(dp), intent(in) :: phase(2)             !< of both ends
     real(dp), intent(in) :: x(:)                 !< dynamic transmission error, m; (end)
-    real(dp), intent(in) :: stiffness(:, :)      !< N/m; (pair, end)
-    real(dp), intent(in) :: profile_error(:, :)  !< m; (pair, end)
-    logical, intent(in) :: closed(:)             !< (contact)
+    real(dp), intent(in) :: load(:, :)           !< N; (pair, end)
     integer :: k
 
-    if (.not. allocated(trace%x)) call resize(trace, size(closed), 256)
+    if (.not. allocated(trace%x)) call resize(trace, size(load, 1), 256)
     if (trace%rows + 2 > size(trace%x)) call resize(trace, size(trace%load, 1), 2*size(trace%x))
     do k = 1, 2
       trace%rows = trace%rows + 1
       trace%pairs(trace%rows) = pairs
+      trace%offset(trace%rows) = offset(k)
       trace%phase(trace%rows) = phase(k)
       trace%x(trace%rows) = x(k)
-      trace%load(:, trace%rows) = 0
-      where (closed(:pairs)) &
-        trace%load(:pairs, trace%rows) = stiffness(:pairs, k)*max(0.0_dp, x(k) - profile_error(:pairs, k))
+      trace%load(:, trace%rows) = load(:, k)
     end do
   end subroutine record
 
@@ -45,11 +44,12 @@ contains
     integer, intent(in) :: pairs, rows
     type(trace_t) :: larger
 
-    allocate (larger%pairs(rows), larger%phase(rows), larger%x(rows), larger%load(pairs, rows))
+    allocate (larger%pairs(rows), larger%offset(rows), larger%phase(rows), larger%x(rows), larger%load(pairs, rows))
     larger%rows = trace%rows
     associate (n => trace%rows)
       if (n > 0) then
         larger%pairs(:n) = trace%pairs(:n)
+        larger%offset(:n) = trace%offset(:n)
         larger%phase(:n) = trace%phase(:n)
         larger%x(:n) = trace%x(:n)
         larger%load(:, :n) = trace%load(:, :n)
@@ -66,19 +66,22 @@ contains
     real(dp), allocatable, intent(out) :: s(:)             !< path coordinate from A, base pitches; (row)
     real(dp), allocatable, intent(out) :: load(:)          !< of this pair, N; (row)
     real(dp), allocatable, intent(out) :: x(:)             !< dynamic transmission error, m; (row)
-    integer :: i, j, k, n
+    integer :: i, j, k, n, first, last, slot
 
     n = sum([(sum(trace(i)%pairs(:trace(i)%rows)), i=1, size(trace))])
     allocate (pair(n), s(n), load(n), x(n))
     n = 0
+    first = minval(trace(1)%offset(:trace(1)%rows))
+    last = maxval(trace(1)%offset(:trace(1)%rows) + trace(1)%pairs(:trace(1)%rows)) - 1
     do i = 1, size(trace)
-      do j = 1, maxval(trace(1)%pairs(:trace(1)%rows))
-        associate (now => trace(1 + modulo(i + j - 2, size(trace))))
+      do slot = first, last
+        associate (now => trace(1 + modulo(i + slot - 1, size(trace))))
           do k = 1, now%rows
-            if (now%pairs(k) < j) cycle
+            j = 1 + slot - now%offset(k)
+            if (j < 1 .or. j > now%pairs(k)) cycle
             n = n + 1
             pair(n) = i
-            s(n) = now%phase(k) + j - 1
+            s(n) = now%phase(k) + (j + now%offset(k)) - 1
             load(n) = now%load(j, k)
             x(n) = now%x(k)
           end do

@@ -1,0 +1,453 @@
+!> Contact before A and behind E, and shared compliance: statics against closed forms, the motion against an integrator
+!> written apart, and what must not depend on how it is computed.
+module test_beyond
+  use gearsweep_error, only: error_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_harmonics, only: find_harmonics, harmonics_t
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_piecewise, only: piecewise_t, polynomial, spline
+  use gearsweep_profile_table, only: profile_table
+  use gearsweep_relief, only: linear, profile_error, relief_t
+  use gearsweep_response, only: find_response, response_t
+  use gearsweep_sharing, only: load_share, share_load, sharing_t
+  use gearsweep_status, only: status_ok
+  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_text, only: str
+  use single_points, only: solve
+  use testing, only: check_close, check_error, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  type :: row_t
+    integer :: id, n_coef, teeth(2), events, beyond, apart
+    real(dp) :: contact_ratio, coef(5), soften, gap(2), reach(2), relief(2), shared, mass(2), load, zeta, friction, angle, &
+                pitch_point, backlash, rpm, dynamic_factor, state(2), difference
+  end type row_t
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    if (t%wants('quadratic_gap')) call quadratic_gap(t)
+    if (t%wants('begins_under_load')) call begins_under_load(t)
+    if (t%wants('out_of_reach')) call out_of_reach(t)
+    if (t%wants('references')) call references(t)
+    if (t%wants('sixth_order')) call sixth_order(t)
+    if (t%wants('one_by_one_and_in_batches')) call one_by_one_and_in_batches(t)
+    if (t%wants('slow_motion')) call slow_motion(t)
+    if (t%wants('stiffness_in_series')) call stiffness_in_series(t)
+    if (t%wants('path_of_a_pair')) call path_of_a_pair(t)
+    if (t%wants('tables')) call tables(t)
+  end subroutine run
+
+  subroutine read_rows(rows)
+    type(row_t), allocatable, intent(out) :: rows(:)
+    type(row_t) :: r
+    character(1000) :: line
+    integer :: unit, stat
+
+    allocate (rows(0))
+    open (newunit=unit, file='test/reference/corner_motion.dat', status='old', action='read')
+    do
+      read (unit, '(a)', iostat=stat) line
+      if (stat /= 0) exit
+      if (line(1:1) == '#') cycle
+      read (line, *) r%id, r%contact_ratio, r%n_coef, r%coef, r%soften, r%gap, r%reach, r%relief, r%shared, r%mass, r%load, &
+        r%zeta, r%friction, r%angle, r%teeth, r%pitch_point, r%backlash, r%rpm, r%dynamic_factor, r%state, r%difference, &
+        r%events, r%beyond, r%apart
+      rows = [rows, r]
+    end do
+    close (unit)
+  end subroutine read_rows
+
+  !> The oscillator of a row.
+  subroutine make(r, osc)
+    type(row_t), intent(in) :: r
+    type(oscillator_t), intent(out) :: osc
+    type(error_t), allocatable :: error
+
+    call make_curves(r, osc)
+    osc%mesh%teeth = r%teeth
+    osc%mesh%pitch_point = r%pitch_point
+    osc%mesh%tan_angle = tan(r%angle*pi/180)
+    osc%mass = r%mass
+    osc%load = r%load
+    osc%damping_ratio = r%zeta
+    osc%friction = r%friction
+    osc%has_backlash = r%backlash >= 0
+    osc%backlash = max(0.0_dp, r%backlash)*1e-6_dp
+    call make_oscillator(osc, error)
+    if (allocated(error)) error stop 'row of test_beyond'
+  end subroutine make
+
+  !> Stiffness, with the shared compliance in it as a mesh has it, and profile error.
+  subroutine make_curves(r, osc)
+    type(row_t), intent(in) :: r
+    type(oscillator_t), intent(inout) :: osc
+    type(error_t), allocatable :: error
+    real(dp), parameter :: square(0:3) = [1, 2, 1, 0]/4.0_dp, cube(0:3) = [1, 3, 3, 1]/8.0_dp, mirror(0:3) = [1, -1, 1, -1]
+
+    associate (mesh => osc%mesh, c => r%contact_ratio, coef => 1e6_dp*r%coef(:r%n_coef), d => r%reach)
+      mesh%contact_ratio = c
+      mesh%disc%shared = 1e-6_dp*r%shared
+      mesh%reach = [-d(1), c + d(2)]
+      mesh%stiffness = with_shared(polynomial(0.0_dp, c, coef), mesh%disc%shared)
+      call profile_error(relief_t(1e-6_dp*r%relief, [aint(c), c - aint(c)], linear), c, mesh%profile_error, error)
+      if (allocated(error)) error stop 'relief of test_beyond'
+      ! (1 - v)/2 and (1 + v)/2 of the reach away from the path, v from -1 to 1.
+      if (d(1) > 0) then
+        mesh%stiffness = joined(with_shared(polynomial(-d(1), 0.0_dp, at_end(coef, -1)*[1 - r%soften*d(1)/2, r%soften*d(1)/2]), &
+                                            mesh%disc%shared), mesh%stiffness)
+        mesh%profile_error = joined(polynomial(-d(1), 0.0_dp, 1e-6_dp*([r%relief(2), 0.0_dp, 0.0_dp, 0.0_dp] + &
+          mirror*(r%gap(1)*d(1)**2*square + r%gap(2)*d(1)**3*cube))), mesh%profile_error)
+      end if
+      if (d(2) > 0) then
+        mesh%stiffness = joined(mesh%stiffness, with_shared(polynomial(c, c + d(2), at_end(coef, 1)*[1 - r%soften*d(2)/2, &
+          -r%soften*d(2)/2]), mesh%disc%shared))
+        mesh%profile_error = joined(mesh%profile_error, polynomial(c, c + d(2), 1e-6_dp*([r%relief(1), 0.0_dp, 0.0_dp, 0.0_dp] + &
+          r%gap(1)*d(2)**2*square + r%gap(2)*d(2)**3*cube)))
+      end if
+    end associate
+  end subroutine make_curves
+
+  pure real(dp) function at_end(coef, u)
+    real(dp), intent(in) :: coef(:)
+    integer, intent(in) :: u
+    integer :: i
+
+    at_end = sum(coef*[(real(u, dp)**(i - 1), i=1, size(coef))])
+  end function at_end
+
+  !> From the own stiffness of a pair, one polynomial, to that with the shared compliance in it: a fine spline.
+  function with_shared(own, shared) result(curve)
+    type(piecewise_t), intent(in) :: own
+    real(dp), intent(in) :: shared
+    type(piecewise_t) :: curve
+    integer, parameter :: knots = 400
+    real(dp) :: s(knots), k(knots)
+    integer :: i
+
+    curve = own
+    if (.not. shared > 0) return
+    do i = 1, knots
+      s(i) = own%breaks(1) + (own%breaks(2) - own%breaks(1))*(i - 1)/(knots - 1)
+      k(i) = own%value(s(i))
+    end do
+    curve = spline(s, k/(1 + shared*k))
+  end function with_shared
+
+  !> One curve, and another from where it ends.
+  function joined(left, right) result(curve)
+    type(piecewise_t), intent(in) :: left, right
+    type(piecewise_t) :: curve
+    integer :: n
+
+    n = size(left%coef, 2)
+    curve%breaks = [left%breaks, right%breaks(2:)]
+    allocate (curve%coef(0:max(ubound(left%coef, 1), ubound(right%coef, 1)), n + size(right%coef, 2)), source=0.0_dp)
+    curve%coef(:ubound(left%coef, 1), :n) = left%coef
+    curve%coef(:ubound(right%coef, 1), n + 1:) = right%coef
+  end function joined
+
+  !> Constant stiffness and no relief: the next pair closes where its gap, a square, is what one pair yields, and with both
+  !> in contact x = F/2K + gap/2. So x is piecewise quadratic, with a kink where contact begins and ends, and its
+  !> harmonics follow from the jumps of its derivatives by partial integration.
+  subroutine quadratic_gap(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: ratio = 1.6_dp, load = 6000, stiffness = 4e8_dp, gap = 3e-3_dp
+    type(row_t) :: r
+    type(oscillator_t) :: osc
+    type(harmonics_t) :: harmonics
+    real(dp) :: d, at(4), kink(4), bend(4), mean
+    complex(dp) :: c, turns
+    integer :: k
+
+    r = constant_row(ratio, load, 1e-6_dp*stiffness, 1e6_dp*gap)
+    call make(r, osc)
+    d = sqrt(load/stiffness/gap)
+    call find_harmonics(osc%mesh, load, 30, harmonics)
+    call check_close(t, 'effective contact ratio', harmonics%effective_contact_ratio, ratio + 2*d, 1e-12_dp)
+    call check_close(t, 'peak to peak', harmonics%peak_to_peak(), load/stiffness/2, 1e-12_dp)
+    ! One pair from where the leaving one opens to where the next one closes.
+    mean = load/stiffness*(1 - (ratio - 1) - 2*d) + load/stiffness/2*(ratio - 1) + 2*(load/stiffness/2*d + gap*d**3/6)
+    call check_close(t, 'mean', harmonics%mean, mean, 1e-12_dp)
+    at = [0.0_dp, ratio - 1, ratio - 1 + d, 1 - d]
+    kink = gap*d*[0, 0, -1, -1]
+    bend = gap*[-1, 1, -1, 1]
+    do k = 1, 30
+      turns = cmplx(0.0_dp, 2*pi*k, dp)
+      c = sum((kink/turns**2 + bend/turns**3)*exp(-turns*at))
+      call check_close(t, 'harmonic', abs(harmonics%amplitude(k)/2*exp(cmplx(0.0_dp, harmonics%phase(k), dp)) - c) &
+                       *stiffness/load, 0.0_dp, absolute=1e-12_dp)
+    end do
+    call check_true(t, 'error estimate', harmonics%error_estimate < 1e-12_dp*load/stiffness)
+  end subroutine quadratic_gap
+
+  type(row_t) function constant_row(ratio, load, stiffness, gap) result(r)
+    real(dp), intent(in) :: ratio, load, stiffness, gap
+
+    r = row_t(id=0, n_coef=1, teeth=25, events=2, beyond=1, apart=0, contact_ratio=ratio, coef=[stiffness, 0.0_dp, 0.0_dp, 0.0_dp, &
+              0.0_dp], soften=0, gap=[gap, 0.0_dp], reach=0.15_dp, relief=0, shared=0, mass=0.8_dp, load=load, zeta=0.1_dp, &
+              friction=0, angle=20, pitch_point=ratio/2, backlash=-1, rpm=5000, dynamic_factor=0, state=0, difference=0)
+  end function constant_row
+
+  !> The same mesh: a pair before A carries 1/2 - K gap/(2 F) of the load, down to 0 where contact begins.
+  subroutine begins_under_load(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: ratio = 1.6_dp, load = 6000, stiffness = 4e8_dp, gap = 3e-3_dp
+    type(row_t) :: r
+    type(oscillator_t) :: osc
+    type(sharing_t) :: sharing
+    real(dp) :: d, s
+    integer :: k
+
+    r = constant_row(ratio, load, 1e-6_dp*stiffness, 1e6_dp*gap)
+    call make(r, osc)
+    d = sqrt(load/stiffness/gap)
+    do k = 0, 10
+      s = d*k/10
+      call check_close(t, 'share before A', load_share(osc%mesh, load, -s), (1 - (s/d)**2)/2, absolute=1e-12_dp)
+      call check_close(t, 'share behind E', load_share(osc%mesh, load, ratio + s), (1 - (s/d)**2)/2, absolute=1e-12_dp)
+      call check_close(t, 'share of the pair beside', load_share(osc%mesh, load, 1 - s), (1 + (s/d)**2)/2, absolute=1e-12_dp)
+    end do
+    call check_true(t, 'nothing farther off', maxval([load_share(osc%mesh, load, -d - 1e-9_dp), &
+                                                      load_share(osc%mesh, load, ratio + d + 1e-9_dp)]) <= 0)
+    call share_load(osc%mesh, load, 400, sharing)
+    call check_close(t, 'the loads balance', maxval(abs(sum(sharing%load, 1) - load)), 0.0_dp, absolute=1e-9_dp)
+    call check_true(t, 'pairs stand before A and behind E', minval(sharing%s) < -0.14_dp .and. maxval(sharing%s) > ratio + 0.14_dp)
+  end subroutine begins_under_load
+
+  !> Beyond A and E the gap is larger than any deflection: all is as where contact ends there.
+  subroutine out_of_reach(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(row_t) :: r
+    type(oscillator_t) :: osc, plain
+    type(accuracy_t) :: options
+    type(point_t) :: point, same
+    type(harmonics_t) :: far, near
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call read_rows(rows)
+    options%steady%tolerance = 1e-9_dp
+    do i = 1, size(rows)
+      if (.not. rows(i)%reach(1) > 0) cycle
+      r = rows(i)
+      call make(r, osc)
+      osc%mesh%profile_error%coef(:, 1) = [1e-3_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+      osc%mesh%profile_error%coef(:, size(osc%mesh%profile_error%coef, 2)) = [1e-3_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+      call make_oscillator(osc, error)
+      call check_no_error(t, 'out of reach', error)
+      plain = osc
+      plain%mesh%reach = [0.0_dp, r%contact_ratio]
+      call make_oscillator(plain, error)
+      call find_harmonics(osc%mesh, r%load, 8, far)
+      call find_harmonics(plain%mesh, r%load, 8, near)
+      call check_close(t, 'harmonics out of reach', maxval(abs(far%amplitude - near%amplitude)), 0.0_dp, &
+                       absolute=1e-11_dp*near%mean)
+      call solve(osc, r%rpm, options, point)
+      call solve(plain, r%rpm, options, same)
+      call check_close(t, 'motion out of reach, row '//str(r%id), point%dynamic_factor, same%dynamic_factor, &
+                       absolute=point%estimate + same%estimate)
+    end do
+  end subroutine out_of_reach
+
+  !> Every row of the table: the dynamic factor to what both claim, and what contact there was. The multistep halving of the
+  !> reference changed its own by `difference`, of which a fifteenth is left.
+  subroutine references(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    character(:), allocatable :: row
+    integer :: i
+
+    call read_rows(rows)
+    call check_true(t, 'rows', size(rows) >= 14)
+    options%steady%tolerance = 1e-9_dp
+    do i = 1, size(rows)
+      row = 'row '//str(rows(i)%id)
+      call make(rows(i), osc)
+      if (rows(i)%apart > 0) then
+        call solve(osc, rows(i)%rpm, options, point, 1e-6_dp*rows(i)%state)
+      else
+        call solve(osc, rows(i)%rpm, options, point)
+      end if
+      call check_close(t, row, point%dynamic_factor, rows(i)%dynamic_factor, absolute=1e-9_dp + rows(i)%difference/5)
+      call check_close(t, row//' x at phase 0', 1e6_dp*point%steady%state(1), rows(i)%state(1), absolute=1e-6_dp)
+      print *, row, point%steps, &
+point%dynamic_factor, rows(i)%dynamic_factor, point%dynamic_factor-rows(i)%dynamic_factor, point%estimate, rows(i)%difference
+      call check_true(t, row//' keeps to the tolerance', point%estimate <= options%steady%tolerance, str(point%estimate))
+      call check_true(t, row//' estimate', abs(point%dynamic_factor - rows(i)%dynamic_factor) <= 2*point%estimate &
+                      + rows(i)%difference/5 + 1e-11_dp)
+      call check_true(t, row//' contact', point%steady%partial .eqv. rows(i)%apart > 0)
+      call check_true(t, row//' status', point%steady%status == status_ok)
+    end do
+  end subroutine references
+
+  !> Halving the steps from two for a radian of the natural motion, errors against a tolerance of 1e-12; mean of the rows.
+  subroutine sixth_order(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options, exact
+    type(point_t) :: point, truth
+    real(dp) :: deviation(2), duration, order
+    integer :: i, k
+
+    call read_rows(rows)
+    exact%steady%tolerance = 1e-12_dp
+    order = 0
+    do i = 1, size(rows)
+      call make(rows(i), osc)
+      duration = mesh_period(rows(i)%teeth(1), rows(i)%rpm)
+      call solve(osc, rows(i)%rpm, exact, truth, 1e-6_dp*rows(i)%state)
+      options%steady%tolerance = 1e-12_dp
+      do k = 1, 2
+        options%steps = ceiling(osc%natural_frequency*duration)*2**k
+        call solve(osc, rows(i)%rpm, options, point, truth%steady%state)
+        deviation(k) = abs(point%steady%state(1) - truth%steady%state(1))/osc%static_deflection
+      end do
+      order = order + log(deviation(1)/deviation(2))/log(2.0_dp)/size(rows)
+    end do
+    call check_true(t, 'sixth order', order > 5.4_dp .and. order < 7.5_dp, str(order))
+  end subroutine sixth_order
+
+  !> A sweep in batches finds what each speed by itself does, with the same bits for any number of threads; so do the
+  !> classical Runge-Kutta steps of the literature, to what they claim.
+  subroutine one_by_one_and_in_batches(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options
+    type(sweep_t) :: one, two
+    type(error_t), allocatable :: error
+    type(point_t) :: point
+    real(dp) :: rpm(48)
+    integer :: i, k, worse
+
+    call read_rows(rows)
+    rpm = [(600 + 420.0_dp*k, k=0, 47)]
+    options%direction = each
+    do i = 1, size(rows)
+      if (rows(i)%zeta < 0.09_dp) cycle
+      call make(rows(i), osc)
+      options%threads = 1
+      call run_sweep([osc], rpm, options, one, error)
+      call check_no_error(t, 'sweep', error)
+      options%threads = 2
+      call run_sweep([osc], rpm, options, two, error)
+      call check_true(t, 'threads', all(abs(one%dynamic_factor - two%dynamic_factor) <= 0))
+      worse = 0
+      do k = 1, size(rpm), 5
+        call solve(osc, rpm(k), options%accuracy, point)
+        if (.not. abs(point%dynamic_factor - one%dynamic_factor(k, 1)) <= 1.5_dp*(point%estimate + one%estimate(k, 1))) &
+          worse = worse + 1
+      end do
+      call check_true(t, 'one by one, row '//str(rows(i)%id), worse <= 1, str(worse))
+      call check_true(t, 'every speed has a result, row '//str(rows(i)%id), all(one%status == status_ok), &
+                      str(count(one%status /= status_ok)))
+    end do
+  end subroutine one_by_one_and_in_batches
+
+  !> The slower the motion, the nearer its largest load comes to the largest static one: by twice the speed, twice as far.
+  subroutine slow_motion(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(row_t) :: r
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    type(sharing_t) :: sharing
+    real(dp) :: apart(2)
+    integer :: k
+
+    call read_rows(rows)
+    r = rows(11)
+    r%zeta = 0.5_dp
+    call make(r, osc)
+    call share_load(osc%mesh, osc%load, 4000, sharing)
+    do k = 1, 2
+      call solve(osc, 2.0_dp**k*40, options, point)
+      call check_true(t, 'slow motion is found', point%steady%status == status_ok)
+      apart(k) = point%dynamic_factor - maxval(sharing%load)/osc%load
+    end do
+    call check_true(t, 'slow motion nears the static load', apart(2) < 0.1_dp .and. apart(1) > 0 .and. &
+                    apart(2)/apart(1) > 1.5_dp .and. apart(2)/apart(1) < 4.5_dp, str(apart(1))//' '//str(apart(2)))
+  end subroutine slow_motion
+
+  !> Constant own stiffness: one pair in series with the compliance, or two.
+  subroutine stiffness_in_series(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t) :: r
+    type(oscillator_t) :: osc
+    real(dp), parameter :: k = 4e8_dp, c = 5e-10_dp
+
+    r = constant_row(1.6_dp, 6000.0_dp, 1e-6_dp*k, 0.0_dp)
+    r%reach = 0
+    r%shared = 1e6_dp*c
+    call make(r, osc)
+    call check_close(t, 'mean stiffness in series', osc%mesh%mean_stiffness(), 0.6_dp*2*k/(1 + 2*c*k) + 0.4_dp*k/(1 + c*k), &
+                     1e-10_dp)
+    call check_close(t, 'natural frequency', osc%natural_frequency, sqrt(osc%mesh%mean_stiffness()*2/0.8_dp), 1e-12_dp)
+  end subroutine stiffness_in_series
+
+  !> The loads of a pair along its path begin before A at 0, end behind E at 0, and their largest is the dynamic factor.
+  subroutine path_of_a_pair(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(response_t) :: response
+    integer :: i, first, last
+
+    call read_rows(rows)
+    do i = 1, size(rows)
+      if (rows(i)%beyond == 0 .or. rows(i)%apart > 0) cycle
+      call make(rows(i), osc)
+      call find_response(osc, rows(i)%rpm, options, response)
+      associate (s => response%s, load => response%load)
+        call check_true(t, 's ascends', all(s(2:) >= s(:size(s) - 1) - 1e-14_dp))
+        call check_close(t, 'begins', s(1), -rows(i)%reach(1), absolute=1e-12_dp)
+        call check_close(t, 'ends', s(size(s)), rows(i)%contact_ratio + rows(i)%reach(2), absolute=1e-12_dp)
+        first = findloc(load > 0, .true., 1)
+        last = findloc(load > 0, .true., 1, back=.true.)
+        call check_true(t, 'carries before A and behind E', s(first) < -0.01_dp .and. s(last) > rows(i)%contact_ratio + 0.01_dp)
+        call check_true(t, 'begins and ends without a jump', max(load(first), load(last)) < 0.05_dp*osc%load, &
+                        str(max(load(first), load(last))/osc%load))
+        call check_close(t, 'largest load', maxval(load)/osc%load, rows(i)%dynamic_factor, absolute=2e-3_dp)
+      end associate
+    end do
+  end subroutine path_of_a_pair
+
+  !> Profile error from a table: splines between rows whose s comes twice.
+  subroutine tables(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: s(9) = [-0.2_dp, -0.1_dp, -0.05_dp, 0.0_dp, 0.0_dp, 0.8_dp, 1.6_dp, 1.6_dp, 1.9_dp]
+    type(piecewise_t) :: curve
+    type(error_t), allocatable :: error
+
+    call profile_table(1.6_dp, s, 1e-3_dp*merge(s**2 - s**3, merge(s - 1.6_dp, 0.0_dp, s > 1.6_dp), s < 0), curve, error)
+    call check_no_error(t, 'table', error)
+    call check_close(t, 'a cubic before A', curve%value(-0.17_dp), 1e-3_dp*(0.17_dp**2 + 0.17_dp**3), 1e-12_dp)
+    call check_close(t, 'nothing between', curve%value(1.1_dp), 0.0_dp, absolute=1e-18_dp)
+    call check_close(t, 'a line behind E', curve%value(1.75_dp), 0.15e-3_dp, 1e-12_dp)
+    call check_true(t, 'breaks where s comes twice', .not. (curve%is_smooth_at(4) .or. curve%is_smooth_at(6)) .and. &
+                    curve%is_smooth_at(2) .and. curve%is_smooth_at(5))
+    call profile_table(1.6_dp, s(4:7), [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], curve, error)
+    call check_error(t, 'one row of a spline', error, 'comes twice at row 2')
+    call profile_table(1.7_dp, s(5:7), [0.0_dp, 0.0_dp, 0.0_dp], curve, error)
+    call check_error(t, 'too short', error, 'covers s = 0 to 1.6')
+    call profile_table(1.6_dp, s(7:5:-1), [0.0_dp, 0.0_dp, 0.0_dp], curve, error)
+    call check_error(t, 'unsorted', error, 'not ascending at row 2')
+    call profile_table(1.6_dp, s(5:7), [0.0_dp, 1.0_dp, 0.0_dp], curve, error)
+    call check_error(t, 'too large', error, 'at row 2 it is beyond')
+    call profile_table(1.6_dp, s(5:5), [0.0_dp], curve, error)
+    call check_error(t, 'one row', error, 'at least two rows')
+  end subroutine tables
+end module test_beyond
