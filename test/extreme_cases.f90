@@ -16,6 +16,8 @@ module extreme_cases
   use gearsweep_files, only: read_text
   use gearsweep_status, only: status_name
   use gearsweep_study, only: study_t, run_study
+  use gearsweep_table, only: table_t
+  use gearsweep_tables, only: column_of, make_table
   use gearsweep_text, only: to_number
   implicit none
   private
@@ -145,14 +147,24 @@ contains
       outcome%value = 1e6_dp/study%mesh%stiffness%value(study%mesh%contact_ratio/2)
       outcome%error = formulas
     case ('frequency')
-      outcome%value = study%modal%modes%frequency(1)
-      outcome%error = study%modal%error_estimate(1)
+      outcome%value = first('modal', 'frequency_hz')
+      outcome%error = first('modal', 'error_estimate')
     case ('tension')
-      outcome%value = study%root(1)%stress%tension%stress*1e-6_dp
-      outcome%error = study%root(1)%stress%error_estimate
+      outcome%value = first('root_stress', 'tension_mpa')
+      outcome%error = first('root_stress', 'error_estimate')
     case default
       error stop 'extreme/cases.txt asks for an unknown quantity'
     end select
+
+  contains
+
+    real(dp) function first(table, column)
+      character(*), intent(in) :: table, column
+      real(dp), allocatable :: numbers(:)
+
+      numbers = column_of(study, table, column)
+      first = numbers(1)
+    end function first
   end subroutine take
 
   logical function same_bits(a, b)
@@ -204,19 +216,22 @@ contains
     type(outcome_t), intent(inout) :: outcome
     type(levels_t), allocatable :: tables
     type(point_t) :: point
+    type(table_t) :: sweep
+    type(error_t), allocatable :: error
     integer :: k
 
     allocate (tables)
-    associate (sweep => study%sweep, motion => study%motion(1), accuracy => study%case%accuracy)
-      k = merge(1, size(sweep%rpm), study%case%direction == down)
-      outcome%status = status_name(sweep%status(k, 1))
-      outcome%value = sweep%dynamic_factor(k, 1)
-      if (.not. ieee_is_nan(outcome%value)) outcome%error = sweep%estimate(k, 1)/outcome%value
-      call solve_point(motion, mesh_period(motion%mesh%teeth(1), sweep%rpm(k)), accuracy, tables, point)
+    call make_table(study, 'sweep', sweep, error)
+    associate (motion => study%motion(1), accuracy => study%case%accuracy)
+      k = merge(1, sweep%extent(2), study%case%direction == down)
+      outcome%status = trim(sweep%word('status', k))
+      outcome%value = sweep%number('dynamic_factor', k)
+      if (.not. ieee_is_nan(outcome%value)) outcome%error = sweep%number('error_estimate', k)/outcome%value
+      call solve_point(motion, mesh_period(motion%mesh%teeth(1), sweep%number('rpm', k)), accuracy, tables, point)
       outcome%work = point%work
       if (row%quantity == 'multiplier') then
         ! No estimate comes along.
-        outcome%value = sweep%multiplier(k, 1)
+        outcome%value = sweep%number('floquet_modulus', k)
         outcome%error = accuracy%steady%tolerance
       else if (study%case%direction == each) then
         outcome%alone = point%dynamic_factor

@@ -18,8 +18,9 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(7) = [character(40) :: 'mesh: pair stiffness by model fe', &
-    'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ']
+  character(*), parameter :: products(10) = [character(40) :: 'mesh: pair stiffness by model fe', &
+    'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
+    'stability: ', 'hysteresis: ', 'poincare: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder

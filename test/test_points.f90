@@ -7,8 +7,9 @@ module test_points
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_response, only: response_t
-  use gearsweep_status, only: has_result
   use gearsweep_study, only: run_study, study_t
+  use gearsweep_table, only: table_t
+  use gearsweep_tables, only: column_of, make_table
   use gearsweep_text, only: str
   use random_numbers, only: random_t
   use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
@@ -79,7 +80,7 @@ contains
                     '''load'', ''sweep''', study)
       do j = 1, 3
         call same_answer(t, study, j, k(j))
-        if (study%response(1, j)%point%steady%periods > 1) several = several + 1
+        if (nint(at(column_of(study, 'load_points', 'mesh_periods'), j)) > 1) several = several + 1
       end do
     end do
     call check_true(t, 'some repeat only after several periods', several > 0, str(several))
@@ -92,21 +93,62 @@ contains
     type(study_t), intent(in) :: study
     integer, intent(in) :: j, k
     character(:), allocatable :: what
+    type(table_t) :: points, sweep
+    type(error_t), allocatable :: error
+    type(response_t) :: response
 
-    associate (response => study%response(1, j), sweep => study%sweep)
-      what = str(response%rpm)//' rpm'
-      call check_close(t, what//': the speed', response%rpm, sweep%rpm(k))
-      call check_equal(t, what//': status', response%point%steady%status, sweep%status(k, 1))
-      call check_equal(t, what//': periods', response%point%steady%periods, sweep%periods(k, 1))
-      if (has_result(sweep%status(k, 1))) then
-        call check_true(t, what//': the same bits', transfer(response%point%dynamic_factor, 0_int64) == &
-                        transfer(sweep%dynamic_factor(k, 1), 0_int64))
-        call rows_fit(t, what, study, response)
-      else
-        call check_true(t, what//': one row without numbers', size(response%s) == 1 .and. all(ieee_is_nan(response%load)))
-      end if
-    end associate
+    call make_table(study, 'load_points', points, error)
+    call make_table(study, 'sweep', sweep, error)
+    call response_of(study, points, j, response)
+    what = str(response%rpm)//' rpm'
+    call check_close(t, what//': the speed', response%rpm, sweep%number('rpm', k))
+    call check_equal(t, what//': status', trim(points%word('status', j)), trim(sweep%word('status', k)))
+    call check_equal(t, what//': periods', response%point%steady%periods, nint(sweep%number('mesh_periods', k)))
+    if (ieee_is_nan(sweep%number('dynamic_factor', k))) then
+      call check_true(t, what//': one row without numbers', size(response%s) == 1 .and. all(ieee_is_nan(response%load)))
+    else
+      call check_true(t, what//': the same bits', transfer(response%point%dynamic_factor, 0_int64) == &
+                      transfer(sweep%number('dynamic_factor', k), 0_int64))
+      call rows_fit(t, what, study, response)
+    end if
   end subroutine same_answer
+
+  !> What the tables say of speed j. A speed that is asked for twice has its rows twice.
+  subroutine response_of(study, points, j, response)
+    type(study_t), intent(in) :: study
+    type(table_t), intent(in) :: points          ! load_points
+    integer, intent(in) :: j
+    type(response_t), intent(out) :: response
+    logical, allocatable :: here(:)
+    integer :: n
+
+    response%rpm = points%number('rpm', j)
+    response%point%dynamic_factor = points%number('dynamic_factor', j)
+    response%point%steady%periods = nint(points%number('mesh_periods', j))
+    here = .not. abs(column_of(study, 'load', 'rpm') - response%rpm) > 0
+    n = count(here)/count(.not. abs(points%numbers('rpm') - response%rpm) > 0)
+    response%s = rows('s')
+    response%load = rows('pair_load_n')
+    response%error = rows('dte_um')
+    response%pair = nint(rows('pair'))
+
+  contains
+
+    function rows(column)
+      character(*), intent(in) :: column
+      real(dp), allocatable :: rows(:)
+
+      rows = pack(column_of(study, 'load', column), here)
+      rows = rows(:n)
+    end function rows
+  end subroutine response_of
+
+  pure real(dp) function at(numbers, i)
+    real(dp), intent(in) :: numbers(:)
+    integer, intent(in) :: i
+
+    at = numbers(i)
+  end function at
 
   subroutine rows_fit(t, what, study, response)
     type(tally_t), intent(inout) :: t
@@ -140,9 +182,9 @@ contains
                     '''load'', ''sweep''', between)
       call study_of(t, 0.02_dp, 5.0_dp, directions(i), 'rpm_first = 11000 rpm_last = 15000 rpm_step = 50', '13050', &
                     '''load'', ''sweep''', among)
-      call check_close(t, 'between, '//directions(i), between%response(1, 1)%point%dynamic_factor, &
-                       among%response(1, 1)%point%dynamic_factor, absolute=2e-6_dp)
-      call check_true(t, 'beyond, '//directions(i), all(has_result(between%response(1, 2:)%point%steady%status)))
+      call check_close(t, 'between, '//directions(i), at(column_of(between, 'load_points', 'dynamic_factor'), 1), &
+                       at(column_of(among, 'load_points', 'dynamic_factor'), 1), absolute=2e-6_dp)
+      call check_true(t, 'beyond, '//directions(i), .not. any(ieee_is_nan(column_of(between, 'load_points', 'dynamic_factor'))))
     end do
   end subroutine between_the_speeds
 
@@ -153,7 +195,7 @@ contains
 
     call study_of(t, 0.01_dp, 2.0_dp, 'up', 'rpm_first = 6800 rpm_last = 6800 rpm_step = 1', '6800', '''load''', load)
     call study_of(t, 0.01_dp, 2.0_dp, 'up', 'rpm_first = 6800 rpm_last = 6800 rpm_step = 1', '6800', '''sweep''', sweep)
-    call check_true(t, 'one speed', transfer(load%response(1, 1)%point%dynamic_factor, 0_int64) == &
-                    transfer(sweep%sweep%dynamic_factor(1, 1), 0_int64))
+    call check_true(t, 'one speed', transfer(at(column_of(load, 'load_points', 'dynamic_factor'), 1), 0_int64) == &
+                    transfer(at(column_of(sweep, 'sweep', 'dynamic_factor'), 1), 0_int64))
   end subroutine alone
 end module test_points

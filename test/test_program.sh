@@ -292,7 +292,7 @@ check 'options in front of the case' test -s early/base.sweep.csv
 sed "s/tasks = .*/tasks = 'sweep'/" base.nml >sweep_only.nml
 run sweep_only.nml --out sweep_only --verbose
 check 'verbose: exit code' exits 0
-for text in 'static load sharing left out' 'pair loads along the path left out' 'optimum relief left out' \
+for text in 'mesh left out' 'load left out' 'optimum left out' \
   'friction left out' 'coast side left out' 'geometry: pair built' 'sweep: 62 operating points'; do
   check "verbose: $text" says stdout "$text"
 done

@@ -8,8 +8,10 @@ module test_resume
   use gearsweep_error, only: error_t
   use gearsweep_files, only: read_text
   use gearsweep_kinds, only: dp
-  use gearsweep_status, only: status_stopped
+  use gearsweep_status, only: status_name, status_stopped
   use gearsweep_study, only: record_t, run_study, study_t
+  use gearsweep_table, only: table_t
+  use gearsweep_tables, only: column_of, make_table, table_names
   use gearsweep_text, only: str
   use testing, only: check_equal, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
   implicit none
@@ -41,6 +43,9 @@ contains
     if (t%wants('whole_again march')) then
       call whole_again(t, 'each', '''sweep''', '&numerics steady_state = ''march'' tolerance = 1e-4 /', 1)
     end if
+    if (t%wants('whole_again tasks')) call whole_again(t, 'up', '''stability'', ''hysteresis'', ''poincare'', ''load''', &
+      '&stability damping_count = 3 tongues = 1 / &hysteresis rpm = 6700, 6800, 6900 closeness = 1e-2 /'// &
+      '&poincare rpm = 6800, 7000 settling_periods = 20 kept_periods = 9 /', 2)
     if (t%wants('refused')) call refused(t)
     if (t%wants('ended_at_once')) call ended_at_once(t)
     call remove_folder(folder)
@@ -85,16 +90,19 @@ contains
     call run_study(case, '', 1, whole, error)
     call check_no_error(t, what//'in one piece', error)
     step = merge(400, 60, index(tasks, 'optimum') > 0)
+    if (index(tasks, 'stability') > 0) step = 5
     last_done = 0
     fell = .false.
     beyond = .false.
     do pieces = 1, most
       watch = 0
       allowed = pieces*step
+      ! A sweep goes on where it was ended, another task from its beginning.
+      if (index(tasks, 'stability') > 0) last_done = 0
       call run_study(case, '', threads, piece, error, follow, watch=watch, record=record)
       call check_no_error(t, what//'a piece', error)
       if (.not. piece%stopped) exit
-      if (allocated(piece%sweep)) call check_part(t, what, piece, whole)
+      if (size(column_of(piece, 'sweep', 'rpm')) > 0) call check_part(t, what, piece, whole)
       call save_record(record, case, '', file, error)
       call check_no_error(t, what//'kept', error)
       record = record_t()
@@ -113,11 +121,18 @@ contains
     character(*), intent(in) :: what
     type(study_t), intent(in) :: piece, whole
 
-    associate (done => piece%sweep%status /= status_stopped)
-      call check_true(t, what//'done points have their status', all(piece%sweep%status == whole%sweep%status .or. .not. done))
-      call check_true(t, what//'and their bits', all(bits(piece%sweep%dynamic_factor) == bits(whole%sweep%dynamic_factor) &
-                                                     .or. .not. done))
-      call check_true(t, what//'the others have no number', all(ieee_is_nan(piece%sweep%dynamic_factor) .or. done))
+    type(table_t) :: some, all_points
+    type(error_t), allocatable :: error
+
+    call make_table(piece, 'sweep', some, error)
+    call make_table(whole, 'sweep', all_points, error)
+    associate (status => some%columns(some%position('status'))%words, &
+               right => all_points%columns(all_points%position('status'))%words, factor => some%numbers('dynamic_factor'))
+      associate (done => status /= status_name(status_stopped))
+        call check_true(t, what//'done points have their status', all(status == right .or. .not. done))
+        call check_true(t, what//'and their bits', all(bits(factor) == bits(all_points%numbers('dynamic_factor')) .or. .not. done))
+        call check_true(t, what//'the others have no number', all(ieee_is_nan(factor) .or. done))
+      end associate
     end associate
   end subroutine check_part
 
@@ -125,42 +140,33 @@ contains
     type(tally_t), intent(inout) :: t
     character(*), intent(in) :: what
     type(study_t), intent(in) :: piece, whole
-    real(dp), allocatable :: one(:, :), other(:, :)
+    type(table_t) :: one, other
+    type(error_t), allocatable :: error
+    character(18), allocatable :: names(:)
+    integer :: i, k
 
-    associate (a => piece%sweep, b => whole%sweep)
-      call check_true(t, what//'dynamic factors', all(bits(a%dynamic_factor) == bits(b%dynamic_factor)))
-      call check_true(t, what//'estimates', all(bits(a%estimate) == bits(b%estimate)))
-      call check_true(t, what//'multipliers', all(bits(a%multiplier) == bits(b%multiplier)))
-      call check_true(t, what//'status', all(a%status == b%status))
-      call check_true(t, what//'steps', all(a%steps == b%steps))
-      call check_true(t, what//'periods', all(a%periods == b%periods))
-    end associate
-    if (allocated(whole%response)) then
-      one = piece%response%point%dynamic_factor
-      other = whole%response%point%dynamic_factor
-      call check_true(t, what//'loads', all(bits(one) == bits(other)))
-    end if
-    if (allocated(whole%optimum)) then
-      call check_true(t, what//'reliefs tried', all(bits1(piece%optimum%amount) == bits1(whole%optimum%amount)))
-      call check_true(t, what//'their worst', all(bits1(piece%optimum%dynamic_factor) == bits1(whole%optimum%dynamic_factor)))
-    end if
+    names = table_names()
+    do i = 1, size(names)
+      call make_table(piece, names(i), one, error)
+      call make_table(whole, names(i), other, error)
+      call check_true(t, what//'has the table '//trim(names(i)), one%is_there() .eqv. other%is_there())
+      if (.not. (one%is_there() .and. other%is_there())) cycle
+      do k = 1, size(other%columns)
+        associate (a => one%columns(k), b => other%columns(k))
+          if (allocated(b%numbers)) call check_true(t, what//trim(names(i))//' '//b%name, all(bits(a%numbers) == bits(b%numbers)))
+          if (allocated(b%words)) call check_true(t, what//trim(names(i))//' '//b%name, all(a%words == b%words))
+        end associate
+      end do
+    end do
   end subroutine check_same
 
   pure function bits(x)
     use, intrinsic :: iso_fortran_env, only: int64
-    real(dp), intent(in) :: x(:, :)
-    integer(int64) :: bits(size(x, 1), size(x, 2))
-
-    bits = reshape(transfer(x, [0_int64]), shape(bits))
-  end function bits
-
-  pure function bits1(x)
-    use, intrinsic :: iso_fortran_env, only: int64
     real(dp), intent(in) :: x(:)
-    integer(int64) :: bits1(size(x))
+    integer(int64) :: bits(size(x))
 
-    bits1 = transfer(x, [0_int64])
-  end function bits1
+    bits = transfer(x, [0_int64])
+  end function bits
 
   !> A file of another case, version or kind, and a damaged one.
   subroutine refused(t)
@@ -222,9 +228,9 @@ contains
     watch = [1, 0, 0]
     call run_study(case, '', 2, study, error, watch=watch)
     call check_no_error(t, 'ended at once', error)
-    call check_true(t, 'the mesh is there', allocated(study%sharing))
-    call check_true(t, 'the sweep is not', study%stopped .and. .not. allocated(study%sweep))
-    call check_true(t, 'the log says so', index(study%log, 'motion left out: the run was interrupted') > 0)
+    call check_true(t, 'the mesh is there', size(column_of(study, 'mesh', 'ste_um')) > 0)
+    call check_true(t, 'the sweep is not', study%stopped .and. size(column_of(study, 'sweep', 'rpm')) == 0)
+    call check_true(t, 'the log says so', index(study%log, 'sweep left out: the run was interrupted') > 0)
     call check_equal(t, 'nothing was counted', int(watch(2)), 0)
   end subroutine ended_at_once
 end module test_resume

@@ -1,15 +1,14 @@
-!> What a case says of the body behind the teeth, its stress and its modes: &section, &static, &modal.
+!> What a case says of the body behind the teeth: &section.
 module gearsweep_body_keys
   use gearsweep_kinds, only: dp
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_root_rating, only: shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path
   use gearsweep_tasks, only: sentence_length, sentence_of
-  use gearsweep_uses, only: first_of, needs_gears, unless
+  use gearsweep_uses, only: needs_gears, unless
   implicit none
   private
-  public :: read_section, read_static, read_modal
+  public :: read_section
 
 contains
 
@@ -23,12 +22,12 @@ contains
 
     if (allocated(error)) return
     geared = unless(.not. case%prescribed, needs_gears)
-    with_body = trim(sentence_of(case%tasks, 'body'))//', '//sentence_of(case%tasks, 'mesh', but='static')
+    with_body = trim(sentence_of(case%tasks, 'section'))//', '//sentence_of(case%tasks, 'mesh', but='static')
     with_support = 'modal, '//case%tasks_for('mesh')
-    shape = unless(case%needs_section() .or. case%needs_elements(), 'section, static, modal or a stiffness by elements')
-    support = unless(case%asks_any('static, modal') .or. case%needs_elements(), 'static, modal or a stiffness by elements')
+    shape = unless(case%needs('section') .or. case%needs_elements(), 'section, static, modal or a stiffness by elements')
+    support = unless(case%needs('body') .or. case%needs_elements(), 'static, modal or a stiffness by elements')
     ! Printed values may be a tooth's of this member.
-    looks = unless(case%needs_section() .or. allocated(case%published), 'section, static or modal')
+    looks = unless(case%needs('section') .or. allocated(case%published), 'section, static or modal')
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
@@ -63,60 +62,6 @@ contains
     call reader%get('section', 'member', member, error, waits=looks, refused=geared, &
                     allowed=[character(6) :: 'pinion', 'gear'], &
                     meaning='the gear whose section the tasks section, static and modal take')
-    case%root%member = merge(2, 1, member == 'gear')
+    case%member = merge(2, 1, member == 'gear')
   end subroutine read_section
-
-  subroutine read_static(reader, case, error)
-    type(reader_t), intent(inout) :: reader
-    type(case_t), intent(inout) :: case
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: sharing, spacing
-    character(*), parameter :: task = 'static'
-    character(sentence_length) :: geared
-    logical :: stated
-
-    geared = unless(.not. case%prescribed, needs_gears)
-    associate (root => case%root)
-      call reader%get('static', 'shares', root%shares, error, given=stated, tasks=task, refused=geared, &
-                      at_least=0.0_dp, at_most=1.0_dp, min_size=2, otherwise='as sharing says', &
-                      meaning='share of the static load at each position, from the outermost point of contact inwards in '// &
-                      'equal arcs of the flank')
-      call reader%get('static', 'positions', root%positions, error, at_least=2, at_most=1000, tasks=task, &
-                      refused=first_of(geared, unless(.not. stated, 'there are as many as shares; remove it')), &
-                      meaning='positions of the load on the flank; not with shares, of which there is one for each')
-      spacing = 'path'
-      call reader%get('static', 'spacing', spacing, error, allowed=[character(5) :: 'path', 'flank'], tasks=task, &
-                      refused=first_of(geared, unless(.not. stated, 'stated shares stand at equal arcs of the flank; remove it')), &
-                      meaning='path: equal steps along the path of contact from A to E, and either side of the places where '// &
-                      'the share jumps; flank: equal arcs of the flank, from the outermost point of contact inwards')
-      root%spacing = merge(spaced_on_flank, spaced_on_path, stated .or. spacing == 'flank')
-      sharing = 'mesh'
-      call reader%get('static', 'sharing', sharing, error, allowed=[character(5) :: 'mesh', 'equal'], tasks=task, &
-                      refused=first_of(geared, unless(.not. stated, 'the shares are stated; give one of the two')), &
-                      meaning='load on the tooth: as stiffness and relief share it (mesh), or the same for all pairs in '// &
-                      'contact (equal); not with shares')
-      root%sharing = merge(shared_equally, shared_by_mesh, sharing == 'equal')
-      call reader%get('static', 'tangent_deg', root%tangent, error, unit='deg', tasks=task, refused=geared, &
-                      above=0.0_dp, below=90.0_dp, &
-                      meaning='angle between the tangent to the fillet and the axis of the tooth where the table gives the '// &
-                      'stress; such a point must lie on the fillet')
-      call reader%get('static', 'field_position', root%field_position, error, at_least=0, at_most=2000, tasks=task, &
-                      refused=geared, otherwise='no such table', &
-                      meaning='position of the load, counted from 1 in the table static, for the stress all over the section '// &
-                      'in the table stress; 0: where the tension is largest')
-      if (.not. stated .or. allocated(error)) return
-      root%sharing = shares_stated
-      root%positions = size(root%shares)
-    end associate
-  end subroutine read_static
-
-  subroutine read_modal(reader, case, error)
-    type(reader_t), intent(inout) :: reader
-    type(case_t), intent(inout) :: case
-    type(error_t), allocatable, intent(inout) :: error
-
-    call reader%get('modal', 'modes', case%modes, error, at_least=1, at_most=1000, tasks='modal', &
-                    refused=unless(.not. case%prescribed, needs_gears), &
-                    meaning='number of natural modes from the lowest, below half the unknowns of the grid')
-  end subroutine read_modal
 end module gearsweep_body_keys

@@ -3,16 +3,16 @@ module gearsweep_case
   use gearsweep_kinds, only: dp
   use gearsweep_gear, only: gear_spec_t
   use gearsweep_material, only: material_t
-  use gearsweep_root_rating, only: root_options_t
   use gearsweep_section, only: section_options_t
   use gearsweep_relief, only: linear
   use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_sweep, only: up
   use gearsweep_task, only: task_length
   use gearsweep_tasks, only: list_tasks, sentence_length, sentence_of, task_slot_t
+  use gearsweep_uses, only: unless
   implicit none
   private
-  public :: case_t, speed_count, speeds, list_task_names
+  public :: case_t, for_stage, speed_count, speeds, list_task_names
 
   type :: case_t
     character(:), allocatable :: text            !< as read
@@ -41,31 +41,24 @@ module gearsweep_case
     real(dp), allocatable :: coefficients(:)
     real(dp) :: contact_ratio = 0, base_pitch = 0
     real(dp) :: pitch_point = -1                 !< below 0: half the contact ratio
-    integer :: harmonics = 8                     !< of the static transmission error
     logical :: tooth_coupling = .true.
     ! &dynamics
     real(dp) :: damping_ratio = 0.17_dp, friction = 0
     ! &sweep, &numerics
     real(dp) :: rpm_first = 0, rpm_last = 0, rpm_step = 0
-    real(dp), allocatable :: load_rpm(:)
     integer :: direction = up
     type(accuracy_t) :: accuracy
-    ! &section, &static, &modal
+    ! &section
     type(section_options_t) :: section
-    type(root_options_t) :: root
-    integer :: modes = 10
+    integer :: member = 1                        !< whose section is taken: 1 pinion, 2 gear
     character(:), allocatable :: published       !< file of printed values to set beside ours
     !> Keys that are given but not used: a line for each use that they would have.
     character(:), allocatable :: unused
   contains
     procedure :: want
     procedure :: asks
-    procedure :: asks_any
     procedure :: needs
     procedure :: tasks_for
-    procedure :: needs_load
-    procedure :: needs_motion
-    procedure :: needs_section
     procedure :: needs_elements
   end type case_t
 
@@ -102,15 +95,6 @@ contains
     asks = any([(self%tasks(i)%is_wanted .and. self%tasks(i)%info%name == task, i=1, size(self%tasks))])
   end function asks
 
-  !> Is one of these the case's task? `tasks` names them as in a sentence.
-  pure logical function asks_any(self, tasks)
-    class(case_t), intent(in) :: self
-    character(*), intent(in) :: tasks
-    integer :: i
-
-    asks_any = any([(self%tasks(i)%is_wanted .and. index(tasks, trim(self%tasks(i)%info%name)) > 0, i=1, size(self%tasks))])
-  end function asks_any
-
   !> Does one of the case's tasks need this stage (see gearsweep_task)?
   pure logical function needs(self, stage)
     class(case_t), intent(in) :: self
@@ -129,32 +113,22 @@ contains
     words = sentence_of(self%tasks, stage)
   end function tasks_for
 
-  !> Does a task need the mesh, and with it the load?
-  pure logical function needs_load(self)
-    class(case_t), intent(in) :: self
+  !> What a key waits for: the tasks that need this stage, told as in `load, sweep or optimum`, or nothing where the
+  !> case names one of them.
+  pure function for_stage(case, stage) result(what)
+    type(case_t), intent(in) :: case
+    character(*), intent(in) :: stage
+    character(sentence_length) :: what
 
-    needs_load = self%needs('mesh')
-  end function needs_load
-
-  !> Does a task look at one member's body by finite elements?
-  pure logical function needs_section(self)
-    class(case_t), intent(in) :: self
-
-    needs_section = self%needs('body')
-  end function needs_section
+    what = unless(case%needs(stage), trim(case%tasks_for(stage)))
+  end function for_stage
 
   !> Does a task need both members' stiffness by finite elements?
   pure logical function needs_elements(self)
     class(case_t), intent(in) :: self
 
-    needs_elements = self%needs_load() .and. self%model == 'fe'
+    needs_elements = self%needs('mesh') .and. self%model == 'fe'
   end function needs_elements
-
-  pure logical function needs_motion(self)
-    class(case_t), intent(in) :: self
-
-    needs_motion = self%needs('motion')
-  end function needs_motion
 
   !> How many speeds the sweep has.
   pure integer function speed_count(case)

@@ -8,9 +8,6 @@ module gearsweep_case_checks
   private
   public :: check_case
 
-  !> Speeds times reliefs whose pair loads are followed over the path.
-  integer, parameter :: most_paths = 10000
-
 contains
 
   subroutine check_case(case, error)
@@ -23,8 +20,7 @@ contains
     call check_relief(case, error)
     call check_speeds(case, error)
     do i = 1, size(case%tasks)
-      if (case%tasks(i)%is_wanted .and. allocated(case%tasks(i)%task)) &
-        call case%tasks(i)%task%check_reliefs(case%tasks(i)%info%name, case%amount, error)
+      if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check(case%amount, error)
     end do
   end subroutine check_case
 
@@ -34,7 +30,7 @@ contains
     integer :: given, i
 
     given = count([case%torque, case%normal_force, case%line_load] > 0)
-    if (given > 1 .or. (given == 0 .and. case%needs_load())) call fail(error, code_input, &
+    if (given > 1 .or. (given == 0 .and. case%needs('mesh'))) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), normal_force_n and line_load_n_mm; '//str(given)//' are given')
     do i = 1, 2
       if (case%mass(i) > 0 .and. case%inertia(i) > 0) call fail(error, code_input, '&'//trim(case%spec(i)%name)// &
@@ -94,10 +90,6 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     associate (reliefs => size(case%amount))
-      if (case%asks('load')) then
-        if (size(case%load_rpm)*reliefs > most_paths) call fail(error, code_input, &
-          '&sweep load_rpm: with '//str(reliefs)//' reliefs more than '//str(most_paths)//' paths')
-      end if
       if (.not. case%needs('speeds')) return
       if (case%rpm_last < case%rpm_first) call fail(error, code_input, '&sweep rpm_last = '//str(case%rpm_last)// &
         ': must not lie below rpm_first = '//str(case%rpm_first)//'; to sweep downwards, direction = ''down''')

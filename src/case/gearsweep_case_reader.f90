@@ -1,7 +1,7 @@
 !> Reads a case, one text for every door: takes each key once, in its unit, and checks it. A key that
 !> contradicts others is refused; one that the case has no use for is listed.
 module gearsweep_case_reader
-  use gearsweep_body_keys, only: read_modal, read_section, read_static
+  use gearsweep_body_keys, only: read_section
   use gearsweep_case, only: case_t, list_task_names
   use gearsweep_case_checks, only: check_case
   use gearsweep_error, only: error_t
@@ -92,8 +92,6 @@ contains
     call read_sweep(reader, case, error)
     call read_numerics(reader, case, error)
     call read_section(reader, case, error)
-    call read_static(reader, case, error)
-    call read_modal(reader, case, error)
     call read_relief(reader, case, error)
     call read_pair(reader, case, error)
     call read_member(reader, 'pinion', 1, case, error)
@@ -119,8 +117,6 @@ contains
     call reader%add_group('relief', 'Tip relief, which grows from its start to the tip. Without this group there is none.')
     call reader%add_group('mesh', 'The stiffness of the pairs of teeth in mesh.')
     call reader%add_group('section', 'The body behind the teeth, for finite elements.')
-    call reader%add_group('static', 'The task static: root stress under the moving load.')
-    call reader%add_group('modal', 'The task modal: natural modes of the section.')
     call reader%add_group('dynamics', 'Damping and friction of the motion.')
     call reader%add_group('sweep', 'The speeds of the pinion.')
     call reader%add_group('numerics', 'How exactly and by which method the motion is found; the defaults suit nearly every case.')
@@ -144,15 +140,17 @@ contains
     call reader%want(tasks)
   end subroutine read_tasks
 
-  !> The keys of the tasks' own groups.
+  !> The tasks' own keys.
   subroutine read_own_keys(reader, case, error)
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    integer :: i
+    integer :: i, first
 
     do i = 1, size(case%tasks)
-      if (allocated(case%tasks(i)%task)) call case%tasks(i)%task%read_keys(reader, error)
+      first = reader%keys%known + 1
+      call case%tasks(i)%task%read_keys(reader, error)
+      call reader%keys%write_given(reader%list, first, case%tasks(i)%given)
     end do
   end subroutine read_own_keys
 end module gearsweep_case_reader

@@ -80,7 +80,7 @@ contains
         call lines%put(', "needs": ')
         call put_words(task%needs, lines)
         call lines%put(', "tables": ')
-        call put_words(task%tables, lines)
+        call put_words(task%tables//' '//task%fields, lines)
         call lines%add('}'//trim(merge(',', ' ', i < size(slots))))
       end associate
     end do
@@ -265,7 +265,7 @@ contains
 
     call lines%add('task '//trim(task%name))
     call add_wrapped(task%gives//'.', '  ', lines)
-    if (len(task%tables) > 0) call lines%add('  tables    '//task%tables)
+    call lines%add('  tables    '//trim(task%tables//' '//task%fields))
     call lines%add('')
   end subroutine tell_task
 

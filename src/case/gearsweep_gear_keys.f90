@@ -1,11 +1,11 @@
 !> What a case says of the gears: &pair, &pinion, &gear and &material.
 module gearsweep_gear_keys
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_case, only: case_t
+  use gearsweep_case, only: case_t, for_stage
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
   use gearsweep_tasks, only: sentence_length
-  use gearsweep_uses, only: for_stage, needs_gears, unless
+  use gearsweep_uses, only: needs_gears, unless
   implicit none
   private
   public :: read_pair, read_member, read_material
@@ -107,8 +107,8 @@ contains
     character(sentence_length) :: waits
     logical :: weighs, ends
 
-    weighs = case%needs_load() .and. .not. is_stated(case, member)
-    ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs_section() .and. member == case%root%member))
+    weighs = case%needs('mesh') .and. .not. is_stated(case, member)
+    ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs('section') .and. member == case%member))
     waits = unless(weighs .or. ends, 'a section that ends at it or a mass that is not stated')
   end function bore_waits
 
@@ -130,8 +130,8 @@ contains
 
     if (allocated(error)) return
     geared = unless(.not. case%prescribed, needs_gears)
-    yields = case%needs_load() .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
-    weighs = case%needs_load() .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
+    yields = case%needs('mesh') .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
+    weighs = case%needs('mesh') .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
     ! Printed values may be a tooth's as a beam.
     compares = allocated(case%published)
     call reader%get('material', 'young_gpa', case%material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
@@ -139,7 +139,7 @@ contains
                     refused=geared, meaning='Young''s modulus, for a stiffness that is computed and for natural modes; '// &
                     'root stress does not depend on it')
     call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
-                    waits=unless((yields .and. case%model /= 'iso6336') .or. case%asks_any('static, modal'), &
+                    waits=unless((yields .and. case%model /= 'iso6336') .or. case%needs('body'), &
                     'static, modal or a stiffness that depends on it'), refused=geared, &
                     meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress and natural modes')
     call reader%get('material', 'density_kgm3', case%material%density, error, unit='kg/m^3', at_least=1.0_dp, at_most=1e5_dp, &

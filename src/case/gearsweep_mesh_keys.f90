@@ -1,13 +1,12 @@
 !> What a case says of the mesh: &mesh, &load and &relief.
 module gearsweep_mesh_keys
   use gearsweep_kinds, only: dp
-  use gearsweep_case, only: case_t
+  use gearsweep_case, only: case_t, for_stage
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_reader, only: reader_t
   use gearsweep_relief, only: linear, parabolic
-  use gearsweep_root_rating, only: shared_by_mesh
-  use gearsweep_tasks, only: sentence_length, sentence_of
-  use gearsweep_uses, only: first_of, for_stage, needs_gears, unless
+  use gearsweep_tasks, only: sentence_length
+  use gearsweep_uses, only: first_of, needs_gears, unless
   implicit none
   private
   public :: read_model, read_load, read_relief, read_path
@@ -67,7 +66,7 @@ contains
                     at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
   end subroutine read_load
 
-  !> After the root stress, whose load need not be shared by the mesh.
+  !> After the tasks' own keys, as the load of the root stress need not be shared by the mesh.
   subroutine read_relief(reader, case, error)
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
@@ -77,8 +76,7 @@ contains
     logical :: has_length, has_roll(2)
 
     with_relief = case%tasks_for('reliefs')
-    if (case%root%sharing /= shared_by_mesh) with_relief = sentence_of(case%tasks, 'reliefs', but='static')
-    waits = unless(case%asks_any(with_relief), with_relief)
+    waits = for_stage(case, 'reliefs')
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, unit='um', required=reader%has_group('relief'), &
                     tasks=with_relief, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
@@ -115,7 +113,7 @@ contains
                     'path of contact, or at a roll angle')
   end subroutine read_relief
 
-  !> What else a prescribed mesh needs to be told, and the harmonics: last, as it depends on the rest.
+  !> What else a prescribed mesh needs to be told: last, as it depends on the rest.
   subroutine read_path(reader, case, error)
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
@@ -139,8 +137,6 @@ contains
                     otherwise='half the contact ratio', &
                     meaning='path coordinate s of the pitch point of a prescribed mesh, at most the contact ratio')
     call read_beyond(reader, case, made, error)
-    call reader%get('mesh', 'ste_harmonics', case%harmonics, error, tasks='mesh', at_least=1, at_most=1000, &
-                    meaning='harmonics of the static transmission error in the table harmonics')
     call read_contact(reader, case, error)
   end subroutine read_path
 
@@ -173,7 +169,7 @@ contains
                     meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
                     'bodies: a part of each pair''s compliance')
     ! Stability feels it only where contact reaches beyond A and E.
-    waits = unless(case%model == 'table' .or. case%asks_any(case%tasks_for('reliefs')), case%tasks_for('reliefs'))
+    waits = unless(case%model == 'table' .or. case%needs('reliefs'), case%tasks_for('reliefs'))
     call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for('mesh'), &
                     waits=waits, &
                     refused=first_of(refused, unless(.not. (any(case%amount > 0) .or. case%asks('optimum')), relieved)), &

@@ -8,7 +8,6 @@ module gearsweep_motion_keys
   use gearsweep_sweep, only: down, each, up
   use gearsweep_tasks, only: sentence_length
   use gearsweep_transient, only: by_marching, by_shooting
-  use gearsweep_uses, only: unless
   implicit none
   private
   public :: read_dynamics, read_sweep, read_numerics
@@ -31,26 +30,22 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: ways(*) = [character(4) :: 'up', 'down', 'each'], follows = 'sweep or optimum'
+    character(*), parameter :: ways(*) = [character(4) :: 'up', 'down', 'each']
     integer, parameter :: directions(*) = [up, down, each]
     character(:), allocatable :: direction
-    character(sentence_length) :: over_speed, idle
+    character(sentence_length) :: over_speed
 
     over_speed = case%tasks_for('speeds')
-    idle = unless(case%needs('speeds'), trim(over_speed)//' without an rpm of its own')
-    if (.not. case%asks_any(over_speed)) idle = ''
-    call reader%get('sweep', 'rpm_first', case%rpm_first, error, unit='1/min', required=.true., tasks=over_speed, waits=idle, &
+    call reader%get('sweep', 'rpm_first', case%rpm_first, error, unit='1/min', required=.true., tasks=over_speed, &
                     at_least=1e-6_dp, at_most=1e9_dp, meaning='first speed of the pinion')
-    call reader%get('sweep', 'rpm_last', case%rpm_last, error, unit='1/min', required=.true., tasks=over_speed, waits=idle, &
+    call reader%get('sweep', 'rpm_last', case%rpm_last, error, unit='1/min', required=.true., tasks=over_speed, &
                     at_least=1e-6_dp, at_most=1e9_dp, meaning='speed beyond which no speed lies; not below rpm_first')
-    call reader%get('sweep', 'rpm_step', case%rpm_step, error, unit='1/min', required=.true., tasks=over_speed, waits=idle, &
+    call reader%get('sweep', 'rpm_step', case%rpm_step, error, unit='1/min', required=.true., tasks=over_speed, &
                     at_least=1e-9_dp, meaning='step from one speed to the next; speeds times reliefs may be at most 1e7')
     direction = 'up'
-    call reader%get('sweep', 'direction', direction, error, tasks=follows, allowed=ways, &
+    call reader%get('sweep', 'direction', direction, error, tasks=case%tasks_for('direction'), allowed=ways, &
                     meaning='where several steady motions exist: follow the one found at the speed below (up), at the speed '// &
                     'above (down), or take each speed by itself (each)')
-    call reader%get('sweep', 'load_rpm', case%load_rpm, error, unit='1/min', required=.true., tasks='load', &
-                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion for the task load')
     case%direction = sum(pack(directions, ways == direction))
   end subroutine read_sweep
 

@@ -18,6 +18,9 @@ module gearsweep_table
   !> What the values of a column are.
   integer, parameter, public :: kind_real = 1, kind_integer = 2, kind_text = 3
 
+  !> Of what `word` tells.
+  integer, parameter :: word_length = 32
+
   type :: column_t
     character(:), allocatable :: name            !< in full, with its unit: pair_load_n
     character(:), allocatable :: unit            !< such as N; empty for none
@@ -50,6 +53,10 @@ module gearsweep_table
     procedure :: add_words
     procedure :: is_there
     procedure :: position
+    procedure :: numbers
+    procedure :: number
+    procedure :: word
+    procedure :: bytes
     procedure :: text_bytes
   end type table_t
 
@@ -191,6 +198,49 @@ contains
       if (self%columns(at)%name == name) exit
     end do
   end function position
+
+  !> The numbers of the column with this name, which the table must have; (row)
+  pure function numbers(self, name)
+    class(table_t), intent(in) :: self
+    character(*), intent(in) :: name
+    real(dp), allocatable :: numbers(:)
+
+    numbers = self%columns(self%position(name))%numbers
+  end function numbers
+
+  !> One of them, of the first row or another.
+  pure real(dp) function number(self, name, row)
+    class(table_t), intent(in) :: self
+    character(*), intent(in) :: name
+    integer, intent(in), optional :: row
+    integer :: at
+
+    at = 1
+    if (present(row)) at = row
+    number = self%columns(self%position(name))%numbers(at)
+  end function number
+
+  !> The word in a row of the column with this name, which the table must have.
+  pure character(word_length) function word(self, name, row)
+    class(table_t), intent(in) :: self
+    character(*), intent(in) :: name
+    integer, intent(in) :: row
+
+    word = self%columns(self%position(name))%words(row)
+  end function word
+
+  !> What all values take in memory.
+  pure real(dp) function bytes(self)
+    class(table_t), intent(in) :: self
+    integer :: i
+
+    bytes = 0
+    if (.not. allocated(self%columns)) return
+    do i = 1, size(self%columns)
+      bytes = bytes + 300 + 8.0_dp*self%rows
+      if (self%columns(i)%kind == kind_text) bytes = bytes + real(len(self%columns(i)%words), dp)*self%rows
+    end do
+  end function bytes
 
   !> Length of all values as text, at most, with what separates them.
   pure real(dp) function text_bytes(self) result(bytes)

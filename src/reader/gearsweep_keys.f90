@@ -18,7 +18,7 @@ module gearsweep_keys
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add_group, add, settle, list_groups, has, why_unknown, list_waiting, write_case
+    procedure :: add_group, add, settle, list_groups, has, why_unknown, list_waiting, write_case, write_given
   end type keys_t
 
 contains
@@ -189,6 +189,23 @@ contains
       counts = allocated(key%default) .and. len(key%waits) == 0 .and. len(key%refused) == 0
     end function counts
   end subroutine write_case
+
+  !> What `list` gives of the keys from the one with the number `first` on, as assignments.
+  pure subroutine write_given(self, list, first, text)
+    class(keys_t), intent(in) :: self
+    type(namelist_t), intent(in) :: list
+    integer, intent(in) :: first
+    character(:), allocatable, intent(out) :: text
+    type(lines_t) :: lines
+    integer :: k
+
+    do k = first, self%known
+      associate (key => self%key(k))
+        if (key%entry > 0) call add_values(lines, trim(key%name), list%entries(key%entry)%values)
+      end associate
+    end do
+    text = lines%text()
+  end subroutine write_given
 
   !> An assignment, on as many lines as it needs.
   pure subroutine add_values(lines, name, values)

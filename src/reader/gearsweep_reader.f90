@@ -22,7 +22,7 @@ module gearsweep_reader
 
   type :: reader_t
     private
-    type(namelist_t) :: list
+    type(namelist_t), public :: list
     type(keys_t), public :: keys
     logical :: keeps_defaults = .false.
     character(:), allocatable :: tasks           !< those that are wanted, a blank in front of and behind each

@@ -1,6 +1,5 @@
 !> The results as files, for every door that writes them.
 module gearsweep_output
-  use gearsweep_body_tables, only: find_grid
   use gearsweep_csv, only: csv_start
   use gearsweep_error, only: error_t
   use gearsweep_file_set, only: file_set_t
@@ -10,6 +9,7 @@ module gearsweep_output
   use gearsweep_study, only: study_t
   use gearsweep_tables, only: make_table, table_names, write_table
   use gearsweep_table, only: table_t
+  use gearsweep_task, only: split_names, table_length
   use gearsweep_text, only: str
   use gearsweep_vtu, only: vtu_field_t, vtu_start, write_vtu
   implicit none
@@ -28,10 +28,10 @@ contains
     character(:), allocatable, intent(out) :: written
     type(error_t), allocatable, intent(out) :: error
     type(file_set_t) :: files
-    character(:), allocatable :: text, names(:)
+    character(:), allocatable :: text
+    character(table_length), allocatable :: names(:)
     type(table_t) :: table
-    type(grid_t), allocatable :: grid
-    integer :: i
+    integer :: i, k
 
     written = ''
     call files%begin(folder, error)
@@ -44,14 +44,16 @@ contains
         call files%lacks(name//'.'//trim(names(i))//'.csv', csv_start)
       end if
     end do
-    call find_grid(study, grid)
-    ! The grid by itself, where it was asked for, and with each field of its nodes.
-    call write_grid('section', has=allocated(study%section))
-    names = table_names(on_grid=.true.)
-    do i = 1, size(names)
-      if (any(names(i) == [character(8) :: 'nodes', 'elements'])) cycle
-      call make_table(study, names(i), table, error)
-      call write_grid(trim(names(i)), has=table%is_there())
+    do i = 1, size(study%tasks)
+      call split_names(study%tasks(i)%info%fields, names)
+      names = pack(names, names /= 'nodes' .and. names /= 'elements')
+      ! A grid by itself is called as its task, with fields as their table.
+      if (size(names) == 0 .and. len(study%tasks(i)%info%fields) > 0) call write_grid(trim(study%tasks(i)%info%name))
+      do k = 1, size(names)
+        call make_table(study, names(k), table, error)
+        call write_grid(trim(names(k)))
+        if (table%is_there()) deallocate (table%meaning)
+      end do
     end do
     call settle_memory()
     call files%finish(error)
@@ -59,18 +61,17 @@ contains
 
   contains
 
-    !> The grid with the fields of `table`, if it has any.
-    subroutine write_grid(of, has)
+    !> The grid of task `i` with the fields of `table`, if it has any.
+    subroutine write_grid(of)
       character(*), intent(in) :: of
-      logical, intent(in) :: has
 
-      if (.not. has) then
+      if (.not. allocated(study%tasks(i)%task%grid) .or. .not. (table%is_there() .or. size(names) == 0)) then
         call files%lacks(name//'.'//of//'.vtu', vtu_start)
         return
       end if
       ! In room that doubles and is copied, then handed over once more.
-      call claim_memory(5*grid_bytes(grid, table), 'the text of '//name//'.'//of//'.vtu', error)
-      if (.not. allocated(error)) call write_vtu(grid, fields_of(table), text)
+      call claim_memory(5*grid_bytes(study%tasks(i)%task%grid, table), 'the text of '//name//'.'//of//'.vtu', error)
+      if (.not. allocated(error)) call write_vtu(study%tasks(i)%task%grid, fields_of(table), text)
       call put(of//'.vtu', vtu_start)
     end subroutine write_grid
 

@@ -1,14 +1,16 @@
-!> Printed values beside ours, as a table.
+!> Printed values beside ours, as a table: ours by the names of the quantities that papers print.
 module gearsweep_published_table
+  use gearsweep_beam, only: beam_t, hassan_shape
   use gearsweep_error, only: error_t
+  use gearsweep_gear, only: drive
   use gearsweep_kinds, only: dp
-  use gearsweep_published, only: published_t
-  use gearsweep_quantities, only: our_value
+  use gearsweep_published, only: split_quantity
+  use gearsweep_results, only: column_of
   use gearsweep_study, only: study_t
   use gearsweep_table, only: no_number, table_t
   implicit none
   private
-  public :: published_table
+  public :: published_table, our_value
 
 contains
 
@@ -18,69 +20,116 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: ours(:)
+    character(:), allocatable :: words(:, :)
     logical :: known
-    integer :: i
+    integer :: i, longest
 
     if (.not. allocated(study%published)) return
     associate (rows => study%published)
       call table%begin('printed values and ours', size(rows), 16, error)
       if (allocated(error)) return
+      longest = maxval([(len(rows(i)%quantity), len(rows(i)%place), len(rows(i)%unit), len(rows(i)%status), &
+                         len(rows(i)%reason), i=1, size(rows)), 1])
+      allocate (character(longest) :: words(size(rows), 5))
       allocate (ours(size(rows)))
       do i = 1, size(rows)
         call our_value(study, rows(i)%quantity, ours(i), known)
         if (.not. known) ours(i) = no_number()
+        words(i, 1) = rows(i)%quantity
+        words(i, 2) = rows(i)%place
+        words(i, 3) = rows(i)%unit
+        words(i, 4) = rows(i)%status
+        words(i, 5) = rows(i)%reason
       end do
-      call add_field(table, rows, 'quantity', 'what is printed', is_index=.true.)
-      call add_field(table, rows, 'place', 'where it is printed', is_index=.false.)
+      call table%add_index('quantity', '', 'what is printed', words(:, 1))
+      call table%add_words('place', 'where it is printed', words(:, 2))
       call table%add('printed', '', 'the printed value, in the unit of its row', [rows%printed])
       call table%add('ours', '', 'our value; NaN where the tasks do not compute it', ours)
       call table%add('deviation', '', 'ours over the printed value, less 1', ours/rows%printed - 1)
-      call add_field(table, rows, 'unit', 'of both values', is_index=.false.)
-      call add_field(table, rows, 'status', 'of the inputs: stated, inferred, fitted or not reproducible', is_index=.false.)
-      call add_field(table, rows, 'reason', 'for the status', is_index=.false.)
+      call table%add_words('unit', 'of both values', words(:, 3))
+      call table%add_words('status', 'of the inputs: stated, inferred, fitted or not reproducible', words(:, 4))
+      call table%add_words('reason', 'for the status', words(:, 5))
     end associate
   end subroutine published_table
 
-  !> Adds one field of all rows; as an index where `is_index`. No function with a length of its own: callers at once would
-  !> share that.
-  pure subroutine add_field(table, rows, field, meaning, is_index)
-    type(table_t), intent(inout) :: table
-    type(published_t), intent(in) :: rows(:)
-    character(*), intent(in) :: field, meaning
-    logical, intent(in) :: is_index
-    character(:), allocatable :: words(:), word
-    integer :: i, longest
+  !> Our value of a named quantity; `known` is false where the study lacks it.
+  pure subroutine our_value(study, quantity, value, known)
+    type(study_t), intent(in) :: study
+    character(*), intent(in) :: quantity
+    real(dp), intent(out) :: value
+    logical, intent(out) :: known
+    character(:), allocatable :: name
+    integer :: n
 
-    longest = 1
-    do i = 1, size(rows)
-      call take_word(rows(i), field, word)
-      longest = max(longest, len(word))
-    end do
-    allocate (character(longest) :: words(size(rows)))
-    do i = 1, size(rows)
-      call take_word(rows(i), field, word)
-      words(i) = word
-    end do
-    if (is_index) call table%add_index(field, '', meaning, words)
-    if (.not. is_index) call table%add_words(field, meaning, words)
-  end subroutine add_field
+    value = 0
+    known = allocated(study%pair)
+    if (.not. known) return
+    call split_quantity(quantity, name, n)
+    associate (angle => study%pair%gear(1)%spec%pressure_angle(drive))
+      select case (name)
+      case ('contact_ratio')
+        call take(study, 'geometry', 'contact_ratio', 1, value, known)
+      case ('tangential_force_n')
+        call take(study, 'motion', 'load_n', 1, value, known)
+        value = value*cos(angle)
+      case ('radial_force_n')
+        call take(study, 'motion', 'load_n', 1, value, known)
+        value = value*sin(angle)
+      case ('mode_#_hz')
+        call take(study, 'modal', 'frequency_hz', n, value, known)
+      case ('step_#_sigma_x_mpa', 'step_#_sigma_y_mpa', 'step_#_tau_xy_mpa')
+        ! Two rows a position, the second of the coast side, on which printed sizes are.
+        call take(study, 'static', name(len('step_#_') + 1:), 2*n, value, known)
+        value = abs(value)
+      case default
+        call beam_value(study, name, value, known)
+      end select
+    end associate
+  end subroutine our_value
 
-  pure subroutine take_word(row, field, word)
-    type(published_t), intent(in) :: row
-    character(*), intent(in) :: field
-    character(:), allocatable, intent(out) :: word
+  !> What stands in a row of a table's column; `known`: there is such a row.
+  pure subroutine take(study, table, column, row, value, known)
+    type(study_t), intent(in) :: study
+    character(*), intent(in) :: table, column
+    integer, intent(in) :: row
+    real(dp), intent(inout) :: value
+    logical, intent(out) :: known
+    real(dp), allocatable :: numbers(:)
 
-    select case (field)
-    case ('quantity')
-      word = row%quantity
-    case ('place')
-      word = row%place
-    case ('unit')
-      word = row%unit
-    case ('status')
-      word = row%status
-    case default
-      word = row%reason
-    end select
-  end subroutine take_word
+    numbers = column_of(study, table, column)
+    known = row <= size(numbers)
+    if (known) value = numbers(row)
+  end subroutine take
+
+  !> The tooth as a beam of its height, for stress of the height from root to
+  !> reference circle, as thick as the tooth on the reference circle.
+  pure subroutine beam_value(study, quantity, value, known)
+    type(study_t), intent(in) :: study
+    character(*), intent(in) :: quantity
+    real(dp), intent(out) :: value
+    logical, intent(out) :: known
+    type(error_t), allocatable :: error
+    type(beam_t) :: beam
+    real(dp) :: stress(2)
+
+    known = .true.
+    value = 0
+    associate (gear => study%pair%gear(study%member))
+      beam = beam_t(gear%tip_radius - gear%root_radius, gear%thickness(gear%reference_radius), gear%spec%face_width)
+      select case (quantity)
+      case ('beam_frequency_rad_s')
+        value = beam%spring_frequency(study%case%material)
+      case ('rayleigh_frequency_rad_s')
+        call beam%rayleigh_frequency(study%case%material, hassan_shape, value, error)
+        known = .not. allocated(error)
+      case ('beam_sigma_x_mpa', 'beam_sigma_y_mpa')
+        known = study%load > 0
+        beam%length = gear%reference_radius - gear%root_radius
+        stress = beam%stress(study%load, gear%spec%pressure_angle(drive))
+        value = 1e-6_dp*merge(stress(1), stress(2), quantity == 'beam_sigma_x_mpa')
+      case default
+        known = .false.
+      end select
+    end associate
+  end subroutine beam_value
 end module gearsweep_published_table

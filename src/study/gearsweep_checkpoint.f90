@@ -3,7 +3,8 @@
 !>
 !> The first line names the format, version and a checksum of the inputs: the case's text and the stiffness table
 !> that it names. Then come the sweeps that had begun: a line with number, speeds and reliefs, and the bits of their
-!> state as hexadecimal words. The last line has a checksum of all before it.
+!> state as hexadecimal words; and the tables of the other tasks that were done. The last line has a checksum of all
+!> before it.
 module gearsweep_checkpoint
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_error_estimate, only: point_t
@@ -16,22 +17,15 @@ module gearsweep_checkpoint
   use gearsweep_files, only: beside, read_text
   use gearsweep_lines, only: lines_t
   use gearsweep_study, only: record_t
+  use gearsweep_task_record, only: add_tasks, add_words, hexadecimal, place_t, read_task, take_line, take_words
   use gearsweep_text, only: str
   use gearsweep_version, only: version
   implicit none
   private
   public :: save_record, load_record, drop_checkpoint
 
-  character(*), parameter :: format = 'gearsweep checkpoint 1'
-  integer, parameter :: digits = 16              ! of a word of 64 bits
-  integer, parameter :: row = 8                  ! words in a line
+  character(*), parameter :: format = 'gearsweep checkpoint 2'
   integer, parameter :: longest = 10**9          ! bytes
-
-  !> Where the reader is in the text.
-  type :: place_t
-    integer(int64) :: at = 1
-    logical :: ok = .true.
-  end type place_t
 
 contains
 
@@ -95,6 +89,7 @@ contains
     do i = 1, size(record%states)
       if (allocated(record%states(i)%points)) call add_state(record%states(i), i, lines)
     end do
+    if (allocated(record%tasks)) call add_tasks(record%tasks, lines)
     text = lines%text()
     text = text//'end '//hexadecimal(checksum(text))//new_line('a')
   end subroutine write_record
@@ -175,17 +170,6 @@ contains
     end do
   end subroutine add_points
 
-  pure subroutine add_words(words, lines)
-    integer(int64), intent(in) :: words(:)
-    type(lines_t), intent(inout) :: lines
-    integer :: i
-
-    do i = 1, size(words)
-      call lines%put(hexadecimal(words(i)))
-      if (modulo(i, row) == 0 .or. i == size(words)) call lines%add('')
-    end do
-  end subroutine add_words
-
   !> `first` is where the sweeps begin.
   subroutine read_states(text, first, case, record, error)
     character(*), intent(in) :: text
@@ -194,20 +178,22 @@ contains
     type(record_t), intent(inout) :: record
     type(error_t), allocatable, intent(inout) :: error
     type(place_t) :: place
-    integer :: sizes(3), line
+    character(:), allocatable :: line
+    integer :: sizes(3), stat
 
     place%at = first
     do while (place%at < len(text) .and. place%ok)
-      line = index(text(place%at:), new_line('a'))
+      call take_line(text, place, line)
+      if (index(line, 'task ') == 1) then
+        call read_task(text, place, line(6:), record%tasks)
+        cycle
+      end if
       sizes = 0
-      place%ok = line > 7
-      if (place%ok) read (text(place%at + 6:place%at + line - 2), *, iostat=line) sizes
-      if (place%ok) place%ok = line == 0 .and. sizes(1) >= 1 .and. sizes(1) <= size(record%states) .and. &
-                               sizes(2) == size(speeds(case)) .and. sizes(3) >= 1 .and. &
-                               sizes(3) <= max(size(case%amount), most_tried)
-      if (.not. place%ok) exit
-      place%at = place%at + index(text(place%at:), new_line('a'))
-      call read_state(text, place, sizes, record%states(sizes(1)))
+      stat = 1
+      if (len(line) > 6) read (line(7:), *, iostat=stat) sizes
+      place%ok = stat == 0 .and. sizes(1) >= 1 .and. sizes(1) <= size(record%states) .and. &
+                 sizes(2) == size(speeds(case)) .and. sizes(3) >= 1 .and. sizes(3) <= max(size(case%amount), most_tried)
+      if (place%ok) call read_state(text, place, sizes, record%states(sizes(1)))
     end do
     if (.not. place%ok) call fail(error, code_file, 'a checkpoint that does not fit this case')
   end subroutine read_states
@@ -223,56 +209,28 @@ contains
 
     call begin_state(sizes(2), sizes(3), state)
     allocate (words(size(transfer(state%blocks, [0_int64]))))
-    call take(words)
+    call take_words(text, place, words)
     if (place%ok) state%blocks = transfer(words, state%blocks)
     deallocate (words)
     allocate (words(sizes(3)))
-    call take(words)
+    call take_words(text, place, words)
     if (place%ok) state%followed = int(words)
-    call take(words)
+    call take_words(text, place, words)
     if (place%ok) state%pace = transfer(words, state%pace)
     deallocate (words)
     allocate (words(size(state%solved)))
-    call take(words)
+    call take_words(text, place, words)
     if (place%ok) state%solved = reshape(words == 1, shape(state%solved))
     deallocate (words)
     allocate (words(size(transfer(point, [0_int64]))))
     do k = 1, sizes(3)
       do i = 1, sizes(2)
-        call take(words)
+        call take_words(text, place, words)
         if (place%ok) state%points(i, k) = transfer(words, point)
       end do
     end do
 
-  contains
-
-    subroutine take(words)
-      integer(int64), intent(out) :: words(:)
-      integer :: j, stat
-
-      words = 0
-      do j = 1, size(words)
-        if (place%ok) place%ok = place%at + digits <= len(text)
-        if (.not. place%ok) return
-        read (text(place%at:place%at + digits - 1), '(z16)', iostat=stat) words(j)
-        place%ok = stat == 0
-        place%at = place%at + digits
-        if (modulo(j, row) == 0 .or. j == size(words)) place%at = place%at + 1
-      end do
-    end subroutine take
   end subroutine read_state
-
-  pure function hexadecimal(word) result(text)
-    integer(int64), intent(in) :: word
-    character(digits) :: text
-    character(*), parameter :: figures = '0123456789ABCDEF'
-    integer :: i, figure
-
-    do i = 1, digits
-      figure = int(ibits(word, 4*(digits - i), 4))
-      text(i:i) = figures(figure + 1:figure + 1)
-    end do
-  end function hexadecimal
 
   !> Two sums over the bytes, each modulo a large prime; against accidents, not against intent.
   pure integer(int64) function checksum(text)

@@ -1,17 +1,16 @@
-!> The stages that make the mesh: load, pair stiffness, one oscillator for each relief, static load sharing.
+!> The stages that make the mesh: load, pair stiffness, one oscillator for each relief.
 module gearsweep_mesh_stage
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_harmonics, only: find_harmonics
   use gearsweep_inputs, only: elements_inputs_t, motion_inputs_t, relief_inputs_t, same
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory
+  use gearsweep_motions, only: build_motion
   use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_products, only: note, study_t
+  use gearsweep_products, only: study_t
   use gearsweep_section, only: section_options_t
-  use gearsweep_sharing, only: share_load
-  use gearsweep_stages, only: build_motion, build_profile_error, build_stiffness, find_load, place_mesh
+  use gearsweep_stages, only: build_profile_error, build_stiffness, find_load, place_mesh
   use gearsweep_text, only: str
   implicit none
   private
@@ -33,11 +32,10 @@ contains
       call find_by_elements(study, error, earlier)
     else
       call build_stiffness(study%case, study%pair, study%load, folder, study%mesh%contact_ratio, study%mesh%stiffness, error)
-      call note(study, 'mesh: pair stiffness by model '//study%case%model)
+      call study%running%note('mesh: pair stiffness by model '//study%case%model)
       if (study%case%prescribed .and. .not. allocated(error)) call build_profile_error(study%case, folder, study%mesh, error)
     end if
     if (.not. allocated(error)) call build_motions(study, error)
-    if (.not. allocated(error) .and. study%case%asks('mesh')) call share_all(study, error, earlier)
   end subroutine mesh_and_motion
 
   subroutine find_by_elements(study, error, earlier)
@@ -59,10 +57,10 @@ contains
     if (known) then
       study%mesh%stiffness = earlier%mesh%stiffness
       study%mesh%disc = earlier%mesh%disc
-      call note(study, 'mesh: pair stiffness by model fe, taken over')
+      call study%running%note('mesh: pair stiffness by model fe, taken over')
     else
       call by_elements(study%elements_inputs, study%mesh%stiffness, study%mesh%disc, error)
-      call note(study, 'mesh: pair stiffness by model fe')
+      call study%running%note('mesh: pair stiffness by model fe')
     end if
   end subroutine find_by_elements
 
@@ -116,33 +114,4 @@ contains
       study%motions_inputs%amount = case%amount
     end associate
   end subroutine list_inputs
-
-  !> Static load sharing and transmission error with its harmonics.
-  subroutine share_all(study, error, earlier)
-    type(study_t), intent(inout) :: study
-    type(error_t), allocatable, intent(inout) :: error
-    type(study_t), intent(in), optional :: earlier
-    integer, parameter :: samples = 200
-    logical :: known
-    integer :: i
-
-    known = .false.
-    if (present(earlier)) known = allocated(earlier%sharing)
-    if (known) known = study%case%harmonics == earlier%case%harmonics .and. same(study%motions_inputs, earlier%motions_inputs)
-    allocate (study%sharing(size(study%motion)), study%harmonics(size(study%motion)))
-    do i = 1, size(study%motion)
-      ! The first tells what the others take.
-      if (i == 2) call claim_memory(size(study%motion)*(1000 + 24.0_dp*study%case%harmonics + size(study%sharing(1)%phase)* &
-        (28.0_dp + 16*size(study%sharing(1)%s, 1))), '&relief amount_um: '//str(size(study%motion))//' reliefs', error)
-      if (allocated(error)) return
-      if (known) then
-        study%sharing(i) = earlier%sharing(i)
-        study%harmonics(i) = earlier%harmonics(i)
-      else
-        call share_load(study%motion(i)%mesh, study%motion(i)%load, samples, study%sharing(i))
-        call find_harmonics(study%motion(i)%mesh, study%motion(i)%load, study%case%harmonics, study%harmonics(i))
-      end if
-    end do
-    call note(study, 'mesh: static load sharing and transmission error'//trim(merge(', taken over', '            ', known)))
-  end subroutine share_all
 end module gearsweep_mesh_stage

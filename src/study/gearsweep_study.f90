@@ -1,20 +1,24 @@
 !> From a case to its results, stage by stage; a stage runs only when a wanted
 !> result needs it, and its product is taken over where an earlier study has it of the same inputs.
 module gearsweep_study
-  use, intrinsic :: iso_c_binding, only: c_int, c_loc
+  use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr
   use gearsweep_blas, only: hold_blas, release_blas
-  use gearsweep_body_stage, only: look_at_body
-  use gearsweep_case, only: case_t, speeds
+  use gearsweep_case, only: case_t, speed_count, speeds
   use gearsweep_error, only: error_t
   use gearsweep_files, only: beside, read_text
+  use gearsweep_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_mesh_stage, only: mesh_and_motion
-  use gearsweep_motion_stage, only: move
-  use gearsweep_products, only: ends_here, note, record_t, study_t
+  use gearsweep_products, only: record_t, study_t
   use gearsweep_published, only: read_published
   use gearsweep_stages, only: build_pair
-  use gearsweep_sweep, only: progress_of_sweep, sweep_options_t
+  use gearsweep_stop, only: wants_stop
+  use gearsweep_sweep, only: progress_of_sweep
+  use gearsweep_task, only: includes, task_info_t, task_t
+  use gearsweep_task_record, only: is_recorded
+  use gearsweep_tasks, only: task_slot_t
+  use gearsweep_text, only: str
   implicit none
   private
   public :: study_t, run_study, record_t
@@ -36,104 +40,229 @@ contains
     type(error_t), allocatable, intent(out) :: error
     procedure(progress_of_sweep), optional :: progress
     integer(c_int), intent(inout), target, optional :: watch(3)
-    type(record_t), intent(inout), optional :: record
-    type(study_t), intent(in), optional :: earlier
-    type(sweep_options_t) :: options
+    type(record_t), intent(inout), target, optional :: record
+    type(study_t), intent(in), target, optional :: earlier
 
-    options%threads = threads
-    if (present(watch)) options%accuracy%steady%stop = c_loc(watch)
-    call hold_blas()
-    call claim_memory(0.0_dp, '&case tasks', error)
-    if (.not. allocated(error)) call run_stages(case, folder, options, study, error, progress, record, earlier)
-    call settle_memory()
-    call release_blas()
-  end subroutine run_study
-
-  !> The same, whatever BLAS does with threads.
-  subroutine run_stages(case, folder, options, study, error, progress, record, earlier)
-    type(case_t), intent(in) :: case
-    character(*), intent(in) :: folder
-    type(sweep_options_t), intent(inout) :: options
-    type(study_t), intent(inout) :: study
-    type(error_t), allocatable, intent(inout) :: error
-    procedure(progress_of_sweep), optional :: progress
-    type(record_t), intent(inout), optional :: record
-    type(study_t), intent(in), optional :: earlier
-
+    allocate (study%running)
+    study%running%threads = threads
+    if (present(progress)) study%running%progress => progress
+    if (present(record)) then
+      study%running%states => record%states
+      call move_alloc(record%tasks, study%before)
+    end if
+    study%running%log = ''
     study%case = case
     study%tasks = case%tasks
     study%amount = case%amount
+    study%member = case%member
+    study%direction = case%direction
     study%accuracy = case%accuracy
-    study%accuracy%steady%stop = options%accuracy%steady%stop
-    study%threads = options%threads
-    study%log = ''
-    if (allocated(case%published)) call find_published(study, folder, error)
-    if (allocated(error)) return
-    if (case%prescribed) then
-      call note(study, 'geometry left out: the mesh is prescribed')
-    else
-      allocate (study%pair)
-      call build_pair(case, study%pair, error)
-      call note(study, 'geometry: pair built')
-    end if
-    if (allocated(error)) return
-    if (case%needs_load()) then
-      call mesh_and_motion(study, folder, error, earlier)
-    else
-      call note(study, 'mesh and motion left out: no task needs them')
-    end if
-    if (allocated(error)) return
-    if (case%needs_section()) then
-      if (ends_here(study, options, 'section')) return
-      call look_at_body(study, error, earlier)
-    end if
-    if (allocated(error) .or. .not. case%needs_load()) return
-    if (case%needs_motion()) then
-      if (ends_here(study, options, 'motion')) return
-      call move(study, options, error, progress, record, earlier)
-      if (.not. allocated(error)) call run_tasks(study, options, error)
-    end if
-    call note_left_out(study)
+    if (present(watch)) study%accuracy%steady%stop = c_loc(watch)
+    call hold_blas()
+    call claim_memory(0.0_dp, '&case tasks', error)
+    if (.not. allocated(error)) call run_stages(study, folder, error, earlier)
+    call settle_memory()
+    call release_blas()
+    if (present(record) .and. study%stopped) record%tasks = study%tasks
+    if (allocated(study%before)) deallocate (study%before)
+    study%log = study%running%log
+    deallocate (study%running)
+    study%accuracy%steady%stop = c_null_ptr
+  end subroutine run_study
+
+  !> The same, whatever BLAS does with threads.
+  subroutine run_stages(study, folder, error, earlier)
+    type(study_t), intent(inout) :: study
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(inout) :: error
+    type(study_t), intent(in), target, optional :: earlier
+
+    associate (case => study%case)
+      if (allocated(case%published)) call find_published(study, folder, error)
+      if (allocated(error)) return
+      if (case%prescribed) then
+        call study%running%note('geometry left out: the mesh is prescribed')
+      else
+        allocate (study%pair)
+        call build_pair(case, study%pair, error)
+        if (allocated(error)) return
+        study%body_inputs = body_inputs_t(study%pair%gear(case%member), case%material, case%section)
+      end if
+      if (case%needs('mesh')) then
+        call mesh_and_motion(study, folder, error, earlier)
+      else
+        call study%running%note('mesh and motion left out: no task needs them')
+      end if
+    end associate
+    if (.not. allocated(error)) call list_speeds(study, error)
+    call run_tasks(study, last=.false., error=error, earlier=earlier)
+    call run_tasks(study, last=.true., error=error, earlier=earlier)
+    if (.not. allocated(error)) call note_left_out(study)
   end subroutine run_stages
 
-  !> The tasks that are one file each.
-  subroutine run_tasks(study, options, error)
+  !> The speeds of the sweep, those whose motions it keeps for other tasks, and how many points there will be.
+  subroutine list_speeds(study, error)
     type(study_t), intent(inout) :: study
-    type(sweep_options_t), intent(in) :: options
     type(error_t), allocatable, intent(inout) :: error
     integer :: i
 
-    if (study%case%needs('speeds')) study%rpm = speeds(study%case)
-    do i = 1, size(study%tasks)
-      if (.not. study%tasks(i)%is_wanted .or. .not. allocated(study%tasks(i)%task)) cycle
-      if (ends_here(study, options, trim(study%tasks(i)%info%name))) cycle
-      call study%tasks(i)%task%run(study%stages_t, error)
+    allocate (study%rpm(0), study%keep(0))
+    if (study%case%needs('speeds')) then
+      call claim_memory(24.0_dp*speed_count(study%case), '&sweep: '//str(speed_count(study%case))//' speeds', error)
       if (allocated(error)) return
-      if (study%tasks(i)%task%is_done) then
-        call note(study, study%tasks(i)%task%log)
-      else
-        study%stopped = ends_here(study, options, trim(study%tasks(i)%info%name))
-      end if
+      study%rpm = speeds(study%case)
+    end if
+    do i = 1, size(study%tasks)
+      associate (slot => study%tasks(i))
+        if (.not. slot%is_wanted) cycle
+        study%running%all_points = study%running%all_points + slot%task%count_points(study%stages_t)
+        if (allocated(slot%task%keep) .and. study%case%needs('keep')) study%keep = [study%keep, slot%task%keep]
+      end associate
+    end do
+  end subroutine list_speeds
+
+  !> The tasks that the case names, and those that run for all, one after the other; those that go on from what a sweep
+  !> kept come `last`.
+  subroutine run_tasks(study, last, error, earlier)
+    type(study_t), intent(inout) :: study
+    logical, intent(in) :: last
+    type(error_t), allocatable, intent(inout) :: error
+    type(study_t), intent(in), target, optional :: earlier
+    integer :: i, k
+
+    do i = 1, size(study%tasks)
+      if (allocated(error)) return
+      associate (slot => study%tasks(i))
+        if (.not. (slot%is_wanted .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
+        if (includes(slot%info%needs, 'kept') .neqv. last) cycle
+        if (slot%takes('body') .or. slot%takes('motion')) then
+          if (ends_here(study, slot%info)) cycle
+        end if
+      end associate
+      call run_task(study, i, error, earlier)
+      if (allocated(study%running%bodies) .and. .not. any([(study%tasks(k)%takes('body'), k=i + 1, size(study%tasks))])) &
+        deallocate (study%running%bodies)
     end do
   end subroutine run_tasks
+
+  !> Task number `i`, or what an earlier study has of it.
+  subroutine run_task(study, i, error, earlier)
+    type(study_t), intent(inout) :: study
+    integer, intent(in) :: i
+    type(error_t), allocatable, intent(inout) :: error
+    type(study_t), intent(in), target, optional :: earlier
+    logical :: known
+    integer :: before
+
+    associate (slot => study%tasks(i), running => study%running)
+      before = running%done
+      known = .false.
+      nullify (running%earlier)
+      if (present(earlier)) then
+        known = is_known(study, earlier, i)
+        if (earlier%tasks(i)%task%is_done) running%earlier => earlier%tasks(i)%task
+      end if
+      if (known) call take_over(earlier%tasks(i), slot, error)
+      if (.not. known .and. allocated(study%before)) call take_up(study%before(i)%task, slot%task, known)
+      if (.not. known) then
+        call slot%task%prepare()
+        call slot%task%run(study%stages_t, error)
+      end if
+      if (allocated(error)) return
+      if (allocated(slot%task%found)) running%kept = slot%task%found
+      if (slot%task%is_done) then
+        call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
+        study%stopped = study%stopped .or. slot%task%is_stopped
+        if (.not. slot%is_wanted .or. slot%task%is_stopped) return
+        before = before + slot%task%count_points(study%stages_t)
+        if (known) running%done = before
+        ! Of those that told nothing on their way, all points at once.
+        call running%tell(before - running%done, study%accuracy%steady%stop)
+      else
+        study%stopped = .true.
+        call running%note(trim(slot%info%name)//' left out: the run was interrupted')
+      end if
+    end associate
+  end subroutine run_task
+
+  !> Does the earlier study have this task whole, with the same keys and from the same products of all stages that it
+  !> needs? What costs nothing is made anew.
+  pure logical function is_known(study, earlier, i) result(known)
+    type(study_t), intent(in) :: study, earlier
+    integer, intent(in) :: i                     ! which task
+
+    associate (slot => study%tasks(i), before => earlier%tasks(i))
+      known = before%is_wanted .and. (slot%takes('mesh') .or. slot%takes('body')) .and. before%given == slot%given
+      if (known) known = before%task%is_done .and. .not. before%task%is_stopped
+      if (known .and. slot%takes('body')) known = same(study%body_inputs, earlier%body_inputs)
+      if (known .and. slot%takes('mesh')) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs)
+      if (known .and. slot%takes('reliefs')) known = same(maxval(study%amount), maxval(earlier%amount))
+      if (known .and. slot%takes('amounts')) known = same(study%amount, earlier%amount)
+      if (known .and. slot%takes('accuracy')) known = same(choice_of(study), choice_of(earlier))
+      if (known .and. (slot%takes('speeds') .or. slot%takes('kept'))) known = same(study%rpm, earlier%rpm)
+      if (known .and. (slot%takes('direction') .or. slot%takes('kept'))) known = study%direction == earlier%direction
+      if (known .and. (slot%takes('keep') .or. slot%takes('kept'))) known = same(study%keep, earlier%keep)
+    end associate
+  end function is_known
+
+  !> What the results at a speed depend on beside the oscillator.
+  pure type(choice_t) function choice_of(study)
+    type(study_t), intent(in) :: study
+
+    choice_of = choice_t(steps=study%accuracy%step_choice_t, steady=study%accuracy%steady%steady_choice_t)
+  end function choice_of
+
+  !> What an interrupted run of the same case had done.
+  subroutine take_up(before, task, known)
+    class(task_t), intent(in) :: before
+    class(task_t), intent(inout) :: task
+    logical, intent(inout) :: known
+
+    if (.not. is_recorded(before)) return
+    known = .true.
+    task%tables = before%tables
+    task%failed = before%failed
+    task%log = before%log
+    task%is_done = .true.
+  end subroutine take_up
+
+  !> The result of the same task, as it stands.
+  subroutine take_over(before, slot, error)
+    type(task_slot_t), intent(in) :: before
+    type(task_slot_t), intent(inout) :: slot
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    call claim_memory(sum([(before%task%tables(i)%bytes(), i=1, size(before%task%tables))]), &
+                      'the results of the task '//trim(slot%info%name), error)
+    if (allocated(error)) return
+    deallocate (slot%task)
+    allocate (slot%task, source=before%task)
+  end subroutine take_over
 
   subroutine note_left_out(study)
     type(study_t), intent(inout) :: study
     integer :: i
 
-    associate (case => study%case)
-      if (.not. case%asks('mesh')) call note(study, 'static load sharing left out: not among the tasks')
-      if (.not. case%asks('load')) call note(study, 'pair loads along the path left out: not among the tasks')
-      if (.not. case%asks('sweep')) call note(study, 'sweep left out: not among the tasks')
-      if (.not. case%asks('optimum')) call note(study, 'optimum relief left out: not among the tasks')
+    associate (case => study%case, running => study%running)
       do i = 1, size(study%tasks)
-        if (allocated(study%tasks(i)%task) .and. .not. study%tasks(i)%is_wanted) &
-          call note(study, trim(study%tasks(i)%info%name)//' left out: not among the tasks')
+        if (.not. (study%tasks(i)%is_wanted .or. study%tasks(i)%info%is_always)) &
+          call running%note(trim(study%tasks(i)%info%name)//' left out: not among the tasks')
       end do
-      if (case%needs_motion() .and. case%friction <= 0) call note(study, 'friction left out: it is 0')
-      if (case%needs_motion() .and. .not. case%has_backlash) call note(study, 'coast side left out: no backlash given')
+      if (case%needs('motion') .and. case%friction <= 0) call running%note('friction left out: it is 0')
+      if (case%needs('motion') .and. .not. case%has_backlash) call running%note('coast side left out: no backlash given')
     end associate
   end subroutine note_left_out
+
+  !> Did the caller end the run? Then the log says what comes no more.
+  logical function ends_here(study, task)
+    type(study_t), intent(inout) :: study
+    type(task_info_t), intent(in) :: task
+
+    ends_here = wants_stop(study%accuracy%steady%stop)
+    if (ends_here) call study%running%note(trim(task%name)//' left out: the run was interrupted')
+    study%stopped = study%stopped .or. ends_here
+  end function ends_here
 
   !> First of all, so that a wrong file costs no time.
   subroutine find_published(study, folder, error)

@@ -1,53 +1,89 @@
 !> What a task of a case is. A task is one file that extends `task_t`: what it needs, the keys of its own group, how it
-!> runs and what it yields. One line in gearsweep_tasks lists it.
+!> runs and what it says on the screen. One line in gearsweep_tasks lists it.
 !>
 !> As a case is read, each task takes its keys. In a run, a task that the case names gets the products of the stages
-!> that it needs, and keeps its result; its tables and lines for the screen are made of that.
+!> that it needs, and fills its tables: these are its result. Where an earlier study has it with the same keys and from
+!> the same products, they are taken over.
 module gearsweep_task
+  use, intrinsic :: iso_c_binding, only: c_ptr
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_input, error_t, fail
-  use gearsweep_error_estimate, only: accuracy_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_grid, only: grid_t
+  use gearsweep_inputs, only: body_inputs_t, motions_inputs_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t
   use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_pair, only: pair_t
   use gearsweep_reader, only: reader_t
+  use gearsweep_section_body, only: make_two_grids, section_body_t
+  use gearsweep_sweep_state, only: counter_t, progress_of_sweep, sweep_options_t, sweep_state_t, up
   use gearsweep_table, only: table_t
   use gearsweep_text, only: str
   implicit none
   private
-  public :: task_t, task_info_t, stages_t, includes
+  public :: task_t, task_info_t, stages_t, running_t, includes, split_names
 
-  integer, parameter, public :: task_length = 12
+  integer, parameter, public :: task_length = 12, table_length = 18
+  character(*), parameter, public :: members(2) = [character(6) :: 'pinion', 'gear']
+
+  !> What there is only while a study is made.
+  type :: running_t
+    integer :: threads = 0                       !< 0: as many as the machine has
+    procedure(progress_of_sweep), pointer, nopass :: progress => null()
+    integer :: done = 0, all_points = 0          !< operating points, for progress
+    type(sweep_state_t), pointer :: states(:) => null()  !< how far the sweeps were when a run was ended
+    type(section_body_t), allocatable :: bodies(:)  !< the member's section, factored, on two grids
+    type(point_t), allocatable :: kept(:, :)     !< what the sweep found at the speeds `keep`; (speed, relief)
+    class(task_t), pointer :: earlier => null()  !< the same task of an earlier study, with its result
+    character(:), allocatable :: log             !< stages run and left out, a line each
+  contains
+    procedure :: note, need_bodies, tell
+  end type running_t
 
   !> Products of the stages that several tasks share. Those that no wanted task needs are not allocated.
   type :: stages_t
     type(pair_t), allocatable :: pair            !< none for a prescribed mesh
+    integer :: member = 1                        !< the gear whose body is looked at: 1 pinion, 2 gear
+    type(body_inputs_t) :: body_inputs           !< of that body
     type(mesh_t), allocatable :: mesh            !< without relief
     real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses, kg
     type(oscillator_t), allocatable :: motion(:)  !< one for each relief
+    type(motions_inputs_t) :: motions_inputs     !< of these, and so of all that follows but for the section
     real(dp), allocatable :: amount(:)           !< the reliefs, m
-    real(dp), allocatable :: rpm(:)              !< speeds of &sweep, 1/min, ascending
+    real(dp), allocatable :: rpm(:)              !< speeds of &sweep, 1/min, ascending; empty: not wanted
+    integer :: direction = up                    !< in which a sweep goes through them
+    real(dp), allocatable :: keep(:)             !< speeds (1/min) whose motions a sweep keeps for other tasks
     type(accuracy_t) :: accuracy                 !< with the flag that ends the run
+    type(running_t), pointer :: running => null()
+  contains
+    procedure :: sweep_options
   end type stages_t
 
   !> What is said of a task. `needs` names stages, blanks between them:
   !>   geometry  gears, which a prescribed mesh has not
-  !>   body      one gear's body by finite elements
+  !>   section   the section of one gear
+  !>   body      the same held and factored, by finite elements
   !>   mesh      load, masses and stiffness
   !>   reliefs   the result depends on the relief
+  !>   amounts   there is one result for each amount of relief
   !>   motion    the equation of motion, and so friction
   !>   losses    damping, and what follows once flanks part: backlash
   !>   accuracy  &numerics
   !>   speeds    those of &sweep
+  !>   direction  in which the speeds are gone through
+  !>   keep      the sweep keeps its motions at the speeds that other tasks want
+  !>   kept      what it kept: such a task runs last
   type :: task_info_t
     character(task_length) :: name = ''
     character(:), allocatable :: needs
     character(:), allocatable :: gives           !< what it computes, without a full stop
     character(:), allocatable :: tables          !< names of all tables that it can fill, blanks between them
+    character(:), allocatable :: fields          !< the same of those whose rows are nodes or elements of a grid
+    logical :: is_always = .false.               !< it runs for every case that has gears, named or not
   end type task_info_t
 
   !> A task with the values of its keys and, after its run, its result.
@@ -55,16 +91,25 @@ module gearsweep_task
     ! Keys that several tasks have, each in its own group:
     real(dp), allocatable :: own_rpm(:)          !< 1/min; not allocated: it takes the speeds of &sweep
     real(dp), allocatable :: own_relief(:)       !< m; not allocated: it takes all of the case
+    real(dp), allocatable :: keep(:)             !< speeds whose motions it takes from a sweep, if there is one, 1/min
+    ! Result:
+    type(table_t), allocatable :: tables(:)      !< in the order of `describe`
+    type(grid_t), allocatable :: grid            !< of those whose rows are nodes or elements
+    type(point_t), allocatable :: found(:, :)    !< motions for other tasks; (speed of `keep` of the stages, relief)
     logical :: is_done = .false.                 !< there is a result
+    logical :: is_stopped = .false.              !< the caller ended the run: the result is not whole
+    logical :: is_taken = .false.                !< what takes time is an earlier study's
     integer :: failed = 0                        !< operating points without a result
     character(:), allocatable :: log             !< what was done, a line without its end
   contains
     procedure(describe_task), deferred, nopass :: describe
-    procedure(read_task), deferred :: read_keys
+    procedure :: read_keys => no_keys
     procedure(run_task), deferred :: run
-    procedure(fill_task), deferred :: fill_table
     procedure(report_task), deferred :: add_report
-    procedure :: read_speeds, read_reliefs, check_reliefs, list_speeds, list_reliefs
+    procedure :: check => check_reliefs
+    procedure :: uses => uses_stage
+    procedure :: count_points
+    procedure :: prepare, place, read_speeds, read_reliefs, list_speeds, list_reliefs
   end type task_t
 
   abstract interface
@@ -73,15 +118,7 @@ module gearsweep_task
       type(task_info_t), intent(out) :: info
     end subroutine describe_task
 
-    !> Adds the groups of its keys and takes these, whether the case names the task or not.
-    subroutine read_task(self, reader, error)
-      import :: error_t, reader_t, task_t
-      class(task_t), intent(inout) :: self
-      type(reader_t), intent(inout) :: reader
-      type(error_t), allocatable, intent(inout) :: error
-    end subroutine read_task
-
-    !> Computes the result from what the stages have.
+    !> Computes the result from what the stages have, and fills the tables.
     subroutine run_task(self, stages, error)
       import :: error_t, stages_t, task_t
       class(task_t), intent(inout) :: self
@@ -89,15 +126,7 @@ module gearsweep_task
       type(error_t), allocatable, intent(inout) :: error
     end subroutine run_task
 
-    !> Fills a table, which has its name already, from the result.
-    pure subroutine fill_task(self, table, error)
-      import :: error_t, table_t, task_t
-      class(task_t), intent(in) :: self
-      type(table_t), intent(inout) :: table
-      type(error_t), allocatable, intent(inout) :: error
-    end subroutine fill_task
-
-    !> Some lines for the screen.
+    !> Some lines for the screen, from the tables.
     pure subroutine report_task(self, lines)
       import :: lines_t, task_t
       class(task_t), intent(in) :: self
@@ -107,12 +136,88 @@ module gearsweep_task
 
 contains
 
+  !> Adds the groups of its keys and takes these, whether the case names the task or not; this one has none.
+  subroutine no_keys(self, reader, error)
+    class(task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+
+    ! The compiler asks for some use of the arguments.
+    if (.not. allocated(error) .and. reader%wants('')) self%is_done = .false.
+  end subroutine no_keys
+
+  !> Does it need this stage, as its keys are? Speeds of its own make those of &sweep idle.
+  pure logical function uses_stage(self, stage) result(uses)
+    class(task_t), intent(in) :: self
+    character(*), intent(in) :: stage
+    type(task_info_t) :: info
+
+    call self%describe(info)
+    uses = includes(info%needs, stage) .and. .not. (stage == 'speeds' .and. allocated(self%own_rpm))
+  end function uses_stage
+
+  !> How many operating points it solves, for progress: speeds times reliefs, of tasks without a motion none.
+  integer function count_points(self, stages) result(points)
+    class(task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    real(dp), allocatable :: rpm(:)
+    integer, allocatable :: which(:)
+
+    points = 0
+    if (.not. self%uses('motion')) return
+    call self%list_speeds(stages, rpm)
+    call self%list_reliefs(stages, which)
+    points = size(rpm)*merge(size(which), 1, self%uses('amounts'))
+  end function count_points
+
+  !> Before its run: its tables, which are not there yet, have their names.
+  subroutine prepare(self)
+    class(task_t), intent(inout) :: self
+    type(task_info_t) :: info
+    character(table_length), allocatable :: names(:)
+    integer :: i
+
+    call self%describe(info)
+    call split_names(info%tables//' '//info%fields, names)
+    allocate (self%tables(size(names)))
+    do i = 1, size(names)
+      self%tables(i)%name = trim(names(i))
+    end do
+  end subroutine prepare
+
+  !> Of the table with this name among its own; 0 where it has none.
+  pure integer function place(self, name) result(at)
+    class(task_t), intent(in) :: self
+    character(*), intent(in) :: name
+
+    do at = size(self%tables), 1, -1
+      if (self%tables(at)%name == name) exit
+    end do
+  end function place
+
   !> Does a task with these `needs` need this stage?
   pure logical function includes(needs, stage)
     character(*), intent(in) :: needs, stage
 
     includes = index(' '//needs//' ', ' '//stage//' ') > 0
   end function includes
+
+  !> The words of a list with blanks between them.
+  pure subroutine split_names(list, names)
+    character(*), intent(in) :: list
+    character(table_length), allocatable, intent(out) :: names(:)
+    character(table_length) :: name
+    integer :: from, length
+
+    allocate (names(0))
+    from = 1
+    do while (from <= len(list))
+      length = index(list(from:)//' ', ' ') - 1
+      name = list(from:from + length - 1)
+      if (length > 0) names = [names, name]
+      from = from + length + 1
+    end do
+  end subroutine split_names
 
   !> The key `rpm` of the group that is called as the task. `order`: what is said of their order; without, they must
   !> ascend.
@@ -149,18 +254,19 @@ contains
                     meaning='amounts of tip relief to take, each of which &relief amount_um has')
   end subroutine read_reliefs
 
-  !> The reliefs that it takes must be among the case's, `amount` (m).
-  subroutine check_reliefs(self, group, amount, error)
+  !> Its keys beside the reliefs of the case, `amount` (m): those that it takes must be among these.
+  subroutine check_reliefs(self, amount, error)
     class(task_t), intent(in) :: self
-    character(*), intent(in) :: group
     real(dp), intent(in) :: amount(:)
     type(error_t), allocatable, intent(inout) :: error
+    type(task_info_t) :: info
     integer :: i
 
     if (.not. allocated(self%own_relief)) return
+    call self%describe(info)
     do i = 1, size(self%own_relief)
       if (minval(abs(amount - self%own_relief(i))) > 1e-9_dp*self%own_relief(i)) call fail(error, code_input, &
-        '&'//trim(group)//' relief_um = '//str(in_um(self%own_relief(i)))//': is none of &relief amount_um')
+        '&'//trim(info%name)//' relief_um = '//str(in_um(self%own_relief(i)))//': is none of &relief amount_um')
     end do
   end subroutine check_reliefs
 
@@ -187,4 +293,48 @@ contains
       which = [(i, i=1, size(stages%amount))]
     end if
   end subroutine list_reliefs
+
+  !> How speeds are swept.
+  type(sweep_options_t) function sweep_options(self) result(options)
+    class(stages_t), intent(in) :: self
+
+    options%accuracy = self%accuracy
+    options%direction = self%direction
+    options%threads = self%running%threads
+    options%done_before = self%running%done
+    options%all_points = self%running%all_points
+  end function sweep_options
+
+  !> A line of the log.
+  subroutine note(self, line)
+    class(running_t), intent(inout) :: self
+    character(*), intent(in) :: line
+
+    self%log = self%log//line//new_line('a')
+  end subroutine note
+
+  !> The member's body, factored on two grids, for all tasks that need it; nothing is done where it is there.
+  subroutine need_bodies(self, inputs, error)
+    class(running_t), intent(inout) :: self
+    type(body_inputs_t), intent(in) :: inputs
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (allocated(self%bodies) .or. allocated(error)) return
+    allocate (self%bodies(2))
+    call make_two_grids(inputs%gear, inputs%material, inputs%options, self%bodies, error)
+    call self%note('section: two grids made and factored')
+  end subroutine need_bodies
+
+  !> So many operating points more are done; `stop` is the flag of the run, where the count is told too.
+  subroutine tell(self, points, stop)
+    class(running_t), intent(inout) :: self
+    integer, intent(in) :: points
+    type(c_ptr), intent(in) :: stop
+    type(counter_t) :: counter
+
+    counter = counter_t(before=self%done, total=self%all_points, watch=stop)
+    if (associated(self%progress)) counter%progress => self%progress
+    call counter%tick(2*points)
+    self%done = self%done + points
+  end subroutine tell
 end module gearsweep_task

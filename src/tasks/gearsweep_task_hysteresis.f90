@@ -23,15 +23,9 @@ module gearsweep_task_hysteresis
   type, extends(task_t) :: hysteresis_task_t
     real(dp) :: jump = 0.02_dp                   !< of the dynamic factor, from which on a motion is another one
     real(dp) :: closeness = 1e-6_dp              !< of the speeds before and after a change, relative
-    ! Result:
-    real(dp), allocatable :: rpm(:)              !< ascending
-    real(dp), allocatable :: relief(:)           !< m
-    real(dp), allocatable :: period(:)           !< mesh periods at the speeds, s
-    type(branch_t), allocatable :: branch(:, :)  !< up and down, for each relief; its points in the direction of travel
   contains
     procedure, nopass :: describe
-    procedure :: read_keys, run, fill_table, add_report
-    procedure, private :: fill_motions, fill_changes
+    procedure :: read_keys, run, add_report
   end type hysteresis_task_t
 
   character(*), parameter :: group = 'hysteresis'
@@ -43,7 +37,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs motion losses accuracy speeds', tables='hysteresis hysteresis_changes', &
+    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy speeds', tables='hysteresis hysteresis_changes', &
+      fields='', &
       gives='the steady motions that a slow run up through the speeds and one down meet, and the speeds at which they change')
   end subroutine describe
 
@@ -65,42 +60,41 @@ contains
     class(hysteresis_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: rpm(:)              ! ascending
+    real(dp), allocatable :: period(:)           ! mesh periods at the speeds, s
+    real(dp), allocatable :: relief(:)           ! m
+    type(branch_t), allocatable :: branch(:, :)  ! up and down, for each relief; its points in the direction of travel
     integer, allocatable :: which(:)
     integer :: i, way
 
-    call self%list_speeds(stages, self%rpm)
+    call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
-    self%relief = stages%amount(which)
-    self%period = mesh_period(stages%motion(1)%mesh%teeth(1), self%rpm)
-    allocate (self%branch(2, size(which)))
-    associate (n => size(self%rpm))
+    period = mesh_period(stages%motion(1)%mesh%teeth(1), rpm)
+    allocate (branch(2, size(which)))
+    associate (n => size(rpm))
       do i = 1, size(which)
         do way = 1, 2
-          call follow_branch(stages%motion(which(i)), merge(self%rpm, self%rpm(n:1:-1), way == 1), &
-                             branch_options_t(stages%accuracy, self%jump, self%closeness), self%branch(way, i))
-          if (self%branch(way, i)%lacks) call fail(error, code_memory, '&hysteresis: the memory does not hold the motions')
+          call follow_branch(stages%motion(which(i)), merge(rpm, rpm(n:1:-1), way == 1), &
+                             branch_options_t(stages%accuracy, self%jump, self%closeness), branch(way, i))
+          if (branch(way, i)%lacks) call fail(error, code_memory, '&hysteresis: the memory does not hold the motions')
           if (allocated(error)) return
-          self%failed = self%failed + count(.not. has_result(self%branch(way, i)%point%steady%status))
-          if (any(self%branch(way, i)%point%steady%status == status_stopped)) return
+          self%failed = self%failed + count(.not. has_result(branch(way, i)%point%steady%status))
+          if (any(branch(way, i)%point%steady%status == status_stopped)) return
         end do
+        call stages%running%tell(n, stages%accuracy%steady%stop)
       end do
     end associate
+    relief = stages%amount(which)
+    call fill_motions(rpm, period, relief, branch, self%tables(self%place('hysteresis')), error)
+    call fill_changes(relief, branch, self%tables(self%place('hysteresis_changes')), error)
     self%is_done = .true.
-    self%log = 'hysteresis: '//str(size(self%branch))//' runs through '//str(size(self%rpm))//' speeds'
+    self%log = 'hysteresis: '//str(size(branch))//' runs through '//str(size(rpm))//' speeds'
   end subroutine run
 
-  pure subroutine fill_table(self, table, error)
-    class(hysteresis_task_t), intent(in) :: self
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    if (table%name == 'hysteresis') call self%fill_motions(table, error)
-    if (table%name == 'hysteresis_changes') call self%fill_changes(table, error)
-  end subroutine fill_table
-
   !> A row for each relief, direction and speed.
-  pure subroutine fill_motions(self, table, error)
-    class(hysteresis_task_t), intent(in) :: self
+  pure subroutine fill_motions(rpm, period, relief, branch, table, error)
+    real(dp), intent(in) :: rpm(:), period(:), relief(:)   ! 1/min, s, m
+    type(branch_t), intent(in) :: branch(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     type(point_t), allocatable :: point(:)
@@ -109,23 +103,23 @@ contains
     character(4), allocatable :: direction(:)
     integer :: n, rows, row, i, way, k
 
-    n = size(self%rpm)
-    rows = n*size(self%branch)
+    n = size(rpm)
+    rows = n*size(branch)
     call table%begin('steady motions that a slow run up through the speeds and one down meet', rows, 11, error, &
-                     extent=[size(self%relief), 2, n])
+                     extent=[size(relief), 2, n])
     if (.not. allocated(error)) call claim_memory(100.0_dp*rows, 'the table hysteresis', error)
     if (allocated(error)) return
     allocate (values(rows, 6), words(rows, 2), direction(rows))
     row = 0
-    do i = 1, size(self%relief)
+    do i = 1, size(relief)
       do way = 1, 2
-        point = self%branch(way, i)%point
+        point = branch(way, i)%point
         if (way == 2) point = point(n:1:-1)
         do k = 1, n
           row = row + 1
           direction(row) = ways(way)
           associate (steady => point(k)%steady)
-            values(row, 1:4) = numbers_of(point(k), self%period(k))
+            values(row, 1:4) = numbers_of(point(k), period(k))
             values(row, 5) = steady%multiplier
             values(row, 6) = steady%periods
             words(row, 1) = status_name(steady%status)
@@ -134,9 +128,9 @@ contains
         end do
       end do
     end do
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(self%relief), 2*n))
+    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(relief), 2*n))
     call table%add_index('direction', '', 'of the slow run through the speeds', direction)
-    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(self%rpm, 2*size(self%relief)))
+    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(rpm, 2*size(relief)))
     call table%add('dynamic_factor', '', 'largest load of a pair over the static load', values(:, 1))
     call table%add('error_estimate', '', 'estimated error of the dynamic factor', values(:, 2))
     call table%add_words('status', 'how the calculation of the operating point ended', words(:, 1))
@@ -162,25 +156,26 @@ contains
   end function numbers_of
 
   !> A row for each change, in the order met.
-  pure subroutine fill_changes(self, table, error)
-    class(hysteresis_task_t), intent(in) :: self
+  pure subroutine fill_changes(relief, branch, table, error)
+    real(dp), intent(in) :: relief(:)            ! m
+    type(branch_t), intent(in) :: branch(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :)
     character(word), allocatable :: words(:, :)
     integer :: rows, row, i, way, k
 
-    rows = sum([((size(self%branch(way, i)%change), way=1, 2), i=1, size(self%relief))])
+    rows = sum([((size(branch(way, i)%change), way=1, 2), i=1, size(relief))])
     call table%begin('speeds at which the motion of a slow run changes, in the order met', rows, 12, error)
     if (allocated(error)) return
     allocate (values(rows, 8), words(rows, 4))
     row = 0
-    do i = 1, size(self%relief)
+    do i = 1, size(relief)
       do way = 1, 2
-        do k = 1, size(self%branch(way, i)%change)
+        do k = 1, size(branch(way, i)%change)
           row = row + 1
-          associate (change => self%branch(way, i)%change(k))
-            values(row, :) = [in_um(self%relief(i)), real(k, dp), change%rpm, factors_of(change%point), &
+          associate (change => branch(way, i)%change(k))
+            values(row, :) = [in_um(relief(i)), real(k, dp), change%rpm, factors_of(change%point), &
                               real(change%point%steady%periods, dp)]
             words(row, :) = [character(word) :: ways(way), change_name(change%point), &
                              status_name(change%point(1)%steady%status), status_name(change%point(2)%steady%status)]
@@ -230,25 +225,21 @@ contains
     class(hysteresis_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
     integer, parameter :: most = 20
-    integer :: i, way, k, n
+    integer :: i
 
-    call lines%add('')
-    call lines%add('Slow run up and down, '//str(size(self%rpm))//' speeds, '//str(minval(self%rpm))//' to '// &
-                   str(maxval(self%rpm))//' rpm')
-    call lines%add('   relief um   direction      at rpm     DF before      after   change')
-    n = 0
-    do i = 1, size(self%relief)
-      do way = 1, 2
-        do k = 1, size(self%branch(way, i)%change)
-          n = n + 1
-          if (n > most) cycle
-          associate (change => self%branch(way, i)%change(k), factor => factors_of(self%branch(way, i)%change(k)%point))
-            call lines%add(right(str(in_um(self%relief(i))), 12)//right(trim(ways(way)), 12)//right(str(change%rpm(1), 6), 12)// &
-                           right(fixed(factor(1), 4), 14)//right(fixed(factor(2), 4), 11)//'   '//trim(change_name(change%point)))
-          end associate
-        end do
+    associate (rpm => self%tables(self%place('hysteresis'))%numbers('rpm'), &
+               changes => self%tables(self%place('hysteresis_changes')))
+      call lines%add('')
+      call lines%add('Slow run up and down, '//str(self%tables(self%place('hysteresis'))%extent(3))//' speeds, '// &
+                     str(minval(rpm))//' to '//str(maxval(rpm))//' rpm')
+      call lines%add('   relief um   direction      at rpm     DF before      after   change')
+      do i = 1, min(changes%rows, most)
+        call lines%add(right(str(changes%number('relief_um', i)), 12)//right(trim(changes%word('direction', i)), 12)// &
+                       right(str(changes%number('rpm_before', i), 6), 12)// &
+                       right(fixed(changes%number('dynamic_factor_before', i), 4), 14)// &
+                       right(fixed(changes%number('dynamic_factor_after', i), 4), 11)//'   '//trim(changes%word('kind', i)))
       end do
-    end do
-    call lines%add(left('Changes', 19)//str(n)//'; operating points without a result '//str(self%failed))
+      call lines%add(left('Changes', 19)//str(changes%rows)//'; operating points without a result '//str(self%failed))
+    end associate
   end subroutine add_report
 end module gearsweep_task_hysteresis

@@ -19,14 +19,9 @@ module gearsweep_task_poincare
     integer :: settling = 500, kept = 400        !< mesh periods
     logical :: at_rest = .true.                  !< the motion begins at rest under the static load
     real(dp) :: start(2) = 0                     !< m, m/s
-    ! Result:
-    real(dp), allocatable :: rpm(:)
-    real(dp), allocatable :: relief(:)           !< m
-    type(section_points_t), allocatable :: section(:)     !< one for each relief
   contains
     procedure, nopass :: describe
-    procedure :: read_keys, run, fill_table, add_report
-    procedure, private :: fill_points, fill_exponents
+    procedure :: read_keys, run, add_report
   end type poincare_task_t
 
   character(*), parameter :: group = 'poincare'
@@ -36,7 +31,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs motion losses speeds', tables='poincare lyapunov', &
+    info = task_info_t(group, needs='mesh reliefs amounts motion losses speeds', tables='poincare lyapunov', fields='', &
                        gives='the motion seen once a mesh period, and its largest Lyapunov exponent')
   end subroutine describe
 
@@ -68,70 +63,69 @@ contains
     class(poincare_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
+    type(section_points_t), allocatable :: section(:)
+    real(dp), allocatable :: rpm(:), relief(:)
     integer, allocatable :: which(:)
     integer :: i
 
-    call self%list_speeds(stages, self%rpm)
+    call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
-    self%relief = stages%amount(which)
-    call claim_memory(size(which)*size(self%rpm)*(24 + 16.0_dp*self%kept), '&poincare: '//str(size(self%rpm))//' speeds by '// &
+    relief = stages%amount(which)
+    call claim_memory(size(which)*size(rpm)*(24 + 16.0_dp*self%kept), '&poincare: '//str(size(rpm))//' speeds by '// &
                       str(self%kept)//' kept periods', error)
     if (allocated(error)) return
-    allocate (self%section(size(which)))
+    allocate (section(size(which)))
     do i = 1, size(which)
       associate (motion => stages%motion(which(i)), stop => stages%accuracy%steady%stop)
         if (self%at_rest) then
-          call sample_section(motion, self%rpm, self%settling, self%kept, self%section(i), stop=stop)
+          call sample_section(motion, rpm, self%settling, self%kept, section(i), stop=stop)
         else
-          call sample_section(motion, self%rpm, self%settling, self%kept, self%section(i), self%start, stop)
+          call sample_section(motion, rpm, self%settling, self%kept, section(i), self%start, stop)
         end if
       end associate
-      if (self%section(i)%lacks) call fail(error, code_memory, '&poincare: the memory does not hold the motions')
-      if (allocated(error) .or. any(self%section(i)%status == status_stopped)) return
-      self%failed = self%failed + count(self%section(i)%status == status_unresolved .or. self%section(i)%status == status_chatter)
+      if (section(i)%lacks) call fail(error, code_memory, '&poincare: the memory does not hold the motions')
+      if (allocated(error) .or. any(section(i)%status == status_stopped)) return
+      self%failed = self%failed + count(section(i)%status == status_unresolved .or. section(i)%status == status_chatter)
+      call stages%running%tell(size(rpm), stages%accuracy%steady%stop)
     end do
+    call fill_points(rpm, relief, section, self%tables(self%place('poincare')), error)
+    call fill_exponents(rpm, relief, section, self%tables(self%place('lyapunov')), error)
     self%is_done = .true.
-    self%log = 'poincare: '//str(size(which)*size(self%rpm))//' motions seen over '//str(self%kept)//' mesh periods each'
+    self%log = 'poincare: '//str(size(which)*size(rpm))//' motions seen over '//str(self%kept)//' mesh periods each'
   end subroutine run
 
-  pure subroutine fill_table(self, table, error)
-    class(poincare_task_t), intent(in) :: self
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-
-    if (table%name == 'poincare') call self%fill_points(table, error)
-    if (table%name == 'lyapunov') call self%fill_exponents(table, error)
-  end subroutine fill_table
-
   !> A row for each relief, speed and mesh period kept.
-  pure subroutine fill_points(self, table, error)
-    class(poincare_task_t), intent(in) :: self
+  pure subroutine fill_points(rpm, relief, section, table, error)
+    real(dp), intent(in) :: rpm(:), relief(:)    ! 1/min, m
+    type(section_points_t), intent(in) :: section(:)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: seen(:, :)
-    integer :: i, n, m, each_speed
+    integer :: i, n, m, kept, each_speed
 
-    n = size(self%rpm)
-    m = size(self%relief)
-    call table%begin('the motion seen once a mesh period, as a new pair enters', m*n*self%kept, 7, error, &
-                     extent=[m, n, self%kept])
+    kept = size(section(1)%x, 1)
+    n = size(rpm)
+    m = size(relief)
+    call table%begin('the motion seen once a mesh period, as a new pair enters', m*n*kept, 7, error, &
+                     extent=[m, n, kept])
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(self%relief), n*self%kept))
-    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(each(self%rpm, self%kept), m))
-    call table%add_index('period', '', 'which of the mesh periods kept', over_and_over([(i, i=1, self%kept)], m*n))
-    each_speed = n*self%kept
+    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(relief), n*kept))
+    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(each(rpm, kept), m))
+    call table%add_index('period', '', 'which of the mesh periods kept', over_and_over([(i, i=1, kept)], m*n))
+    each_speed = n*kept
     allocate (seen(m*each_speed, 2))
     do i = 1, m
-      seen((i - 1)*each_speed + 1:i*each_speed, 1) = 1e6_dp*reshape(self%section(i)%x, [each_speed])
-      seen((i - 1)*each_speed + 1:i*each_speed, 2) = 1e3_dp*reshape(self%section(i)%v, [each_speed])
+      seen((i - 1)*each_speed + 1:i*each_speed, 1) = 1e6_dp*reshape(section(i)%x, [each_speed])
+      seen((i - 1)*each_speed + 1:i*each_speed, 2) = 1e3_dp*reshape(section(i)%v, [each_speed])
     end do
     call table%add('dte_um', 'um', 'dynamic transmission error; NaN where the motion was not followed', seen(:, 1))
     call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error', seen(:, 2))
   end subroutine fill_points
 
   !> A row for each relief and speed.
-  pure subroutine fill_exponents(self, table, error)
-    class(poincare_task_t), intent(in) :: self
+  pure subroutine fill_exponents(rpm, relief, section, table, error)
+    real(dp), intent(in) :: rpm(:), relief(:)    ! 1/min, m
+    type(section_points_t), intent(in) :: section(:)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: exponent(:)
@@ -139,20 +133,20 @@ contains
     character(12), allocatable :: status(:)
     integer :: i, k, n, m
 
-    n = size(self%rpm)
-    m = size(self%relief)
+    n = size(rpm)
+    m = size(relief)
     allocate (exponent(m*n), periods(m*n), status(m*n))
     do i = 1, m
-      exponent((i - 1)*n + 1:i*n) = self%section(i)%exponent
-      periods((i - 1)*n + 1:i*n) = self%section(i)%periods
+      exponent((i - 1)*n + 1:i*n) = section(i)%exponent
+      periods((i - 1)*n + 1:i*n) = section(i)%periods
       do k = 1, n
-        status((i - 1)*n + k) = status_name(self%section(i)%status(k))
+        status((i - 1)*n + k) = status_name(section(i)%status(k))
       end do
     end do
     call table%begin('how the motion seen once a mesh period goes on', m*n, 5, error, extent=[m, n])
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(self%relief), n))
-    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(self%rpm, m))
+    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(relief), n))
+    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(rpm, m))
     call table%add('lyapunov_exponent', '', 'largest Lyapunov exponent, of a mesh period: the mean logarithm by which a '// &
                    'disturbance grows, below 0 where the motion repeats and above 0 where it is chaotic', &
                    exponent)
@@ -164,26 +158,31 @@ contains
   pure subroutine add_report(self, lines)
     class(poincare_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
+    character(12) :: found
     integer :: i, at, status, n
 
-    call lines%add('')
-    call lines%add('Motion seen once a mesh period, '//str(size(self%rpm))//' speeds, '//str(self%kept)//' periods kept')
-    call lines%add('   relief um   largest Lyapunov exponent      at rpm   motions')
-    do i = 1, size(self%relief)
-      associate (section => self%section(i))
-        ! NaN is never the largest.
-        at = maxloc(section%exponent, 1, mask=section%exponent > -huge(1.0_dp))
-        call lines%put(right(str(in_um(self%relief(i))), 12))
-        if (at > 0) call lines%put(right(str(section%exponent(at), 4), 28)//right(str(self%rpm(at)), 12)//'  ')
-        if (at == 0) call lines%put(right('none', 28)//right('-', 12)//'  ')
-        do status = 0, status_stopped
-          n = count(section%status == status)
-          if (n > 0) call lines%put(' '//str(n)//' '//status_name(status))
-        end do
+    associate (table => self%tables(self%place('lyapunov')))
+      associate (reliefs => table%extent(1), speeds => table%extent(2), exponent => table%numbers('lyapunov_exponent'), &
+                 ended => table%columns(table%position('status'))%words)
         call lines%add('')
+        call lines%add('Motion seen once a mesh period, '//str(speeds)//' speeds, '//str(self%kept)//' periods kept')
+        call lines%add('   relief um   largest Lyapunov exponent      at rpm   motions')
+        do i = 1, table%rows, speeds
+          ! NaN is never the largest.
+          at = i - 1 + maxloc(exponent(i:i + speeds - 1), 1, mask=exponent(i:i + speeds - 1) > -huge(1.0_dp))
+          call lines%put(right(str(table%number('relief_um', i)), 12))
+          if (at >= i) call lines%put(right(str(exponent(at), 4), 28)//right(str(table%number('rpm', at)), 12)//'  ')
+          if (at < i) call lines%put(right('none', 28)//right('-', 12)//'  ')
+          do status = 0, status_stopped
+            found = status_name(status)
+            n = count(ended(i:i + speeds - 1) == found)
+            if (n > 0) call lines%put(' '//str(n)//' '//trim(found))
+          end do
+          call lines%add('')
+        end do
+        found = status_name(status_chaotic)
+        if (any(ended == found)) call lines%add(left('', 19)//'chaotic: disturbances keep growing')
       end associate
-    end do
-    if (any([(self%section(i)%status == status_chaotic, i=1, size(self%relief))])) call lines%add(left('', 19)// &
-      'chaotic: disturbances keep growing')
+    end associate
   end subroutine add_report
 end module gearsweep_task_poincare

@@ -20,13 +20,9 @@ module gearsweep_task_stability
     real(dp) :: damping_first = 0, damping_last = 0.2_dp
     integer :: damping_count = 101
     integer :: tongues = 10                      !< how many to find
-    ! Result:
-    real(dp), allocatable :: rpm(:), damping(:)
-    type(stability_t) :: map
-    type(tongue_t), allocatable :: tongue(:)
   contains
     procedure, nopass :: describe
-    procedure :: read_keys, run, fill_table, add_report
+    procedure :: read_keys, run, add_report
   end type stability_task_t
 
   character(*), parameter :: group = 'stability'
@@ -38,7 +34,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh motion speeds', tables='stability tongues tongue_edges', &
+    info = task_info_t(group, needs='mesh motion speeds', tables='stability tongues tongue_edges', fields='', &
       gives='Floquet multipliers of the motion with all pairs in contact over speed and damping, and its tongues of instability')
   end subroutine describe
 
@@ -66,89 +62,110 @@ contains
     class(stability_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: rpm(:), damping(:)
+    type(stability_t) :: map
+    type(tongue_t), allocatable :: tongue(:)
     integer :: i
 
-    call self%list_speeds(stages, self%rpm)
+    call self%list_speeds(stages, rpm)
     associate (n => self%damping_count)
-      self%damping = [(self%damping_first + (self%damping_last - self%damping_first)*(i - 1)/(n - 1), i=1, n)]
-      call claim_memory(12.0_dp*size(self%rpm)*n, '&stability: '//str(size(self%rpm))//' speeds by '//str(n)// &
-                        ' damping ratios', error)
+      damping = [(self%damping_first + (self%damping_last - self%damping_first)*(i - 1)/(n - 1), i=1, n)]
+      call claim_memory(12.0_dp*size(rpm)*n, '&stability: '//str(size(rpm))//' speeds by '//str(n)//' damping ratios', error)
     end associate
     if (allocated(error)) return
-    allocate (self%tongue(self%tongues))
-    call find_tongues(stages%motion(1), self%damping, self%tongue, error)
+    allocate (tongue(self%tongues))
+    call find_tongues(stages%motion(1), damping, tongue, error)
     if (allocated(error)) return
-    call map_stability(stages%motion(1), self%rpm, self%damping, tolerance, self%map)
-    if (self%map%lacks) call fail(error, code_memory, '&stability: the memory does not hold the map')
+    call map_stability(stages%motion(1), rpm, damping, tolerance, map)
+    if (map%lacks) call fail(error, code_memory, '&stability: the memory does not hold the map')
     if (allocated(error)) return
+    call fill_map(rpm, damping, map, self%tables(self%place('stability')), error)
+    call fill_tongues(tongue, self%tables(self%place('tongues')), error)
+    call fill_edges(damping, tongue, self%tables(self%place('tongue_edges')), error)
     self%is_done = .true.
-    self%failed = count(ieee_is_nan(self%map%modulus))
-    self%log = 'stability: '//str(size(self%map%modulus))//' points, '//str(self%tongues)//' tongues'
+    self%failed = count(ieee_is_nan(map%modulus))
+    self%log = 'stability: '//str(size(map%modulus))//' points, '//str(self%tongues)//' tongues'
   end subroutine run
 
-  pure subroutine fill_table(self, table, error)
-    class(stability_task_t), intent(in) :: self
+  !> A row for each speed (1/min) and damping ratio.
+  pure subroutine fill_map(rpm, damping, map, table, error)
+    real(dp), intent(in) :: rpm(:), damping(:)
+    type(stability_t), intent(in) :: map
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: edge(:, :)
-    integer :: i, n, m, k
 
-    n = size(self%rpm)
-    m = size(self%damping)
-    k = size(self%tongue)
-    select case (table%name)
-    case ('stability')
+    associate (n => size(rpm), m => size(damping))
       call table%begin('stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1', &
                        n*m, 4, error, extent=[n, m])
       if (allocated(error)) return
-      call table%add_index('rpm', '1/min', 'speed of the pinion', each(self%rpm, m))
-      call table%add_index('damping_ratio', '', 'damping ratio', over_and_over(self%damping, n))
+      call table%add_index('rpm', '1/min', 'speed of the pinion', each(rpm, m))
+      call table%add_index('damping_ratio', '', 'damping ratio', over_and_over(damping, n))
       call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers: what remains of a disturbance '// &
-                     'after a mesh period; NaN where the speed is too low', [transpose(self%map%modulus)])
+                     'after a mesh period; NaN where the speed is too low', [transpose(map%modulus)])
       call table%add('sense', '', 'sign of that multiplier where it is real, 0 for a complex pair: beyond 1, a motion with '// &
-                     '1 does not return, one with -1 doubles its period', [transpose(self%map%sense)])
-    case ('tongues')
-      call table%begin('tongues of instability, from the highest speed on', k, 3, error, extent=[k])
-      if (allocated(error)) return
-      call table%add_index('tongue', '', 'which tongue', [(i, i=1, k)])
-      call table%add('closing_damping_ratio', '', 'damping ratio from which it is closed; NaN: above 1', &
-                     [self%tongue%closing_damping])
-      call table%add('closing_rpm', '1/min', 'speed of the pinion at its last point', [self%tongue%closing_rpm])
-    case ('tongue_edges')
-      call table%begin('edges of the tongues of instability: between them the motion repels', k*m, 4, error, extent=[k, m])
-      if (allocated(error)) return
-      call table%add_index('tongue', '', 'which tongue', each([(i, i=1, k)], m))
-      call table%add_index('damping_ratio', '', 'damping ratio', over_and_over(self%damping, k))
-      allocate (edge(m*k, 2))
-      do i = 1, k
-        edge((i - 1)*m + 1:i*m, 1) = self%tongue(i)%edge(1, :)
-        edge((i - 1)*m + 1:i*m, 2) = self%tongue(i)%edge(2, :)
-      end do
-      call table%add('lower_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 1))
-      call table%add('upper_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 2))
-    case default  ! it has no other
-    end select
-  end subroutine fill_table
+                     '1 does not return, one with -1 doubles its period', [transpose(map%sense)])
+    end associate
+  end subroutine fill_map
+
+  pure subroutine fill_tongues(tongue, table, error)
+    type(tongue_t), intent(in) :: tongue(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    call table%begin('tongues of instability, from the highest speed on', size(tongue), 3, error, extent=[size(tongue)])
+    if (allocated(error)) return
+    call table%add_index('tongue', '', 'which tongue', [(i, i=1, size(tongue))])
+    call table%add('closing_damping_ratio', '', 'damping ratio from which it is closed; NaN: above 1', [tongue%closing_damping])
+    call table%add('closing_rpm', '1/min', 'speed of the pinion at its last point', [tongue%closing_rpm])
+  end subroutine fill_tongues
+
+  pure subroutine fill_edges(damping, tongue, table, error)
+    real(dp), intent(in) :: damping(:)
+    type(tongue_t), intent(in) :: tongue(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: edge(:, :)
+    integer :: i, m, k
+
+    m = size(damping)
+    k = size(tongue)
+    call table%begin('edges of the tongues of instability: between them the motion repels', k*m, 4, error, extent=[k, m])
+    if (allocated(error)) return
+    call table%add_index('tongue', '', 'which tongue', each([(i, i=1, k)], m))
+    call table%add_index('damping_ratio', '', 'damping ratio', over_and_over(damping, k))
+    allocate (edge(m*k, 2))
+    do i = 1, k
+      edge((i - 1)*m + 1:i*m, 1) = tongue(i)%edge(1, :)
+      edge((i - 1)*m + 1:i*m, 2) = tongue(i)%edge(2, :)
+    end do
+    call table%add('lower_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 1))
+    call table%add('upper_rpm', '1/min', 'speed of the pinion; NaN where the tongue is closed', edge(:, 2))
+  end subroutine fill_edges
 
   pure subroutine add_report(self, lines)
     class(stability_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: i
+    real(dp) :: lower
+    integer :: i, first
 
     call lines%add('')
-    call lines%add('Stability with all pairs in contact, damping ratio '//str(self%damping(1))//' to '// &
-                   str(self%damping(size(self%damping))))
-    if (size(self%tongue) > 0) call lines%add('   tongue   unstable at damping ratio '//left(str(self%damping(1)), 6)// &
-                                              ', rpm   closed from damping ratio    at rpm')
-    do i = 1, size(self%tongue)
-      associate (tongue => self%tongue(i))
+    call lines%add('Stability with all pairs in contact, damping ratio '//str(self%damping_first)//' to '//str(self%damping_last))
+    associate (tongues => self%tables(self%place('tongues')), edges => self%tables(self%place('tongue_edges')), &
+               map => self%tables(self%place('stability')))
+      if (tongues%rows > 0) call lines%add('   tongue   unstable at damping ratio '//left(str(self%damping_first), 6)// &
+                                           ', rpm   closed from damping ratio    at rpm')
+      do i = 1, tongues%rows
         call lines%put(right(str(i), 9))
-        if (tongue%edge(1, 1) > 0) call lines%put(right(str(tongue%edge(1, 1), 5)//' to '//str(tongue%edge(2, 1), 5), 41))
-        if (.not. tongue%edge(1, 1) > 0) call lines%put(right('nowhere', 41))
-        call lines%add(right(str(tongue%closing_damping, 4), 28)//right(str(tongue%closing_rpm, 5), 10))
-      end associate
-    end do
-    call lines%add(left('Points', 19)//str(size(self%map%modulus))//', unstable '//str(count(self%map%modulus > 1))// &
-                   ', too slow for the steps there may be '//str(self%failed))
+        first = (i - 1)*edges%extent(2) + 1
+        lower = edges%number('lower_rpm', first)
+        if (.not. ieee_is_nan(lower)) call lines%put(right(str(lower, 5)//' to '//str(edges%number('upper_rpm', first), 5), 41))
+        if (ieee_is_nan(lower)) call lines%put(right('nowhere', 41))
+        call lines%add(right(str(tongues%number('closing_damping_ratio', i), 4), 28)// &
+                       right(str(tongues%number('closing_rpm', i), 5), 10))
+      end do
+      call lines%add(left('Points', 19)//str(map%rows)//', unstable '//str(count(map%numbers('floquet_modulus') > 1))// &
+                     ', too slow for the steps there may be '//str(self%failed))
+    end associate
   end subroutine add_report
 end module gearsweep_task_stability

@@ -214,7 +214,7 @@ contains
   end function contact_of
 
   !> The word that stands for one of contact_full ... in tables.
-  pure function contact_name(contact) result(name)
+  elemental function contact_name(contact) result(name)
     integer, intent(in) :: contact
     character(7) :: name
     character(7), parameter :: names(0:3) = [character(7) :: 'full', 'partial', 'lost', 'coast']

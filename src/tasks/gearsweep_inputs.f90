@@ -17,8 +17,8 @@ module gearsweep_inputs
   use gearsweep_section, only: section_options_t
   implicit none
   private
-  public :: elements_inputs_t, body_inputs_t, modes_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
-  public :: motions_inputs_t, choice_t, points_inputs_t, same, same_but_amounts
+  public :: elements_inputs_t, body_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
+  public :: motions_inputs_t, choice_t, same, same_but_amounts
 
   !> Of the pair stiffness by finite elements, with its disc.
   type :: elements_inputs_t
@@ -34,12 +34,6 @@ module gearsweep_inputs
     type(material_t) :: material
     type(section_options_t) :: options
   end type body_inputs_t
-
-  !> Of the section's modes.
-  type :: modes_inputs_t
-    type(body_inputs_t) :: body
-    integer :: modes = 0
-  end type modes_inputs_t
 
   !> Of the root stress under unit loads.
   type :: unit_inputs_t
@@ -84,19 +78,10 @@ module gearsweep_inputs
   type :: choice_t
     type(step_choice_t) :: steps
     type(steady_choice_t) :: steady
-    integer :: direction = 0                     !< of the sweep
-    real(dp) :: largest = 0                      !< deepest relief that the search for the optimum tries, m
   end type choice_t
 
-  !> Of operating points of the oscillators.
-  type :: points_inputs_t
-    type(choice_t) :: choice
-    real(dp), allocatable :: rpm(:)              !< of the sweep, 1/min; empty: there is none
-    real(dp), allocatable :: keep(:)             !< where the motion itself is wanted, 1/min
-  end type points_inputs_t
-
   interface same
-    module procedure same_elements, same_bodies, same_modes, same_units, same_motions, same_points
+    module procedure same_elements, same_bodies, same_units, same_choices, same_list, same_number
   end interface same
 
   !> Every component: numbers with all their digits.
@@ -123,26 +108,11 @@ contains
     same = words(1) == words(2)
   end function same_bodies
 
-  pure logical function same_modes(a, b) result(same)
-    type(modes_inputs_t), intent(in) :: a, b
-    character(storage_size(a)) :: words(2)
-
-    write (words(1), all) a
-    write (words(2), all) b
-    same = words(1) == words(2)
-  end function same_modes
-
   pure logical function same_units(a, b) result(same)
     type(unit_inputs_t), intent(in) :: a, b
 
     same = same_bodies(a%body, b%body) .and. same_list(a%radius, b%radius)
   end function same_units
-
-  pure logical function same_motions(a, b) result(same)
-    type(motions_inputs_t), intent(in) :: a, b
-
-    same = same_but_amounts(a, b) .and. same_list(a%amount, b%amount)
-  end function same_motions
 
   !> Whatever their amounts of relief.
   pure logical function same_but_amounts(a, b) result(same)
@@ -163,14 +133,20 @@ contains
     if (same) same = .not. any(abs(a%coef - b%coef) > 0)
   end function same_curve
 
-  pure logical function same_points(a, b) result(same)
-    type(points_inputs_t), intent(in) :: a, b
-    character(storage_size(a%choice)) :: words(2)
+  pure logical function same_choices(a, b) result(same)
+    type(choice_t), intent(in) :: a, b
+    character(storage_size(a)) :: words(2)
 
-    write (words(1), all) a%choice
-    write (words(2), all) b%choice
-    same = words(1) == words(2) .and. same_list(a%rpm, b%rpm) .and. same_list(a%keep, b%keep)
-  end function same_points
+    write (words(1), all) a
+    write (words(2), all) b
+    same = words(1) == words(2)
+  end function same_choices
+
+  pure logical function same_number(a, b) result(same)
+    real(dp), intent(in) :: a, b
+
+    same = .not. abs(a - b) > 0
+  end function same_number
 
   pure logical function same_list(a, b) result(same)
     real(dp), intent(in) :: a(:), b(:)

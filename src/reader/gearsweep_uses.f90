@@ -2,32 +2,22 @@
 !> another of its values makes it idle: it is read, and named as not used. It is refused where it contradicts
 !> the case's other keys.
 module gearsweep_uses
-  use gearsweep_case, only: case_t
-  use gearsweep_tasks, only: sentence_length
+  use gearsweep_reader, only: reader_t
   implicit none
   private
-  public :: for_stage, unless, first_of
+  public :: unless, first_of, is_prescribed
 
-  integer, parameter :: longest = sentence_length
+  !> Of a list of tasks as in a sentence.
+  integer, parameter, public :: sentence_length = 160
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
 
 contains
-
-  !> What the key waits for: the tasks that need this stage, told as in `load, sweep or optimum`, or nothing where the
-  !> case names one of them.
-  pure function for_stage(case, stage) result(what)
-    type(case_t), intent(in) :: case
-    character(*), intent(in) :: stage
-    character(longest) :: what
-
-    what = unless(case%needs(stage), trim(case%tasks_for(stage)))
-  end function for_stage
 
   !> Blank where that holds.
   pure function unless(holds, words) result(what)
     logical, intent(in) :: holds
     character(*), intent(in) :: words
-    character(longest) :: what
+    character(sentence_length) :: what
 
     what = ''
     if (.not. holds) what = words
@@ -35,9 +25,16 @@ contains
 
   pure function first_of(one, other) result(words)
     character(*), intent(in) :: one, other
-    character(longest) :: words
+    character(sentence_length) :: words
 
     words = one
     if (len_trim(one) == 0) words = other
   end function first_of
+
+  !> Is the mesh prescribed, with no gears behind it?
+  pure logical function is_prescribed(reader)
+    type(reader_t), intent(in) :: reader
+
+    is_prescribed = reader%has('mesh', 'contact_ratio')
+  end function is_prescribed
 end module gearsweep_uses

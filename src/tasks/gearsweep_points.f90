@@ -1,0 +1,41 @@
+!> Words and numbers that the tables of several tasks share: of operating points, and of the largest dynamic factors.
+module gearsweep_points
+  use gearsweep_kinds, only: dp
+  use gearsweep_optimum, only: peak_t
+  use gearsweep_status, only: status_name
+  use gearsweep_table, only: no_number
+  implicit none
+  private
+  public :: factor_of, speed_of, words_of
+
+  character(*), parameter, public :: of_relief = 'amount of relief', of_speed = 'speed of the pinion'
+  character(*), parameter, public :: of_factor = 'dynamic factor DF: largest load of a pair over the static load; NaN '// &
+    'where there is no answer', of_estimate = 'estimated error of DF; NaN where there is no answer or it is not known'
+  character(*), parameter, public :: of_status = 'how the operating point ended, in a word', &
+    of_worst = 'largest DF over the speeds; NaN where none has an answer', of_periods = 'mesh periods until the motion repeats'
+  integer, parameter, public :: status_length = 12
+
+contains
+
+  !> Of a peak that there is.
+  elemental real(dp) function factor_of(peak)
+    type(peak_t), intent(in) :: peak
+
+    factor_of = no_number()
+    if (peak%rpm > 0) factor_of = peak%dynamic_factor
+  end function factor_of
+
+  elemental real(dp) function speed_of(peak)
+    type(peak_t), intent(in) :: peak
+
+    speed_of = no_number()
+    if (peak%rpm > 0) speed_of = peak%rpm
+  end function speed_of
+
+  !> Names of statuses, padded to one length.
+  elemental character(status_length) function words_of(status)
+    integer, intent(in) :: status
+
+    words_of = status_name(status)
+  end function words_of
+end module gearsweep_points

@@ -1,0 +1,188 @@
+!> The task `mesh`: load sharing along the path of contact and the static transmission error with its harmonics.
+module gearsweep_task_mesh
+  use gearsweep_decimal, only: in_um
+  use gearsweep_error, only: error_t
+  use gearsweep_harmonics, only: find_harmonics, harmonics_t
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_lines, only: lines_t, right
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_reader, only: reader_t
+  use gearsweep_sharing, only: share_load, sharing_t
+  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_text, only: fixed, str
+  implicit none
+  private
+  public :: mesh_task_t
+
+  type, extends(task_t) :: mesh_task_t
+    integer :: harmonics = 8                     !< of the static transmission error
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, add_report
+  end type mesh_task_t
+
+  real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
+  character(*), parameter :: of_relief = 'amount of relief'
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t('mesh', needs='mesh reliefs amounts', tables='mesh transmission_error harmonics', fields='', &
+                       gives='pair and mesh stiffness, load sharing, static transmission error and its harmonics')
+  end subroutine describe
+
+  !> In the group of the stiffness, which all tasks that need the mesh share.
+  subroutine read_keys(self, reader, error)
+    class(mesh_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+
+    call reader%get('mesh', 'ste_harmonics', self%harmonics, error, tasks='mesh', at_least=1, at_most=1000, &
+                    meaning='harmonics of the static transmission error in the table harmonics')
+  end subroutine read_keys
+
+  subroutine run(self, stages, error)
+    class(mesh_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    integer, parameter :: samples = 200
+    type(sharing_t), allocatable :: sharing(:)
+    type(harmonics_t), allocatable :: ste(:)
+    integer :: i
+
+    associate (motion => stages%motion)
+      allocate (sharing(size(motion)), ste(size(motion)))
+      do i = 1, size(motion)
+        ! The first tells what the others take.
+        if (i == 2) call claim_memory(size(motion)*(1000 + 24.0_dp*self%harmonics + size(sharing(1)%phase)* &
+          (28.0_dp + 16*size(sharing(1)%s, 1))), '&relief amount_um: '//str(size(motion))//' reliefs', error)
+        if (allocated(error)) return
+        call share_load(motion(i)%mesh, motion(i)%load, samples, sharing(i))
+        call find_harmonics(motion(i)%mesh, motion(i)%load, self%harmonics, ste(i))
+      end do
+    end associate
+    call fill_path(stages, sharing, self%tables(self%place('mesh')), error)
+    call fill_ste(stages, sharing, ste, self%tables(self%place('transmission_error')), error)
+    call fill_harmonics(stages%amount, ste, self%tables(self%place('harmonics')), error)
+    self%is_done = .true.
+    self%log = 'mesh: static load sharing and transmission error'
+  end subroutine run
+
+  !> One pair along its path of contact, static, for each relief: s ascends; where a pair enters or a relief begins, both
+  !> sides have a row.
+  pure subroutine fill_path(stages, sharing, table, error)
+    type(stages_t), intent(in) :: stages
+    type(sharing_t), intent(in) :: sharing(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: s(:), values(:, :)
+    integer :: i, j, k, n, row, rows
+
+    rows = sum([(sum(sharing(i)%pairs), i=1, size(sharing))])
+    call table%begin('one pair along its path of contact, static, for each relief', rows, 18, error)
+    if (allocated(error)) return
+    allocate (values(rows, 7))
+    row = 0
+    do i = 1, size(sharing)
+      associate (one => sharing(i), mesh => stages%motion(i)%mesh, relief_um => in_um(stages%amount(i)))
+        do n = minval(one%offset), maxval(one%offset + one%pairs) - 1
+          do k = 1, size(one%phase)
+            j = 1 + n - one%offset(k)
+            if (j < 1 .or. j > one%pairs(k)) cycle
+            row = row + 1
+            values(row, :) = [relief_um, one%s(j, k), mesh%stiffness%value(one%s(j, k))/micro, one%stiffness(k)/micro, &
+                              micro*mesh%profile_error%value(one%s(j, k)), one%load(j, k)/stages%load, micro*one%error(k)]
+          end do
+        end do
+      end associate
+    end do
+    s = values(:, 2)
+    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
+    call table%add_index('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s)
+    call table%add('pair_stiffness_n_um', 'N/um', 'stiffness of this pair, whole face width; what the dynamics take', &
+                   values(:, 3))
+    call table%add('mesh_stiffness_n_um', 'N/um', 'of all pairs that carry load; of whole gears also their discs', values(:, 4))
+    call table%add('profile_error_um', 'um', 'material missing at this point, both flanks together', values(:, 5))
+    call table%add('load_share', '', 'static load of this pair over the whole load', values(:, 6))
+    call table%add('ste_um', 'um', 'static transmission error along the line of action', values(:, 7))
+    if (stages%base_pitch > 0) call table%add('path_mm', 'mm', 'distance from A on the line of action', milli*s*stages%base_pitch)
+    if (.not. allocated(stages%pair)) return
+    call table%add('pinion_radius_mm', 'mm', 'radius at which the pinion touches', milli*stages%pair%radius(1, s))
+    call table%add('pinion_curvature_mm', 'mm', 'radius of curvature of the pinion''s flank', milli*stages%pair%curvature(1, s))
+    call table%add('gear_curvature_mm', 'mm', 'radius of curvature of the gear''s flank', milli*stages%pair%curvature(2, s))
+  end subroutine fill_path
+
+  !> The static transmission error over a mesh period, for each relief.
+  pure subroutine fill_ste(stages, sharing, ste, table, error)
+    type(stages_t), intent(in) :: stages
+    type(sharing_t), intent(in) :: sharing(:)
+    type(harmonics_t), intent(in) :: ste(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i, m
+
+    m = size(ste)
+    call table%begin('static transmission error and load sharing over a mesh period, for each relief', m, 7, error, extent=[m])
+    if (allocated(error)) return
+    call table%add_index('relief_um', 'um', of_relief, in_um(stages%amount))
+    call table%add('peak_to_peak_um', 'um', 'largest less least transmission error', [(micro*ste(i)%peak_to_peak(), i=1, m)])
+    call table%add('mean_um', 'um', 'mean transmission error', micro*ste%mean)
+    call table%add('rms_um', 'um', 'root mean square of what differs from the mean', micro*ste%rms)
+    call table%add('error_estimate_um', 'um', 'estimated error of mean and amplitudes, without rounding errors', &
+                   micro*ste%error_estimate)
+    call table%add('largest_load_share', '', 'largest load of a pair over the static load', &
+                   [(maxval(sharing(i)%load)/stages%load, i=1, m)])
+    call table%add('effective_contact_ratio', '', 'length of the path over which a pair carries load, in base pitches', &
+                   [(ste(i)%effective_contact_ratio, i=1, m)])
+  end subroutine fill_ste
+
+  !> Harmonics of the static transmission error for each relief; harmonic 0 is the mean.
+  pure subroutine fill_harmonics(amount, ste, table, error)
+    real(dp), intent(in) :: amount(:)            ! of relief, m
+    type(harmonics_t), intent(in) :: ste(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i, n, m
+
+    m = size(ste)
+    n = size(ste(1)%amplitude) + 1
+    call table%begin('static transmission error for each relief, as the sum of amplitude '// &
+                     'cos(2 pi harmonic tau + phase) over '// &
+                     'the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean', n*m, 5, error, extent=[m, n])
+    if (allocated(error)) return
+    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
+    call table%add_index('harmonic', '', '0 for the mean, 1, 2 ... up to ste_harmonics', over_and_over([(i, i=0, n - 1)], m))
+    call table%add('amplitude_um', 'um', 'half of peak-to-peak; the mean for harmonic 0', &
+                   [(micro*[ste(i)%mean, ste(i)%amplitude], i=1, m)])
+    call table%add('phase_deg', 'deg', 'where the amplitude is larger than its error', &
+                   [([0.0_dp, ste(i)%phase]*180/pi, i=1, m)])
+    call table%add('error_estimate_um', 'um', 'estimated error of mean and amplitudes, without rounding errors', &
+                   each(micro*ste%error_estimate, n))
+  end subroutine fill_harmonics
+
+  pure subroutine add_report(self, lines)
+    class(mesh_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer :: i, k
+
+    call lines%add('')
+    call lines%add('Static transmission error')
+    call lines%add('   relief um   peak-to-peak um   mean um   harmonics 1, 2, 3 um         largest pair load/static')
+    associate (ste => self%tables(self%place('transmission_error')), harmonics => self%tables(self%place('harmonics')))
+      do i = 1, ste%rows
+        call lines%put(right(str(ste%number('relief_um', i)), 12)//right(str(ste%number('peak_to_peak_um', i), 4), 18)// &
+                       right(str(ste%number('mean_um', i), 4), 10)//'  ')
+        associate (n => harmonics%extent(2))
+          do k = 1, 3
+            if (k >= n) call lines%put(repeat(' ', 9))
+            if (k < n) call lines%put(right(str(harmonics%number('amplitude_um', (i - 1)*n + 1 + k), 3), 9))
+          end do
+        end associate
+        call lines%add(right(fixed(ste%number('largest_load_share', i), 4), 26))
+      end do
+    end associate
+  end subroutine add_report
+end module gearsweep_task_mesh

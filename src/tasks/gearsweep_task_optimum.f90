@@ -1,0 +1,152 @@
+!> The task `optimum`: the relief whose largest dynamic factor over all speeds is least.
+module gearsweep_task_optimum
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_decimal, only: in_um
+  use gearsweep_error, only: error_t
+  use gearsweep_inputs, only: motions_inputs_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t
+  use gearsweep_motions, only: build_motion, deepest_relief
+  use gearsweep_optimum, only: find_optimum, most_tried, optimum_t
+  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_points, only: of_worst
+  use gearsweep_sweep, only: sweep_options_t, sweep_state_t
+  use gearsweep_table, only: no_number, table_t
+  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_text, only: fixed, str
+  implicit none
+  private
+  public :: optimum_task_t
+
+  type, extends(task_t) :: optimum_task_t
+  contains
+    procedure, nopass :: describe
+    procedure :: run, add_report, count_points
+  end type optimum_task_t
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t('optimum', needs='mesh reliefs motion losses accuracy speeds direction', &
+                       tables='optimum optimum_curve', fields='', &
+                       gives='the relief whose largest dynamic factor over all speeds is least')
+  end subroutine describe
+
+  !> At most, as the search may try some reliefs twice.
+  integer function count_points(self, stages) result(points)
+    class(optimum_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+
+    points = most_tried*merge(size(stages%rpm), 0, self%uses('speeds'))
+  end function count_points
+
+  subroutine run(self, stages, error)
+    class(optimum_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    type(sweep_state_t), pointer :: states(:)
+    type(sweep_options_t) :: options
+    type(optimum_t) :: optimum
+
+    nullify (states)
+    if (associated(stages%running%states)) states => stages%running%states(2:)
+    options = stages%sweep_options()
+    associate (inputs => stages%motions_inputs)
+      if (associated(stages%running%progress)) then
+        call find_optimum(with_relief, inputs, largest_relief(inputs), stages%rpm, options, optimum, error, &
+                          stages%running%progress, states)
+      else
+        call find_optimum(with_relief, inputs, largest_relief(inputs), stages%rpm, options, optimum, error, states=states)
+      end if
+    end associate
+    if (allocated(error) .or. optimum%stopped) return
+    stages%running%done = stages%running%done + size(optimum%amount)*size(stages%rpm)
+    call fill_best(optimum, self%tables(self%place('optimum')), error)
+    call fill_curve(optimum, self%tables(self%place('optimum_curve')), error)
+    if (allocated(error)) return
+    self%is_done = .true.
+    self%failed = nint(self%tables(self%place('optimum'))%number('points_without_answer'))
+    self%log = 'optimum: '//str(size(optimum%amount))//' reliefs swept'
+  end subroutine run
+
+  !> Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
+  pure real(dp) function largest_relief(inputs) result(largest)
+    type(motions_inputs_t), intent(in) :: inputs
+
+    largest = max(maxval(inputs%amount), 1.5_dp*inputs%motion%load &
+                  /inputs%stiffness%value(inputs%motion%relief%contact_ratio/2)/maxval(inputs%motion%relief%fraction))
+    largest = min(largest, deepest_relief(inputs%motion%relief))
+  end function largest_relief
+
+  subroutine with_relief(context, amount, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    select type (context)
+    type is (motions_inputs_t)
+      call build_motion(context%motion, context%stiffness, context%profile_error, amount, motion, error)
+    end select
+  end subroutine with_relief
+
+  !> The optimum relief.
+  pure subroutine fill_best(optimum, table, error)
+    type(optimum_t), intent(in) :: optimum
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: best(3)
+    integer :: failed
+
+    call table%begin('the relief whose largest dynamic factor over the speeds is least', 1, 5, error)
+    if (allocated(error)) return
+    best = no_number()
+    failed = sum(optimum%failed)
+    if (optimum%best > 0) then
+      best = [in_um(optimum%amount(optimum%best)), optimum%dynamic_factor(optimum%best), optimum%rpm(optimum%best)]
+      failed = optimum%failed(optimum%best)
+    end if
+    call table%add('relief_um', 'um', 'optimum relief; NaN where no point has an answer', best(1:1))
+    call table%add('worst_dynamic_factor', '', of_worst, best(2:2))
+    call table%add('rpm', '1/min', 'speed of the pinion where that is', best(3:3))
+    call table%add('within_um', 'um', 'the true optimum lies so near', [1e6_dp*optimum%resolution])
+    call table%add('points_without_answer', '', 'speeds without an answer there; of all reliefs where no point has one', &
+                   [failed])
+  end subroutine fill_best
+
+  !> Largest dynamic factor over the speeds against the relief (Dogan et al. 2021, Fig. 8).
+  pure subroutine fill_curve(optimum, table, error)
+    type(optimum_t), intent(in) :: optimum
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+
+    associate (n => size(optimum%amount))
+      call table%begin('largest dynamic factor over the speeds against the relief', n, 4, error, extent=[n])
+      if (allocated(error)) return
+      call table%add_index('relief_um', 'um', 'amount of relief, ascending', in_um(optimum%amount))
+      call table%add('worst_dynamic_factor', '', of_worst, optimum%dynamic_factor)
+      call table%add('rpm', '1/min', 'speed of the pinion where that is', optimum%rpm)
+      call table%add('points_without_answer', '', 'speeds without an answer', optimum%failed)
+    end associate
+  end subroutine fill_curve
+
+  pure subroutine add_report(self, lines)
+    class(optimum_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+
+    associate (best => self%tables(self%place('optimum')), curve => self%tables(self%place('optimum_curve')))
+      if (ieee_is_nan(best%number('rpm'))) then
+        call lines%add(left('Optimum relief', 19)//'none: no operating point has an answer')
+        return
+      end if
+      call lines%add(left('Optimum relief', 19)//str(best%number('relief_um'), 4)//' um (within '// &
+                     str(best%number('within_um'), 1)//'): worst DF '//fixed(best%number('worst_dynamic_factor'), 4)// &
+                     ' at '//str(best%number('rpm'))//' rpm')
+      if (.not. best%number('relief_um') < curve%number('relief_um', curve%rows)) call lines%add(left('', 19)// &
+        'at the end of the range searched: more relief may be better still')
+      if (self%failed > 0) call lines%add(left('', 19)//str(self%failed)//' speeds have no answer there')
+    end associate
+  end subroutine add_report
+end module gearsweep_task_optimum

@@ -1,0 +1,271 @@
+!> The task `sweep`: the dynamic factor over speed and relief, resonances, and the best of the listed reliefs.
+module gearsweep_task_sweep
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_decimal, only: in_um
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_optimum, only: find_resonances, peak_t, worst_of
+  use gearsweep_oscillator, only: frequency_ratio
+  use gearsweep_points, only: factor_of, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, of_worst, &
+    speed_of, words_of
+  use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
+  use gearsweep_sweep, only: contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
+  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_text, only: fixed, str
+  implicit none
+  private
+  public :: sweep_task_t
+
+  type, extends(task_t) :: sweep_task_t
+  contains
+    procedure, nopass :: describe
+    procedure :: run, add_report
+  end type sweep_task_t
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t('sweep', needs='mesh reliefs amounts motion losses accuracy speeds direction keep', &
+                       tables='sweep sweep_worst resonances sweep_summary', fields='', &
+                       gives='dynamic factor over speed and relief, resonances, best of the listed reliefs')
+  end subroutine describe
+
+  subroutine run(self, stages, error)
+    class(sweep_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    type(sweep_options_t) :: options
+    type(sweep_state_t), pointer :: state
+    type(sweep_t) :: sweep
+    type(peak_t), allocatable :: resonance(:)
+
+    options = stages%sweep_options()
+    if (size(stages%keep) > 0) options%keep = stages%keep
+    nullify (state)
+    if (associated(stages%running%states)) state => stages%running%states(1)
+    if (associated(stages%running%progress)) then
+      call run_sweep(stages%motion, stages%rpm, options, sweep, error, stages%running%progress, state)
+    else
+      call run_sweep(stages%motion, stages%rpm, options, sweep, error, state=state)
+    end if
+    if (allocated(error)) return
+    stages%running%done = stages%running%done + size(sweep%status)
+    ! Part of a curve may end at what is no resonance.
+    allocate (resonance(0))
+    self%is_stopped = any(sweep%status == status_stopped)
+    if (.not. self%is_stopped) resonance = find_resonances(sweep%rpm, sweep%dynamic_factor(:, minloc(stages%amount, 1)))
+    call fill_sweep(stages, sweep, self%tables(self%place('sweep')), error)
+    call fill_worst(stages%amount, sweep, self%tables(self%place('sweep_worst')), error)
+    call fill_resonances(stages%amount, sweep, [resonance%rpm], self%tables(self%place('resonances')), error)
+    call fill_summary(stages, sweep, self%tables(self%place('sweep_summary')), error)
+    if (size(stages%keep) > 0) self%found = sweep%kept
+    self%is_done = .true.
+    self%failed = count(.not. has_result(sweep%status))
+    associate (points => size(sweep%status), left_out => count(sweep%status == status_stopped))
+      self%log = 'sweep: '//str(points)//' operating points'
+      if (left_out > 0) self%log = 'sweep: interrupted, '//str(points - left_out)//' of '//str(points)// &
+                                   ' operating points computed'
+    end associate
+  end subroutine run
+
+  !> One row an operating point.
+  pure subroutine fill_sweep(stages, sweep, table, error)
+    type(stages_t), intent(in) :: stages
+    type(sweep_t), intent(in) :: sweep
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: n, m
+
+    n = size(sweep%status, 1)
+    m = size(sweep%status, 2)
+    call table%begin('dynamic factor over speed and relief', n*m, 12, error, extent=[m, n])
+    if (allocated(error)) return
+    call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
+    call table%add_index('rpm', '1/min', of_speed, over_and_over(sweep%rpm, m))
+    call table%add('dynamic_factor', '', of_factor, [sweep%dynamic_factor])
+    call table%add('error_estimate', '', of_estimate, [sweep%estimate])
+    call table%add_words('status', of_status, words_of([sweep%status]))
+    call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
+                         'touched', contact_name([sweep%contact]))
+    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers: what remains of a '// &
+                   'disturbance after the motion has repeated once; of a chaotic motion, its mean '// &
+                   'growth in a mesh period', [sweep%multiplier])
+    call table%add('residual', '', 'by how much the motion fails to repeat, in static deflections', [sweep%residual])
+    call table%add('steps', '', 'steps in a mesh period', [sweep%steps])
+    call table%add('mesh_periods', '', of_periods, [sweep%periods])
+    call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
+                   over_and_over(frequency_ratio(stages%motion(1), sweep%rpm), m))
+  end subroutine fill_sweep
+
+  !> The largest dynamic factor of each relief.
+  pure subroutine fill_worst(amount, sweep, table, error)
+    real(dp), intent(in) :: amount(:)            ! of relief, m
+    type(sweep_t), intent(in) :: sweep
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    type(peak_t) :: worst(size(amount))
+    integer :: i
+
+    call table%begin('largest dynamic factor of the sweep for each relief', size(amount), 3, error, extent=[size(amount)])
+    if (allocated(error)) return
+    worst = [(worst_of(sweep%rpm, sweep%dynamic_factor(:, i)), i=1, size(amount))]
+    call table%add_index('relief_um', 'um', of_relief, in_um(amount))
+    call table%add('worst_dynamic_factor', '', of_worst, [factor_of(worst)])
+    call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
+  end subroutine fill_worst
+
+  !> The dynamic factor in the resonances of the least relieved mesh, which are at the speeds `rpm` (1/min), for each
+  !> relief.
+  pure subroutine fill_resonances(amount, sweep, rpm, table, error)
+    real(dp), intent(in) :: amount(:), rpm(:)
+    type(sweep_t), intent(in) :: sweep
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    type(peak_t), allocatable :: worst(:)
+    integer :: i, k, m, n
+
+    m = size(amount)
+    n = size(rpm)
+    call table%begin('largest dynamic factor of each relief within 15 % of the speeds at which the least relieved mesh '// &
+                     'resonates', m*n, 4, error, extent=[m, n])
+    if (allocated(error)) return
+    worst = [((worst_near(sweep%rpm, sweep%dynamic_factor(:, i), rpm(k)), k=1, n), i=1, m)]
+    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
+    call table%add_index('resonance_rpm', '1/min', 'speed of the pinion in the resonance', over_and_over(rpm, m))
+    call table%add('dynamic_factor', '', 'largest DF within 15 % of that speed; NaN where none has an answer', [factor_of(worst)])
+    call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
+  end subroutine fill_resonances
+
+  !> How many points the sweep has and how they ended, how exact they are, and the best of the listed reliefs.
+  pure subroutine fill_summary(stages, sweep, table, error)
+    type(stages_t), intent(in) :: stages
+    type(sweep_t), intent(in) :: sweep
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    logical, allocatable :: known(:, :)
+    real(dp) :: estimate
+    type(peak_t) :: best
+    integer :: i, least
+
+    call table%begin('the points of the sweep, and the best of the listed reliefs', 1, 20, error)
+    if (allocated(error)) return
+    estimate = no_number()
+    known = has_result(sweep%status) .and. .not. ieee_is_nan(sweep%estimate)
+    if (any(known)) estimate = maxval(sweep%estimate, mask=known)
+    call find_best(sweep, least, best)
+    call table%add('best_relief_um', 'um', 'of the listed reliefs, the one whose largest DF is least; NaN where '// &
+                   'the sweep was interrupted', [merge(in_um(stages%amount(max(1, least))), no_number(), least > 0)])
+    call table%add('worst_dynamic_factor', '', 'largest DF over the speeds with that relief', [factor_of(best)])
+    call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(best)])
+    call table%add('speeds', '', 'of the pinion', [size(sweep%rpm)])
+    call table%add('points', '', 'speeds times reliefs', [size(sweep%status)])
+    call table%add('points_without_answer', '', 'points without a dynamic factor', [count(.not. has_result(sweep%status))])
+    call table%add('largest_error_estimate', '', 'largest estimated error of a dynamic factor', [estimate])
+    call table%add('tolerance', '', 'largest error that the case asks for', [stages%accuracy%steady%tolerance])
+    call table%add('points_with_contact_loss', '', 'points at which all pairs were apart for a while', [count(sweep%contact >= 2)])
+    do i = status_ok, status_stopped
+      call table%add('points_'//status_name(i), '', status_meaning(i), [count(sweep%status == i)])
+    end do
+  end subroutine fill_summary
+
+  !> Index and peak of the relief whose largest dynamic factor is least; 0 where the curves are not whole: then none is
+  !> known to be the best.
+  pure subroutine find_best(sweep, least, best)
+    type(sweep_t), intent(in) :: sweep
+    integer, intent(out) :: least
+    type(peak_t), intent(out) :: best
+    type(peak_t) :: worst
+    integer :: i
+
+    least = 0
+    if (any(sweep%status == status_stopped)) return
+    do i = 1, size(sweep%status, 2)
+      worst = worst_of(sweep%rpm, sweep%dynamic_factor(:, i))
+      if (.not. worst%rpm > 0) cycle
+      if (least > 0 .and. .not. worst%dynamic_factor < best%dynamic_factor) cycle
+      least = i
+      best = worst
+    end do
+  end subroutine find_best
+
+  !> The largest value within 15 % of a speed.
+  pure type(peak_t) function worst_near(rpm, dynamic_factor, centre) result(worst)
+    real(dp), intent(in) :: rpm(:), dynamic_factor(:), centre
+    logical :: near(size(rpm))
+
+    near = abs(rpm - centre) <= 0.15_dp*centre
+    worst = worst_of(pack(rpm, near), pack(dynamic_factor, near))
+  end function worst_near
+
+  pure subroutine add_report(self, lines)
+    class(sweep_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer :: i, k
+
+    associate (sweep => self%tables(self%place('sweep')), worst => self%tables(self%place('sweep_worst')), &
+               resonances => self%tables(self%place('resonances')), all_points => self%tables(self%place('sweep_summary')))
+      associate (speeds => sweep%extent(2), peaks => resonances%extent(2))
+        call lines%add('')
+        call lines%add('Dynamic factor over '//str(speeds)//' speeds, '//str(sweep%number('rpm'))//' to '// &
+                       str(sweep%number('rpm', speeds))//' rpm')
+        call lines%put('   relief um     worst    at rpm')
+        if (peaks > 0) then
+          call lines%add('   in resonance at rpm (within 15 %)')
+          call lines%put(repeat(' ', 32))
+        end if
+        do k = 1, peaks
+          call lines%put(right(str(anint(resonances%number('resonance_rpm', k))), 10))
+        end do
+        call lines%add('')
+        do i = 1, worst%rows
+          call lines%put(right(str(worst%number('relief_um', i)), 12)//factor_in(worst%number('worst_dynamic_factor', i)))
+          if (.not. ieee_is_nan(worst%number('rpm', i))) then
+            call lines%put(right(str(worst%number('rpm', i)), 10))
+            do k = 1, peaks
+              call lines%put(factor_in(resonances%number('dynamic_factor', (i - 1)*peaks + k)))
+            end do
+          end if
+          call lines%add('')
+        end do
+      end associate
+      if (worst%rows > 1 .and. .not. ieee_is_nan(all_points%number('rpm'))) call lines%add(left('Best of the list', 19)// &
+        str(all_points%number('best_relief_um'))//' um: worst DF '//fixed(all_points%number('worst_dynamic_factor'), 4))
+      call add_quality(all_points, lines)
+    end associate
+  end subroutine add_report
+
+  !> A dynamic factor, if there is any.
+  pure character(10) function factor_in(factor)
+    real(dp), intent(in) :: factor
+
+    factor_in = right('none', 10)
+    if (.not. ieee_is_nan(factor)) factor_in = right(fixed(factor, 4), 10)
+  end function factor_in
+
+  !> How exact, and what failed.
+  pure subroutine add_quality(all_points, lines)
+    type(table_t), intent(in) :: all_points      ! sweep_summary
+    type(lines_t), intent(inout) :: lines
+    integer :: status, n, failed
+
+    failed = nint(all_points%number('points_without_answer'))
+    call lines%put(left('Points', 19)//str(nint(all_points%number('points')))//', without an answer '//str(failed))
+    if (.not. ieee_is_nan(all_points%number('largest_error_estimate'))) then
+      call lines%put('; estimated error of DF at most '//str(all_points%number('largest_error_estimate'), 2)// &
+                     ' (asked for '//str(all_points%number('tolerance'))//')')
+    else if (failed < nint(all_points%number('points'))) then
+      call lines%put('; the error of DF is not known, as breaks lie within equal steps')
+    end if
+    call lines%add('')
+    do status = 1, status_stopped
+      n = nint(all_points%number('points_'//status_name(status)))
+      if (n > 0) call lines%add(left('', 19)//str(n)//' '//status_name(status)//': '//status_meaning(status))
+    end do
+    n = nint(all_points%number('points_with_contact_loss'))
+    if (n > 0) call lines%add(left('', 19)//str(n)//' with loss of contact')
+  end subroutine add_quality
+end module gearsweep_task_sweep
