@@ -87,7 +87,7 @@ refuses_text() {
 sed -e 's/ *!.*//' -e '/^ *$/d' -e 's/rpm_last = .*/rpm_last = 15400/' -e 's/rpm_step = .*/rpm_step = 500/' \
   -e 's/amount_um = .*/amount_um = 0, 15/' "$root/data/case1.nml" >geared.nml
 # The same without elements: cheap, for what is refused late or run often.
-sed -e "s/model = 'fe'/model = 'weber'/" -e '/^&section/,/^\//d' geared.nml >cheap.nml
+sed -e "s/model = 'fe'/model = 'weber'/" -e '/^&section/,/^\//d' -e '/tooth_coupling/d' geared.nml >cheap.nml
 # Hassan's section on a coarse grid, its published values beside it.
 sed -e 's/ *!.*//' -e '/^ *$/d' -e 's/elements_across = .*/elements_across = 6/' "$root/data/hassan.nml" >coarse.nml
 cp "$root/data/hassan2009.csv" hassan2009.csv
@@ -794,7 +794,7 @@ refuses '&sweep rpm_step = 1e-5: more than 10000000 operating points' 1 's/rpm_s
 refuses '&sweep rpm_step = 1e-9: more than 10000000 operating points' 1 's/rpm_step = .*/rpm_step = 1e-9/'
 refuses '&sweep rpm_last = 1e10: must be at least 1e-6 and at most 1000000000' 1 's/rpm_last = .*/rpm_last = 1e10/'
 refuses '&sweep rpm_step: missing' 1 '/rpm_step/d'
-refuses '&sweep rpm_first: missing' 1 '/&sweep/,/^\//d'
+refuses '&sweep load_rpm: missing' 1 '/&sweep/,/^\//d'
 refuses '&sweep load_rpm: missing' 1 '/load_rpm/d'
 
 # Keys that do nothing in this case

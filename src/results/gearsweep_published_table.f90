@@ -20,7 +20,6 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: ours(:)
-    character(:), allocatable :: words(:, :)
     logical :: known
     integer :: i, longest
 
@@ -30,25 +29,28 @@ contains
       if (allocated(error)) return
       longest = maxval([(len(rows(i)%quantity), len(rows(i)%place), len(rows(i)%unit), len(rows(i)%status), &
                          len(rows(i)%reason), i=1, size(rows)), 1])
-      allocate (character(longest) :: words(size(rows), 5))
-      allocate (ours(size(rows)))
-      do i = 1, size(rows)
-        call our_value(study, rows(i)%quantity, ours(i), known)
-        if (.not. known) ours(i) = no_number()
-        words(i, 1) = rows(i)%quantity
-        words(i, 2) = rows(i)%place
-        words(i, 3) = rows(i)%unit
-        words(i, 4) = rows(i)%status
-        words(i, 5) = rows(i)%reason
-      end do
-      call table%add_index('quantity', '', 'what is printed', words(:, 1))
-      call table%add_words('place', 'where it is printed', words(:, 2))
-      call table%add('printed', '', 'the printed value, in the unit of its row', [rows%printed])
-      call table%add('ours', '', 'our value; NaN where the tasks do not compute it', ours)
-      call table%add('deviation', '', 'ours over the printed value, less 1', ours/rows%printed - 1)
-      call table%add_words('unit', 'of both values', words(:, 3))
-      call table%add_words('status', 'of the inputs: stated, inferred, fitted or not reproducible', words(:, 4))
-      call table%add_words('reason', 'for the status', words(:, 5))
+      block
+        character(longest) :: words(size(rows), 5)
+
+        allocate (ours(size(rows)))
+        do i = 1, size(rows)
+          call our_value(study, rows(i)%quantity, ours(i), known)
+          if (.not. known) ours(i) = no_number()
+          words(i, 1) = rows(i)%quantity
+          words(i, 2) = rows(i)%place
+          words(i, 3) = rows(i)%unit
+          words(i, 4) = rows(i)%status
+          words(i, 5) = rows(i)%reason
+        end do
+        call table%add_index('quantity', '', 'what is printed', words(:, 1))
+        call table%add_words('place', 'where it is printed', words(:, 2))
+        call table%add('printed', '', 'the printed value, in the unit of its row', [rows%printed])
+        call table%add('ours', '', 'our value; NaN where the tasks do not compute it', ours)
+        call table%add('deviation', '', 'ours over the printed value, less 1', ours/rows%printed - 1)
+        call table%add_words('unit', 'of both values', words(:, 3))
+        call table%add_words('status', 'of the inputs: stated, inferred, fitted or not reproducible', words(:, 4))
+        call table%add_words('reason', 'for the status', words(:, 5))
+      end block
     end associate
   end subroutine published_table
 
