@@ -1,6 +1,7 @@
 !> Contact before A and behind E, and shared compliance: statics against closed forms, the motion against an integrator
 !> written apart, and what must not depend on how it is computed.
 module test_beyond
+  use gearsweep_coefficients, only: scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
@@ -12,7 +13,8 @@ module test_beyond
   use gearsweep_response, only: find_response, response_t
   use gearsweep_sharing, only: load_share, share_load, sharing_t
   use gearsweep_status, only: status_ok
-  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_stability, only: map_stability, stability_t
+  use gearsweep_sweep, only: down, each, run_sweep, sweep_options_t, sweep_t, up
   use gearsweep_text, only: str
   use single_points, only: solve
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
@@ -40,6 +42,9 @@ contains
     if (t%wants('slow_motion')) call slow_motion(t)
     if (t%wants('stiffness_in_series')) call stiffness_in_series(t)
     if (t%wants('path_of_a_pair')) call path_of_a_pair(t)
+    if (t%wants('methods_of_the_literature')) call methods_of_the_literature(t)
+    if (t%wants('disturbances')) call disturbances(t)
+    if (t%wants('up_and_down')) call up_and_down(t)
     if (t%wants('tables')) call tables(t)
   end subroutine run
 
@@ -280,8 +285,6 @@ contains
       end if
       call check_close(t, row, point%dynamic_factor, rows(i)%dynamic_factor, absolute=1e-9_dp + rows(i)%difference/5)
       call check_close(t, row//' x at phase 0', 1e6_dp*point%steady%state(1), rows(i)%state(1), absolute=1e-6_dp)
-      print *, row, point%steps, &
-point%dynamic_factor, rows(i)%dynamic_factor, point%dynamic_factor-rows(i)%dynamic_factor, point%estimate, rows(i)%difference
       call check_true(t, row//' keeps to the tolerance', point%estimate <= options%steady%tolerance, str(point%estimate))
       call check_true(t, row//' estimate', abs(point%dynamic_factor - rows(i)%dynamic_factor) <= 2*point%estimate &
                       + rows(i)%difference/5 + 1e-11_dp)
@@ -424,6 +427,89 @@ point%dynamic_factor, rows(i)%dynamic_factor, point%dynamic_factor-rows(i)%dynam
       end associate
     end do
   end subroutine path_of_a_pair
+
+  !> The methods of the literature come to the same dynamic factors as their steps shrink: Runge-Kutta in steps that end at
+  !> the breaks, where contact changes within steps, in equal steps, and with constant coefficients.
+  subroutine methods_of_the_literature(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    integer, parameter :: scheme(3) = [scheme_rk4, scheme_rk4_equal, scheme_constant]
+    real(dp), parameter :: enough(3) = [2e-4_dp, 8e-3_dp, 1.6e-2_dp]
+    integer :: i, k
+
+    call read_rows(rows)
+    do i = 1, size(rows)
+      ! Where pairs between A and E part, jumps of the map keep Newton's method from an end.
+      if (rows(i)%apart > 0) cycle
+      call make(rows(i), osc)
+      do k = 1, 3
+        options%scheme = scheme(k)
+        options%steps = 2000
+        call solve(osc, rows(i)%rpm, options, point, 1e-6_dp*rows(i)%state)
+        call check_close(t, 'row '//str(rows(i)%id)//' by method '//str(k), point%dynamic_factor, rows(i)%dynamic_factor, &
+                         absolute=enough(k))
+      end do
+    end do
+  end subroutine methods_of_the_literature
+
+  !> The multipliers of a steady motion whose contact is that under the static load all the time are those of a
+  !> disturbance of it; where contact beyond A and E is out of reach, they are those of the mesh without it.
+  subroutine disturbances(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(row_t) :: r
+    type(oscillator_t) :: osc, plain
+    type(stability_t) :: map, same
+    type(error_t), allocatable :: error
+    type(point_t) :: point
+    type(accuracy_t) :: options
+    real(dp) :: rpm(3)
+
+    call read_rows(rows)
+    r = rows(11)
+    call make(r, osc)
+    osc%mesh%profile_error%coef(:, 1) = [1e-3_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+    osc%mesh%profile_error%coef(:, size(osc%mesh%profile_error%coef, 2)) = [1e-3_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+    call make_oscillator(osc, error)
+    plain = osc
+    plain%mesh%reach = [0.0_dp, r%contact_ratio]
+    call make_oscillator(plain, error)
+    rpm = [3000.0_dp, r%rpm, 15000.0_dp]
+    call map_stability(osc, rpm, [r%zeta, 0.01_dp], 1e-8_dp, map)
+    call map_stability(plain, rpm, [r%zeta, 0.01_dp], 1e-8_dp, same)
+    call check_close(t, 'out of reach', maxval(abs(map%modulus - same%modulus)), 0.0_dp, absolute=1e-7_dp)
+    call solve(plain, r%rpm, options, point)
+    call check_close(t, 'of a motion', point%steady%multiplier, map%modulus(2, 1), absolute=1e-6_dp)
+    call make(r, osc)
+    call map_stability(osc, rpm, [r%zeta, 0.01_dp], 1e-8_dp, map)
+    call check_true(t, 'contact beyond A and E counts', maxval(abs(map%modulus - same%modulus)) > 1e-4_dp)
+  end subroutine disturbances
+
+  !> Where one motion exists, a sweep up and one down find it too.
+  subroutine up_and_down(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options
+    type(sweep_t) :: one, other
+    type(error_t), allocatable :: error
+    real(dp) :: rpm(24)
+    integer :: k
+
+    call read_rows(rows)
+    rpm = [(1000 + 700.0_dp*k, k=0, 23)]
+    call make(rows(2), osc)
+    options%direction = each
+    call run_sweep([osc], rpm, options, one, error)
+    do k = 1, 2
+      options%direction = merge(up, down, k == 1)
+      call run_sweep([osc], rpm, options, other, error)
+      call check_true(t, 'up and down', all(abs(other%dynamic_factor - one%dynamic_factor) <= other%estimate + one%estimate))
+    end do
+  end subroutine up_and_down
 
   !> Profile error from a table: splines between rows whose s comes twice.
   subroutine tables(t)

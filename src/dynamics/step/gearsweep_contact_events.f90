@@ -11,7 +11,8 @@ module gearsweep_contact_events
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: evaluate, first_zero, may_cross_zero, quintic
   use gearsweep_sub_step, only: event_t, sub_steps_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, &
-                                derivatives, second_derivatives, second_derivatives_of_motion, pair_at, pair_at_ends, last
+                                derivatives, second_derivatives, second_derivatives_of_motion, pair_at, own_at_ends, &
+                                effective_at_ends, last
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -150,7 +151,8 @@ contains
     real(dp), intent(out) :: part
     integer, intent(out) :: which
     real(dp) :: motion(0:1, 2), overlap(0:2, 2), stiffness(0:2, 2), error(0:2, 2), zero
-    logical :: found
+    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e
+    logical :: found, shares
     integer :: j
 
     part = 1
@@ -159,17 +161,19 @@ contains
       if (.not. c%width(l) > 0) return
       motion(0, :) = c%x(l, :)
       motion(1, :) = c%width(l)*table%width(c%step)*c%y(l, :)
+      if (osc%shared > 0) call own_at_ends(map, l, c, k, e)
       do j = 1, osc%contacts
         if (j > table%pairs(c%step) .and. j <= osc%pairs) cycle
         associate (sense => state%contacts(j)%sense(l))
-          if (osc%shared > 0 .and. j <= osc%pairs) then
-            call pair_at_ends(map, l, c, state%contact_set(l), j, stiffness, error)
+          shares = osc%shared > 0 .and. j <= osc%pairs
+          if (shares) then
+            call effective_at_ends(map, c, state%contact_set(l), j, k, e, stiffness, error)
           else
             error(:1, :) = derivatives(c, l, c%profile_error(:, j))
-            error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
           end if
           overlap(:1, :) = sense*(motion - error(:1, :))
           if (.not. may_cross_zero(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
+          if (.not. shares) error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
           overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - error(2, :))
         end associate
         call first_zero(quintic(overlap(:, 1), overlap(:, 2)), zero, found)
@@ -293,25 +297,29 @@ contains
     real(dp), intent(inout) :: peak
     real(dp) :: motion(0:1, 2), gap(0:1, 2), load(0:2, 2)
     real(dp), dimension(0:2, 2) :: stiffness, error
+    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e
     integer :: j
 
     motion(0, :) = c%x(l, :)
     motion(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
+    if (map%osc%shared > 0) call own_at_ends(map, l, c, k, e)
     do j = 1, map%table%pairs(c%step)
       if (.not. in_contact(contact_set, j)) cycle
       if (map%osc%shared > 0) then
-        call pair_at_ends(map, l, c, contact_set, j, stiffness, error)
+        call effective_at_ends(map, c, contact_set, j, k, e, stiffness, error)
       else
         stiffness(:1, :) = derivatives(c, l, c%stiffness(:, j))
-        stiffness(2, :) = second_derivatives(c, l, c%stiffness(:, j))
         error(:1, :) = derivatives(c, l, c%profile_error(:, j))
-        error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
       end if
       gap = motion - error(:1, :)
       load(0, :) = stiffness(0, :)*gap(0, :)
       load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
       peak = max(peak, load(0, 1), load(0, 2))
       if (.not. may_exceed(load, peak)) cycle
+      if (.not. map%osc%shared > 0) then
+        stiffness(2, :) = second_derivatives(c, l, c%stiffness(:, j))
+        error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
+      end if
       load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) &
                    + stiffness(0, :)*(second_derivatives_of_motion(map, l, c) - error(2, :))
       call raise_to_maximum(load, peak)

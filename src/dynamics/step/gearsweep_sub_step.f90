@@ -12,7 +12,7 @@ module gearsweep_sub_step
   implicit none
   private
   public :: sub_steps_t, event_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, derivatives, &
-            second_derivatives, second_derivatives_of_motion, pair_at, pair_at_ends, last
+            second_derivatives, second_derivatives_of_motion, pair_at, own_at_ends, effective_at_ends, last
 
   !> Places in a sub-step at which its coefficients are known: both ends, and the nodes of the integration between.
   real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
@@ -320,22 +320,38 @@ contains
     call effective_pair(map%osc%shared, contact_set, j, k, e, stiffness, profile_error)
   end subroutine pair_at
 
-  !> The same at both ends of the sub-step of motion l, with the derivatives over the sub-step; (0:2, end).
-  pure subroutine pair_at_ends(map, l, c, contact_set, j, stiffness, profile_error)
+  !> Own stiffness and profile error of all pairs at both ends of the sub-step of motion l, with their derivatives over the
+  !> sub-step; (0:2, pair, end).
+  pure subroutine own_at_ends(map, l, c, stiffness, profile_error)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l                     !< which speed of the batch
     type(sub_steps_t), intent(in) :: c
+    real(dp), intent(out), dimension(0:2, map%osc%pairs, 2) :: stiffness, profile_error    !< N/m, m
+    integer :: j
+
+    do j = 1, map%table%pairs(c%step)
+      stiffness(:1, j, :) = derivatives(c, l, c%stiffness(:, j))
+      stiffness(2, j, :) = second_derivatives(c, l, c%stiffness(:, j))
+      profile_error(:1, j, :) = derivatives(c, l, c%profile_error(:, j))
+      profile_error(2, j, :) = second_derivatives(c, l, c%profile_error(:, j))
+    end do
+  end subroutine own_at_ends
+
+  !> The effective ones of pair j, from the own ones of all; (0:2, end).
+  pure subroutine effective_at_ends(map, c, contact_set, j, own, own_error, stiffness, profile_error)
+    type(period_map_t), intent(in) :: map
+    type(sub_steps_t), intent(in) :: c
     integer, intent(in) :: contact_set           !< of the motion
     integer, intent(in) :: j
-    real(dp), intent(out) :: stiffness(0:2, 2), profile_error(0:2, 2)  !< N/m, m
-    real(dp) :: scale(0:2)
+    real(dp), intent(in), dimension(0:2, map%osc%pairs, 2) :: own, own_error   !< of `own_at_ends`
+    real(dp), intent(out), dimension(0:2, 2) :: stiffness, profile_error       !< N/m, m
     integer :: end
 
-    scale = [1.0_dp, c%width(l), c%width(l)**2]
-    do end = 1, 2
-      call pair_at(map, c, contact_set, j, c%left(l) + (end - 1)*c%width(l), stiffness(:, end), profile_error(:, end))
-      stiffness(:, end) = scale*stiffness(:, end)
-      profile_error(:, end) = scale*profile_error(:, end)
-    end do
-  end subroutine pair_at_ends
+    associate (p => map%table%pairs(c%step))
+      do end = 1, 2
+        call effective_pair(map%osc%shared, contact_set, j, own(:, :p, end), own_error(:, :p, end), stiffness(:, end), &
+                            profile_error(:, end))
+      end do
+    end associate
+  end subroutine effective_at_ends
 end module gearsweep_sub_step
