@@ -1,7 +1,7 @@
 !> The tip corner before and behind the path of contact: its gap against brute force on points of the flanks, and the
 !> profile error that it makes beyond the path, with reliefs.
 module test_corner
-  use gearsweep_corner, only: add_corners, corner_contact, corner_reach, corner_t
+  use gearsweep_corner, only: add_corners, corner_contact, corner_reach, corner_t, touching_curvature
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
   use gearsweep_interpolation, only: interpolated, joined
@@ -101,6 +101,9 @@ contains
           corner = corner_contact(pair, s)
           call check_close(t, 'gap of pair '//str(kind)//merge(' before A', ' behind E', side == 1), corner%gap, &
                            rolled_gap(pair, s, 3 - side), absolute=1e-11_dp)
+          call check_close(t, 'where the mate touches', touching_curvature(pair, side, s), corner%curvature)
+          call check_close(t, 'where the corner is', hypot(touching_curvature(pair, 3 - side, s), &
+            pair%gear(3 - side)%base_radius(drive)), pair%gear(3 - side)%tip_radius)
           call check_true(t, 'the corner meets the mate above the end of the path', &
                           merge(corner%s > 0, corner%s < pair%contact_ratio, side == 1))
         end do
@@ -183,6 +186,8 @@ contains
     call check_close(t, 'equal gears: gap', start%gap, finish%gap, relative=1e-9_dp)
     call check_close(t, 'equal gears: place', start%s, pair%contact_ratio - finish%s, relative=1e-9_dp)
     call check_close(t, 'equal gears: lever arm', start%lever, finish%lever, relative=1e-9_dp)
+    here = corner_contact(pair, -0.073_dp)
+    call check_close(t, 'lever arm where contact begins', here%lever, 0.952_dp, absolute=5e-4_dp)
     ! On the path both gears turn by s base pitches. The mate alone closes the gap by that; so the corner's gear alone by
     ! its lever arm in place of its base radius, and both together by the difference.
     here = corner_contact(pair, -0.13_dp)

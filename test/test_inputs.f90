@@ -162,6 +162,8 @@ contains
     call add('mesh tooth_coupling', '.false.')
     call add('mesh shared_compliance_um_n', '4e-4', 'p')
     call add('mesh profile_error_file', '''5.csv''', 'p', 'relief amount_um 0;mesh profile_error_file ''4.csv''')
+    call add('mesh corner_contact', '.false.')
+    call add('mesh nonlinear_contact', '.false.')
     call add('section teeth', '3')
     call add('section half_angle_deg', '8', 'g', 'gear teeth 21')
     call add('section rim_mm', '5')

@@ -2,6 +2,7 @@
 module test_mesh
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
+  use gearsweep_flattening, only: contact_half_width, load_dependence, surface_to_depth
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_material, only: material_t
@@ -9,7 +10,7 @@ module test_mesh
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_pair, only: pair_t, make_pair, free_centre_distance
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
-  use gearsweep_sharing, only: sharing_t, share_load, static_deflection
+  use gearsweep_sharing, only: pair_load, sharing_t, share_load, static_deflection
   use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
   use gearsweep_weber, only: weber_stiffness
   use reference_rows, only: prescribed
@@ -29,6 +30,7 @@ contains
     if (t%wants('weber_against_iso')) call weber_against_iso(t)
     if (t%wants('tables')) call tables(t)
     if (t%wants('deflection')) call deflection(t)
+    if (t%wants('own_flattening')) call own_flattening(t)
     if (t%wants('sharing_identities')) call sharing_identities(t)
     if (t%wants('slow_relief')) call slow_relief(t)
     if (t%wants('discs')) call discs(t)
@@ -195,6 +197,36 @@ contains
     call check_close(t, 'one at a time', static_deflection([1.0_dp, 1.0_dp, 1.0_dp], [0.0_dp, 1.0_dp, 9.0_dp], 2.0_dp), &
                      1.5_dp)
   end subroutine deflection
+
+  !> Hertz at each pair's own load: a pair yields F (1/K - c log(F/nominal)), with c from Weber and Banaschek's formula at two
+  !> loads; pairs that are alike carry alike; the loads balance whatever the gaps; at its nominal load a pair is as it was.
+  subroutine own_flattening(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: k(3) = [300e6_dp, 250e6_dp, 400e6_dp], c = 1.1e-10_dp, nominal = 7000
+    type(material_t), parameter :: steel = material_t()
+    real(dp) :: x, e(3), force(3), slope(3), part(2), width(2)
+    integer :: i
+
+    width = contact_half_width(steel, .true., [1e5_dp, 3e5_dp], 0.01_dp, 0.02_dp)
+    part = 2*surface_to_depth(steel, .true., width, 0.003_dp)
+    call check_close(t, 'flattening at two loads', part(1) - part(2), load_dependence(steel, .true.)*log(3.0_dp))
+    part = 2*surface_to_depth(steel, .false., contact_half_width(steel, .false., [1e5_dp, 3e5_dp], 0.01_dp, 0.02_dp), 0.003_dp)
+    call check_close(t, 'and in plane stress', part(1) - part(2), load_dependence(steel, .false.)*log(3.0_dp))
+    do i = 1, 40
+      e = [4e-6_dp, 0.0_dp, 1e-6_dp*i]
+      x = static_deflection(k, e, nominal, c)
+      call pair_load(x - e, k, nominal, c, force, slope)
+      call check_close(t, 'loads balance', sum(force), nominal, 1e-12_dp)
+      associate (by_law => force*(1/k - c*log(max(force, 1e-9_dp)/nominal)))
+        call check_close(t, 'each by its own law', maxval(abs(by_law - (x - e)), mask=x > e), 0.0_dp, absolute=1e-18_dp)
+      end associate
+      call check_true(t, 'none is pulled', all(force >= 0) .and. all((force > 0) .eqv. (x > e)))
+    end do
+    call check_close(t, 'one pair, as it was', static_deflection(k(:1), [0.0_dp], nominal, c), nominal/k(1))
+    call check_close(t, 'two alike', static_deflection(k([1, 1]), [0.0_dp, 0.0_dp], nominal, c), &
+                     nominal/2*(1/k(1) + c*log(2.0_dp)))
+    call check_close(t, 'without', static_deflection(k, e, nominal, 0.0_dp), static_deflection(k, e, nominal))
+  end subroutine own_flattening
 
   !> The loads balance at every phase; mean stiffness is the integral of K.
   subroutine sharing_identities(t)

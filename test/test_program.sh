@@ -87,7 +87,7 @@ refuses_text() {
 sed -e 's/ *!.*//' -e '/^ *$/d' -e 's/rpm_last = .*/rpm_last = 15400/' -e 's/rpm_step = .*/rpm_step = 500/' \
   -e 's/amount_um = .*/amount_um = 0, 15/' "$root/data/case1.nml" >geared.nml
 # The same without elements: cheap, for what is refused late or run often.
-sed -e "s/model = 'fe'/model = 'weber'/" -e '/^&section/,/^\//d' -e '/tooth_coupling/d' geared.nml >cheap.nml
+sed -e "s/model = 'fe'/model = 'weber'/" -e '/^&section/,/^\//d' -e '/tooth_coupling/d' -e '/_contact = /d' geared.nml >cheap.nml
 # Hassan's section on a coarse grid, its published values beside it.
 sed -e 's/ *!.*//' -e '/^ *$/d' -e 's/elements_across = .*/elements_across = 6/' "$root/data/hassan.nml" >coarse.nml
 cp "$root/data/hassan2009.csv" hassan2009.csv

@@ -94,6 +94,34 @@ def disc(bore):
     return [motion.body_rotation_um, motion.body_coupling_um, stiffness, static.mean() / width, error, worst]
 
 
+def corner(relief):
+    """Case 1 from A to E, with corner contact, and by default, each with this relief: peak-to-peak static transmission error, um, of
+    all three, then their worst dynamic factors."""
+    keys = ({}, {'corner_contact': True}, {'corner_contact': True, 'tooth_coupling': True, 'nonlinear_contact': True})
+    errors, factors = [], []
+    for mesh in keys:
+        study = run(case('case1').changed(mesh=mesh), ('mesh', 'sweep'))
+        at = list(study.transmission_error.relief_um).index(relief)
+        errors.append(study.transmission_error.peak_to_peak_um[at])
+        factors.append(study.sweep.dynamic_factor[at].max())
+    return [*errors, *factors]
+
+
+def own_load():
+    """How much more the transmission error of case 1 varies with flanks that flatten by the nominal load, per cent."""
+    mesh = {'corner_contact': True, 'tooth_coupling': True}
+    nominal, own = (run(case('case1').changed(mesh={**mesh, 'nonlinear_contact': on}, relief={'amount_um': 0}),
+                        'mesh').transmission_error.peak_to_peak_um for on in (False, True))
+    return 100 * (float(nominal) / float(own) - 1)
+
+
+def edge_softer():
+    """How much softer a pair of case 1 is 0.05 base pitches before A than at A without an edge, per cent."""
+    meshes = [run(case('case1').changed(mesh={'corner_contact': on}, relief={'amount_um': 0}), 'mesh').mesh for on in (False, True)]
+    plain, edge = (np.interp(s, mesh.s, mesh.pair_stiffness_n_um) for s, mesh in zip((0, -0.05), meshes, strict=True))
+    return 100 * (1 - edge / plain)
+
+
 def _motion_and_error(of_case):
     study = run(of_case, 'mesh')
     return study.motion.mean_mesh_stiffness_n_um_mm, np.ptp(study.mesh.ste_um), study.motion, study.mesh

@@ -41,7 +41,7 @@ module gearsweep_case
     real(dp), allocatable :: coefficients(:)
     real(dp) :: contact_ratio = 0, base_pitch = 0
     real(dp) :: pitch_point = -1                 !< below 0: half the contact ratio
-    logical :: tooth_coupling = .true.
+    logical :: tooth_coupling = .true., corner_contact = .true., nonlinear_contact = .true.
     ! &dynamics
     real(dp) :: damping_ratio = 0.17_dp, friction = 0
     ! &sweep, &numerics

@@ -5,7 +5,8 @@ module gearsweep_mesh_keys
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_reader, only: reader_t
   use gearsweep_relief, only: linear, parabolic
-  use gearsweep_tasks, only: sentence_length
+  use gearsweep_task, only: task_length
+  use gearsweep_tasks, only: sentence_length, task_slot_t
   use gearsweep_uses, only: first_of, needs_gears, unless
   implicit none
   private
@@ -146,6 +147,7 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length) :: geared, waits
+    integer :: i
 
     geared = unless(.not. case%prescribed, needs_gears)
     waits = first_of(for_stage(case, 'mesh'), unless(case%model == 'fe', 'model = ''fe'''))
@@ -153,7 +155,23 @@ contains
                     waits=first_of(waits, unless(case%section%teeth /= 1, 'a section of more than one tooth')), &
                     meaning='whether the load on a tooth moves the next one on the same body, with '// &
                     'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
+    call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for('mesh'), waits=waits, &
+                    refused=geared, meaning='whether a loaded pair may touch before A and behind E too, where the tip corner '// &
+                    'of one tooth meets the other''s flank, with model = ''fe''; papers whose contact ends at A and E leave it '// &
+                    'out')
+    waits = unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), 'mesh or static')
+    call reader%get('mesh', 'nonlinear_contact', case%nonlinear_contact, error, tasks='mesh or static', refused=geared, &
+                    waits=first_of(waits, unless(case%model == 'fe', 'model = ''fe''')), &
+                    meaning='whether the static load sharing flattens flanks by the load that each pair carries (Hertz), with '// &
+                    'model = ''fe''; otherwise by the nominal load, as the motion does')
   end subroutine read_contact
+
+  !> Is this a task that is wanted, and shares the static load by the mesh?
+  pure logical function shares_load(slot)
+    type(task_slot_t), intent(in) :: slot
+
+    shares_load = slot%takes('reliefs') .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static'])
+  end function shares_load
 
   !> What a prescribed mesh may have beside the stiffness of its pairs; `refused` where the mesh is not prescribed.
   subroutine read_beyond(reader, case, refused, error)

@@ -6,7 +6,7 @@ module gearsweep_flattening
   use gearsweep_text, only: str
   implicit none
   private
-  public :: contact_half_width, surface_to_depth, check_contact
+  public :: contact_half_width, surface_to_depth, load_dependence, check_contact
 
 contains
 
@@ -55,4 +55,16 @@ contains
     end associate
     yield = yield/(pi*material%young)
   end function surface_to_depth
+
+  !> How much the flattening of both flanks of a pair, over its load (m2/N, per line load), falls as the load grows e times:
+  !> the contact's half width grows with the root of the load, and the flattening falls with its logarithm, alike all along
+  !> the path of contact.
+  elemental real(dp) function load_dependence(material, plane_strain)
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: plane_strain
+    real(dp), parameter :: wider = exp(0.5_dp)
+
+    load_dependence = 2*(surface_to_depth(material, plane_strain, 1.0_dp, 1.0_dp) &
+                         - surface_to_depth(material, plane_strain, wider, 1.0_dp))
+  end function load_dependence
 end module gearsweep_flattening

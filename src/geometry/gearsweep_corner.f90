@@ -17,7 +17,7 @@ module gearsweep_corner
   use gearsweep_relief, only: relief_t, tip_relief
   implicit none
   private
-  public :: corner_t, corner_contact, corner_reach, add_corners
+  public :: corner_t, corner_contact, corner_reach, add_corners, touching_curvature
 
   !> Where the tip corner is, for one pair at one path coordinate.
   type :: corner_t
@@ -74,6 +74,21 @@ contains
 
     corner_of = merge(2, 1, s < pair%contact_ratio/2)
   end function corner_of
+
+  !> Radius of curvature (m) of a member's drive flank where it touches at path coordinate `s`: on the path of contact or, beyond
+  !> it, at the tip corner and where that meets the mate.
+  elemental real(dp) function touching_curvature(pair, member, s) result(curvature)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: member
+    real(dp), intent(in) :: s
+    type(corner_t) :: corner
+
+    curvature = pair%curvature(member, max(0.0_dp, min(pair%contact_ratio, s)))
+    if (s >= 0 .and. s <= pair%contact_ratio) return
+    if (member == corner_of(pair, s)) return
+    corner = corner_contact(pair, s)
+    curvature = corner%curvature
+  end function touching_curvature
 
   !> The path coordinates before A and behind E at which the gap of the corner, without reliefs, is `depth` (m); at most
   !> 0.9 base pitches off, and no farther than to where the corner meets the mate's tip.

@@ -109,7 +109,7 @@ contains
     real(dp), dimension(interval%pairs) :: stiffness, error
 
     call pairs_at(f%mesh, interval, phase, stiffness, error)
-    error_at = static_deflection(stiffness, error, f%load)
+    error_at = static_deflection(stiffness, error, f%load, f%mesh%flattening)
   end function error_at
 
   !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k tau) in part(k), k = 0 to

@@ -21,6 +21,9 @@ module gearsweep_mesh
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
     type(disc_t) :: disc                         !< what the discs yield under all pairs together
     type(piecewise_t) :: profile_error           !< e(s) of one pair, m
+    !> How much the compliance of a pair falls as its load grows e times, beside that at the nominal load, which the
+    !> stiffness has: by Hertz, m/N. Known to the static load sharing alone.
+    real(dp) :: flattening = 0
     !> For friction alone: teeth of both members, path coordinate of the pitch
     !> point, tangent of the working pressure angle.
     integer :: teeth(2) = 0

@@ -151,6 +151,6 @@ contains
     real(dp), dimension(interval%pairs) :: stiffness, error
 
     call pairs_at(mesh, interval, phase, stiffness, error)
-    carrying = static_deflection(stiffness, error, load) > error
+    carrying = static_deflection(stiffness, error, load, mesh%flattening) > error
   end function carrying
 end module gearsweep_segments

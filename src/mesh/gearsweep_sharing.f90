@@ -7,7 +7,7 @@ module gearsweep_sharing
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   implicit none
   private
-  public :: sharing_t, share_load, load_share, pairs_at, static_deflection
+  public :: sharing_t, share_load, load_share, pairs_at, static_deflection, pair_load
 
   !> The static state along the mesh period; one-sided at every break.
   type :: sharing_t
@@ -22,11 +22,18 @@ module gearsweep_sharing
 
 contains
 
-  !> Common deflection x that carries `load` (N): sum of K_j max(0, x - e_j) = load.
-  !> `stiffness` (N/m) and `error` (m) of the pairs, any number.
-  pure real(dp) function static_deflection(stiffness, error, load) result(x)
+  !> Common deflection x that carries the nominal `load` (N): the sum of the pairs' loads at x - e_j (see pair_load).
+  !> `stiffness` (N/m) and `error` (m) of the pairs, any number; `flattening` (m/N; without it, 0) as in mesh_t.
+  !>
+  !> Without flattening each load is K_j max(0, x - e_j), in closed form. With it, loads grow more than in proportion to
+  !> the deflection: Newton's method, from its second step on, comes down to the solution from above without passing it.
+  pure real(dp) function static_deflection(stiffness, error, load, flattening) result(x)
     real(dp), intent(in) :: stiffness(:), error(:), load
+    real(dp), intent(in), optional :: flattening
+    real(dp), parameter :: rounding = 1e-14_dp
+    integer, parameter :: most = 50
     logical :: carries(size(stiffness))
+    real(dp), dimension(size(stiffness)) :: force, slope
     integer :: i, last
 
     carries = .true.
@@ -38,7 +45,41 @@ contains
       if (x > error(last)) exit
       carries(last) = .false.
     end do
+    if (.not. present(flattening)) return
+    if (.not. flattening > 0) return
+    do i = 1, most
+      call pair_load(x - error, stiffness, load, flattening, force, slope)
+      associate (excess => sum(force) - load)
+        if (abs(excess) <= rounding*load) exit
+        x = x - excess/sum(slope)
+      end associate
+    end do
   end function static_deflection
+
+  !> Load F (N) of a pair that is pressed together by `depth` (m), 0 where it is apart, and its slope dF/d depth (N/m):
+  !> depth = F (1/K - flattening log(F/nominal)), with K (N/m) the secant stiffness at the `nominal` load (N).
+  !> Newton's method from K depth, without flattening the solution. Source: Johnson 1985, Contact Mechanics, Eq. 5.57.
+  elemental subroutine pair_load(depth, stiffness, nominal, flattening, force, slope)
+    real(dp), intent(in) :: depth, stiffness, nominal, flattening
+    real(dp), intent(out) :: force, slope
+    real(dp), parameter :: rounding = 1e-15_dp, least = 1e-250_dp
+    integer, parameter :: most = 30
+    real(dp) :: before
+    integer :: i
+
+    force = 0
+    slope = 0
+    if (.not. depth > 0) return
+    force = stiffness*depth
+    slope = stiffness
+    if (.not. (flattening > 0 .and. force > least*nominal)) return
+    do i = 1, most
+      before = force
+      slope = 1/(1/stiffness - flattening*(1 + log(force/nominal)))
+      force = (depth - flattening*force)*slope
+      if (abs(force - before) <= rounding*force) exit
+    end do
+  end subroutine pair_load
 
   !> Own stiffness (N/m) and profile error (m) of each pair at a phase of `interval`, one-sided at its ends.
   pure subroutine pairs_at(mesh, interval, phase, stiffness, error)
@@ -89,7 +130,7 @@ contains
     real(dp), intent(in) :: load
     integer, intent(in) :: row
     type(sharing_t), intent(inout) :: sharing
-    real(dp), dimension(interval%pairs) :: stiffness, error, gap
+    real(dp), dimension(interval%pairs) :: stiffness, error, force, slope
     real(dp) :: deflection
     integer :: j
 
@@ -97,11 +138,11 @@ contains
     sharing%s(:interval%pairs, row) = interval%place(sharing%phase(row), [(j, j=1, interval%pairs)])
     call pairs_at(mesh, interval, sharing%phase(row), stiffness, error)
     sharing%pairs(row) = interval%pairs
-    deflection = static_deflection(stiffness, error, load)
-    gap = deflection - error
+    deflection = static_deflection(stiffness, error, load, mesh%flattening)
+    call pair_load(deflection - error, stiffness, load, mesh%flattening, force, slope)
     sharing%error(row) = deflection + mesh%disc%yield()*load
-    sharing%load(:interval%pairs, row) = stiffness*max(0.0_dp, gap)
-    associate (pairs => sum(stiffness, mask=gap > 0))
+    sharing%load(:interval%pairs, row) = force
+    associate (pairs => sum(stiffness, mask=deflection > error))
       sharing%stiffness(row) = pairs/(1 + mesh%disc%yield()*pairs)
     end associate
   end subroutine share_at
@@ -111,7 +152,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, s
     real(dp), allocatable :: stiffness(:), error(:)
-    real(dp) :: place
+    real(dp) :: place, force, slope
     integer :: before, behind, j
 
     ! So many pairs stand before and behind this one.
@@ -123,6 +164,8 @@ contains
       stiffness(j) = mesh%own_stiffness(place)
       error(j) = mesh%profile_error%value(place)
     end do
-    load_share = stiffness(0)*max(0.0_dp, static_deflection(stiffness, error, load) - error(0))/load
+    call pair_load(static_deflection(stiffness, error, load, mesh%flattening) - error(0), stiffness(0), load, &
+                   mesh%flattening, force, slope)
+    load_share = force/load
   end function load_share
 end module gearsweep_sharing

@@ -3,6 +3,7 @@ module gearsweep_mesh_stage
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_flattening, only: load_dependence
   use gearsweep_inputs, only: elements_inputs_t, motion_inputs_t, relief_inputs_t, same
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory
@@ -49,7 +50,7 @@ contains
     body = study%case%section
     body%others_across = min(4, body%elements_across)
     study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t( &
-      section=body, tooth_coupling=study%case%tooth_coupling), &
+      section=body, tooth_coupling=study%case%tooth_coupling, corner_contact=study%case%corner_contact), &
       study%load/study%case%spec(1)%face_width)
     known = .false.
     if (present(earlier)) known = allocated(earlier%elements_inputs)
@@ -62,6 +63,10 @@ contains
       call by_elements(study%elements_inputs, study%mesh%stiffness, study%mesh%disc, error)
       call study%running%note('mesh: pair stiffness by model fe')
     end if
+    if (study%case%corner_contact .and. .not. allocated(error)) &
+      study%mesh%reach = study%mesh%stiffness%breaks([1, size(study%mesh%stiffness%breaks)])
+    if (study%case%nonlinear_contact) study%mesh%flattening = &
+      load_dependence(study%case%material, body%plane_strain)/minval(study%case%spec%face_width)
   end subroutine find_by_elements
 
   subroutine by_elements(inputs, stiffness, disc, error)
@@ -106,9 +111,9 @@ contains
                                length=case%length, roll=case%roll)
       if (allocated(study%pair)) relief%pair = study%pair
       study%motions_inputs%motion = motion_inputs_t( &
-        relief=relief, disc=mesh%disc, reach=mesh%reach, teeth=mesh%teeth, tan_angle=mesh%tan_angle, load=study%load, &
-        mass=study%mass, damping_ratio=case%damping_ratio, friction=case%friction, has_backlash=case%has_backlash, &
-        backlash=case%backlash)
+        relief=relief, disc=mesh%disc, reach=mesh%reach, flattening=mesh%flattening, teeth=mesh%teeth, &
+        tan_angle=mesh%tan_angle, load=study%load, mass=study%mass, damping_ratio=case%damping_ratio, &
+        friction=case%friction, has_backlash=case%has_backlash, backlash=case%backlash)
       study%motions_inputs%stiffness = mesh%stiffness
       study%motions_inputs%profile_error = mesh%profile_error
       study%motions_inputs%amount = case%amount

@@ -58,6 +58,7 @@ module gearsweep_inputs
     type(relief_inputs_t) :: relief
     type(disc_t) :: disc
     real(dp) :: reach(2) = 0                     !< path coordinates between which a pair may be in contact
+    real(dp) :: flattening = 0                   !< m/N, as in mesh_t
     integer :: teeth(2) = 0
     real(dp) :: tan_angle = 0
     real(dp) :: load = 0, mass(2) = 0            !< N, kg

@@ -1,5 +1,6 @@
 !> From a mesh and an amount of tip relief to the oscillator.
 module gearsweep_motions
+  use gearsweep_corner, only: add_corners
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gear, only: drive
   use gearsweep_inputs, only: motion_inputs_t, relief_inputs_t
@@ -25,6 +26,7 @@ contains
 
     motion%mesh%contact_ratio = inputs%relief%contact_ratio
     motion%mesh%reach = inputs%reach
+    motion%mesh%flattening = inputs%flattening
     motion%mesh%pitch_point = inputs%relief%pitch_point
     motion%mesh%tan_angle = inputs%tan_angle
     motion%mesh%teeth = inputs%teeth
@@ -33,7 +35,7 @@ contains
     if (allocated(prescribed%breaks)) then
       motion%mesh%profile_error = prescribed
     else
-      call relieve(inputs%relief, amount, motion%mesh%profile_error, error)
+      call relieve(inputs%relief, amount, inputs%reach, motion%mesh%profile_error, error)
       if (allocated(error)) return
     end if
     motion%mass = inputs%mass
@@ -45,10 +47,10 @@ contains
     call make_oscillator(motion, error)
   end subroutine build_motion
 
-  !> The profile error of one amount of relief (m).
-  subroutine relieve(inputs, amount, curve, error)
+  !> The profile error of one amount of relief (m), over `reach` (base pitches).
+  subroutine relieve(inputs, amount, reach, curve, error)
     type(relief_inputs_t), intent(in) :: inputs
-    real(dp), intent(in) :: amount
+    real(dp), intent(in) :: amount, reach(2)
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
     type(relief_t) :: relief
@@ -64,6 +66,7 @@ contains
         ': deeper than the tooth; with these fractions at most '//str(1e6_dp*deepest_relief(inputs)))
     else
       call profile_error(relief, inputs%contact_ratio, curve, error)
+      if (.not. (allocated(error) .or. inputs%prescribed)) call add_corners(inputs%pair, relief, reach, curve)
     end if
   end subroutine relieve
 

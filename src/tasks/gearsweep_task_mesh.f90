@@ -1,7 +1,9 @@
 !> The task `mesh`: load sharing along the path of contact and the static transmission error with its harmonics.
 module gearsweep_task_mesh
+  use gearsweep_corner, only: touching_curvature
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
+  use gearsweep_gear, only: drive
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: lines_t, right
@@ -110,9 +112,12 @@ contains
     call table%add('ste_um', 'um', 'static transmission error along the line of action', values(:, 7))
     if (stages%base_pitch > 0) call table%add('path_mm', 'mm', 'distance from A on the line of action', milli*s*stages%base_pitch)
     if (.not. allocated(stages%pair)) return
-    call table%add('pinion_radius_mm', 'mm', 'radius at which the pinion touches', milli*stages%pair%radius(1, s))
-    call table%add('pinion_curvature_mm', 'mm', 'radius of curvature of the pinion''s flank', milli*stages%pair%curvature(1, s))
-    call table%add('gear_curvature_mm', 'mm', 'radius of curvature of the gear''s flank', milli*stages%pair%curvature(2, s))
+    associate (pinion => touching_curvature(stages%pair, 1, s), gear => touching_curvature(stages%pair, 2, s))
+      call table%add('pinion_radius_mm', 'mm', 'radius at which the pinion touches', &
+                     milli*hypot(stages%pair%gear(1)%base_radius(drive), pinion))
+      call table%add('pinion_curvature_mm', 'mm', 'radius of curvature of the pinion''s flank', milli*pinion)
+      call table%add('gear_curvature_mm', 'mm', 'radius of curvature of the gear''s flank', milli*gear)
+    end associate
   end subroutine fill_path
 
   !> The static transmission error over a mesh period, for each relief.
