@@ -9,10 +9,10 @@ module gearsweep_contact_events
   use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
   use gearsweep_oscillator, only: damping
   use gearsweep_period_map, only: period_map_t
-  use gearsweep_quintic, only: evaluate, first_zero, may_cross_zero, quintic
+  use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
   use gearsweep_sub_step, only: event_t, sub_steps_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, &
-                                derivatives, second_derivatives, second_derivatives_of_motion, pair_at, own_at_ends, &
-                                effective_at_ends, last
+                                derivatives, second_derivatives, second_derivatives_of_motion, need_error, pair_at, &
+                                own_at_ends, effective_at_ends, last
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -147,12 +147,11 @@ contains
   pure subroutine find_event(map, l, state, part, which)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l
-    type(integrator_t), intent(in) :: state
+    type(integrator_t), intent(inout) :: state
     real(dp), intent(out) :: part
     integer, intent(out) :: which
-    real(dp) :: motion(0:1, 2), overlap(0:2, 2), stiffness(0:2, 2), error(0:2, 2), zero
-    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e
-    logical :: found, shares
+    real(dp) :: motion(0:1, 2), overlap(0:2, 2), zero
+    logical :: found
     integer :: j
 
     part = 1
@@ -161,20 +160,13 @@ contains
       if (.not. c%width(l) > 0) return
       motion(0, :) = c%x(l, :)
       motion(1, :) = c%width(l)*table%width(c%step)*c%y(l, :)
-      if (osc%shared > 0) call own_at_ends(map, l, c, k, e)
       do j = 1, osc%contacts
         if (j > table%pairs(c%step) .and. j <= osc%pairs) cycle
         associate (sense => state%contacts(j)%sense(l))
-          shares = osc%shared > 0 .and. j <= osc%pairs
-          if (shares) then
-            call effective_at_ends(map, c, state%contact_set(l), j, k, e, stiffness, error)
-          else
-            error(:1, :) = derivatives(c, l, c%profile_error(:, j))
-          end if
-          overlap(:1, :) = sense*(motion - error(:1, :))
+          call need_error(map, state%contact_set(l), j, state%sub_steps)
+          overlap(:1, :) = sense*(motion - derivatives(c, l, c%error(:, j)))
           if (.not. may_cross_zero(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
-          if (.not. shares) error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
-          overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - error(2, :))
+          overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - second_derivatives(c, l, c%error(:, j)))
         end associate
         call first_zero(quintic(overlap(:, 1), overlap(:, 2)), zero, found)
         if (.not. found .or. zero >= part) cycle
@@ -199,7 +191,8 @@ contains
 
     associate (c => state%sub_steps, event => state%sub_steps%event(l))
       associate (sense => state%contacts(event%contact)%sense(l))
-        call error_of(map, l, state, c%left(l) + c%width(l), error, error_slope)
+        call need_error(map, state%contact_set(l), event%contact, state%sub_steps)
+        call evaluate(c%error(:, event%contact), c%left(l) + c%width(l), error, error_slope)
         overlap = sense*(c%x(l, 2) - error)
         slope = sense*event%length*(map%table%width(c%step)*c%y(l, 2) - error_slope)
       end associate
@@ -226,38 +219,18 @@ contains
     call change_contact(map, l, state, period)
   end subroutine bracket
 
-  !> Profile error of the contact whose event motion l nears, at a place of the step, and its derivative over the step (m).
-  pure subroutine error_of(map, l, state, place, error, slope)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l
-    type(integrator_t), intent(in) :: state
-    real(dp), intent(in) :: place
-    real(dp), intent(out) :: error, slope
-    real(dp), dimension(0:2) :: k, e
-
-    associate (c => state%sub_steps, j => state%sub_steps%event(l)%contact)
-      if (map%osc%shared > 0 .and. j <= map%osc%pairs) then
-        call pair_at(map, c, state%contact_set(l), j, place, k, e)
-        error = e(0)
-        slope = e(1)
-      else
-        call evaluate(c%profile_error(:, j), place, error, slope)
-      end if
-    end associate
-  end subroutine error_of
-
   !> Opens or closes the contact whose event motion l has reached.
   pure subroutine change_contact(map, l, state, period)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period
-    real(dp) :: approach, error, error_slope
+    real(dp) :: approach
 
     associate (c => state%sub_steps, event => state%sub_steps%event(l))
       associate (j => event%contact)
-        call error_of(map, l, state, c%left(l), error, error_slope)
-        approach = c%y(l, 1) - error_slope/map%table%width(c%step)
+        call need_error(map, state%contact_set(l), j, state%sub_steps)
+        approach = c%y(l, 1) - derivative_of(c%error(:, j), c%left(l))/map%table%width(c%step)
         event%jumps = abs(approach) > 0
         if (event%jumps) event%ratio = c%y(l, 1)/approach
         event%before = c%omega_squared(l, last)

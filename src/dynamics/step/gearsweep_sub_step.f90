@@ -9,14 +9,16 @@ module gearsweep_sub_step
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: quintic, evaluate, second_derivative_of
   use gearsweep_shared_compliance, only: effective_pair, reduce_sums
+  use gearsweep_step_ends, only: pair_at_end
   implicit none
   private
   public :: sub_steps_t, event_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, derivatives, &
-            second_derivatives, second_derivatives_of_motion, pair_at, own_at_ends, effective_at_ends, last
+            second_derivatives, second_derivatives_of_motion, need_error, pair_at, own_at_ends, effective_at_ends, last
 
   !> Places in a sub-step at which its coefficients are known: both ends, and the nodes of the integration between.
   real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
   integer, parameter :: last = size(places)
+  integer, parameter :: none_yet = -1
 
   !> The search for changes of contact (events) of one speed in its step.
   type :: event_t
@@ -37,6 +39,10 @@ module gearsweep_sub_step
   type :: sub_steps_t
     integer :: step = 0
     real(dp), allocatable :: stiffness(:, :), profile_error(:, :), mobility(:, :)
+    !> The profile error that decides on contact, a quintic too, (0:5, contact): where pairs share a compliance, the
+    !> effective one of `need_error` while these others are in contact, as a contact set, (pair).
+    real(dp), allocatable :: error(:, :)
+    integer, allocatable :: others(:)
     real(dp), dimension(batch_size) :: longest = 1                     !< sub-step that is allowed, part of the step
     type(event_t) :: event(batch_size)
     real(dp), dimension(batch_size) :: left = 0, width = 0             !< begin and length of the sub-step
@@ -55,6 +61,7 @@ contains
 
     allocate (c)
     allocate (c%stiffness(0:5, osc%pairs), c%profile_error(0:5, osc%contacts), c%mobility(0:1, osc%pairs))
+    allocate (c%error(0:5, osc%contacts), c%others(osc%pairs))
   end subroutine make_sub_steps
 
   !> The coefficients within a step.
@@ -81,6 +88,7 @@ contains
         end associate
       end do
       do j = 1, osc%contacts
+        c%profile_error(:, j) = 0
         if (j > table%pairs(step) .and. j <= osc%pairs) cycle
         if (osc%shared > 0 .and. j <= osc%pairs) then
           c%profile_error(:, j) = quintic(scale*table%own_profile_error(:, j, 1, step), &
@@ -90,6 +98,8 @@ contains
                                           scale*table%end_profile_error(:, j, 2, step))
         end if
       end do
+      c%error(:, :) = c%profile_error
+      c%others(:) = none_yet
       if (osc%damping_ratio > 1) c%longest = longest_sub_step(osc, map%duration*table%width(step))
     end associate
   end subroutine enter_step
@@ -299,6 +309,30 @@ contains
     f(1) = second_derivative_of(q, c%left(l))*c%width(l)**2
     f(2) = second_derivative_of(q, c%left(l) + c%width(l))*c%width(l)**2
   end function second_derivatives
+
+  !> Makes `error` of pair j the effective one under a contact set, unless it is. Whether the pair itself is in contact does
+  !> not matter.
+  pure subroutine need_error(map, contact_set, j, c)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: contact_set           !< of the motion
+    integer, intent(in) :: j
+    type(sub_steps_t), intent(inout) :: c
+    real(dp), dimension(0:2) :: stiffness, scale
+    real(dp) :: error(0:2, 2)
+    integer :: others, end
+
+    if (.not. map%osc%shared > 0 .or. j > map%osc%pairs) return
+    others = ibclr(contact_set, j - 1)
+    if (others == c%others(j)) return
+    c%others(j) = others
+    associate (width => map%table%width(c%step))
+      scale = [1.0_dp, width, width**2]
+    end associate
+    do end = 1, 2
+      call pair_at_end(map%osc, map%table, c%step, end, others, j, stiffness, error(:, end))
+    end do
+    c%error(:, j) = quintic(scale*error(:, 1), scale*error(:, 2))
+  end subroutine need_error
 
   !> Effective stiffness and profile error of pair j at a place of the step, with their derivatives over the step.
   pure subroutine pair_at(map, c, contact_set, j, place, stiffness, profile_error)
