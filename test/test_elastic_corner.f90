@@ -17,7 +17,7 @@ module test_elastic_corner
   public :: run
 
   type(material_t), parameter :: steel = material_t()
-  real(dp), parameter :: load = 276e3_dp, depth = 0.7e-3_dp, mate_depth = 3e-3_dp
+  real(dp), parameter :: load = 276e3_dp, depth = 0.7e-3_dp, mate_depth = 3e-3_dp, half_width = 0.12e-3_dp
   !> E/(1 - nu**2).
   real(dp), parameter :: modulus = 206e9_dp/0.91_dp
 
@@ -30,6 +30,7 @@ contains
     if (t%wants('punch')) call punch(t)
     if (t%wants('self_similar')) call self_similar(t)
     if (t%wants('beyond_the_path')) call beyond_the_path(t)
+    if (t%wants('any_load')) call any_load(t)
     if (t%wants('corner_estimate')) call corner_estimate(t)
   end subroutine run
 
@@ -49,7 +50,7 @@ contains
     integer :: i, k
 
     do i = 1, size(angles)
-      call make_edge(steel, .true., angles(i), depth, edge, error)
+      call make_edge(steel, .true., angles(i), depth, half_width, edge, error)
       call check_no_error(t, 'wedge', error)
       do k = 1, size(tilts)
         call check_close(t, 'wedge of '//str(angles(i)*180/pi, 3)//' degrees', &
@@ -72,7 +73,7 @@ contains
     real(dp) :: c, mean, found, p, weight
     integer :: i, k
 
-    call make_edge(steel, .true., pi, depth, edge, error)
+    call make_edge(steel, .true., pi, depth, half_width, edge, error)
     call check_no_error(t, 'half plane', error)
     do k = 1, size(tilts)
       associate (a => 3*curvature/16, b => tilts(k)/4)
@@ -115,7 +116,7 @@ contains
     real(dp) :: whole, half
     real(dp), parameter :: angle = 121*pi/180, tilt = 0.08_dp
 
-    call make_edge(steel, .true., angle, depth, edge, error)
+    call make_edge(steel, .true., angle, depth, half_width, edge, error)
     call edge_compliance(edge, load, tilt, 0.0_dp, mate_depth, whole, error)
     call edge_compliance(edge, load/2, tilt, 0.0_dp, mate_depth, half, error)
     call check_no_error(t, 'flat faces', error)
@@ -170,6 +171,34 @@ contains
                       curve%value(-0.05_dp) > 0.8_dp*plain%value(0.0_dp), str(curve%value(-0.05_dp)/plain%value(0.0_dp)))
     end do
   end subroutine beyond_the_path
+
+  !> Contact beyond the path grows with the load and vanishes with it.
+  subroutine any_load(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: loads(5) = [1e-6_dp, 1.0_dp, 1e3_dp, 1e5_dp, 1e6_dp]
+    type(fe_options_t) :: options
+    type(pair_t) :: pair
+    type(piecewise_t) :: curve
+    type(disc_t) :: disc
+    type(error_t), allocatable :: error
+    real(dp) :: before
+    integer :: i, k
+
+    pair = pair_of([25, 25])
+    options%corner_contact = .true.
+    options%section%elements_across = 8
+    before = 0
+    do i = 1, size(loads)
+      call fe_stiffness(pair, steel, options, loads(i), curve, disc, error)
+      call check_no_error(t, 'stiffness under any load', error)
+      if (i == 1) call check_close(t, 'no load to speak of', curve%breaks(1), 0.0_dp, absolute=1e-15_dp)
+      if (i > 2) call check_true(t, 'farther under more load', curve%breaks(1) < before, str(curve%breaks(1)))
+      before = curve%breaks(1)
+      call check_true(t, 'softest at a corner, stiffest on the path', curve%minimum() > 0.75_dp*curve%value(0.05_dp) .and. &
+                      curve%maximum() < 1.001_dp*maxval([(curve%value(pair%contact_ratio*k/200), k=0, 200)]), str(loads(i))//' '// &
+                      str(curve%minimum()/curve%value(0.05_dp))//' '//str(curve%maximum()/curve%value(pair%contact_ratio/2)))
+    end do
+  end subroutine any_load
 
   !> What is ours to choose moves the stiffness beyond the path little: the grid, and the depth at which it ends.
   subroutine corner_estimate(t)

@@ -30,15 +30,16 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(edge_t) :: edge
     type(corner_t) :: corner
-    real(dp) :: tip, close_up
+    real(dp) :: tip, end_of_path, close_up
     integer :: k, member
 
     member = merge(2, 1, sum(s) < 0)
-    tip = tip_curvature(pair, member)
+    end_of_path = merge(0.0_dp, pair%contact_ratio, member == 2)
+    tip = pair%curvature(member, end_of_path)
     compliance = 0
     ! Flank and tip circle at the corner.
     call make_edge(material, plane_strain, pi/2 + atan2(tip, pair%gear(member)%base_radius(drive)), tooth(member)%corner_depth, &
-                   edge, error)
+                   contact_half_width(material, plane_strain, line_load, tip, pair%curvature(3 - member, end_of_path)), edge, error)
     do k = 1, size(s)
       if (allocated(error)) return
       corner = corner_contact(pair, s(k))
@@ -48,14 +49,6 @@ contains
                       + tooth(3 - member)%compliance%value(corner%curvature) + close_up
     end do
   end subroutine corner_compliance
-
-  !> Radius of curvature (m) of a member's drive flank at its end of the path.
-  pure real(dp) function tip_curvature(pair, member)
-    type(pair_t), intent(in) :: pair
-    integer, intent(in) :: member
-
-    tip_curvature = pair%curvature(member, merge(0.0_dp, pair%contact_ratio, member == 2))
-  end function tip_curvature
 
   !> How far from A and from E, in base pitches, a contact within the path feels the edge under `line_load` (N/m).
   pure function edge_zone(pair, material, plane_strain, line_load) result(zone)
@@ -72,7 +65,7 @@ contains
 
     do i = 1, 2
       associate (member => 3 - i, s => merge(0.0_dp, pair%contact_ratio, i == 1))
-        tip = tip_curvature(pair, member)
+        tip = pair%curvature(member, s)
         arc = half_widths*contact_half_width(material, plane_strain, line_load, pair%curvature(1, s), pair%curvature(2, s))
         ! The arc of an involute grows with the square of its radius of curvature.
         zone(i) = (tip - sqrt(max(0.0_dp, tip**2 - 2*pair%gear(member)%base_radius(drive)*arc)))/pair%base_pitch

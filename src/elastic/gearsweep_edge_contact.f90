@@ -32,33 +32,36 @@ module gearsweep_edge_contact
   end type edge_t
 
   !> The grid: steps along the face, each so much longer than the one before; rows over the angle; how far it
-  !> goes, and its first step, in depths.
-  real(dp), parameter :: growth = 1.25_dp, farthest = 40, nearest = 2e-4_dp
+  !> goes, in depths; its first step, in half widths of Hertz's contact.
+  real(dp), parameter :: growth = 1.25_dp, farthest = 40, first_step = 1.2e-3_dp
   integer, parameter :: rows = 8
-  !> Contact is looked for so far from the edge, in depths.
-  real(dp), parameter :: widest = 0.8_dp
+  !> Contact is looked for so far from the edge, in half widths, and in depths at most.
+  real(dp), parameter :: widest = 6, deepest = 0.8_dp
 
 contains
 
   !> Prepares the wedge with the included `angle` (rad). Deflections are referred to `depth` (m) and twice of it, along the
-  !> line of the load through the edge, as gearsweep_fe_stiffness reads them from the tooth's own grid.
-  subroutine make_edge(material, plane_strain, angle, depth, edge, error)
+  !> line of the load through the edge, as gearsweep_tooth_compliance reads them from the tooth's own grid. `half_width` (m):
+  !> that of Hertz's contact without the edge, which tells how fine the grid must be.
+  subroutine make_edge(material, plane_strain, angle, depth, half_width, edge, error)
     type(material_t), intent(in) :: material
     logical, intent(in) :: plane_strain
-    real(dp), intent(in) :: angle, depth
+    real(dp), intent(in) :: angle, depth, half_width
     type(edge_t), intent(out) :: edge
     type(error_t), allocatable, intent(out) :: error
     type(body_t) :: body
     real(dp), allocatable :: points(:, :, :), radius(:), x(:, :), u(:, :), share(:, :)
     integer, allocatable :: part(:, :)
     logical, allocatable :: held(:)
+    real(dp) :: nearest
     integer :: columns, cells, i, j, d
 
     edge%material = material
     edge%plane_strain = plane_strain
     edge%depth = depth
-    columns = ceiling(log(farthest/nearest)/log(growth))
-    radius = [(depth*nearest*(farthest/nearest)**(i/(2.0_dp*columns)), i=0, 2*columns)]
+    nearest = first_step*min(half_width, depth)
+    columns = ceiling(log(farthest*depth/nearest)/log(growth))
+    radius = [(nearest*(farthest*depth/nearest)**(i/(2.0_dp*columns)), i=0, 2*columns)]
     allocate (points(2, 0:2*columns, 0:2*rows), part(columns, rows))
     part = 0
     do j = 0, 2*rows
@@ -74,7 +77,7 @@ contains
     held(edge%grid%column_nodes(2*columns)) = .true.
     call make_body(edge%grid, material, plane_strain, 1.0_dp, spread(held, 1, 2), 1e9_dp, body, error)
     if (allocated(error)) return
-    cells = count(radius(3::2) <= widest*depth)
+    cells = count(radius(3::2) <= min(widest*half_width, deepest*depth))
     edge%ends = radius(1:2*cells + 1:2)
     allocate (x(body%unknowns, 2*cells + 2), share(3, cells))
     do i = 1, cells

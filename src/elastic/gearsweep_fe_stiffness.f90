@@ -22,8 +22,9 @@ module gearsweep_fe_stiffness
   integer, parameter, public :: fe_knots = 49
   !> And with corner contact beyond each of its ends, and where the edge is felt within it.
   integer, parameter :: corner_knots = 9, zone_knots = 6
-  !> How far contact beyond the path is looked for.
-  real(dp), parameter :: margin = 4
+  !> How far contact beyond the path is looked for. Where that is less than so many base pitches, loads are so small that
+  !> there is none worth its short steps.
+  real(dp), parameter :: margin = 4, shortest = 1e-4_dp
 
 contains
 
@@ -83,6 +84,10 @@ contains
       integer :: i
 
       reach = corner_reach(pair, margin*line_load*maxval(total))
+      if (max(-reach(1), reach(2) - pair%contact_ratio) < shortest) then
+        curve = spline(s, width/total)
+        return
+      end if
       beyond(:, 1) = reach(1)*[(1 - i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       beyond(:, 2) = pair%contact_ratio + (reach(2) - pair%contact_ratio)*[(i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       do i = 1, 2
