@@ -37,6 +37,7 @@ program check
   use test_motion, only: run_motion => run
   use test_oscillator, only: run_oscillator => run
   use test_points, only: run_points => run
+  use test_precision, only: run_precision => run
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
   use test_resonances, only: run_resonances => run
@@ -76,6 +77,7 @@ program check
     & suite_t('sweep', run_sweep), &
     & suite_t('resonances', run_resonances), &
     & suite_t('points', run_points), &
+    & suite_t('precision', run_precision), &
     & suite_t('resume', run_resume), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &

@@ -9,8 +9,9 @@ module test_inputs
   use gearsweep_kinds, only: dp
   use gearsweep_report, only: write_report
   use gearsweep_study, only: run_study, study_t
-  use gearsweep_tables, only: table_names, write_table
+  use gearsweep_tables, only: table_names
   use gearsweep_task, only: task_length
+  use reproducible, only: write_reproducible
   use testing, only: check_equal, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
@@ -27,7 +28,8 @@ module test_inputs
 
   !> What is computed for the sake of these tasks shall not take long.
   character(*), parameter :: few = 'stability damping_count 4;stability tongues 2;poincare settling_periods 20;'// &
-                                   'poincare kept_periods 10;hysteresis closeness 1e-2'
+                                   'poincare kept_periods 10;hysteresis closeness 1e-2;precision most_steps 50;'// &
+                                   'precision most_samples 64'
 
   !> A value that a case gives to a key; a blank one takes the key out.
   type :: setting_t
@@ -72,7 +74,7 @@ contains
     do i = 1, size(models)
       do k = 1, size(tasks)
         ! Without a mesh the model does not matter, and the sweeps' motion is that of the task load.
-        if (i > 1 .and. all(tasks(k) /= [character(8) :: 'mesh', 'static', 'load'])) cycle
+        if (i > 1 .and. all(tasks(k) /= [character(9) :: 'mesh', 'static', 'load', 'precision'])) cycle
         if (t%wants('walk')) call walk(t, geared(trim(models(i)), trim(tasks(k))), 'g', changes)
       end do
     end do
@@ -203,6 +205,13 @@ contains
     call add('poincare relief_um', '5')
     call add('poincare settling_periods', '30')
     call add('poincare kept_periods', '12')
+    call add('precision rpm', '17000, 21000')
+    call add('precision relief_um', '5')
+    call add('precision most_steps', '60')
+    call add('precision most_samples', '40')
+    call add('precision harmonics', '2')
+    call add('precision most_elements', '5')
+    call add('precision modes', '1')
     call add('poincare start_um', '2', ' ', 'poincare start_um 1;poincare start_mm_s 0')
     call add('poincare start_mm_s', '2', ' ', 'poincare start_um 1;poincare start_mm_s 0')
 
@@ -247,7 +256,7 @@ contains
     call set(settings, 'case tasks '''//task//''';pair module_mm 3;pair face_width_mm 20;pinion teeth 21;gear teeth 34;'// &
              'load normal_force_n 4000;relief amount_um 0, 5;relief gear_fraction 0.4;mesh model '''//model//''';'// &
              'section teeth 1;section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
-             'numerics tolerance 1e-3;'//few)
+             'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;'//few)
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
     select case (model)
@@ -506,7 +515,7 @@ contains
     output%text = part(:index(part//lf//'Not used', lf//'Not used'))
     names = table_names(on_grid=.false.)
     do i = 1, size(names)
-      call write_table(output%study, names(i), part, error)
+      call write_reproducible(output%study, names(i), part, error)
       if (.not. allocated(part)) cycle
       part = part(index(part, lf//'#', back=.true.) + 1:)
       output%text = output%text//part(index(part, lf):)

@@ -52,6 +52,7 @@ _PLOTS = (
     'plot_modal',
     'plot_optimum',
     'plot_poincare',
+    'plot_precision',
     'plot_section',
     'plot_sharing',
     'plot_stability',

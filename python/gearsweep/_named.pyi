@@ -603,6 +603,58 @@ class LyapunovTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats; 0: it does not"""
 
+class PrecisionTable(Table):
+    """results at several resolutions, with their errors and run times"""
+
+    quantity: NDArray[str_]
+    """dynamic_factor; ste_harmonic: amplitude of the static transmission error; natural_frequency; root_tension: the largest under the whole load at the outer point of single contact; pair_stiffness: in the middle of the path of contact"""
+    number: NDArray[int64]
+    """which harmonic or mode; 1 for what is alone"""
+    relief_um: NDArray[float64]
+    """um: tip relief; NaN where it does not matter"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion; NaN where it does not matter"""
+    method: NDArray[str_]
+    """of integration as &numerics method; segments: integration over smooth segments; fft: Fourier transform of equally spaced samples; elements: finite elements"""
+    resolution: NDArray[int64]
+    """steps of a mesh period, about, as some methods end steps at breaks; samples of a mesh period; elements across the loaded tooth"""
+    value: NDArray[float64]
+    """the result, in the unit beside it"""
+    unit: NDArray[str_]
+    """of the value; empty for a plain number"""
+    error: NDArray[float64]
+    """difference to the value in the table precision_finest over that value, or, of harmonics, over the largest amplitude; it says nothing where it is below the error_estimate there"""
+    error_estimate: NDArray[float64]
+    """the method's own estimate of the error, relative in the same way; NaN: it has none. For pair_stiffness that of the reference alone: a third of the difference to half as many elements"""
+    status: NDArray[str_]
+    """ok, or why there is no value, as in the table sweep"""
+    run_time_s: NDArray[float64]
+    """s: processor time of the calling thread, the shortest of several runs, with the error estimate where the method has one; it differs from run to run. Dynamic factor: one speed, from the reference's motion on, with the coefficients tabulated before. Harmonics and modes: all numbers together. Elements: with making and factoring the grids"""
+
+class PrecisionFinestTable(Table):
+    """what the results in the table precision are compared with"""
+
+    quantity: NDArray[str_]
+    """dynamic_factor; ste_harmonic: amplitude of the static transmission error; natural_frequency; root_tension: the largest under the whole load at the outer point of single contact; pair_stiffness: in the middle of the path of contact"""
+    number: NDArray[int64]
+    """which harmonic or mode; 1 for what is alone"""
+    relief_um: NDArray[float64]
+    """um: tip relief; NaN where it does not matter"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion; NaN where it does not matter"""
+    method: NDArray[str_]
+    """of integration as &numerics method; segments: integration over smooth segments; fft: Fourier transform of equally spaced samples; elements: finite elements"""
+    resolution: NDArray[int64]
+    """steps of a mesh period, about, as some methods end steps at breaks; samples of a mesh period; elements across the loaded tooth"""
+    value: NDArray[float64]
+    """the result, in the unit beside it"""
+    unit: NDArray[str_]
+    """of the value; empty for a plain number"""
+    error_estimate: NDArray[float64]
+    """the method's own estimate of the error, relative in the same way; NaN: it has none. For pair_stiffness that of the reference alone: a third of the difference to half as many elements"""
+    status: NDArray[str_]
+    """ok, or why there is no value, as in the table sweep"""
+
 class PublishedTable(Table):
     """printed values and ours"""
 
@@ -692,5 +744,9 @@ class Named:
     def poincare(self) -> PoincareTable: ...
     @property
     def lyapunov(self) -> LyapunovTable: ...
+    @property
+    def precision(self) -> PrecisionTable: ...
+    @property
+    def precision_finest(self) -> PrecisionFinestTable: ...
     @property
     def published(self) -> PublishedTable: ...

@@ -37,6 +37,8 @@ class Table:
         How many there are.
     units, meanings : dict
         By column: the unit, empty for plain numbers, and what it tells.
+    is_reproducible : dict
+        By column: the same case gives the same bits. Run times are not the same in every run.
     dims : dict
         By column: the names of its dimensions.
     grid : str
@@ -76,6 +78,7 @@ class Table:
     version = property(lambda self: self._study.version)
     units = property(lambda self: {name: column['unit'] for name, column in self._columns.items()})
     meanings = property(lambda self: {name: column['meaning'] for name, column in self._columns.items()})
+    is_reproducible = property(lambda self: {name: column.get('reproducible', True) for name, column in self._columns.items()})
 
     @property
     def case(self) -> Case:

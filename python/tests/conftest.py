@@ -42,8 +42,13 @@ PARTIAL = """&case tasks = 'sweep' /
 
 
 def bits(study):
-    """All that a study holds."""
-    return {(table.name, name): np.asarray(table[name]).tobytes() for table in study for name in table}
+    """All that a study holds and that is the same in every run."""
+    return {
+        (table.name, name): np.asarray(table[name]).tobytes()
+        for table in study
+        for name in table
+        if table.is_reproducible[name]
+    }
 
 
 def grid_of(study):

@@ -46,7 +46,7 @@ def test_complete_case_is_complete(case):
 def test_defaults_of_the_reference():
     """Every plain default that doc/case.md prints is the one in effect."""
     case = Case(GEARED).changed(pinion={'effective_mass_kg': None}, mesh={'model': None})
-    case = case.changed(case={'tasks': [*case.tasks, 'stability', 'hysteresis', 'poincare']})
+    case = case.changed(case={'tasks': [*case.tasks, 'stability', 'hysteresis', 'poincare', 'precision']})
     keys = (ROOT / 'doc/case.md').read_text().split('## Keys')[1].split('## Finite elements')[0]
     found = 0
     for part in keys.split('\n### ')[1:]:

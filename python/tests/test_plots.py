@@ -22,7 +22,7 @@ from gearsweep.plots.gears import contact_path
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
-MAPS = ('stability', 'hysteresis', 'poincare')
+MAPS = ('stability', 'hysteresis', 'poincare', 'precision')
 MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
 ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
 ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
@@ -65,7 +65,8 @@ def both(rattling):
 
 @pytest.fixture(scope='module')
 def everything():
-    case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, static={'field_position': 0})
+    case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, static={'field_position': 0},
+                                precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
     return gearsweep.run(case, (*case.tasks, *MAPS))
 
 
@@ -337,9 +338,29 @@ def test_poincare_shows_each_motion_in_its_colour(both, ax):
     assert labels[:2] == list(kinds)[:2] and sum(len(line.get_xdata()) for line in ax.lines) == seen.dte_um.size
 
 
+def test_precision_shows_errors_and_estimates_over_run_times(ax):
+    keys = {'rpm': [5000, 7000], 'relief_um': 15, 'most_steps': 200, 'most_samples': 64, 'harmonics': 2}
+    study = gearsweep.run(Case(PRESCRIBED).changed(precision=keys), 'precision')
+    shown = study.precision
+    plots.plot_precision(study, ax)
+    curves = {line.get_label(): line for line in ax.lines if line.get_linestyle() == '-'}
+    for method in ('collocation', 'rk4', 'rk4_equal', 'constant'):
+        mine = (shown.quantity == 'dynamic_factor') & (shown.method == method)
+        error = shown.error[mine].reshape(2, -1)  # a row for each speed
+        np.testing.assert_array_equal(curves[method].get_ydata(), error.max(0))
+        np.testing.assert_allclose(curves[method].get_xdata(), shown.run_time_s[mine].reshape(2, -1).mean(0), rtol=1e-12)
+    estimates = [line for line in ax.lines if line.get_linestyle() == '--']
+    assert len(estimates) == 2  # the others have none
+    for line, method in zip(estimates, ('collocation', 'rk4'), strict=True):
+        mine = (shown.quantity == 'dynamic_factor') & (shown.method == method)
+        np.testing.assert_array_equal(line.get_ydata(), shown.error_estimate[mine].reshape(2, -1).max(0))
+    assert ax.get_xscale() == ax.get_yscale() == 'log'
+    assert [name for name, _ in plots.figures(study)] == ['precision']
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare')  # fmt: skip
+             'stability', 'hysteresis', 'poincare', 'precision')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

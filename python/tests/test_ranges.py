@@ -9,7 +9,7 @@ from conftest import ROOT
 import gearsweep
 
 GROUPS = {
-    'case': {'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare'"},
+    'case': {'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'precision'"},
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
     'gear': {'teeth': 34, 'effective_mass_kg': 0.9},
@@ -26,6 +26,7 @@ GROUPS = {
     'stability': {},
     'hysteresis': {},
     'poincare': {},
+    'precision': {},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

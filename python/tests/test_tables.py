@@ -24,10 +24,11 @@ PLACES = {
     'Best of the list': 'sweep_summary',
     'Points': 'sweep_summary',
     'Optimum relief': 'optimum',
+    'Precision at': 'precision precision_finest',
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
-WORDS = ('ISO 6336-3', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um')
+WORDS = ('ISO 6336-3', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '1e-2     1e-4     1e-6')
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
 
 

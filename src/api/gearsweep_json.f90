@@ -13,7 +13,7 @@ contains
 
   !> The tables that are there, with all but their values: name, meaning, rows, extent (null where the rows are not all
   !> combinations of the index columns' values), grid and columns;
-  !> of each column name, unit, meaning, kind and whether it is an index.
+  !> of each column name, unit, meaning, kind, whether it is an index and whether the same input gives the same bits.
   pure subroutine list_tables(tables, words)
     type(table_t), intent(in) :: tables(:)
     character(:), allocatable, intent(out) :: words
@@ -77,6 +77,7 @@ contains
     call lines%put(', "meaning": ')
     call lines%json_text(column%meaning)
     call lines%put(', "kind": "'//trim(kind_names(column%kind))//'", "index": ')
-    call lines%put(trim(merge('true} ', 'false}', column%is_index)))
+    call lines%put(trim(merge('true ', 'false', column%is_index)))
+    call lines%put(', "reproducible": '//trim(merge('true} ', 'false}', column%is_reproducible)))
   end subroutine put_column
 end module gearsweep_json

@@ -17,17 +17,21 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(2*sentence_length) :: with_body, with_support
-    character(sentence_length) :: geared, shape, support, looks
+    character(sentence_length) :: geared, shape, fineness, support, looks
     character(:), allocatable :: fixed(:), plane, member
 
     if (allocated(error)) return
     geared = unless(.not. case%prescribed, needs_gears)
     with_body = trim(sentence_of(case%tasks, 'section'))//', '//sentence_of(case%tasks, 'mesh', but='static')
     with_support = 'modal, '//case%tasks_for('mesh')
-    shape = unless(case%needs('section') .or. case%needs_elements(), 'section, static, modal or a stiffness by elements')
-    support = unless(case%needs('body') .or. case%needs_elements(), 'static, modal or a stiffness by elements')
+    shape = unless(case%needs('section') .or. case%needs_elements(), &
+                   'section, static, modal, precision or a stiffness by elements')
+    ! The task precision has a fineness of its own.
+    fineness = unless(case%asks('section') .or. case%asks('static') .or. case%asks('modal') .or. case%needs_elements(), &
+                      'section, static, modal or a stiffness by elements')
+    support = unless(case%needs('body') .or. case%needs_elements(), 'static, modal, precision or a stiffness by elements')
     ! Printed values may be a tooth's of this member.
-    looks = unless(case%needs('section') .or. allocated(case%published), 'section, static or modal')
+    looks = unless(case%needs('section') .or. allocated(case%published), 'section, static, modal or precision')
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
@@ -42,7 +46,7 @@ contains
       call reader%get('section', 'rim_mm', section%rim, error, unit='mm', tasks=with_body, waits=shape, refused=geared, &
                       above=0.0_dp, otherwise='down to the bore, or 2.5 tooth heights', &
                       meaning='thickness of the body below the root circle; it must leave room to the bore')
-      call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, waits=shape, &
+      call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, waits=fineness, &
                       refused=geared, at_least=3, at_most=200, &
                       meaning='finite elements across the loaded tooth, which all else follows')
       allocate (fixed, source=[character(5) :: 'sides', 'rim'])
@@ -61,7 +65,7 @@ contains
     member = 'pinion'
     call reader%get('section', 'member', member, error, waits=looks, refused=geared, &
                     allowed=[character(6) :: 'pinion', 'gear'], &
-                    meaning='the gear whose section the tasks section, static and modal take')
+                    meaning='the gear whose section the tasks section, static, modal and precision take')
     case%member = merge(2, 1, member == 'gear')
   end subroutine read_section
 end module gearsweep_body_keys

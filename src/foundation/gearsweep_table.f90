@@ -27,6 +27,8 @@ module gearsweep_table
     character(:), allocatable :: meaning         !< a plain sentence or part of one
     integer :: kind = kind_real
     logical :: is_index = .false.                !< it says where its row lies; the others say what is found there
+    !> The same input gives the same bits. Times that were measured are not.
+    logical :: is_reproducible = .true.
     real(dp), allocatable :: numbers(:)          !< of kind_real and kind_integer, one a row
     character(:), allocatable :: words(:)        !< of kind_text, one a row, padded with blanks
   end type column_t
@@ -51,6 +53,7 @@ module gearsweep_table
     !> `call table%add_index(name, unit, meaning, values)`, numbers or words.
     generic :: add_index => add_index_reals, add_index_integers, add_index_words
     procedure :: add_words
+    procedure :: add_times
     procedure :: is_there
     procedure :: position
     procedure :: numbers
@@ -125,6 +128,7 @@ contains
     call move_alloc(from%meaning, to%meaning)
     to%kind = from%kind
     to%is_index = from%is_index
+    to%is_reproducible = from%is_reproducible
     call move_alloc(from%numbers, to%numbers)
     call move_alloc(from%words, to%words)
   end subroutine move_column
@@ -155,6 +159,17 @@ contains
     call add_column(self, name, '', meaning, kind_text, is_index=.false.)
     self%columns(size(self%columns))%words = words
   end subroutine add_words
+
+  !> Run times (s), `seconds(rows)`: they differ from run to run.
+  pure subroutine add_times(self, name, meaning, seconds)
+    class(table_t), intent(inout) :: self
+    character(*), intent(in) :: name, meaning
+    real(dp), intent(in) :: seconds(:)
+
+    call add_column(self, name, 's', meaning, kind_real, is_index=.false.)
+    self%columns(size(self%columns))%numbers = seconds
+    self%columns(size(self%columns))%is_reproducible = .false.
+  end subroutine add_times
 
   pure subroutine add_index_reals(self, name, unit, meaning, values)
     class(table_t), intent(inout) :: self

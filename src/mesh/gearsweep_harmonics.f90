@@ -22,6 +22,7 @@ module gearsweep_harmonics
     real(dp) :: error_estimate = 0               !< of mean and amplitudes, m
     !> Length of the path, in base pitches, over which a pair carries load: the mean number of pairs that do.
     real(dp) :: effective_contact_ratio = 0
+    integer :: samples = 0                       !< of the transmission error that the integrals took
   contains
     procedure :: peak_to_peak
   end type harmonics_t
@@ -39,18 +40,22 @@ module gearsweep_harmonics
 
 contains
 
-  !> The first `count` harmonics of the static transmission error of `mesh` under `load` (N).
-  pure subroutine find_harmonics(mesh, load, count, harmonics)
+  !> The first `count` harmonics of the static transmission error of `mesh` under `load` (N). Segments are halved, at most
+  !> `halvings` times, until the integrals over both halves agree with that over the whole.
+  pure subroutine find_harmonics(mesh, load, count, harmonics, halvings)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
     integer, intent(in) :: count
     type(harmonics_t), intent(out) :: harmonics
+    integer, intent(in), optional :: halvings
     type(interval_t), allocatable :: intervals(:)
     type(segment_t), allocatable :: segments(:)
     type(integrand_t) :: f
     complex(dp) :: total(-1:count), whole(-1:count)
-    integer :: i
+    integer :: most, i
 
+    most = most_halvings
+    if (present(halvings)) most = halvings
     call smooth_segments(mesh, load, intervals, segments)
     call set_up(mesh, load, count, intervals, segments, f)
     harmonics%least = huge(1.0_dp)
@@ -59,7 +64,7 @@ contains
     do i = 1, size(segments)
       associate (interval => intervals(segments(i)%interval), a => segments(i)%first, b => segments(i)%last)
         whole = panel(f, interval, a, b, count)
-        call refine(f, interval, a, b, whole, most_halvings, total, harmonics%error_estimate)
+        call refine(f, interval, a, b, whole, most, total, harmonics)
         call extremes(f, interval, a, b, harmonics%least, harmonics%largest)
         harmonics%effective_contact_ratio = harmonics%effective_contact_ratio + &
                                             (b - a)*sum(merge(1, 0, carrying(mesh, load, interval, (a + b)/2)))
@@ -74,6 +79,7 @@ contains
     harmonics%amplitude = 2*f%scale*abs(total(1:))
     harmonics%phase = atan2(aimag(total(1:)), real(total(1:), dp))
     harmonics%error_estimate = 2*f%scale*harmonics%error_estimate
+    harmonics%samples = harmonics%samples + points*size(segments)
   end subroutine find_harmonics
 
   pure real(dp) function peak_to_peak(self)
@@ -139,15 +145,15 @@ contains
   end function panel
 
   !> Adds the integrals from a to b to `total`: those of the halves where they agree with `whole`,
-  !> else halved again. `estimate` grows by how far they disagree.
-  pure recursive subroutine refine(f, interval, a, b, whole, halvings, total, estimate)
+  !> else halved again. The error estimate of `harmonics` grows by how far they disagree.
+  pure recursive subroutine refine(f, interval, a, b, whole, halvings, total, harmonics)
     type(integrand_t), intent(in) :: f
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: a, b
     complex(dp), intent(in) :: whole(-1:)
     integer, intent(in) :: halvings
     complex(dp), intent(inout) :: total(-1:)
-    real(dp), intent(inout) :: estimate
+    type(harmonics_t), intent(inout) :: harmonics
     complex(dp), dimension(-1:ubound(whole, 1)) :: left, right
     real(dp) :: off
 
@@ -155,12 +161,13 @@ contains
       left = panel(f, interval, a, middle, ubound(whole, 1))
       right = panel(f, interval, middle, b, ubound(whole, 1))
       off = maxval(abs(whole - left - right))
+      harmonics%samples = harmonics%samples + 2*points
       if (off <= f%tolerance*(b - a) .or. halvings == 0) then
         total = total + left + right
-        estimate = estimate + off
+        harmonics%error_estimate = harmonics%error_estimate + off
       else
-        call refine(f, interval, a, middle, left, halvings - 1, total, estimate)
-        call refine(f, interval, middle, b, right, halvings - 1, total, estimate)
+        call refine(f, interval, a, middle, left, halvings - 1, total, harmonics)
+        call refine(f, interval, middle, b, right, halvings - 1, total, harmonics)
       end if
     end associate
   end subroutine refine

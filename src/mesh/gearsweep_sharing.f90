@@ -7,7 +7,7 @@ module gearsweep_sharing
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   implicit none
   private
-  public :: sharing_t, share_load, load_share, pairs_at, static_deflection, pair_load
+  public :: sharing_t, share_load, load_share, pairs_at, static_deflection, pair_load, transmission_error
 
   !> The static state along the mesh period; one-sided at every break.
   type :: sharing_t
@@ -96,6 +96,17 @@ contains
       end associate
     end do
   end subroutine pairs_at
+
+  !> The static transmission error (m) under `load` (N) at a phase of `interval`.
+  pure real(dp) function transmission_error(mesh, interval, load, phase)
+    type(mesh_t), intent(in) :: mesh
+    type(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: load, phase
+    real(dp), dimension(interval%pairs) :: stiffness, error
+
+    call pairs_at(mesh, interval, phase, stiffness, error)
+    transmission_error = static_deflection(stiffness, error, load, mesh%flattening) + mesh%disc%yield()*load
+  end function transmission_error
 
   !> Samples the period with about `samples` points. Source: Dogan et al. 2021,
   !> Eqs. 7, 8, with separation.

@@ -12,7 +12,7 @@ module gearsweep_root_rating
   use gearsweep_text, only: str
   implicit none
   private
-  public :: root_options_t, root_rating_t, rate_root, load_positions, load_radius, load_shares
+  public :: root_options_t, root_rating_t, rate_root, load_positions, load_radius, load_shares, outer_point
 
   integer, parameter, public :: shared_by_mesh = 0, shared_equally = 1, shares_stated = 2
   integer, parameter, public :: spaced_on_path = 0, spaced_on_flank = 1

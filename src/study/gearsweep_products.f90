@@ -2,7 +2,6 @@
 !> results.
 module gearsweep_products
   use gearsweep_case, only: case_t
-  use gearsweep_inputs, only: elements_inputs_t
   use gearsweep_optimum, only: most_sweeps
   use gearsweep_published, only: published_t
   use gearsweep_sweep, only: sweep_state_t
@@ -16,7 +15,6 @@ module gearsweep_products
   type, extends(stages_t) :: study_t
     type(case_t) :: case
     type(task_slot_t), allocatable :: tasks(:)   !< with their results
-    type(elements_inputs_t), allocatable :: elements_inputs  !< of its stiffness, where that is by finite elements
     type(published_t), allocatable :: published(:)  !< printed values to set beside ours
     type(task_slot_t), allocatable :: before(:)  !< what an interrupted run had done, as this one begins
     character(:), allocatable :: log             !< stages run and left out, a line each

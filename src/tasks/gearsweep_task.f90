@@ -10,7 +10,7 @@ module gearsweep_task
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_grid, only: grid_t
-  use gearsweep_inputs, only: body_inputs_t, motions_inputs_t
+  use gearsweep_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t
   use gearsweep_mesh, only: mesh_t
@@ -47,6 +47,7 @@ module gearsweep_task
     type(pair_t), allocatable :: pair            !< none for a prescribed mesh
     integer :: member = 1                        !< the gear whose body is looked at: 1 pinion, 2 gear
     type(body_inputs_t) :: body_inputs           !< of that body
+    type(elements_inputs_t), allocatable :: elements_inputs  !< of the pair stiffness, where that is by finite elements
     type(mesh_t), allocatable :: mesh            !< without relief
     real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
     real(dp) :: load = 0                         !< static load on the line of action, N

@@ -25,6 +25,7 @@ from .files import draw_all, figures, save
 from .gears import plot_geometry
 from .look import style
 from .over_speed import plot_optimum, plot_sweep
+from .precision import plot_precision
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 
@@ -38,6 +39,7 @@ __all__ = [
     'plot_modal',
     'plot_optimum',
     'plot_poincare',
+    'plot_precision',
     'plot_section',
     'plot_sharing',
     'plot_stability',

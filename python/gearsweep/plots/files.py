@@ -19,6 +19,7 @@ from .body import plot_modal, plot_section
 from .gears import plot_geometry
 from .look import COLUMN, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
+from .precision import PANELS, plot_precision
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 
@@ -72,6 +73,7 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'stability': _single(plot_stability, 80, PAGE),
         'hysteresis': _reliefs('hysteresis', plot_hysteresis),
         'poincare': _reliefs('lyapunov', plot_poincare),
+        'precision': _precision,
     }
     for name, draw in drawings.items():
         if name in study and (not names or name in names):
@@ -136,6 +138,15 @@ def _loads(study: Study) -> Figure:
     for ax, rpm in zip(axes, speeds):
         plot_load(study, ax, rpm=rpm)
     _one_legend(axes)
+    return figure
+
+
+def _precision(study: Study) -> Figure:
+    """A panel for each kind of computation."""
+    shown = {title: names for title, names in PANELS.items() if np.isin(names, study.precision.quantity).any()}
+    figure, axes = _panels(len(shown), 'quantities', 2, 75)
+    for ax, (title, names) in zip(axes, shown.items()):
+        plot_precision(study, ax, quantities=[name for name in names if name in study.precision.quantity], title=title)
     return figure
 
 
