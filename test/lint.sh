@@ -24,7 +24,9 @@ for folder in python validation bench test doc examples; do
   check "ruff: $folder" "$venv/bin/ruff" check --quiet --no-cache --output-format concise "$folder"
 done
 # One after the other, as files in two folders have the same name.
-for folder in validation bench test/mutation test/reference doc doc/site; do
+# The package's folders go together.
+check 'mypy: python' "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" python/gearsweep
+for folder in python/tests python/tools validation bench test/mutation test/reference doc doc/site; do
   check "mypy: $folder" "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" "$folder"/*.py
 done
 for folder in src app test examples; do

@@ -158,7 +158,7 @@ def answer(wanted: Arguments) -> None:
         shown.close()
     if study is None:
         remove_folder(wanted.out, made)
-        raise error
+        raise error or Error('the run made no study')
     written, failure = [], None
     try:
         written = study.write(wanted.out, name)

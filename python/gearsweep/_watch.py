@@ -98,7 +98,7 @@ def watched(
     return worker.answer(), cause
 
 
-def bar() -> Callable[[int, int], None]:
+def bar() -> Line | _Bar:
     """Progress on stderr: tqdm's bar where that is installed, else a line that is written over."""
     try:
         from tqdm.auto import tqdm

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import warnings
@@ -99,7 +100,7 @@ class Study(Named):
         about, columns = self._state()
         arrays = {'.'.join(place): values for place, values in columns.items()}
         with replacing(path) as new, open(new, 'wb') as file:
-            np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
+            np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)  # type: ignore[arg-type]
 
     def __getattr__(self, name: str) -> Table:
         if name.startswith('_'):
@@ -239,16 +240,12 @@ def run(
     elif case.unused:
         keys = ''.join(f'\n  for {line}' for line in case.unused)
         warnings.warn(f'keys that no task of this case uses:{keys}', UnusedWarning, stacklevel=2)
-    shown = bar() if progress is True else progress or None
-    try:
+    with contextlib.closing(bar()) if progress is True else contextlib.nullcontext(progress or None) as shown:
         study, error, cause = attempt(case, threads, earlier, shown, resume, keep or resume)
-    finally:
-        if progress is True:
-            shown.close()
     if cause is not None:
         raise cause
     if study is None or (error is not None and error.code == Code.INTERRUPTED):
-        raise error
+        raise error or Error('the run made no study')
     if error is not None:
         warnings.warn(str(error), PartialWarning, stacklevel=2)
     return study

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from math import floor
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -118,7 +119,7 @@ def plot_static(stress: Study | Table, ax: Axes | None = None) -> Axes:
     stress = table_of(stress, 'static')
     reliefs = Reliefs(stress.case)
     order = np.argsort(stress.s, kind='stable')
-    dots = {'marker': 'o', 'markersize': 2.5} if order.size < 20 else {}
+    dots: dict[str, Any] = {'marker': 'o', 'markersize': 2.5} if order.size < 20 else {}
     with canvas(ax) as ax:
         for side, name, rise, va in ((0, 'drive side', 2, 'bottom'), (1, 'coast side', -2, 'top')):
             for relief, sigma in zip(stress.relief_um, stress.sigma_mpa[:, :, side]):

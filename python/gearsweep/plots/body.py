@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -48,7 +50,7 @@ def plot_modal(modal: Study | Table, ax: Axes | None = None, *, mode: int = 1) -
     shape = np.column_stack([study.mode_shapes[axis][mode - 1] for axis in ('shape_x', 'shape_y')])
     scale = 0.05 * np.linalg.norm(np.ptp(nodes, axis=0)) / np.linalg.norm(shape, axis=1).max()
     with canvas(ax, height=80 * MM) as ax:
-        ax.add_collection(LineCollection(edges(nodes, element)[1], colors=GREY, linewidths=0.5))
+        ax.add_collection(LineCollection([*edges(nodes, element)[1]], colors=GREY, linewidths=0.5))
         _draw_grid(ax, nodes + scale * shape, element, ACCENT)
         ax.set_axis_off()
         ax.set_title(f'{mode}: {modal.frequency_hz[mode - 1]:.5g} Hz ± {100 * modal.error_estimate[mode - 1]:.1g} %')
@@ -76,8 +78,8 @@ def edges(nodes: Reals, element: Integers) -> tuple[Reals, Reals]:
 def _draw_grid(ax: Axes, nodes: Reals, element: Integers, color: str) -> None:
     """The grid in thin lines, as pixels also in vector graphics where they are many; its boundary in a stronger one."""
     every, outer = edges(nodes, element)
-    thin = {'linewidths': 0.2, 'alpha': 0.6, 'rasterized': len(every) > MANY}
-    ax.add_collection(LineCollection(every, colors=color, **thin))
-    ax.add_collection(LineCollection(outer, colors=color, linewidths=0.8))
+    thin: dict[str, Any] = {'linewidths': 0.2, 'alpha': 0.6, 'rasterized': len(every) > MANY}
+    ax.add_collection(LineCollection([*every], colors=color, **thin))
+    ax.add_collection(LineCollection([*outer], colors=color, linewidths=0.8))
     ax.autoscale_view()
     ax.set_aspect('equal')

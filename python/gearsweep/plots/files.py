@@ -93,8 +93,7 @@ def save(figure: Figure, file: str | os.PathLike | BinaryIO, ending: str) -> Non
         The file cannot be written.
     """
     dates = {'svg': {'Date': None}, 'pdf': {'CreationDate': None}}
-    named = isinstance(file, (str, os.PathLike))
-    with style(), replacing(file) if named else nullcontext(file) as new:
+    with style(), replacing(file) if isinstance(file, (str, os.PathLike)) else nullcontext(file) as new:
         figure.savefig(new, format=ending, metadata=dates.get(ending))
 
 
@@ -176,5 +175,5 @@ def _panels(n: int, what: str, across: int, height: float) -> tuple[Figure, list
 def _one_legend(axes: Sequence[Axes]) -> None:
     """Leaves the legend of the reliefs to the first of the panels."""
     for ax in axes[1:]:
-        if ax.get_legend() and ax.get_legend().get_title().get_text():
-            ax.get_legend().remove()
+        if (legend := ax.get_legend()) and legend.get_title().get_text():
+            legend.remove()

@@ -32,7 +32,7 @@ def plot_geometry(study: Study | Table, ax: Axes | None = None) -> Axes:
         for outline, fill in zip((pinion, gear), FILL.values()):
             ax.add_patch(Polygon(outline, facecolor=fill, edgecolor=INK, linewidth=0.7, joinstyle='round'))
         pitch = study.gears.base_diameter_mm / 2 / np.cos(np.radians(geometry.working_angle_deg))
-        for place, radius in zip(((0, 0), centre), pitch):
+        for place, radius in zip(((0.0, 0.0), (0.0, float(geometry.centre_distance_mm))), pitch):
             ax.add_patch(Circle(place, radius, fill=False, edgecolor=GREY, linewidth=0.5, linestyle=(0, (8, 2, 2, 2))))
         ax.axline(path[0], path[-1], color=GREY, linewidth=0.5)
         ax.plot(*path.T, color=ACCENT, marker='o', markersize=3, markerfacecolor='white', markeredgewidth=0.7)

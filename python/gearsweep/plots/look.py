@@ -106,9 +106,9 @@ def legends_above(ax: Axes, *parts: tuple[str, Sequence[Artist]], gap: float = 0
     for title, handles in reversed(parts):
         if not handles:
             continue
-        if ax.get_legend():
-            ax.add_artist(ax.get_legend()).set_clip_on(False)  # kept, and minded by the layout
-        widest = max(len(handle.get_label()) for handle in handles)
+        if before := ax.get_legend():
+            ax.add_artist(before).set_clip_on(False)  # kept, and minded by the layout
+        widest = max(len(str(handle.get_label())) for handle in handles)
         columns = min(len(handles), max(1, int(width / (3.6 + 0.6 * widest))))
         ax.legend(
             handles=[handle for column in range(columns) for handle in handles[column::columns]],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ class Reliefs:
     def style(self, relief: float) -> dict[str, Any]:
         return self.styles[self.index(relief)]
 
-    def legend(self, ax: Axes, more: list[Artist], gap: float = 0, *, filled: bool = False) -> None:
+    def legend(self, ax: Axes, more: Sequence[Artist], gap: float = 0, *, filled: bool = False) -> None:
         """Names the reliefs, as lines or as filled, unless there is none; and the marks in `more`."""
         handles = [
             Patch(color=look['color'], label=f'{amount:g}') if filled else Line2D([], [], label=f'{amount:g}', **look)
@@ -50,5 +51,7 @@ class Reliefs:
 
 def paths(s: Reals, *columns: Reals) -> list[tuple[Reals, ...]]:
     """Rows of several paths after each other, cut where the path coordinate starts anew."""
-    starts = np.flatnonzero(np.diff(s) < -0.5 * np.ptp(s)) + 1 if s.size else []
-    return list(zip(*(np.split(column, starts) for column in (s, *columns)))) if s.size else []
+    if not s.size:
+        return []
+    starts = np.flatnonzero(np.diff(s) < -0.5 * np.ptp(s)) + 1
+    return list(zip(*(np.split(column, starts) for column in (s, *columns))))

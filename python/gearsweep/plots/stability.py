@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
@@ -22,7 +24,7 @@ SHADES = LinearSegmentedColormap.from_list(
 NEUTRAL = 1e-7
 
 #: Motions that repeat with the mesh, after two periods, after more; chaos; what is not known.
-KINDS = {1: ACCENT, 2: '#c9772b', 3: '#3f8f5f', 'chaotic': '#8c2d55', 'undecided': GREY}
+KINDS: dict[int | str, str] = {1: ACCENT, 2: '#c9772b', 3: '#3f8f5f', 'chaotic': '#8c2d55', 'undecided': GREY}
 
 
 def plot_stability(stability: Study | Table, ax: Axes | None = None) -> Axes:
@@ -77,7 +79,8 @@ def outline(study: Study, tongue: int) -> tuple[Reals, Reals]:
     damping = edge.damping_ratio[is_open]
     top = [] if np.isnan(closing.closing_damping_ratio) else [(closing.closing_rpm, closing.closing_damping_ratio)]
     sides = [*zip(edge.lower_rpm[is_open], damping), *top, *zip(edge.upper_rpm[is_open][::-1], damping[::-1])]
-    return tuple(np.array(sides).reshape(-1, 2).T)
+    speeds, ratios = np.array(sides).reshape(-1, 2).T
+    return speeds, ratios
 
 
 def _closings(ax: Axes, tongues: Table) -> None:
@@ -178,7 +181,7 @@ def _changes(ax: Axes, changes: Table, looks: list[dict]) -> list[Line2D]:
 
 def _arrows(ax: Axes, runs: Table, changes: Table, looks: list[dict]) -> None:
     """Jumps, the largest first, with their speed on the side from which they come, unless another stands there."""
-    taken = []
+    taken: list[tuple[float, float]] = []
     ax.autoscale_view()  # so that places are known
     height = changes.dynamic_factor_after - changes.dynamic_factor_before
     for i in sorted(np.flatnonzero(leaps(runs, changes)), key=lambda i: -abs(height[i])):
@@ -189,7 +192,7 @@ def _arrows(ax: Axes, runs: Table, changes: Table, looks: list[dict]) -> None:
         x, y = 72 / ax.figure.dpi * ax.transData.transform((rpm, factor.mean()))  # in points
         x -= 32 * up
         if all(abs(x - other[0]) > 32 or abs(y - other[1]) > 10 for other in taken):
-            place = {'xytext': (-3 if up else 3, 0), 'textcoords': 'offset points', 'ha': 'right' if up else 'left'}
+            place: dict[str, Any] = {'xytext': (-3 if up else 3, 0), 'textcoords': 'offset points', 'ha': 'right' if up else 'left'}
             ax.annotate(f'{rpm:.0f}', (rpm, factor.mean()), **place, va='center', path_effects=HALO)
             taken.append((x, y))
 

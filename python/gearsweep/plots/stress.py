@@ -44,14 +44,14 @@ def plot_stress(stress: Study | Table, ax: Axes | None = None) -> Axes:
     value = principal(stress.sigma_x_mpa, stress.sigma_y_mpa, stress.tau_xy_mpa)
     nodes, element = grid_of(study)
     most = np.abs(value[np.hypot(*nodes.T) < form]).max()
-    levels = MaxNLocator(14, symmetric=True).tick_values(-most, most)
+    levels = np.array(MaxNLocator(14, symmetric=True).tick_values(-most, most))
     told = levels[levels.size // 2 % 2 :: 2]  # every other, with 0
     levels = levels[levels != 0]  # a line between a little tension and a little compression tells nothing
-    net = Triangulation(*nodes.T, element[:, TRIANGLES].reshape(-1, 3))
+    net = Triangulation(nodes[:, 0], nodes[:, 1], element[:, TRIANGLES].reshape(-1, 3))
     with canvas(ax, height=55 * MM) as ax:
         fill = ax.tricontourf(net, value, levels, cmap='RdBu_r', extend='both')
         ax.tricontour(net, value, levels, colors=INK, linewidths=0.25)
-        ax.add_collection(LineCollection(edges(nodes, element)[1], colors=INK, linewidths=0.7))
+        ax.add_collection(LineCollection([*edges(nodes, element)[1]], colors=INK, linewidths=0.7))
         ax.figure.colorbar(fill, ax=ax, label='Principal stress (MPa)', ticks=told, spacing='proportional')
         _arrow(ax, study, member)
         in_mm(ax)
@@ -74,7 +74,7 @@ def _arrow(ax: Axes, study: Study, member: str) -> None:
     point = load.radius_mm * np.array([np.sin(flank), np.cos(flank)])
     tail = 28 * np.array([np.cos(along), -np.sin(along)])  # printer's points
     arrow = {'arrowstyle': '-|>', 'color': INK, 'linewidth': 0.9, 'shrinkA': 0, 'shrinkB': 0, 'mutation_scale': 7}
-    ax.annotate('', point, tail, textcoords='offset points', arrowprops=arrow)
+    ax.annotate('', (point[0], point[1]), (tail[0], tail[1]), textcoords='offset points', arrowprops=arrow)
 
 
 def _look_at_tooth(ax: Axes, nodes: Reals, tip: float, root: float) -> None:
