@@ -40,6 +40,7 @@ contains
     if (t%wants('sixth_order')) call sixth_order(t)
     if (t%wants('one_by_one_and_in_batches')) call one_by_one_and_in_batches(t)
     if (t%wants('slow_motion')) call slow_motion(t)
+    if (t%wants('graded_steps')) call graded_steps(t)
     if (t%wants('stiffness_in_series')) call stiffness_in_series(t)
     if (t%wants('path_of_a_pair')) call path_of_a_pair(t)
     if (t%wants('methods_of_the_literature')) call methods_of_the_literature(t)
@@ -357,6 +358,34 @@ contains
                       str(count(one%status /= status_ok)))
     end do
   end subroutine one_by_one_and_in_batches
+
+  !> Slow motions in steps that grow behind the breaks find what many equal steps find, and at creeping speed the largest
+  !> load is the largest static one.
+  subroutine graded_steps(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options, equal
+    type(point_t) :: point, same
+    type(sharing_t) :: sharing
+    integer :: i
+
+    call read_rows(rows)
+    do i = 1, size(rows)
+      if (rows(i)%beyond == 0 .or. rows(i)%zeta < 0.09_dp .or. rows(i)%friction > 0) cycle
+      call make(rows(i), osc)
+      call solve(osc, 60.0_dp, options, point)
+      equal%steps = ceiling(6*osc%natural_frequency*mesh_period(rows(i)%teeth(1), 60.0_dp))
+      call solve(osc, 60.0_dp, equal, same)
+      call check_true(t, 'graded', point%resolution%graded_for > 0 .and. point%steps < same%steps/4, str(point%steps))
+      call check_close(t, 'graded and equal steps', point%dynamic_factor, same%dynamic_factor, &
+                       absolute=point%estimate + same%estimate)
+      ! The largest static load may lie at a kink, between two samples.
+      call share_load(osc%mesh, osc%load, 200000, sharing)
+      call solve(osc, 1e-4_dp, options, point)
+      call check_close(t, 'creeping', point%dynamic_factor, maxval(sharing%load)/osc%load, absolute=6e-6_dp)
+    end do
+  end subroutine graded_steps
 
   !> The slower the motion, the nearer its largest load comes to the largest static one: by twice the speed, twice as far.
   subroutine slow_motion(t)

@@ -1,5 +1,6 @@
 !> Operating points in graded steps, which are short behind breaks and grow as the natural motion decays. They serve
-!> where all pairs stay in contact: a change of contact would need short steps behind it, too.
+!> where all pairs between A and E stay in contact: a change of that would need short steps behind it, too.
+!> A pair beyond A or E closes and opens near a break, under next to no load.
 module gearsweep_graded_point
   use gearsweep_coefficients, only: graded_steps, resolution_t
   use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t, resolving_steps
@@ -9,7 +10,7 @@ module gearsweep_graded_point
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_periodic_orbit, only: distance, near, settled, steady_t
   use gearsweep_refinement, only: first_guess, levels_t, root
-  use gearsweep_steady, only: find_batch, solve_full_contact
+  use gearsweep_steady, only: find_batch, find_settled, is_one_branch
   use gearsweep_transient, only: by_shooting
   implicit none
   private
@@ -52,7 +53,7 @@ contains
     type(period_map_t) :: fine, coarse
     type(resolution_t) :: resolution
     real(dp) :: excess
-    integer :: trial
+    integer :: trial, l
 
     resolution = first
     do trial = 1, most_trials
@@ -62,14 +63,14 @@ contains
       if (levels%lacks) return
       call solve_in_contact(fine, duration, options, full)
       points%steady = full
-      solved = is_full_contact(full)
+      solved = [(is_gradable(osc, full(l)), l=1, size(full))]
       if (.not. any(solved)) return
       call discretise(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
       levels%lacks = coarse%table%steps == 0
       if (levels%lacks) solved = .false.
       if (levels%lacks) return
       call solve_in_contact(coarse, duration, options, half)
-      solved = solved .and. is_full_contact(half)
+      solved = solved .and. [(is_gradable(osc, half(l)), l=1, size(half))]
       points%steps = fine%table%steps
       points%work = points%work + 2*(fine%table%steps + coarse%table%steps)
       points%resolution = resolution
@@ -90,21 +91,22 @@ contains
     real(dp), intent(in) :: duration(:)
     type(accuracy_t), intent(in) :: options
     type(steady_t), intent(out) :: steady(:)
-    real(dp) :: state(2)
 
     call set_durations(map, duration)
     if (size(duration) == batch_size) then
       call find_batch(map, options%steady%tolerance, steady)
     else
-      call solve_full_contact(map, state, steady(1))
+      call find_settled(map, options%steady%tolerance, steady(1))
     end if
   end subroutine solve_in_contact
 
-  elemental logical function is_full_contact(steady)
+  !> Is this a motion for graded steps: in full contact, or with changes only of pairs beyond A and E?
+  pure logical function is_gradable(osc, steady)
+    type(oscillator_t), intent(in) :: osc
     type(steady_t), intent(in) :: steady
 
-    is_full_contact = settled(steady) .and. .not. steady%departs
-  end function is_full_contact
+    is_gradable = settled(steady) .and. (.not. steady%departs .or. is_one_branch(osc, steady%partial))
+  end function is_gradable
 
   !> One speed in graded steps, on the branch that `start` leads to.
   pure subroutine solve_one_graded(osc, duration, options, resolution, levels, point, solved, start)

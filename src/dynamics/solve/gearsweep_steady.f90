@@ -10,7 +10,7 @@ module gearsweep_steady
   use gearsweep_transient, only: march, steady_options_t, by_shooting
   implicit none
   private
-  public :: find_steady, find_batch, solve_full_contact
+  public :: find_steady, find_batch, find_settled, solve_full_contact, is_one_branch
 
 contains
 
@@ -45,6 +45,21 @@ contains
       call march(map, options, from, steady)
     end associate
   end subroutine find_steady
+
+  !> The steady motion that Newton's method finds from that in full contact, without marching, at one speed: that motion
+  !> itself or, where contact reaches beyond A and E, one in which only pairs beyond them come and go.
+  pure subroutine find_settled(map, tolerance, steady)
+    type(period_map_t), intent(inout) :: map         !< with the duration of one speed
+    real(dp), intent(in) :: tolerance                !< of the dynamic factor
+    type(steady_t), intent(out) :: steady            !< without a result where there is none
+    real(dp) :: state(2), work
+
+    call solve_full_contact(map, state, steady)
+    if (settled(steady) .or. .not. map%osc%mesh%reaches_beyond()) return
+    work = steady%work
+    call shoot(map, tolerance, 1, state, steady)
+    steady%work = steady%work + work
+  end subroutine find_settled
 
   !> Is there one motion only, wherever it starts? So it is taken to be while all pairs between A and E stay in contact,
   !> though pairs beyond come and go.
