@@ -32,6 +32,7 @@ program check
   use test_honesty, only: run_honesty => run
   use test_harmonics, only: run_harmonics => run
   use test_inputs, only: run_inputs => run
+  use test_measures, only: run_measures => run
   use test_mesh, only: run_mesh => run
   use test_methods, only: run_methods => run
   use test_motion, only: run_motion => run
@@ -64,6 +65,7 @@ program check
     & suite_t('declarations', run_declarations), &
     & suite_t('geometry', run_geometry), &
     & suite_t('closed_geometry', run_closed_geometry), &
+    & suite_t('measures', run_measures), &
     & suite_t('closed_relief', run_closed_relief), &
     & suite_t('corner', run_corner), &
     & suite_t('mesh', run_mesh), &

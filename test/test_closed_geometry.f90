@@ -145,19 +145,25 @@ contains
   subroutine outline_as_cut(t)
     type(tally_t), intent(inout) :: t
     integer, parameter :: steps = 6
-    type(stated_t) :: list(5)
+    type(stated_t) :: list(9)
     type(gear_t) :: gear
     type(error_t), allocatable :: error
     real(dp) :: points(2, 5*steps + 1), least, farthest
     integer :: n, i, k, side
 
-    list = examples()
+    list(:5) = examples()
+    ! Undercut: harmless, deep, of one flank or both, by a sharp rack and by a round one.
+    list(6) = stated_t(teeth=[17, 16], rounding=[0.38_dp, 0.38_dp])
+    list(7) = stated_t(module=4.5_dp, teeth=[24, 18], shift=[-0.5_dp, 0.0_dp], rounding=[0.38_dp, 0.25_dp])
+    list(8) = stated_t(teeth=[8, 12], shift=[0.0_dp, -0.2_dp], rounding=[0.1_dp, 0.25_dp])
+    list(9) = stated_t(angle=[25, 15], teeth=[14, 19], rounding=[0.2_dp, 0.0_dp])
     do n = 1, size(list)
       associate (pair => list(n))
         do i = 1, 2
           call make_gear(gear_spec_t('gear', pair%teeth(i), pair%module, pair%angle*degree, pair%shift(i), pair%addendum(i), &
             pair%dedendum(i), pair%rounding(i), face_width=1.0_dp), gear, error)
           call check_no_error(t, 'gear to be cut', error)
+          call check_true(t, 'pair '//str(n)//': undercut', any(gear%is_undercut([drive, coast])) .eqv. n > size(examples()))
           points = tooth_contour(gear, steps)
           farthest = 0
           least = 0

@@ -8,7 +8,7 @@ module test_closed_limits
   use quantities, only: number_behind, refusal
   use stated_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &
     & base_pitch, contact_ratio, half_tooth, degree, drive, coast
-  use testing, only: tally_t, check_true, check_close, check_error
+  use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
   public :: run
@@ -50,7 +50,7 @@ contains
     integer :: i
 
     pair = stated_t(teeth=[11, 40], distance=76.5_dp)
-    call check_limit(t, task//text_of(pair), 'undercut with 11 teeth; must be at least ', &
+    call check_limit(t, task//text_of(pair), 'undercut with 11 teeth takes working flank; to have none it must be at least ', &
                      1.25_dp - 0.25_dp*(1 - sin(20*degree)) - 11*sin(20*degree)**2/2, 1e-5_dp)
     pair = stated_t(angle=[24, 17], teeth=[30, 40], rounding=[0.6_dp, 0.2_dp], distance=105.0_dp)
     alpha = [24, 17]*degree
@@ -207,6 +207,10 @@ contains
     spec = good
     spec%teeth = 5
     call make_gear(spec, gear, error)
-    call check_error(t, 'five teeth are many enough, but undercut', error, 'undercut with 5 teeth')
+    call check_no_error(t, 'five teeth are many enough', error)
+    call check_true(t, 'but undercut', gear%is_undercut(drive))
+    spec%profile_shift = -0.6_dp
+    call make_gear(spec, gear, error)
+    call check_error(t, 'undercut cuts five teeth off', error, 'undercut with 5 teeth leaves no tooth')
   end subroutine impossible_gears
 end module test_closed_limits

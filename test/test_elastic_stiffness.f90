@@ -26,6 +26,7 @@ contains
 
     if (t%wants('flattening')) call flattening(t)
     if (t%wants('convergence')) call convergence(t)
+    if (t%wants('undercut')) call undercut(t)
     if (t%wants('depth')) call depth(t)
     if (t%wants('supports')) call supports(t)
     if (t%wants('exchange')) call exchange(t)
@@ -100,6 +101,45 @@ contains
     call check_close(t, 'single tooth at the pitch point near 34 N/(um mm)', &
                      2*usual%value(pair%contact_ratio/2)/0.0254_dp, 34e9_dp, relative=0.03_dp)
   end subroutine convergence
+
+  !> Undercut teeth, whose fillets meet the involutes in an edge: FZG type A, where contact stays 0.4 mm above it, and ten
+  !> teeth whose path of contact begins at it. Finer grids come nearer to a fine one, as with other teeth.
+  subroutine undercut(t)
+    type(tally_t), intent(inout) :: t
+    type(gear_t) :: gear(2)
+    type(pair_t) :: pair
+    type(fe_options_t) :: options
+    type(piecewise_t) :: curve(3)
+    type(disc_t) :: disc
+    type(error_t), allocatable :: error
+    integer, parameter :: across(3) = [8, 16, 40]
+    real(dp) :: off(2)
+    integer :: k, i
+
+    do k = 1, 2
+      if (k == 1) then
+        call make_gear(gear_spec_t('pinion', 16, 0.0045_dp, profile_shift=0.8532_dp, rack_tip_radius=0.38_dp, &
+                                   face_width=0.02_dp), gear(1), error)
+        call make_gear(gear_spec_t('gear', 24, 0.0045_dp, profile_shift=-0.5_dp, rack_tip_radius=0.38_dp, &
+                                   face_width=0.02_dp), gear(2), error)
+        call make_pair(gear(1), gear(2), 0.0915_dp, pair, error)
+      else
+        call make_gear(gear_spec_t('pinion', 10, 0.003_dp, face_width=0.02_dp), gear(1), error)
+        call make_gear(gear_spec_t('gear', 40, 0.003_dp, face_width=0.02_dp), gear(2), error)
+        call make_pair(gear(1), gear(2), 0.075_dp, pair, error, shorten=.true.)
+      end if
+      call check_no_error(t, 'undercut pair '//str(k), error)
+      do i = 1, 3
+        options%section%elements_across = across(i)
+        options%section%others_across = max(4, across(i)/4)
+        call fe_stiffness(pair, material_t(), options, load, curve(i), disc, error)
+        call check_no_error(t, 'stiffness of undercut teeth', error)
+      end do
+      off = [apart(curve(1), curve(3), pair%contact_ratio), apart(curve(2), curve(3), pair%contact_ratio)]
+      call check_true(t, 'undercut pair '//str(k)//' converges', off(2) < 0.5_dp*off(1), str(off(1))//' then '//str(off(2)))
+      call check_close(t, 'undercut pair '//str(k)//', default grid', off(2), 0.0_dp, absolute=3e-3_dp)
+    end do
+  end subroutine undercut
 
   !> Where the grid ends and Hertz begins is ours to choose.
   subroutine depth(t)

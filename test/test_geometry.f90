@@ -29,6 +29,7 @@ contains
     if (t%wants('high_contact_ratio')) call high_contact_ratio(t)
     if (t%wants('outline_closes')) call outline_closes(t)
     if (t%wants('fewest_teeth')) call fewest_teeth(t)
+    if (t%wants('undercut_pairs')) call undercut_pairs(t)
     if (t%wants('refusals')) call refusals(t)
     if (t%wants('relief_shapes')) call relief_shapes(t)
   end subroutine run
@@ -304,12 +305,84 @@ contains
     call check_no_error(t, '18 teeth', error)
     spec%teeth = 17
     call make_gear(spec, gear, error)
-    call check_error(t, '17 teeth', error, 'undercut')
+    call check_no_error(t, '17 teeth', error)
+    call check_true(t, '17 teeth are undercut, 18 not', gear%is_undercut(drive))
     spec%profile_shift = 1 - 17*sin(20*degree)**2/2 + 1e-9_dp
     call make_gear(spec, gear, error)
     call check_no_error(t, '17 teeth, least shift', error)
+    call check_true(t, 'with the least shift they are not', .not. any(gear%is_undercut([drive, coast])))
     call check_close(t, 'involute from the base circle', gear%form_radius(drive), gear%base_radius(drive), 1e-9_dp)
   end subroutine fewest_teeth
+
+  !> Gears that undercut does no harm, and gears that lose working flank. Where their involutes begin and how deep contact
+  !> goes (mm) is from a program that cuts the gears with a rack as a solid; one unit of its last digit.
+  !> FZG type A has its tips shortened for its centre distance.
+  subroutine undercut_pairs(t)
+    type(tally_t), intent(inout) :: t
+    type(gear_spec_t) :: spec(2)
+    type(gear_t) :: gears(2)
+    type(pair_t) :: pair
+    type(error_t), allocatable :: error
+
+    call make_specs([17, 43], 2.0_dp, [0.0_dp, 0.0_dp], spec)
+    spec%rack_tip_radius = 0.38_dp
+    call begins('17/43', 1, 15.9748_dp, 15.9908_dp)
+    spec(1)%teeth = 16
+    call begins('16/43', 1, 15.0362_dp, 15.0397_dp)
+    call make_specs([18, 18], 4.0_dp, [0.0_dp, 0.0_dp], spec)
+    call begins('18/18', 2, 33.8294_dp, 33.9876_dp)
+    call make_specs([12, 40], 4.0_dp, [0.3_dp, -0.1_dp], spec)
+    call begins('12/40', 1, 22.5575_dp, 22.5852_dp)
+    call make_specs([16, 24], 4.5_dp, [0.8532_dp, -0.5_dp], spec)
+    spec%rack_tip_radius = 0.38_dp
+    call begins('FZG A', 2, 101.494_dp/2, 102.291_dp/2, 91.5_dp)
+    call make_specs([12, 43], 2.0_dp, [0.0_dp, 0.0_dp], spec)
+    spec%rack_tip_radius = 0.38_dp
+    call build(spec, pair, error)
+    call check_error(t, '12/43', error, 'undercut with 12 teeth takes working flank')
+    spec(1)%teeth = 14
+    call build(spec, pair, error)
+    call check_error(t, '14/43', error, 'undercut with 14 teeth takes working flank')
+    gears = pair%gear
+    call make_pair(gears(1), gears(2), 57*mm, pair, error, shorten=.true.)
+    call check_no_error(t, '14/43, shortened', error)
+    call check_close(t, 'the path begins at the involute', pair%radius(1, 0.0_dp), gears(1)%form_radius(drive), 1e-14_dp)
+    call check_close(t, 'and ends at the tip', pair%radius(1, pair%contact_ratio), gears(1)%tip_radius, 1e-14_dp)
+    call check_close(t, 'what is lost', pair%lost(1), pair%curvature(1, 0.0_dp) - (57*mm*sin(20*degree) &
+                     - sqrt(gears(2)%tip_radius**2 - gears(2)%base_radius(drive)**2)), 1e-12_dp)
+    call check_true(t, 'the gear loses nothing', .not. abs(pair%lost(2)) > 0)
+    ! Mirrored, the path loses its other end.
+    call make_pair(gears(2), gears(1), 57*mm, pair, error, shorten=.true.)
+    call check_close(t, 'mirrored', pair%radius(2, pair%contact_ratio), pair%gear(2)%form_radius(drive), 1e-14_dp)
+    call check_true(t, 'the pinion loses nothing', .not. abs(pair%lost(1)) > 0 .and. pair%lost(2) > 0)
+    call make_specs([6, 60], 2.0_dp, [-0.8_dp, 0.0_dp], spec)
+    call build(spec, pair, error)
+    call check_error(t, 'cut through', error, 'undercut with 6 teeth leaves no tooth')
+
+  contains
+
+    !> Radii (mm) at which the involute of one gear begins and at which the other's tip touches it.
+    subroutine begins(name, member, form, contact, distance)
+      character(*), intent(in) :: name
+      integer, intent(in) :: member
+      real(dp), intent(in) :: form, contact
+      real(dp), intent(in), optional :: distance
+      real(dp) :: digit
+
+      digit = 1e-4_dp
+      if (present(distance)) then
+        digit = 5e-4_dp
+        call build(spec, pair, error, distance=distance*mm, altered=.true.)
+      else
+        call build(spec, pair, error)
+      end if
+      call check_no_error(t, name, error)
+      call check_true(t, name//': undercut', pair%gear(member)%is_undercut(drive))
+      call check_close(t, name//': form radius', pair%gear(member)%form_radius(drive)/mm, form, absolute=digit)
+      call check_close(t, name//': contact from', pair%radius(member, merge(0.0_dp, pair%contact_ratio, member == 1))/mm, &
+                       contact, absolute=digit)
+    end subroutine begins
+  end subroutine undercut_pairs
 
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t

@@ -11,7 +11,7 @@ module test_mesh
   use gearsweep_pair, only: pair_t, make_pair, free_centre_distance
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_sharing, only: pair_load, sharing_t, share_load, static_deflection
-  use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
+  use gearsweep_stiffness, only: gear_blank_factor, iso_options_t, iso_stiffness, polynomial_stiffness, table_stiffness
   use gearsweep_weber, only: weber_stiffness
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
@@ -27,6 +27,7 @@ contains
     if (t%wants('piecewise_exactness')) call piecewise_exactness(t)
     if (t%wants('spline_order')) call spline_order(t)
     if (t%wants('iso_numbers')) call iso_numbers(t)
+    if (t%wants('iso_bodies')) call iso_bodies(t)
     if (t%wants('weber_against_iso')) call weber_against_iso(t)
     if (t%wants('tables')) call tables(t)
     if (t%wants('deflection')) call deflection(t)
@@ -112,6 +113,36 @@ contains
     call check_close(t, 'low load', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp*(0.5_dp*cos(pi/9))**0.25_dp, &
                      3e-4_dp)
   end subroutine iso_numbers
+
+  !> K_A counts as load below 100 N/mm and not above. C_R by hand: web of 0.3 face widths under a rim of two modules: 1 +
+  !> ln(0.3)/(5 exp(0.4)) = 0.838591; thinner than 0.2 face widths and a module: 1 + ln(0.2)/(5 exp(0.2)) = 0.736461; a web as
+  !> wide as the face has none of it. The more flexible gear counts.
+  subroutine iso_bodies(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair
+    type(piecewise_t) :: plain, changed
+    type(material_t) :: steel
+    type(error_t), allocatable :: error
+    type(iso_options_t) :: options
+    real(dp), parameter :: width = 25.4e-3_dp, module = 3.18e-3_dp
+
+    pair = pair_of([25, 40])
+    options%application_factor = 1.5_dp
+    call iso_stiffness(pair, steel, 60e3_dp, plain, error)
+    call iso_stiffness(pair, steel, 40e3_dp, changed, error, options)
+    call check_close(t, 'K_A of a light load', changed%maximum(), plain%maximum(), 1e-14_dp)
+    call iso_stiffness(pair, steel, 200e3_dp, plain, error)
+    call iso_stiffness(pair, steel, 200e3_dp, changed, error, options)
+    call check_close(t, 'K_A of a heavy load', changed%maximum(), plain%maximum(), 1e-14_dp)
+    call check_close(t, 'C_R by hand', gear_blank_factor(0.3_dp*width, 2*module, width, module), 0.838591_dp, absolute=1e-6_dp)
+    call check_close(t, 'least C_R', gear_blank_factor(0.1_dp*width, module/2, width, module), 0.736461_dp, absolute=1e-6_dp)
+    call check_close(t, 'C_R of a full web', gear_blank_factor(width, 3*module, width, module), 1.0_dp, 1e-14_dp)
+    call check_close(t, 'C_R of a solid disc', gear_blank_factor(0.0_dp, 0.0_dp, width, module), 1.0_dp, 1e-14_dp)
+    options%web_thickness = [0.9_dp, 0.3_dp]*width
+    options%rim_thickness = [4, 2]*module
+    call iso_stiffness(pair, steel, 200e3_dp, changed, error, options)
+    call check_close(t, 'the more flexible gear', changed%maximum(), 0.838591_dp*plain%maximum(), 2e-6_dp)
+  end subroutine iso_bodies
 
   !> Independent methods: the standard's c'th was fitted to Weber-Banaschek
   !> calculations of such gears; 5 per cent over a range of tooth numbers.

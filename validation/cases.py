@@ -28,7 +28,9 @@ VARIANTS = {
     'c14': {'pair': {'face_width_mm': 14}, 'pinion': {'addendum': 0.980133}, 'gear': {'addendum': 0.980133},
             'load': {'torque_nm': 200}},
     'six-um': {'relief': {'amount_um': (0, 6), 'start': 'hpstc'}},
-    'no-edge-break': {'gear': {'addendum': 0.9993}},
+    'no-edge-break': {'gear': {'tip_form_diameter_mm': None}},
+    # STplus prints the span of teeth without their allowances.
+    'no-allowance': {'pinion': {'generating_shift': None}, 'gear': {'generating_shift': None}},
     'pinion-only': {'relief': {'gear_fraction': 0}},
     'less-on-the-gear': {'relief': {'gear_fraction': 0.6}},
     'rack-tip-0.25': {'pinion': {'rack_tip_radius': 0.25}, 'gear': {'rack_tip_radius': 0.25}},

@@ -32,16 +32,19 @@ def working_angle_deg(name):
 
 
 def tip_thickness(name, member):
-    """Of a tooth without backlash, on its tip circle."""
-    angle = math.acos(radius(name, member, 'base') / radius(name, member, 'tip'))
-    half = _half_tooth_angle(name, member, given(name, _MEMBERS[member], 'profile_shift'))
-    return 2 * radius(name, member, 'tip') * (half - math.tan(angle) + angle)
+    """Of a tooth, on its tip circle, between its edge breaks."""
+    return result('gears', name).tip_thickness_mm[member - 1]
 
 
-def span(name, member, teeth, shift):
-    """Base tangent length over some teeth of a gear with this profile shift."""
-    pitches = (teeth - 1) * base_pitch(name)
-    return pitches + 2 * radius(name, member, 'base') * _half_tooth_angle(name, member, shift)
+def chamfer(name, member):
+    """Height of the edge break."""
+    return radius(name, member, 'tip') - radius(name, member, 'tip_form')
+
+
+def span(name, member, teeth):
+    """Span measurement over some teeth."""
+    gears = result('gears', name)
+    return gears.span_mm[member - 1] + (teeth - gears.span_teeth[member - 1]) * base_pitch(name)
 
 
 def contact_length(name):
@@ -131,6 +134,11 @@ def form_factor(name, which):
     return result('root_rating', name)[{'Y_F': 'iso_form_factor', 'Y_S': 'iso_stress_correction'}[which]]
 
 
+def root_section(name, which):
+    """Of ISO 6336-3: thickness_mm (s_Fn), lever_mm (h_Fe), radius_mm (rho_F), angle_deg (alpha_Fen)."""
+    return result('root_rating', name)[f'iso_{which}']
+
+
 def root_tension(name):
     """Largest stress in the fillets."""
     return result('root_stress', name).tension_mpa[0]
@@ -139,16 +147,6 @@ def root_tension(name):
 def mode(name, k):
     """Natural frequency of the section, Hz."""
     return result('modal', name).frequency_hz[k - 1]
-
-
-_MEMBERS = {1: 'pinion', 2: 'gear'}
-
-
-def _half_tooth_angle(name, member, shift):
-    """Half the angle that a tooth takes on the base circle."""
-    alpha = math.radians(given(name, 'pair', 'pressure_angle_deg'))
-    teeth = given(name, _MEMBERS[member], 'teeth')
-    return (math.pi / 2 + 2 * shift * math.tan(alpha)) / teeth + math.tan(alpha) - alpha
 
 
 def _at(name, letter):

@@ -24,6 +24,10 @@ class GeometryTable(Table):
     """deg: working pressure angle of the coast flanks"""
     backlash_um: float
     """um: along the line of action"""
+    rounding_um: float
+    """um: how far the centre distance lies below the one without backlash, by rounding of the inputs"""
+    shorten_path: int
+    """1 where the path of contact may end where undercut ends an involute, else 0"""
     contact_ratio: float
     """transverse contact ratio: the path of contact in base pitches"""
     base_pitch_mm: float
@@ -36,8 +40,14 @@ class GearsTable(Table):
     """pinion or gear"""
     teeth: NDArray[int64]
     """number of teeth"""
+    profile_shift: NDArray[float64]
+    """profile shift coefficient x"""
     tip_diameter_mm: NDArray[float64]
     """mm: tip circle"""
+    tip_form_diameter_mm: NDArray[float64]
+    """mm: circle where the involute of the drive flank ends: the tip circle, or where its chamfer or rounding begins"""
+    tip_thickness_mm: NDArray[float64]
+    """mm: of the tooth on the tip circle, between its chamfers or roundings"""
     reference_diameter_mm: NDArray[float64]
     """mm: reference circle"""
     base_diameter_mm: NDArray[float64]
@@ -48,6 +58,26 @@ class GearsTable(Table):
     """mm: root circle"""
     form_diameter_mm: NDArray[float64]
     """mm: circle where the involute of the drive flank begins"""
+    coast_form_diameter_mm: NDArray[float64]
+    """mm: circle where the involute of the coast flank begins"""
+    active_diameter_mm: NDArray[float64]
+    """mm: circle where contact on the drive flank begins, d_Nf"""
+    undercut: NDArray[int64]
+    """1 where undercut of the drive flank cuts into the involute above the base circle, else 0"""
+    lost_path_mm: NDArray[float64]
+    """mm: what undercut of this gear takes off the path of contact (shorten_path)"""
+    generating_shift: NDArray[float64]
+    """generating profile shift coefficient x_E"""
+    reference_thickness_mm: NDArray[float64]
+    """mm: tooth thickness on the reference circle, as generated"""
+    span_teeth: NDArray[int64]
+    """number of teeth k that the span measurement takes; 0: none can be spanned"""
+    span_mm: NDArray[float64]
+    """mm: span measurement W_k, base tangent length"""
+    pin_diameter_mm: NDArray[float64]
+    """mm: pins that the gear is measured over"""
+    over_pins_mm: NDArray[float64]
+    """mm: diameter over pins M_dK"""
 
 class ContactPointsTable(Table):
     """points of the path of contact: A start, B and D where another pair leaves and enters, P pitch point, E end"""
@@ -244,6 +274,16 @@ class RootRatingTable(Table):
     """Y_F"""
     iso_stress_correction: float
     """Y_S"""
+    iso_thickness_mm: float
+    """mm: s_Fn, thickness of the tooth at the 30 degree tangents"""
+    iso_lever_mm: float
+    """mm: h_Fe, lever of the load over that section"""
+    iso_radius_mm: float
+    """mm: rho_F, radius of the fillet there"""
+    iso_angle_deg: float
+    """deg: alpha_Fen, angle of the load to the normal of the tooth's axis"""
+    equal_flanks: int
+    """1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0"""
     lewis_mpa: float
     """MPa: by Lewis"""
     lewis_form_factor: float

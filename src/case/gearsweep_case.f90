@@ -6,13 +6,14 @@ module gearsweep_case
   use gearsweep_section, only: section_options_t
   use gearsweep_relief, only: linear
   use gearsweep_error_estimate, only: accuracy_t
+  use gearsweep_stiffness, only: iso_options_t
   use gearsweep_sweep, only: up
   use gearsweep_task, only: task_length
   use gearsweep_tasks, only: list_tasks, sentence_length, sentence_of, task_slot_t
   use gearsweep_uses, only: unless
   implicit none
   private
-  public :: case_t, for_stage, speed_count, speeds, list_task_names
+  public :: case_t, for_iso, for_stage, speed_count, speeds, list_task_names
 
   type :: case_t
     character(:), allocatable :: text            !< as read
@@ -23,6 +24,8 @@ module gearsweep_case
     type(gear_spec_t) :: spec(2)
     real(dp) :: centre_distance = 0              !< 0: without backlash
     logical :: tip_alteration = .false.
+    logical :: shorten_path = .false.
+    logical :: has_allowance = .false.           !< of the tooth thickness, on either gear
     logical :: has_backlash = .false.
     real(dp) :: backlash = 0
     real(dp) :: mass(2) = 0, inertia(2) = 0      !< 0: not given
@@ -40,6 +43,7 @@ module gearsweep_case
     real(dp) :: shared_compliance = 0            !< m/N
     real(dp), allocatable :: coefficients(:)
     real(dp) :: contact_ratio = 0, base_pitch = 0
+    type(iso_options_t) :: iso                   !< for the model iso6336; its keys stand with load and gears
     real(dp) :: pitch_point = -1                 !< below 0: half the contact ratio
     logical :: tooth_coupling = .true., corner_contact = .true., nonlinear_contact = .true.
     ! &dynamics
@@ -122,6 +126,14 @@ contains
 
     what = unless(case%needs(stage), trim(case%tasks_for(stage)))
   end function for_stage
+
+  !> What a key of ISO 6336-1's stiffness waits for.
+  pure function for_iso(case) result(what)
+    type(case_t), intent(in) :: case
+    character(sentence_length) :: what
+
+    what = unless(case%needs('mesh') .and. case%model == 'iso6336', 'a stiffness by iso6336')
+  end function for_iso
 
   !> Does a task need both members' stiffness by finite elements?
   pure logical function needs_elements(self)

@@ -1,11 +1,13 @@
 !> What a case says of the gears: &pair, &pinion, &gear and &material.
 module gearsweep_gear_keys
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_case, only: case_t, for_stage
-  use gearsweep_error, only: error_t
+  use gearsweep_case, only: case_t, for_iso, for_stage
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_gear, only: gear_spec_t
   use gearsweep_reader, only: reader_t
   use gearsweep_tasks, only: sentence_length
-  use gearsweep_uses, only: needs_gears, unless
+  use gearsweep_text, only: str
+  use gearsweep_uses, only: first_of, needs_gears, unless
   implicit none
   private
   public :: read_pair, read_member, read_material
@@ -48,8 +50,13 @@ contains
     call reader%get('pair', 'tip_alteration', case%tip_alteration, error, refused=geared, &
                     meaning='shortens the tips so that the rack''s bottom clearance is kept at this centre distance '// &
                     '(ISO 21771); never lengthens them')
+    call reader%get('pair', 'shorten_path', case%shorten_path, error, refused=geared, &
+                    meaning='where undercut takes flank that the partner''s tip would work on, ends the path of contact '// &
+                    'where the involute ends; without it such gears are refused')
     call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', given=case%has_backlash, &
-                    tasks=case%tasks_for('losses'), at_least=0.0_dp, at_most=1e9_dp, otherwise='the coast flanks never touch', &
+                    tasks=case%tasks_for('losses'), at_least=0.0_dp, at_most=1e9_dp, &
+                    otherwise='where a gear has a thickness allowance, what follows from it; else the coast flanks never '// &
+                    'touch', &
                     meaning='backlash along the line of action: the coast flanks touch once the drive flanks are this far '// &
                     'apart')
     case%spec%pressure_angle(1) = drive_angle
@@ -87,18 +94,102 @@ contains
                       meaning='number of teeth')
       call reader%get(group, 'profile_shift', spec%profile_shift, error, refused=geared, above=-5.0_dp, below=5.0_dp, &
                       meaning='profile shift coefficient x: the rack is moved outwards by x modules')
-      call reader%get(group, 'addendum', spec%addendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp, &
-                      meaning='addendum of the rack in modules, h_aP*')
+      call read_allowance(reader, group, spec, case%has_allowance, geared, error)
+      call read_tip(reader, group, spec, case%tip_alteration, geared, error)
       call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp, &
                       meaning='dedendum of the rack in modules, h_fP*')
       call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, at_least=0.0_dp, at_most=2.0_dp, &
                       meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
+      call reader%get(group, 'pin_diameter_mm', spec%pin_diameter, error, unit='mm', refused=geared, above=0.0_dp, &
+                      otherwise='one that touches at the V circle', &
+                      meaning='diameter of the pins over which the gear is measured; equal pressure angles only')
+      call read_web(reader, group, member, case, geared, error)
       call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, refused=geared, &
                       waits=bore_waits(case, member), at_least=0.0_dp, &
                       meaning='bore diameter, below the root diameter; it ends the section where rim_mm is not given, and '// &
                       'takes its part off the mass of a solid disc')
     end associate
   end subroutine read_member
+
+  !> Where the tooth ends, and how.
+  subroutine read_tip(reader, group, spec, is_altered, geared, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: group, geared
+    type(gear_spec_t), intent(inout) :: spec
+    logical, intent(in) :: is_altered
+    type(error_t), allocatable, intent(inout) :: error
+    logical :: has_diameter, given(3)
+
+    call reader%get(group, 'tip_diameter_mm', spec%tip_diameter, error, unit='mm', given=has_diameter, above=0.0_dp, &
+                    refused=first_of(geared, unless(.not. is_altered, 'does not go with &pair tip_alteration; remove one')), &
+                    otherwise='from addendum, profile shift and tip alteration', &
+                    meaning='tip diameter d_a, instead of the addendum')
+    call reader%get(group, 'addendum', spec%addendum, error, above=0.0_dp, at_most=5.0_dp, &
+                    refused=first_of(geared, unless(.not. has_diameter, 'does not go with tip_diameter_mm; remove one')), &
+                    meaning='addendum of the rack in modules, h_aP*')
+    call reader%get(group, 'tip_chamfer_mm', spec%tip_chamfer, error, unit='mm', given=given(1), refused=geared, &
+                    at_least=0.0_dp, otherwise='none', &
+                    meaning='height of the chamfer at the tip, h_K, as an edge of the tool at 45 degrees cuts it')
+    call reader%get(group, 'tip_rounding_mm', spec%tip_rounding, error, unit='mm', given=given(2), refused=geared, &
+                    at_least=0.0_dp, otherwise='none', &
+                    meaning='radius of the rounding between flank and tip circle, instead of a chamfer')
+    call reader%get(group, 'tip_form_diameter_mm', spec%tip_form_diameter, error, unit='mm', given=given(3), refused=geared, &
+                    above=0.0_dp, otherwise='the tip diameter, or where a chamfer or rounding begins', &
+                    meaning='tip form diameter d_Na, where the involute ends: a chamfer stated by where it begins')
+    if (count(given) > 1) call fail(error, code_input, '&'//group//' '//trim(merge('tip_form_diameter_mm', &
+      'tip_rounding_mm     ', given(3)))//': give one of tip_chamfer_mm, tip_rounding_mm and tip_form_diameter_mm')
+  end subroutine read_tip
+
+  !> How much thinner than its profile shift says the tooth is generated: stated as such, or by the shift that generates it.
+  subroutine read_allowance(reader, group, spec, has_allowance, geared, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: group, geared
+    type(gear_spec_t), intent(inout) :: spec
+    logical, intent(inout) :: has_allowance
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: allowance, shift
+    logical :: given(2)
+
+    allowance = 0
+    shift = 0
+    call reader%get(group, 'thickness_allowance_um', allowance, error, unit='um', given=given(1), refused=geared, &
+                    at_least=-1e9_dp, at_most=0.0_dp, otherwise='none', &
+                    meaning='tooth-thickness allowance A_s on the reference circle, negative: by so much the tooth is thinner '// &
+                    'than profile_shift says; backlash follows from it')
+    call reader%get(group, 'generating_shift', shift, error, given=given(2), refused=geared, above=-5.0_dp, below=5.0_dp, &
+                    otherwise='profile_shift, less what thickness_allowance_um takes', &
+                    meaning='generating profile shift coefficient x_E, at most profile_shift; instead of '// &
+                    'thickness_allowance_um')
+    has_allowance = has_allowance .or. any(given)
+    if (all(given)) call fail(error, code_input, '&'//group// &
+      ' generating_shift: give thickness_allowance_um or generating_shift, not both')
+    if (allocated(error)) return
+    if (given(1)) spec%thinning = allowance/(spec%module*sum(tan(spec%pressure_angle)))
+    if (given(2)) spec%thinning = shift - spec%profile_shift
+    if (spec%thinning > 0) call fail(error, code_input, '&'//group//' generating_shift = '//str(shift)// &
+      ': must be at most profile_shift = '//str(spec%profile_shift))
+  end subroutine read_allowance
+
+  !> What lies below the teeth, for ISO 6336-1.
+  subroutine read_web(reader, group, member, case, geared, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: group, geared
+    integer, intent(in) :: member
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(sentence_length) :: waits
+    logical :: given(2)
+
+    waits = for_iso(case)
+    call reader%get(group, 'web_thickness_mm', case%iso%web_thickness(member), error, unit='mm', given=given(1), &
+                    waits=waits, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+                    meaning='thickness of the web b_s, for C_R of a stiffness by iso6336')
+    call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(member), error, unit='mm', given=given(2), &
+                    waits=waits, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+                    meaning='thickness of the rim s_R below the root circle, for C_R of a stiffness by iso6336')
+    if (given(1) .neqv. given(2)) call fail(error, code_input, '&'//group//' '//trim(merge('rim_thickness_mm', &
+      'web_thickness_mm', given(1)))//': missing; C_R of ISO 6336-1 needs web_thickness_mm and rim_thickness_mm')
+  end subroutine read_web
 
   !> The bore ends the section where no rim is stated, and takes its part off the mass of a solid body.
   pure function bore_waits(case, member) result(waits)

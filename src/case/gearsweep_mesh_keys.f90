@@ -1,7 +1,7 @@
 !> What a case says of the mesh: &mesh, &load and &relief.
 module gearsweep_mesh_keys
   use gearsweep_kinds, only: dp
-  use gearsweep_case, only: case_t, for_stage
+  use gearsweep_case, only: case_t, for_iso, for_stage
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_reader, only: reader_t
   use gearsweep_relief, only: linear, parabolic
@@ -65,6 +65,9 @@ contains
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='force on the line of action')
     call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=case%tasks_for('mesh'), &
                     at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
+    call reader%get('load', 'application_factor', case%iso%application_factor, error, waits=for_iso(case), &
+                    at_least=0.1_dp, at_most=10.0_dp, &
+                    meaning='K_A of ISO 6336-1, which a stiffness by iso6336 takes below 100 N/mm of F_t K_A/b')
   end subroutine read_load
 
   !> After the tasks' own keys, as the load of the root stress need not be shared by the mesh.

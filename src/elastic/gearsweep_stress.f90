@@ -154,7 +154,8 @@ contains
           fillet%point(:, n) = in_tooth_frame(matmul(section%grid%x(:, on), edge_functions(t)))
           tangent = matmul(section%grid%x(:, on), edge_slopes(t))
           rise = in_tooth_frame(tangent)
-          fillet%tangent(n) = atan2(abs(rise(1)), rise(2))
+          ! Undercut leans the other way.
+          fillet%tangent(n) = atan2(merge(-rise(1), rise(1), side == drive), rise(2))
           do load = 1, size(u, 3)
             fillet%stress(n, load) = modulus*dot_product(tangent, matmul(u(:, on, load), edge_slopes(t)))/sum(tangent**2)
           end do

@@ -82,7 +82,7 @@ contains
     do i = 0, n - 1
       share = real(i, dp)/n
       points(:, i + 1) = fillet_point(gear, side, &
-        (1 - share)*block%split(side) + share*gear%spec%pressure_angle(side))
+        (1 - share)*block%split(side) + share*gear%fillet_start(side))
     end do
     taper = max(least_taper, min(0.99_dp, (gear%thickness(gear%tip_radius)/block%width)**tapering))
     do i = 0, m

@@ -5,27 +5,12 @@
 module gearsweep_gear
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_rack, only: check_rack_tip, coast, drive, gear_spec_t, generating_shift, least_shift, straight_end, &
+                            trochoid_parameter, trochoid_point
   use gearsweep_text, only: str
   implicit none
   private
-  public :: gear_t, gear_spec_t, make_gear, involute
-
-  integer, parameter, public :: drive = 1, coast = 2
-
-  !> What the designer states. Factors are in modules.
-  type :: gear_spec_t
-    character(6) :: name = ''                    !< for messages: pinion or gear
-    integer :: teeth = 0
-    real(dp) :: module = 0
-    real(dp) :: pressure_angle(2) = 20*pi/180    !< of the rack: drive, coast
-    real(dp) :: profile_shift = 0                !< x
-    real(dp) :: addendum = 1                     !< h_aP*
-    real(dp) :: dedendum = 1.25_dp               !< h_fP*
-    real(dp) :: rack_tip_radius = 0.25_dp        !< rho_fP*
-    real(dp) :: tip_alteration = 0               !< k*, negative where the tip is cut back
-    real(dp) :: face_width = 0
-    real(dp) :: bore_radius = 0
-  end type gear_spec_t
+  public :: gear_t, gear_spec_t, make_gear, involute, chamfer_base, drive, coast
 
   !> What follows from it.
   type :: gear_t
@@ -35,11 +20,15 @@ module gearsweep_gear
     real(dp) :: tip_radius = 0
     real(dp) :: root_radius = 0
     real(dp) :: form_radius(2) = 0               !< where the fillet ends and the involute begins
+    real(dp) :: fillet_start(2) = 0              !< the fillet's parameter there, rad (gearsweep_rack)
     real(dp) :: tip_form_radius = 0              !< where the involute ends at the tip, d_Na/2
   contains
     procedure :: half_angle
     procedure :: thickness
     procedure :: curvature
+    procedure :: is_undercut
+    procedure :: flank_end
+    procedure :: tip_half_angle
   end type gear_t
 
 contains
@@ -52,7 +41,7 @@ contains
   end function involute
 
   !> Derives the radii and refuses what cannot be cut: a rack whose tip radius
-  !> does not fit, undercut, pointed teeth, a bore that reaches the root.
+  !> does not fit, undercut that leaves no tooth, pointed teeth, a bore that reaches the root.
   !> Source: ISO 21771:2007, sections 4 and 7.
   subroutine make_gear(spec, gear, error)
     type(gear_spec_t), intent(in) :: spec
@@ -66,12 +55,14 @@ contains
       r = spec%teeth*m/2
       gear%base_radius = r*cos(spec%pressure_angle)
       gear%tip_radius = r + (spec%addendum + spec%profile_shift + spec%tip_alteration)*m
-      gear%tip_form_radius = gear%tip_radius
-      gear%root_radius = r - (spec%dedendum - spec%profile_shift)*m
+      if (spec%tip_diameter > 0) gear%tip_radius = spec%tip_diameter/2
+      gear%root_radius = r - (spec%dedendum - generating_shift(spec))*m
     end associate
     call check_rack_tip(spec, error)
     call find_form_radius(gear, error)
+    gear%tip_form_radius = gear%flank_end(drive)
     call check_tooth(gear, error)
+    call check_tip(gear, error)
   end subroutine make_gear
 
   subroutine check_spec(spec, error)
@@ -99,49 +90,52 @@ contains
     end subroutine demand
   end subroutine check_spec
 
-  !> The rounded corners of the rack's tooth must leave its tip land.
-  pure subroutine check_rack_tip(spec, error)
-    type(gear_spec_t), intent(in) :: spec
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: land, taken
-
-    associate (angle => spec%pressure_angle)
-      land = sum(pi/4 - spec%dedendum*tan(angle))
-      taken = sum((1 - sin(angle))/cos(angle))
-    end associate
-    if (land < 0) then
-      call fail(error, code_input, '&'//trim(spec%name)//' dedendum = '//str(spec%dedendum)// &
-        ': the rack tooth is pointed above '//str(pi/2/sum(tan(spec%pressure_angle))))
-    else if (spec%rack_tip_radius*taken > land*(1 + 1e-12_dp)) then
-      call fail(error, code_input, '&'//trim(spec%name)//' rack_tip_radius = '//str(spec%rack_tip_radius)// &
-        ': does not fit the rack; at most '//str(land/taken))
-    end if
-    if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, '&'//trim(spec%name)// &
-      ' rack_tip_radius = '//str(spec%rack_tip_radius)//': must not exceed the dedendum')
-  end subroutine check_rack_tip
-
-  !> The involute begins where the rack's straight flank ends; beyond the base
-  !> circle the rack would cut it away again.
+  !> The involute begins where the rack's straight flank ends. Where that end reaches beyond the base circle, the
+  !> rack's corner cuts off the lower involute again: undercut. What is left begins where the trochoid crosses it.
   pure subroutine find_form_radius(gear, error)
     type(gear_t), intent(inout) :: gear
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: depth, curvature, least
+    real(dp) :: curvature
     integer :: side
 
     do side = drive, coast
-      associate (spec => gear%spec, angle => gear%spec%pressure_angle(side))
-        depth = spec%dedendum - spec%rack_tip_radius*(1 - sin(angle))
-        curvature = gear%reference_radius*sin(angle) &
-                    - (depth - spec%profile_shift)*spec%module/sin(angle)
-        gear%form_radius(side) = hypot(gear%base_radius(side), max(curvature, 0.0_dp))
-        if (curvature < -1e-12_dp*gear%reference_radius) then
-          least = depth - spec%teeth*sin(angle)**2/2
-          call fail(error, code_input, '&'//trim(spec%name)//' profile_shift = '//str(spec%profile_shift)// &
-            ': undercut with '//str(spec%teeth)//' teeth; must be at least '//str(least))
-        end if
-      end associate
+      curvature = straight_end(gear%spec, side)
+      gear%fillet_start(side) = gear%spec%pressure_angle(side)
+      gear%form_radius(side) = hypot(gear%base_radius(side), max(curvature, 0.0_dp))
+      if (curvature < -1e-12_dp*gear%reference_radius) call cross_undercut(gear, side, error)
     end do
   end subroutine find_form_radius
+
+  !> Where the trochoid of an undercut flank crosses the involute, by bisection: along the trochoid the radius falls
+  !> from beyond the base circle to the root, and the point goes from the space into the tooth.
+  pure subroutine cross_undercut(gear, side, error)
+    type(gear_t), intent(inout) :: gear
+    integer, intent(in) :: side
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: low, high, beta, missed, point(2)
+    integer :: i
+
+    low = gear%spec%pressure_angle(side)
+    high = pi/2
+    do i = 1, 60
+      beta = (low + high)/2
+      point = trochoid_point(gear%spec, side, beta)
+      if (norm2(point) > gear%base_radius(side) .and. atan2(point(1), point(2)) > gear%half_angle(side, norm2(point))) then
+        low = beta
+      else
+        high = beta
+      end if
+    end do
+    gear%fillet_start(side) = high
+    gear%form_radius(side) = max(gear%base_radius(side), norm2(trochoid_point(gear%spec, side, high)))
+    point = trochoid_point(gear%spec, side, high)
+    missed = gear%form_radius(side)*abs(atan2(point(1), point(2)) - gear%half_angle(side, gear%form_radius(side)))
+    ! The narrowest place below, where the trochoid's tangent is along the tooth's axis.
+    point = trochoid_point(gear%spec, side, trochoid_parameter(gear%spec, side, high, 0.0_dp))
+    if (missed > 1e-9_dp*gear%reference_radius .or. point(1) <= 0) call fail(error, code_input, '&'//trim(gear%spec%name)// &
+      ' profile_shift = '//str(gear%spec%profile_shift)//': undercut with '//str(gear%spec%teeth)// &
+      ' teeth leaves no tooth; must be at least '//str(least_shift(gear%spec, side))//' to have none')
+  end subroutine cross_undercut
 
   pure subroutine check_tooth(gear, error)
     type(gear_t), intent(in) :: gear
@@ -153,14 +147,83 @@ contains
       call fail(error, code_input, group//'bore_mm = '//str(2000*gear%spec%bore_radius)// &
       ': must be at least 0 and below the root diameter '//str(2000*gear%root_radius)//' mm')
     end if
-    if (gear%tip_radius <= maxval(gear%form_radius)) then
+    if (min(gear%tip_form_radius, gear%flank_end(coast)) <= maxval(gear%form_radius)) then
       call fail(error, code_input, group//'addendum = '//str(gear%spec%addendum)// &
-        ': no involute is left between fillet and tip')
+        ': no involute is left between fillet and tip'//trim(merge(' with this chamfer or rounding', repeat(' ', 30), &
+        gear%tip_form_radius < gear%tip_radius)))
     else if (gear%thickness(gear%tip_radius) <= 0) then
       call fail(error, code_input, group//'addendum = '//str(gear%spec%addendum)// &
-        ': pointed teeth; the tip diameter must stay below '//str(2000*pointed_radius(gear))//' mm')
+        ': pointed teeth; the tip diameter must stay below '//str(2000*pointed_radius(gear))//' mm'// &
+        trim(merge(' with this thickness allowance', repeat(' ', 30), gear%spec%thinning < 0)))
     end if
   end subroutine check_tooth
+
+  !> A chamfer or rounding must begin on the involute and leave a tip land.
+  pure subroutine check_tip(gear, error)
+    type(gear_t), intent(in) :: gear
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: key
+
+    if (allocated(error)) return
+    associate (spec => gear%spec)
+      key = '&'//trim(spec%name)
+      if (spec%tip_chamfer > 0) key = key//' tip_chamfer_mm = '//str(1000*spec%tip_chamfer)
+      if (spec%tip_rounding > 0) key = key//' tip_rounding_mm = '//str(1000*spec%tip_rounding)
+      if (spec%tip_form_diameter > 0) key = key//' tip_form_diameter_mm = '//str(1000*spec%tip_form_diameter)
+      if (spec%tip_form_diameter > 2*gear%tip_radius) then
+        call fail(error, code_input, key//': must be at most the tip diameter '//str(2000*gear%tip_radius)//' mm')
+      else if (spec%tip_rounding > gear%tip_radius - maxval(gear%base_radius)) then
+        call fail(error, code_input, key//': must be at most '//str(1000*(gear%tip_radius - maxval(gear%base_radius)))// &
+                  ', the height of the tip above the base circle')
+      else if (gear%tip_half_angle(drive) + gear%tip_half_angle(coast) <= 0) then
+        call fail(error, code_input, key//': takes the whole tip, which is '//str(1000*gear%thickness(gear%tip_radius))// &
+                  ' mm thick; must leave some of it')
+      end if
+    end associate
+  end subroutine check_tip
+
+  !> Radius (m) at which a side's involute ends: at the tip circle, at its chamfer, or where its rounding, which touches
+  !> involute and tip circle, begins.
+  elemental real(dp) function flank_end(gear, side) result(radius)
+    class(gear_t), intent(in) :: gear
+    integer, intent(in) :: side
+    real(dp) :: centre
+
+    associate (spec => gear%spec, base => gear%base_radius(side))
+      radius = gear%tip_radius - spec%tip_chamfer
+      if (spec%tip_form_diameter > 0) radius = spec%tip_form_diameter/2
+      if (spec%tip_rounding > 0) then
+        centre = gear%tip_radius - spec%tip_rounding
+        radius = hypot(base, spec%tip_rounding + sqrt(max(0.0_dp, (centre - base)*(centre + base))))
+      end if
+    end associate
+  end function flank_end
+
+  !> Angle (rad) from the tooth axis to where a side's flank, chamfer or rounding meets the tip circle.
+  !> A chamfer is cut as the rack's edge break of 45 degrees cuts it: an involute of a smaller base circle.
+  elemental real(dp) function tip_half_angle(gear, side) result(angle)
+    class(gear_t), intent(in) :: gear
+    integer, intent(in) :: side
+    real(dp) :: from, base
+
+    from = gear%flank_end(side)
+    angle = gear%half_angle(side, from)
+    if (gear%spec%tip_rounding > 0) then
+      ! The rounding's centre lies on the involute's normal, and on the ray to where it touches the tip circle.
+      base = gear%base_radius(side)
+      angle = angle - acos(min(1.0_dp, base/from)) + acos(min(1.0_dp, base/(gear%tip_radius - gear%spec%tip_rounding)))
+    else if (from < gear%tip_radius) then
+      base = chamfer_base(gear)
+      angle = angle + involute(acos(min(1.0_dp, base/from))) - involute(acos(min(1.0_dp, base/gear%tip_radius)))
+    end if
+  end function tip_half_angle
+
+  !> Base radius (m) of the chamfer's involute.
+  elemental real(dp) function chamfer_base(gear)
+    class(gear_t), intent(in) :: gear
+
+    chamfer_base = gear%reference_radius*cos(pi/4)
+  end function chamfer_base
 
   !> Radius at which the two flanks meet, by bisection.
   pure real(dp) function pointed_radius(gear)
@@ -188,7 +251,7 @@ contains
     real(dp), intent(in) :: radius
 
     associate (angle => gear%spec%pressure_angle(side))
-      half_angle = (pi/2 + 2*gear%spec%profile_shift*tan(angle))/gear%spec%teeth + involute(angle) &
+      half_angle = (pi/2 + 2*generating_shift(gear%spec)*tan(angle))/gear%spec%teeth + involute(angle) &
                    - involute(acos(min(1.0_dp, gear%base_radius(side)/radius)))
     end associate
   end function half_angle
@@ -200,6 +263,14 @@ contains
 
     thickness = radius*(gear%half_angle(drive, radius) + gear%half_angle(coast, radius))
   end function thickness
+
+  !> Does the rack's corner cut into this side's involute?
+  elemental logical function is_undercut(gear, side)
+    class(gear_t), intent(in) :: gear
+    integer, intent(in) :: side
+
+    is_undercut = gear%fillet_start(side) > gear%spec%pressure_angle(side)
+  end function is_undercut
 
   !> Radius of curvature of a flank at `radius` (m): the length of its generating line.
   elemental real(dp) function curvature(gear, side, radius)

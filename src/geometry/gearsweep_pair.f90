@@ -6,10 +6,16 @@ module gearsweep_pair
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gear, only: gear_t, drive, coast, involute
+  use gearsweep_rack, only: generating_shift, least_shift
   use gearsweep_text, only: str
   implicit none
   private
   public :: pair_t, make_pair, free_centre_distance, tip_alteration
+
+  character(*), parameter :: names(2) = ['pinion', 'gear  ']
+  !> Teeth that would jam by less, in modules on the centre distance, have no backlash: profile shifts are told with four
+  !> digits, and half a unit of the last one of both makes that much.
+  real(dp), parameter :: told = 1e-4_dp
 
   type :: pair_t
     type(gear_t) :: gear(2)
@@ -19,6 +25,10 @@ module gearsweep_pair
     real(dp) :: contact_ratio = 0                !< epsilon_alpha
     real(dp) :: start_curvature = 0              !< of the pinion flank at A, m
     real(dp) :: backlash = 0                     !< along the drive line of action, m
+    !> How far the centre distance lies below the one without backlash, m: so little that it is rounding of the inputs.
+    real(dp) :: rounding = 0
+    logical :: may_shorten = .false.             !< the path may end where undercut ends an involute
+    real(dp) :: lost(2) = 0                      !< what undercut of each gear takes off the path of contact, m
   contains
     procedure :: curvature
     procedure :: radius
@@ -28,22 +38,29 @@ module gearsweep_pair
 
 contains
 
-  !> Pairs two gears at `centre_distance` (m). Refuses what does not mesh.
+  !> Pairs two gears at `centre_distance` (m). Refuses what does not mesh. Where undercut of one gear takes flank that
+  !> the other's tip would work on, `shorten` lets the path of contact end there; without it, that is refused.
   !> Source: ISO 21771:2007, sections 5 and 6.
-  pure subroutine make_pair(pinion, gear, centre_distance, pair, error)
+  pure subroutine make_pair(pinion, gear, centre_distance, pair, error, shorten)
     type(gear_t), intent(in) :: pinion, gear
     real(dp), intent(in) :: centre_distance
     type(pair_t), intent(out) :: pair
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: least
+    logical, intent(in), optional :: shorten
+    real(dp) :: least, shifts
 
     call check_partners(pinion, gear, error)
     if (allocated(error)) return
     pair%gear = [pinion, gear]
     pair%centre_distance = centre_distance
-    least = free_centre_distance(pinion, gear)
-    pair%backlash = -gap(pair%gear, centre_distance)*cos(working_angle(pair%gear, drive, centre_distance))
+    shifts = sum(generating_shift(pair%gear%spec))
+    least = closest(pinion, gear, shifts)
+    pair%backlash = -gap(pair%gear, shifts, centre_distance)*cos(working_angle(pair%gear, drive, centre_distance))
     if (.not. centre_distance >= least*(1 - 1e-9_dp)) then
+      pair%rounding = least - centre_distance
+      pair%backlash = 0
+    end if
+    if (.not. pair%rounding <= told*pinion%spec%module) then
       call fail(error, code_input, '&pair centre_distance_mm = '//str(1000*centre_distance, 9)// &
         ': the teeth jam; must be at least '//str(1000*least, 9))
       return
@@ -52,6 +69,11 @@ contains
                           working_angle(pair%gear, coast, centre_distance)]
     pair%base_pitch = 2*pi*pinion%base_radius(drive)/pinion%spec%teeth
     call find_path(pair, error)
+    if (present(shorten)) then
+      pair%may_shorten = shorten
+      if (shorten) call shorten_path(pair)
+    end if
+    call check_path(pair, error)
   end subroutine make_pair
 
   pure subroutine check_partners(pinion, gear, error)
@@ -76,44 +98,54 @@ contains
     working_angle = acos(min(1.0_dp, sum(gears%base_radius(side))/centre_distance))
   end function working_angle
 
-  !> Tooth thicknesses less pitch, on the working pitch circles (m): positive where teeth jam.
-  pure real(dp) function gap(gears, centre_distance)
+  !> Tooth thicknesses less pitch, on the working pitch circles (m), with profile shift coefficients that add up to
+  !> `shifts`: positive where teeth jam.
+  pure real(dp) function gap(gears, shifts, centre_distance)
     type(gear_t), intent(in) :: gears(2)
-    real(dp), intent(in) :: centre_distance
+    real(dp), intent(in) :: shifts, centre_distance
     real(dp) :: angle
     integer :: side
 
-    associate (z => gears%spec%teeth, x => gears%spec%profile_shift)
+    associate (z => gears%spec%teeth)
       gap = 0
       do side = drive, coast
         angle = gears(1)%spec%pressure_angle(side)
-        gap = gap + 2*sum(x)*tan(angle) &
+        gap = gap + 2*shifts*tan(angle) &
               + sum(z)*(involute(angle) - involute(working_angle(gears, side, centre_distance)))
       end do
       gap = gap*centre_distance/sum(z)
     end associate
   end function gap
 
-  !> Centre distance without backlash (m), by bisection: the gap falls with the distance.
+  !> Centre distance (m) without backlash of teeth without thickness allowance.
   pure real(dp) function free_centre_distance(pinion, gear) result(distance)
     type(gear_t), intent(in) :: pinion, gear
+
+    distance = closest(pinion, gear, pinion%spec%profile_shift + gear%spec%profile_shift)
+  end function free_centre_distance
+
+  !> Centre distance (m) without backlash of teeth whose profile shift coefficients add up to `shifts`, by bisection: the
+  !> gap falls with the distance.
+  pure real(dp) function closest(pinion, gear, shifts) result(distance)
+    type(gear_t), intent(in) :: pinion, gear
+    real(dp), intent(in) :: shifts
     real(dp) :: low, high
     integer :: i
 
     low = maxval(pinion%base_radius + gear%base_radius)
     high = 3*low
     distance = pinion%reference_radius + gear%reference_radius
-    if (abs(pinion%spec%profile_shift + gear%spec%profile_shift) <= 0) return
+    if (abs(shifts) <= 0) return
     do i = 1, 200
       distance = (low + high)/2
       if (distance <= low .or. distance >= high) exit
-      if (gap([pinion, gear], distance) > 0) then
+      if (gap([pinion, gear], shifts, distance) > 0) then
         low = distance
       else
         high = distance
       end if
     end do
-  end function free_centre_distance
+  end function closest
 
   !> Tip alteration factor k that keeps the rack's bottom clearance at this
   !> centre distance (ISO 21771:2007, Eq. 25): k = (a - a_d)/m - (x1 + x2), never above 0.
@@ -129,27 +161,68 @@ contains
   pure subroutine find_path(pair, error)
     type(pair_t), intent(inout) :: pair
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: names(2) = ['pinion', 'gear  ']
-    real(dp) :: tip(2), tangent, least, clearance
+    real(dp) :: tip(2), tangent, clearance
     integer :: i
 
     tangent = pair%centre_distance*sin(pair%working_angle(drive))
-    tip = pair%gear%curvature(drive, pair%gear%tip_radius)
+    tip = pair%gear%curvature(drive, pair%gear%tip_form_radius)
     pair%start_curvature = tangent - tip(2)
     pair%contact_ratio = (tip(1) + tip(2) - tangent)/pair%base_pitch
     do i = 1, 2
       clearance = pair%centre_distance - pair%gear(3 - i)%tip_radius - pair%gear(i)%root_radius
       if (clearance <= 0) call fail(error, code_input, '&'//trim(names(3 - i))// &
         ' addendum: interference; its tip cuts '//str(-1000*clearance)//' mm into the root of the '//trim(names(i)))
-      least = pair%gear(i)%curvature(drive, pair%gear(i)%form_radius(drive))
-      if (tangent - tip(3 - i) < least - 1e-9_dp*tangent) call fail(error, code_input, '&'// &
-        trim(names(3 - i))//' addendum: interference; its tip diameter '// &
-        str(2000*pair%gear(3 - i)%tip_radius)//' mm reaches below the involute of the '//trim(names(i))// &
-        '; at most '//str(2000*hypot(pair%gear(3 - i)%base_radius(drive), tangent - least))//' mm')
+    end do
+  end subroutine find_path
+
+  !> How much longer than the involute of member `i` the path of contact is at its root (m), below 0 where it fits.
+  pure real(dp) function lacking(pair, i)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: i
+
+    lacking = pair%gear(i)%curvature(drive, pair%gear(i)%form_radius(drive)) &
+              - pair%curvature(i, merge(0.0_dp, pair%contact_ratio, i == 1))
+  end function lacking
+
+  !> Takes off the path of contact what undercut leaves no flank for.
+  pure subroutine shorten_path(pair)
+    type(pair_t), intent(inout) :: pair
+    integer :: i
+
+    do i = 1, 2
+      if (pair%gear(i)%is_undercut(drive)) pair%lost(i) = max(0.0_dp, lacking(pair, i))
+    end do
+    pair%start_curvature = pair%start_curvature + pair%lost(1)
+    pair%contact_ratio = pair%contact_ratio - sum(pair%lost)/pair%base_pitch
+  end subroutine shorten_path
+
+  !> Each point of the path must have two involutes, and the next pair must come before this one leaves.
+  pure subroutine check_path(pair, error)
+    type(pair_t), intent(in) :: pair
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: deepest
+    integer :: i, k
+
+    do i = 1, 2
+      k = 3 - i
+      if (lacking(pair, i) <= 1e-9_dp*pair%centre_distance) cycle
+      ! The mate's tip that would just reach the end of the involute.
+      deepest = 2000*hypot(pair%gear(k)%base_radius(drive), pair%centre_distance*sin(pair%working_angle(drive)) &
+                           - pair%gear(i)%curvature(drive, pair%gear(i)%form_radius(drive)))
+      if (pair%gear(i)%is_undercut(drive)) then
+        call fail(error, code_input, '&'//trim(names(i))//' profile_shift = '//str(pair%gear(i)%spec%profile_shift)// &
+          ': undercut with '//str(pair%gear(i)%spec%teeth)//' teeth takes working flank; to have none it must be at least '// &
+          str(least_shift(pair%gear(i)%spec, drive))//', or the tip diameter of the '//trim(names(k))//' at most '// &
+          str(deepest)//' mm; &pair shorten_path = .true. ends the path of contact where the involute ends')
+      else
+        call fail(error, code_input, '&'//trim(names(k))//' addendum: interference; its tip diameter '// &
+          str(2000*pair%gear(k)%tip_form_radius)//' mm reaches below the involute of the '//trim(names(i))// &
+          '; at most '//str(deepest)//' mm')
+      end if
     end do
     if (.not. pair%contact_ratio > 1) call fail(error, code_input, &
       '&pair: contact ratio '//str(pair%contact_ratio)//' is not above 1: contact would be interrupted')
-  end subroutine find_path
+  end subroutine check_path
 
   !> Radius of curvature (m) of a member's drive flank at path coordinate s.
   elemental real(dp) function curvature(pair, member, s)

@@ -11,7 +11,14 @@ module gearsweep_stiffness
   use gearsweep_text, only: str
   implicit none
   private
-  public :: polynomial_stiffness, table_stiffness, iso_stiffness, check_positive
+  public :: polynomial_stiffness, table_stiffness, iso_stiffness, iso_options_t, gear_blank_factor, check_positive
+
+  !> What ISO 6336-1 knows of load and gear bodies beside the teeth.
+  type :: iso_options_t
+    real(dp) :: application_factor = 1           !< K_A
+    real(dp) :: web_thickness(2) = 0             !< b_s of pinion and gear, m; 0: a solid disc
+    real(dp) :: rim_thickness(2) = 0             !< s_R, from the root circle inwards, m
+  end type iso_options_t
 
   !> What a pair stiffness may be, N/m.
   real(dp), parameter :: softest = 1e-6_dp, stiffest = 1e18_dp
@@ -81,23 +88,30 @@ contains
 
   !> ISO 6336-1:2006 method B: the largest single stiffness c' and, over the
   !> path, the parabola whose mean gives the mesh stiffness
-  !> c_gamma = c' (0.75 eps + 0.25); solid discs. A tangential load F_t/b below
-  !> 100 N/mm lowers c'; `line_load` (N/m) is that on the line of action.
+  !> c_gamma = c' (0.75 eps + 0.25); solid discs unless `options` say otherwise. F_t K_A/b below
+  !> 100 N/mm lowers c', where F_t is the tangential load on the reference circle; `line_load` (N/m) is that on the line
+  !> of action. Of two gears with webs the more flexible one's C_R counts: the standard gives it for a mate that is as
+  !> stiff or stiffer.
   !> Source: ISO 6336-1:2006, clause 9, method B.
-  pure subroutine iso_stiffness(pair, material, line_load, curve, error)
+  pure subroutine iso_stiffness(pair, material, line_load, curve, error, options)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material
     real(dp), intent(in) :: line_load
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
+    type(iso_options_t), intent(in), optional :: options
+    type(iso_options_t) :: extra
     real(dp), parameter :: steel = 206e9_dp, threshold = 100e3_dp, correction = 0.8_dp
     real(dp) :: rack, largest, bend
 
+    if (present(options)) extra = options
     associate (spec => pair%gear%spec)
       rack = (1 + 0.5_dp*(1.2_dp - sum(spec%dedendum)/2)) &
              *(1 - 0.02_dp*(20 - spec(1)%pressure_angle(drive)*57.29577951308232_dp))
       largest = 1e9_dp/flexibility()*correction*rack*material%young/steel &
-                *min(1.0_dp, line_load*cos(spec(1)%pressure_angle(drive))/threshold)**0.25_dp*minval(spec%face_width)
+                *min(1.0_dp, extra%application_factor*line_load*cos(spec(1)%pressure_angle(drive))/threshold)**0.25_dp &
+                *minval(gear_blank_factor(extra%web_thickness, extra%rim_thickness, spec%face_width, spec%module)) &
+                *minval(spec%face_width)
     end associate
     bend = 0.75_dp*(1 - 1/pair%contact_ratio)
     curve = polynomial(0.0_dp, pair%contact_ratio, largest*[1.0_dp, 0.0_dp, -bend])
@@ -114,4 +128,14 @@ contains
       end associate
     end function flexibility
   end subroutine iso_stiffness
+
+  !> C_R of one gear: what a thin web under a rim takes from the stiffness; 1 for a solid disc (`web` = 0). Thickness of
+  !> web and rim, face width and module in m. Ratios beyond 0.2 and 1.2, and rims below a module, count as these.
+  !> Source: ISO 6336-1:2006, 9.3.1.3.
+  elemental real(dp) function gear_blank_factor(web, rim, width, module) result(factor)
+    real(dp), intent(in) :: web, rim, width, module
+
+    factor = 1
+    if (web > 0) factor = 1 + log(min(1.2_dp, max(0.2_dp, web/width)))/(5*exp(max(1.0_dp, rim/module)/5))
+  end function gear_blank_factor
 end module gearsweep_stiffness

@@ -80,7 +80,7 @@ contains
       from = fillet_parameter(gear, side, pi/6)
       do i = 1, fillet
         part = (i - 1.0_dp)/fillet
-        points(:, i) = fillet_point(gear, side, from + (gear%spec%pressure_angle(side) - from)*part)
+        points(:, i) = fillet_point(gear, side, from + (gear%fillet_start(side) - from)*part)
       end do
       do i = 1, flank
         part = (i - 1.0_dp)/(flank - 1)

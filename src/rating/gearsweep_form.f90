@@ -5,6 +5,7 @@ module gearsweep_form
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_pair, only: pair_t
   use gearsweep_outline, only: fillet_point, fillet_parameter
+  use gearsweep_rack, only: generating_shift
   implicit none
   private
   public :: lewis_factor, iso_form_t, iso_form, outer_single_contact
@@ -34,7 +35,7 @@ contains
     integer :: i
 
     apex = gear%base_radius(drive)/cos(load_angle(gear, radius))
-    low = gear%spec%pressure_angle(drive)
+    low = gear%fillet_start(drive)
     high = pi/2
     do i = 1, 80
       if (section_factor(high - golden*(high - low)) < section_factor(low + golden*(high - low))) then
@@ -64,7 +65,7 @@ contains
     real(dp) :: low, high, p(2)
     integer :: i
 
-    low = gear%spec%pressure_angle(coast)
+    low = gear%fillet_start(coast)
     high = pi/2
     do i = 1, 60
       p = fillet_point(gear, coast, (low + high)/2)
@@ -102,7 +103,7 @@ contains
     form%lever = gear%base_radius(drive)/cos(form%load_angle) - p(2)
     form%thickness = p(1) + q(1)
     associate (spec => gear%spec)
-      depth = (spec%dedendum - spec%rack_tip_radius - spec%profile_shift)*spec%module
+      depth = (spec%dedendum - spec%rack_tip_radius - generating_shift(spec))*spec%module
       way = depth/sin(beta)
       form%radius = spec%rack_tip_radius*spec%module + way**2/(way + gear%reference_radius*sin(beta))
       form%form_factor = 6*form%lever/spec%module*cos(form%load_angle) &

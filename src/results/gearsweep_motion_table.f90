@@ -1,28 +1,58 @@
 !> What all tasks that need the mesh start from, as a table and for the screen: load, masses and stiffness.
 module gearsweep_motion_table
   use gearsweep_error, only: error_t
+  use gearsweep_gear, only: drive
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: left, lines_t
+  use gearsweep_material, only: material_t
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_stiffness, only: gear_blank_factor
   use gearsweep_study, only: study_t
-  use gearsweep_table, only: table_t
+  use gearsweep_table, only: no_number, table_t
   use gearsweep_text, only: str
+  use gearsweep_weber, only: weber_stiffness
   implicit none
   private
   public :: motion_table, add_motion
 
-  real(dp), parameter :: micro = 1e6_dp
+  !> What stands beside a stiffness by ISO 6336-1.
+  type :: iso_beside_t
+    real(dp) :: line_load = 0                    !< F_t K_A/b, N/m
+    real(dp) :: blank_factor = 1                 !< C_R
+    real(dp) :: weber_stiffness = 0              !< mean of the mesh by Weber and Banaschek, N/m
+  end type iso_beside_t
+
+  real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
 
 contains
+
+  !> What ISO 6336-1 takes beside the teeth, and what another model gives.
+  pure function find_iso_beside(study) result(beside)
+    type(study_t), intent(in) :: study
+    type(iso_beside_t) :: beside
+    type(piecewise_t) :: curve
+    type(error_t), allocatable :: error
+
+    beside%weber_stiffness = no_number()
+    associate (spec => study%pair%gear%spec, iso => study%case%iso)
+      beside%line_load = iso%application_factor*study%load/spec(1)%face_width*cos(spec(1)%pressure_angle(drive))
+      beside%blank_factor = minval(gear_blank_factor(iso%web_thickness, iso%rim_thickness, spec%face_width, spec%module))
+      ! The standard does not know Poisson's ratio: that of steel, then.
+      call weber_stiffness(study%pair, material_t(young=study%case%material%young), study%load/spec(1)%face_width, curve, error)
+    end associate
+    if (.not. allocated(error)) beside%weber_stiffness = curve%integral(0.0_dp, study%pair%contact_ratio)
+  end function find_iso_beside
 
   !> What drives the motion.
   pure subroutine motion_table(study, table, error)
     type(study_t), intent(in) :: study
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
+    type(iso_beside_t) :: beside
     real(dp) :: frequency, mean, width
 
     if (.not. allocated(study%motion)) return
-    call table%begin('load, masses and stiffness of the mesh, and its natural frequency', 1, 13, error)
+    call table%begin('load, masses and stiffness of the mesh, and its natural frequency', 1, 16, error)
     if (allocated(error)) return
     associate (mesh => study%motion(1)%mesh, case => study%case)
       frequency = study%motion(1)%natural_frequency/(2*pi)
@@ -38,6 +68,14 @@ contains
       call table%add('mean_mesh_stiffness_n_um', 'N/um', 'mean over a mesh period of all pairs in contact', [mean/micro])
       if (width > 0) call table%add('mean_mesh_stiffness_n_um_mm', 'N/um/mm', 'the same per mm of face width', &
                                     [mean/width*1e-9_dp])
+      if (case%model == 'iso6336') then
+        beside = find_iso_beside(study)
+        call table%add('iso_line_load_n_mm', 'N/mm', 'F_t K_A/b, below 100 N/mm of which ISO 6336-1 lowers the stiffness', &
+                       [beside%line_load/milli])
+        call table%add('iso_blank_factor', '', 'C_R, the smaller one of both gears', [beside%blank_factor])
+        call table%add('weber_mesh_stiffness_n_um', 'N/um', 'mean mesh stiffness by the model weber, to compare', &
+                       [beside%weber_stiffness/micro])
+      end if
       call table%add('natural_frequency_hz', 'Hz', 'of the mean mesh stiffness and the effective masses', [frequency])
       call table%add('resonance_rpm', '1/min', 'speed of the pinion at which the mesh excites it', &
                      [60*frequency/mesh%teeth(1)])
@@ -65,6 +103,7 @@ contains
     if (table%position('mean_mesh_stiffness_n_um_mm') > 0) &
       call lines%put(' ('//str(table%number('mean_mesh_stiffness_n_um_mm'), 4)//' N/um per mm of width)')
     call lines%add('')
+    if (table%position('iso_blank_factor') > 0) call add_iso(table, lines)
     if (table%number('body_rotation_um') > 0) then
       call lines%add(left('Discs', 19)//'turn by '//str(table%number('body_rotation_um'), 4)//' um on the line of action '// &
                      'about their bores: in the static transmission error,')
@@ -79,4 +118,19 @@ contains
     call lines%add(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')
   end subroutine add_motion
+
+  !> What the standard took, and how far another model is from it.
+  pure subroutine add_iso(table, lines)
+    type(table_t), intent(in) :: table
+    type(lines_t), intent(inout) :: lines
+    real(dp), parameter :: wide = 0.15_dp
+    real(dp) :: more
+
+    call lines%add(left('', 19)//'F_t K_A/b '//str(table%number('iso_line_load_n_mm'), 4)//' N/mm, C_R '// &
+                   str(table%number('iso_blank_factor'), 4))
+    more = table%number('weber_mesh_stiffness_n_um')/table%number('mean_mesh_stiffness_n_um') - 1
+    if (abs(more) > wide) call lines%add(left('', 19)//'the model weber has a mesh mean of '// &
+      str(table%number('weber_mesh_stiffness_n_um'), 4)//' N/um, '//str(100*abs(more), 2)//' % '// &
+      merge('more', 'less', more > 0)//'; ISO 6336-1 is a mean of usual gears')
+  end subroutine add_iso
 end module gearsweep_motion_table

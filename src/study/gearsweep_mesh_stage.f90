@@ -114,6 +114,11 @@ contains
         relief=relief, disc=mesh%disc, reach=mesh%reach, flattening=mesh%flattening, teeth=mesh%teeth, &
         tan_angle=mesh%tan_angle, load=study%load, mass=study%mass, damping_ratio=case%damping_ratio, &
         friction=case%friction, has_backlash=case%has_backlash, backlash=case%backlash)
+      ! Where a gear's teeth are stated to be thinner, backlash is meant to be.
+      if (case%has_allowance .and. .not. case%has_backlash) then
+        study%motions_inputs%motion%has_backlash = .true.
+        study%motions_inputs%motion%backlash = max(0.0_dp, study%pair%backlash)
+      end if
       study%motions_inputs%stiffness = mesh%stiffness
       study%motions_inputs%profile_error = mesh%profile_error
       study%motions_inputs%amount = case%amount

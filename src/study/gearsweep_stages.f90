@@ -5,6 +5,7 @@ module gearsweep_stages
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_files, only: beside
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_measures, only: check_pin
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: free_centre_distance, make_pair, pair_t, tip_alteration
@@ -28,6 +29,7 @@ contains
     type(gear_spec_t) :: spec(2)
     type(gear_t) :: gear(2)
     real(dp) :: distance
+    integer :: i
 
     spec = case%spec
     call make_gears(spec, gear, error)
@@ -39,7 +41,10 @@ contains
       call make_gears(spec, gear, error)
       if (allocated(error)) return
     end if
-    call make_pair(gear(1), gear(2), distance, pair, error)
+    call make_pair(gear(1), gear(2), distance, pair, error, shorten=case%shorten_path)
+    do i = 1, 2
+      call check_pin(gear(i), error)
+    end do
   end subroutine build_pair
 
   subroutine make_gears(spec, gear, error)
@@ -126,7 +131,7 @@ contains
     case ('weber')
       call weber_stiffness(pair, case%material, line_load(), stiffness, error)
     case ('iso6336')
-      call iso_stiffness(pair, case%material, line_load(), stiffness, error)
+      call iso_stiffness(pair, case%material, line_load(), stiffness, error, case%iso)
     case ('polynomial')
       call polynomial_stiffness(contact_ratio, case%coefficients, stiffness, error)
     case ('table')

@@ -80,7 +80,7 @@ contains
     if (inputs%prescribed) return
     do i = 1, 2
       associate (gear => inputs%pair%gear(i))
-        if (inputs%fraction(i) > 0) deepest = min(deepest, gear%thickness(gear%tip_radius)/2/inputs%fraction(i))
+        if (inputs%fraction(i) > 0) deepest = min(deepest, gear%thickness(gear%tip_form_radius)/2/inputs%fraction(i))
       end associate
     end do
   end function deepest_relief

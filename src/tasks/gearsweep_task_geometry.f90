@@ -4,9 +4,11 @@ module gearsweep_task_geometry
   use gearsweep_gear, only: coast, drive
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: left, lines_t
+  use gearsweep_measures, only: find_measures, measures_t
   use gearsweep_pair, only: pair_t
-  use gearsweep_table, only: table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_rack, only: generating_shift
+  use gearsweep_table, only: no_number, table_t
+  use gearsweep_task, only: members, stages_t, task_info_t, task_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -16,6 +18,7 @@ module gearsweep_task_geometry
   contains
     procedure, nopass :: describe
     procedure :: run, add_report
+    procedure, private :: add_teeth
   end type geometry_task_t
 
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, degree = pi/180
@@ -47,7 +50,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('the gear pair', 1, 11, error)
+    call table%begin('the gear pair', 1, 13, error)
     if (allocated(error)) return
     associate (spec => pair%gear(1)%spec, widths => pair%gear%spec%face_width)
       call table%add('module_mm', 'mm', 'normal module', [milli*spec%module])
@@ -62,6 +65,10 @@ contains
       call table%add('coast_working_angle_deg', 'deg', 'working pressure angle of the coast flanks', &
                      [pair%working_angle(coast)/degree])
       call table%add('backlash_um', 'um', 'along the line of action', [micro*abs(max(0.0_dp, pair%backlash))])
+      call table%add('rounding_um', 'um', 'how far the centre distance lies below the one without backlash, by rounding of '// &
+                     'the inputs', [micro*pair%rounding])
+      call table%add('shorten_path', '', '1 where the path of contact may end where undercut ends an involute, else 0', &
+                     [merge(1, 0, pair%may_shorten)])
       call table%add('contact_ratio', '', 'transverse contact ratio: the path of contact in base pitches', &
                      [pair%contact_ratio])
       call table%add('base_pitch_mm', 'mm', 'of the drive flanks', [milli*pair%base_pitch])
@@ -73,15 +80,20 @@ contains
     type(pair_t), intent(in) :: pair
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: members(2) = [character(6) :: 'pinion', 'gear']
+    type(measures_t) :: measures(2)
     integer :: i
 
-    call table%begin('the two gears', 2, 9, error, extent=[2])
+    call table%begin('the two gears', 2, 24, error, extent=[2])
     if (allocated(error)) return
     associate (gear => pair%gear)
       call table%add_index('member', '', 'pinion or gear', members)
       call table%add('teeth', '', 'number of teeth', [gear%spec%teeth])
+      call table%add('profile_shift', '', 'profile shift coefficient x', [gear%spec%profile_shift])
       call table%add('tip_diameter_mm', 'mm', 'tip circle', [2*milli*gear%tip_radius])
+      call table%add('tip_form_diameter_mm', 'mm', 'circle where the involute of the drive flank ends: the tip circle, or '// &
+                     'where its chamfer or rounding begins', 2*milli*gear%tip_form_radius)
+      call table%add('tip_thickness_mm', 'mm', 'of the tooth on the tip circle, between its chamfers or roundings', &
+                     [(milli*gear(i)%tip_radius*(gear(i)%tip_half_angle(drive) + gear(i)%tip_half_angle(coast)), i=1, 2)])
       call table%add('reference_diameter_mm', 'mm', 'reference circle', [2*milli*gear%reference_radius])
       call table%add('base_diameter_mm', 'mm', 'base circle of the drive flanks', &
                      [(2*milli*gear(i)%base_radius(drive), i=1, 2)])
@@ -90,8 +102,36 @@ contains
       call table%add('root_diameter_mm', 'mm', 'root circle', [2*milli*gear%root_radius])
       call table%add('form_diameter_mm', 'mm', 'circle where the involute of the drive flank begins', &
                      [(2*milli*gear(i)%form_radius(drive), i=1, 2)])
+      call table%add('coast_form_diameter_mm', 'mm', 'circle where the involute of the coast flank begins', &
+                     [(2*milli*gear(i)%form_radius(coast), i=1, 2)])
+      call table%add('active_diameter_mm', 'mm', 'circle where contact on the drive flank begins, d_Nf', &
+                     2*milli*[pair%radius(1, 0.0_dp), pair%radius(2, pair%contact_ratio)])
+      call table%add('undercut', '', '1 where undercut of the drive flank cuts into the involute above the base circle, else 0', &
+                     [(merge(1, 0, gear(i)%is_undercut(drive)), i=1, 2)])
+      call table%add('lost_path_mm', 'mm', 'what undercut of this gear takes off the path of contact (shorten_path)', &
+                     milli*pair%lost)
+      call table%add('generating_shift', '', 'generating profile shift coefficient x_E', &
+                     [(generating_shift(gear(i)%spec), i=1, 2)])
+      call table%add('reference_thickness_mm', 'mm', 'tooth thickness on the reference circle, as generated', &
+                     [(milli*gear(i)%thickness(gear(i)%reference_radius), i=1, 2)])
     end associate
+    do i = 1, 2
+      measures(i) = find_measures(pair%gear(i))
+    end do
+    call table%add('span_teeth', '', 'number of teeth k that the span measurement takes; 0: none can be spanned', &
+                   [measures%span_teeth])
+    call table%add('span_mm', 'mm', 'span measurement W_k, base tangent length', measured(milli*measures%span))
+    call table%add('pin_diameter_mm', 'mm', 'pins that the gear is measured over', measured(milli*measures%pin_diameter))
+    call table%add('over_pins_mm', 'mm', 'diameter over pins M_dK', measured(milli*measures%over_pins))
   end subroutine fill_gears
+
+  !> A measure, or none.
+  elemental real(dp) function measured(length)
+    real(dp), intent(in) :: length
+
+    measured = length
+    if (.not. length > 0) measured = no_number()
+  end function measured
 
   !> Points of the path of contact.
   pure subroutine fill_points(pair, table, error)
@@ -134,7 +174,40 @@ contains
       end do
       call lines%add(' mm')
     end associate
+    call self%add_teeth(lines)
   end subroutine add_report
+
+  !> What is not as on the plainest of gears: tips, undercut, thickness, a path that is shortened or tight.
+  pure subroutine add_teeth(self, lines)
+    class(geometry_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer :: i
+
+    associate (pair => self%tables(self%place('geometry')), gears => self%tables(self%place('gears')))
+      do i = 1, 2
+        associate (height => (gears%number('tip_diameter_mm', i) - gears%number('tip_form_diameter_mm', i))/2)
+          if (height > 0) call lines%add(left('Tip', 19)//'of the '//trim(members(i))//': chamfer or rounding from '// &
+            str(gears%number('tip_form_diameter_mm', i), 7)//' mm diameter, '//str(height, 4)// &
+            ' mm high; stiffness, stress and modes are without it')
+        end associate
+      end do
+      do i = 1, 2
+        if (gears%number('undercut', i) > 0) call lines%add(left('Undercut', 19)//'of the '//trim(members(i))//' up to '// &
+          str(gears%number('form_diameter_mm', i), 7)//' mm diameter; contact from '// &
+          str(gears%number('active_diameter_mm', i), 7)//' mm on')
+      end do
+      if (pair%number('shorten_path') > 0) call lines%add(left('', 19)//'path of contact shortened by '// &
+        str(gears%number('lost_path_mm'), 7)//' mm for the pinion, '//str(gears%number('lost_path_mm', 2), 7)//' for the gear')
+      if (pair%number('rounding_um') > 0) call lines%add(left('', 19)//'centre distance '//str(pair%number('rounding_um'), 3)// &
+        ' um below the one without backlash: taken for rounding of the inputs')
+      do i = 1, 2
+        if (abs(gears%number('generating_shift', i) - gears%number('profile_shift', i)) > 0) &
+          call lines%add(left('Tooth thickness', 19)//'of the '//trim(members(i))//': generating profile shift '// &
+          str(gears%number('generating_shift', i))//', span over '//str(nint(gears%number('span_teeth', i)))//' teeth '// &
+          str(gears%number('span_mm', i), 7)//' mm, over pins '//str(gears%number('over_pins_mm', i), 7)//' mm')
+      end do
+    end associate
+  end subroutine add_teeth
 
   !> A circle's diameters of pinion and gear.
   pure function both(gears, circle) result(words)

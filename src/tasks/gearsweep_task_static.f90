@@ -118,7 +118,10 @@ contains
     if (allocated(error)) return
     call fill_static(stages%amount, root, self%tables(self%place('static')), error)
     call fill_largest(stages%amount, root, self%tables(self%place('root_stress')), error)
-    call fill_rating(root(1), stages%member, self%tables(self%place('root_rating')), error)
+    associate (angle => stages%pair%gear(1)%spec%pressure_angle)
+      call fill_rating(root(1), stages%member, .not. abs(angle(coast) - angle(drive)) > 0, &
+                       self%tables(self%place('root_rating')), error)
+    end associate
     if (self%options%field_position >= 0) call self%add_field(stages, root, error)
     self%is_done = .true.
     self%log = 'static: root stress at '//str(self%options%positions)//' positions of the load'
@@ -216,20 +219,28 @@ contains
   end subroutine fill_largest
 
   !> What the standard and Lewis give for the whole load at the outer point of single contact.
-  pure subroutine fill_rating(root, member, table, error)
+  pure subroutine fill_rating(root, member, has_equal_flanks, table, error)
     type(root_rating_t), intent(in) :: root
     integer, intent(in) :: member
+    logical, intent(in) :: has_equal_flanks
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
     call table%begin('nominal root stress by ISO 6336-3 and by Lewis, the whole load at the outer point of single contact', &
-                     1, 7, error)
+                     1, 12, error)
     if (allocated(error)) return
     call table%add_words('member', 'pinion or gear', [members(member)])
     call table%add_words('point', 'of the path of contact where the load acts', [merge('D', 'B', member == 1)])
     call table%add('iso_mpa', 'MPa', 'sigma_F0 of ISO 6336-3', [mega*root%iso_stress])
     call table%add('iso_form_factor', '', 'Y_F', [root%iso%form_factor])
     call table%add('iso_stress_correction', '', 'Y_S', [root%iso%correction])
+    call table%add('iso_thickness_mm', 'mm', 's_Fn, thickness of the tooth at the 30 degree tangents', [milli*root%iso%thickness])
+    call table%add('iso_lever_mm', 'mm', 'h_Fe, lever of the load over that section', [milli*root%iso%lever])
+    call table%add('iso_radius_mm', 'mm', 'rho_F, radius of the fillet there', [milli*root%iso%radius])
+    call table%add('iso_angle_deg', 'deg', 'alpha_Fen, angle of the load to the normal of the tooth''s axis', &
+                   [root%iso%load_angle/degree])
+    call table%add('equal_flanks', '', '1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0', &
+                   [merge(1, 0, has_equal_flanks)])
     call table%add('lewis_mpa', 'MPa', 'by Lewis', [mega*root%lewis_stress])
     call table%add('lewis_form_factor', '', 'Y', [root%lewis])
   end subroutine fill_rating
@@ -291,6 +302,8 @@ contains
                      str(rating%number('iso_form_factor'), 4)//', Y_S '//str(rating%number('iso_stress_correction'), 4)// &
                      '); Lewis '//str(rating%number('lewis_mpa'), 5)//' MPa (Y '//str(rating%number('lewis_form_factor'), 4)// &
                      '); for the whole load at point '//trim(rating%word('point', 1)))
+      if (.not. rating%number('equal_flanks') > 0) call lines%add('   ISO 6336-3 is made for equal flanks: here its section '// &
+        'lies between the 30 degree tangents of unequal ones, which nothing confirms')
     end associate
   end subroutine add_report
 end module gearsweep_task_static

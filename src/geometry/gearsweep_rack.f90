@@ -1,0 +1,160 @@
+!> The basic rack that generates a gear, and the fillet that its rounded tip leaves, a trochoid (ISO 53, ISO 21771).
+!>
+!> The fillet's parameter `beta` (rad) is the slope of the rack's normal where it cuts: the pressure angle where the
+!> straight flank ends, pi/2 on the root circle. Lengths in m, angles in rad.
+module gearsweep_rack
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: gear_spec_t, generating_shift, check_rack_tip, straight_end, least_shift
+  public :: corner_depth, corner_place, trochoid_point, trochoid_parameter
+
+  integer, parameter, public :: drive = 1, coast = 2
+
+  !> What the designer states. Factors are in modules.
+  type :: gear_spec_t
+    character(6) :: name = ''                    !< for messages: pinion or gear
+    integer :: teeth = 0
+    real(dp) :: module = 0
+    real(dp) :: pressure_angle(2) = 20*pi/180    !< of the rack: drive, coast
+    real(dp) :: profile_shift = 0                !< x
+    real(dp) :: addendum = 1                     !< h_aP*
+    real(dp) :: dedendum = 1.25_dp               !< h_fP*
+    real(dp) :: rack_tip_radius = 0.25_dp        !< rho_fP*
+    real(dp) :: tip_alteration = 0               !< k*, negative where the tip is cut back
+    real(dp) :: face_width = 0
+    real(dp) :: bore_radius = 0
+    real(dp) :: thinning = 0                     !< x_E - x, by which the rack is moved inwards where it is negative
+    real(dp) :: tip_diameter = 0                 !< d_a, m; 0: from addendum, profile shift and tip alteration
+    real(dp) :: tip_chamfer = 0                  !< height h_K of the chamfer at the tip, m
+    real(dp) :: tip_rounding = 0                 !< radius of the rounding at the tip instead, m
+    real(dp) :: tip_form_diameter = 0            !< d_Na, m: where the chamfer begins, instead of its height; 0: not stated
+    real(dp) :: pin_diameter = 0                 !< for measuring, m; 0: one that touches at the V circle
+  end type gear_spec_t
+
+contains
+
+  !> Generating profile shift coefficient x_E: with the tooth-thickness allowance A_s on the reference circle,
+  !> x_E = x + A_s/(2 m tan(alpha)) (ISO 21771:2007, section 8); unequal flanks share it by their tangents.
+  elemental real(dp) function generating_shift(spec) result(shift)
+    type(gear_spec_t), intent(in) :: spec
+
+    shift = spec%profile_shift + spec%thinning
+  end function generating_shift
+
+  !> The rounded corners of the rack's tooth must leave its tip land.
+  pure subroutine check_rack_tip(spec, error)
+    type(gear_spec_t), intent(in) :: spec
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: land, taken
+
+    associate (angle => spec%pressure_angle)
+      land = sum(pi/4 - spec%dedendum*tan(angle))
+      taken = sum((1 - sin(angle))/cos(angle))
+    end associate
+    if (land < 0) then
+      call fail(error, code_input, '&'//trim(spec%name)//' dedendum = '//str(spec%dedendum)// &
+        ': the rack tooth is pointed above '//str(pi/2/sum(tan(spec%pressure_angle))))
+    else if (spec%rack_tip_radius*taken > land*(1 + 1e-12_dp)) then
+      call fail(error, code_input, '&'//trim(spec%name)//' rack_tip_radius = '//str(spec%rack_tip_radius)// &
+        ': does not fit the rack; at most '//str(land/taken))
+    end if
+    if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, '&'//trim(spec%name)// &
+      ' rack_tip_radius = '//str(spec%rack_tip_radius)//': must not exceed the dedendum')
+  end subroutine check_rack_tip
+
+  !> Radius of curvature (m) of the involute where the rack's straight flank ends; negative where that end
+  !> reaches beyond the base circle: undercut.
+  pure real(dp) function straight_end(spec, side) result(curvature)
+    type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
+
+    associate (angle => spec%pressure_angle(side))
+      curvature = spec%teeth*spec%module/2*sin(angle) &
+                  - (straight_depth(spec, side) - generating_shift(spec))*spec%module/sin(angle)
+    end associate
+  end function straight_end
+
+  !> Least profile shift coefficient x without undercut of a side.
+  pure real(dp) function least_shift(spec, side) result(shift)
+    type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
+
+    shift = straight_depth(spec, side) - spec%teeth*sin(spec%pressure_angle(side))**2/2 - spec%thinning
+  end function least_shift
+
+  !> Depth (modules) of the end of the rack's straight flank below its reference line.
+  pure real(dp) function straight_depth(spec, side) result(depth)
+    type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
+
+    depth = spec%dedendum - spec%rack_tip_radius*(1 - sin(spec%pressure_angle(side)))
+  end function straight_depth
+
+  !> Depth of the centre of the rack's rounded corner below the pitch line (m).
+  pure real(dp) function corner_depth(spec)
+    type(gear_spec_t), intent(in) :: spec
+
+    corner_depth = (spec%dedendum - spec%rack_tip_radius - generating_shift(spec))*spec%module
+  end function corner_depth
+
+  !> Distance of that centre from the axis of the rack's space (m).
+  pure real(dp) function corner_place(spec, side)
+    type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
+
+    associate (angle => spec%pressure_angle(side))
+      corner_place = spec%module*(pi/4 + (spec%dedendum - spec%rack_tip_radius)*tan(angle) &
+                                  + spec%rack_tip_radius/cos(angle))
+    end associate
+  end function corner_place
+
+  !> Point of a side's trochoid, on positive x, with the tooth's axis along y (m).
+  pure function trochoid_point(spec, side, beta) result(point)
+    type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
+    real(dp), intent(in) :: beta
+    real(dp) :: point(2)
+    real(dp) :: across, x, y, turn, radius
+
+    radius = spec%teeth*spec%module/2
+    across = rolled(spec, beta)
+    associate (rounding => spec%rack_tip_radius*spec%module)
+      x = across - rounding*cos(beta)
+      y = radius - corner_depth(spec) - rounding*sin(beta)
+    end associate
+    turn = (across - corner_place(spec, side))/radius
+    point = [x*cos(turn) - y*sin(turn), x*sin(turn) + y*cos(turn)]
+  end function trochoid_point
+
+  !> The parameter, from `least` to pi/2, at which the trochoid's tangent makes the angle `tangent` (rad) with
+  !> the tooth axis; by bisection, as the angle grows towards the root.
+  pure real(dp) function trochoid_parameter(spec, side, least, tangent) result(beta)
+    type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
+    real(dp), intent(in) :: least, tangent
+    real(dp) :: low, high
+    integer :: i
+
+    low = least
+    high = pi/2
+    do i = 1, 60
+      beta = (low + high)/2
+      if (beta + (rolled(spec, beta) - corner_place(spec, side))/(spec%teeth*spec%module/2) < tangent) then
+        low = beta
+      else
+        high = beta
+      end if
+    end do
+  end function trochoid_parameter
+
+  !> Where the corner's centre stands beside the pitch point when the corner cuts at `beta` (m).
+  pure real(dp) function rolled(spec, beta)
+    type(gear_spec_t), intent(in) :: spec
+    real(dp), intent(in) :: beta
+
+    rolled = -corner_depth(spec)*cos(beta)/sin(beta)
+  end function rolled
+end module gearsweep_rack
