@@ -53,7 +53,7 @@ BESIDE = {
     'start_um': {'poincare': {'start_mm_s': 0}},
     'start_mm_s': {'poincare': {'start_um': 0}},
 }
-PRESCRIBED_KEYS = ('contact_ratio', 'base_pitch_mm', 'pitch_point', 'coefficients')
+PRESCRIBED_KEYS = ('contact_ratio', 'base_pitch_mm', 'pitch_point', 'coefficients', 'shared_compliance_um_n')
 NUMBER = r'(-?[\d.]+(?:e-?\d+)?)'
 
 

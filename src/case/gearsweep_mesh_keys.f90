@@ -186,7 +186,7 @@ contains
     character(sentence_length) :: waits
 
     call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', tasks=case%tasks_for('mesh'), &
-                    refused=refused, at_least=0.0_dp, at_most=1e6_dp, &
+                    refused=refused, at_least=0.0_dp, at_most=1e6_dp, otherwise='none', &
                     meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
                     'bodies: a part of each pair''s compliance')
     ! Stability feels it only where contact reaches beyond A and E.
