@@ -31,6 +31,8 @@ VARIANTS = {
     'no-edge-break': {'gear': {'tip_form_diameter_mm': None}},
     # STplus prints the span of teeth without their allowances.
     'no-allowance': {'pinion': {'generating_shift': None}, 'gear': {'generating_shift': None}},
+    'corners': {'mesh': {'corner_contact': True}},
+    'engineer': {'mesh': {'corner_contact': True, 'tooth_coupling': True, 'nonlinear_contact': True}},
     'pinion-only': {'relief': {'gear_fraction': 0}},
     'less-on-the-gear': {'relief': {'gear_fraction': 0.6}},
     'rack-tip-0.25': {'pinion': {'rack_tip_radius': 0.25}, 'gear': {'rack_tip_radius': 0.25}},

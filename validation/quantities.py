@@ -92,6 +92,18 @@ def static_error(name, letter, shift=0):
     return np.interp(_at(name, letter) + shift, mesh.s, mesh.ste_um)
 
 
+def peak_to_peak(name, relief):
+    """Of the static transmission error with this relief, um."""
+    table = result('transmission_error', name)
+    return table.peak_to_peak_um[list(table.relief_um).index(relief)]
+
+
+def worst_factor(name, relief):
+    """Largest dynamic factor over all speeds with this relief."""
+    table = result('sweep', name)
+    return table.dynamic_factor[list(table.relief_um).index(relief)].max()
+
+
 def tangential_load(name):
     """At the working pitch circle, N: torque over its radius."""
     return load(name) * math.cos(working_angle(name))
