@@ -59,13 +59,14 @@ contains
     real(dp), intent(in) :: radius, depth, tilt(:)
     real(dp), intent(out) :: at_near(:), at_far(:)
     type(error_t), allocatable, intent(out) :: error
-    real(dp), parameter :: across = acos(-1.0_dp)/2
-    real(dp) :: x(body%unknowns, 2), both(body%unknowns)
+    real(dp), allocatable :: x(:, :), both(:)
     integer :: i
 
-    x = 0
+    call claim_memory(32.0_dp*body%unknowns, '&mesh corner_contact: the tip corner on '//str(body%unknowns)//' unknowns', error)
+    if (allocated(error)) return
+    allocate (x(body%unknowns, 2), source=0.0_dp)
     call flank_load(section, body, radius, x(:, 1), error)
-    if (.not. allocated(error)) call flank_load(section, body, radius, x(:, 2), error, tilt=across)
+    if (.not. allocated(error)) call flank_load(section, body, radius, x(:, 2), error, tilt=pi/2)
     if (.not. allocated(error)) call body%stiffness%solve(x, error)
     if (allocated(error)) return
     do i = 1, size(tilt)

@@ -12,7 +12,9 @@ module gearsweep_edge_contact
   use gearsweep_grid, only: grid_t, make_grid
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
+  use gearsweep_memory, only: claim_memory
   use gearsweep_q8, only: nodes_per_element, shape_functions
+  use gearsweep_text, only: str
   implicit none
   private
   public :: edge_t, make_edge, edge_compliance, edge_deflection
@@ -79,6 +81,9 @@ contains
     if (allocated(error)) return
     cells = count(radius(3::2) <= min(widest*half_width, deepest*depth))
     edge%ends = radius(1:2*cells + 1:2)
+    call claim_memory(24.0_dp*body%unknowns*(2*cells + 2), '&mesh corner_contact: the edge on '//str(body%unknowns)//' unknowns', &
+                      error)
+    if (allocated(error)) return
     allocate (x(body%unknowns, 2*cells + 2), share(3, cells))
     do i = 1, cells
       share(:, i) = even_traction(radius(2*i - 1:2*i + 1))
