@@ -11,6 +11,7 @@ module test_elastic_corner
   use gearsweep_pair, only: make_pair, pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_text, only: str
+  use quantities, only: answer_t, ask
   use testing, only: check_close, check_no_error, check_true, tally_t
   implicit none
   private
@@ -30,6 +31,7 @@ contains
     if (t%wants('punch')) call punch(t)
     if (t%wants('self_similar')) call self_similar(t)
     if (t%wants('beyond_the_path')) call beyond_the_path(t)
+    if (t%wants('whole_case')) call whole_case(t)
     if (t%wants('any_load')) call any_load(t)
     if (t%wants('corner_estimate')) call corner_estimate(t)
   end subroutine run
@@ -171,6 +173,39 @@ contains
                       curve%value(-0.05_dp) > 0.8_dp*plain%value(0.0_dp), str(curve%value(-0.05_dp)/plain%value(0.0_dp)))
     end do
   end subroutine beyond_the_path
+
+  !> Dogan et al. 2021, case 1, as the program has it, against an independent model with the exact gap of the corner, whose corner was
+  !> as stiff as A: transmission error, where contact begins, and the same with neighbours and Hertz by each pair's own load.
+  subroutine whole_case(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: text = '&case tasks=''mesh'' / &pair module_mm=3.18 face_width_mm=25.4 / '// &
+      '&pinion teeth=25 / &gear teeth=25 / &load line_load_n_mm=276 / &relief amount_um=0, 10 / &mesh model=''fe'''
+    character(*), parameter :: alone = ' tooth_coupling=.false. nonlinear_contact=.false.'
+    type(answer_t) :: answer
+    real(dp), allocatable :: peak(:), length(:), s(:), share(:), touched(:)
+
+    call ask(t, text//alone//' /', answer)
+    peak = answer%all_of('transmission_error.peak_to_peak_um')
+    length = answer%all_of('transmission_error.effective_contact_ratio')
+    call check_close(t, 'peak-to-peak with corners', peak(1), 7.159_dp, relative=5e-3_dp)
+    call check_close(t, 'and 10 um', peak(2), 2.669_dp, relative=2e-2_dp)
+    call check_close(t, 'contact begins early', (length(1) - answer%one('geometry.contact_ratio'))/2, 0.073_dp, absolute=1.5e-3_dp)
+    call check_close(t, 'and with 10 um', (length(2) - answer%one('geometry.contact_ratio'))/2, 0.047_dp, absolute=1.5e-3_dp)
+    s = answer%all_of('mesh.s')
+    share = answer%all_of('mesh.load_share')
+    touched = answer%all_of('mesh.pinion_radius_mm')
+    call check_true(t, 'load at the tip corner', maxval(share, mask=s < -0.03_dp) > 0.02_dp .and. all(share >= 0))
+    ! A radius of 37.836 mm.
+    call check_true(t, 'the corner meets the pinion above A', minval(touched, mask=s < -1e-3_dp) > 37.84_dp)
+    call ask(t, text//' /', answer)
+    peak = answer%all_of('transmission_error.peak_to_peak_um')
+    call check_close(t, 'with neighbours and own flattening', peak(1), 6.63_dp, relative=5e-3_dp)
+    call ask(t, text//alone//' corner_contact=.false. /', answer)
+    peak = answer%all_of('transmission_error.peak_to_peak_um')
+    call check_close(t, 'without corners', peak(1), 7.375_dp, relative=5e-3_dp)
+    length = answer%all_of('transmission_error.effective_contact_ratio')
+    call check_close(t, 'ends at A and E', length(1), answer%one('geometry.contact_ratio'), relative=1e-9_dp)
+  end subroutine whole_case
 
   !> Contact beyond the path grows with the load and vanishes with it.
   subroutine any_load(t)

@@ -91,6 +91,10 @@ contains
       beyond(:, 1) = reach(1)*[(1 - i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       beyond(:, 2) = pair%contact_ratio + (reach(2) - pair%contact_ratio)*[(i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       do i = 1, 2
+        if (i == 2 .and. are_equal(pair%gear(1), pair%gear(2))) then
+          there(:, 2) = there(corner_knots:1:-1, 1)
+          exit
+        end if
         call corner_compliance(pair, tooth, material, options%section%plane_strain, line_load, beyond(:, i), there(:, i), error)
         if (.not. allocated(error)) call check_compliance(beyond(:, i), there(:, i) - width*disc%shared, error)
         if (allocated(error)) return
