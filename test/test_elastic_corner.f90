@@ -174,8 +174,8 @@ contains
     end do
   end subroutine beyond_the_path
 
-  !> Dogan et al. 2021, case 1, as the program has it, against an independent model with the exact gap of the corner, whose corner was
-  !> as stiff as A: transmission error, where contact begins, and the same with neighbours and Hertz by each pair's own load.
+  !> Dogan et al. 2021, case 1, as the program has it, against an independent model with the exact gap of the corner, whose
+  !> corner was as stiff as A: transmission error, where contact begins, and the same with neighbours and Hertz by own load.
   subroutine whole_case(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: text = '&case tasks=''mesh'' / &pair module_mm=3.18 face_width_mm=25.4 / '// &
