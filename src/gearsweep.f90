@@ -7,6 +7,7 @@
 !>     call read_case(text, case, error)                 ! text: the namelist case
 !>     if (.not. allocated(error)) call run_study(case, '', 0, study, error)
 !>     if (.not. allocated(error)) answer = report(study)
+!>     factor = column_of(study, 'sweep', 'dynamic_factor')    ! numbers by the names of table and column
 !>
 !> Nothing here prints or stops; an allocated `error` means that a call failed.
 !> The modules behind it can be used by themselves, stage by stage.
@@ -48,7 +49,7 @@ module gearsweep
   use gearsweep_study, only: study_t, run_study
   use gearsweep_report, only: report, write_report, failed_points
   use gearsweep_table, only: table_t, column_t, kind_real, kind_integer, kind_text
-  use gearsweep_tables, only: table_names, make_table, write_table
+  use gearsweep_tables, only: table_names, make_table, column_of, write_table
   implicit none
   public
 end module gearsweep

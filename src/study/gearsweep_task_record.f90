@@ -70,7 +70,8 @@ contains
       associate (column => table%columns(i))
         k = 0
         if (column%kind == kind_text) k = len(column%words)
-        call lines%add(str(column%kind)//' '//str(merge(1, 0, column%is_index))//' '//str(k))
+        call lines%add(str(column%kind)//' '//str(merge(1, 0, column%is_index))//' '// &
+                       str(merge(1, 0, column%is_reproducible))//' '//str(k))
         call lines%add(column%name)
         call lines%add(column%unit)
         call lines%add(column%meaning)
@@ -114,7 +115,7 @@ contains
     type(table_t), intent(inout) :: table
     integer(int64), allocatable :: words(:)
     character(:), allocatable :: line
-    integer :: sizes(3), column(3), i, k, stat
+    integer :: sizes(3), column(4), i, k, stat
 
     call take_line(text, place, line)
     read (line, *, iostat=stat) sizes
@@ -138,8 +139,9 @@ contains
         if (.not. place%ok) return
         to%kind = column(1)
         to%is_index = column(2) == 1
+        to%is_reproducible = column(3) == 1
         if (to%kind == kind_text) then
-          allocate (character(column(3)) :: to%words(table%rows))
+          allocate (character(column(4)) :: to%words(table%rows))
           do k = 1, table%rows
             call take_line(text, place, line)
             to%words(k) = line
