@@ -91,36 +91,6 @@ class ContactPointsTable(Table):
     gear_radius_mm: NDArray[float64]
     """mm: radius at which the gear touches"""
 
-class MotionTable(Table):
-    """load, masses and stiffness of the mesh, and its natural frequency"""
-
-    load_n: float
-    """N: static load on the line of action"""
-    pinion_mass_kg: float
-    """kg: effective mass of the pinion on the line of action"""
-    gear_mass_kg: float
-    """kg: effective mass of the gear on the line of action"""
-    least_pair_stiffness_n_um: float
-    """N/um: least stiffness of a pair on its path, whole face width"""
-    largest_pair_stiffness_n_um: float
-    """N/um: largest stiffness of a pair on its path, whole face width"""
-    mean_mesh_stiffness_n_um: float
-    """N/um: mean over a mesh period of all pairs in contact"""
-    mean_mesh_stiffness_n_um_mm: float
-    """N/um/mm: the same per mm of face width"""
-    natural_frequency_hz: float
-    """Hz: of the mean mesh stiffness and the effective masses"""
-    resonance_rpm: float
-    """1/min: speed of the pinion at which the mesh excites it"""
-    body_rotation_um: float
-    """um: turn of whole gears about their bores under the load, on the line of action: not in the motion"""
-    body_coupling_um: float
-    """um: what neighbouring teeth share beyond that: in the stiffness of each pair"""
-    damping_ratio: float
-    """as in the case"""
-    friction: float
-    """friction coefficient, as in the case"""
-
 class SectionTable(Table):
     """section of one member and its grid"""
 
@@ -153,75 +123,63 @@ class OutlineTable(Table):
     y_mm: NDArray[float64]
     """mm: along the axis of that tooth"""
 
-class NodesTable(Table):
-    """nodes of the section's grid"""
+class MeshTable(Table):
+    """one pair along its path of contact, static, for each relief"""
 
-    node: NDArray[int64]
-    """its number"""
-    x_mm: NDArray[float64]
-    """mm: across the middle tooth, towards its drive side"""
-    y_mm: NDArray[float64]
-    """mm: along the axis of that tooth"""
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    s: NDArray[float64]
+    """path coordinate of the pair, in base pitches from A; below 0 before A"""
+    pair_stiffness_n_um: NDArray[float64]
+    """N/um: stiffness of this pair, whole face width; what the dynamics take"""
+    mesh_stiffness_n_um: NDArray[float64]
+    """N/um: of all pairs that carry load; of whole gears also their discs"""
+    profile_error_um: NDArray[float64]
+    """um: material missing at this point, both flanks together"""
+    load_share: NDArray[float64]
+    """static load of this pair over the whole load"""
+    ste_um: NDArray[float64]
+    """um: static transmission error along the line of action"""
+    path_mm: NDArray[float64]
+    """mm: distance from A on the line of action"""
+    pinion_radius_mm: NDArray[float64]
+    """mm: radius at which the pinion touches"""
+    pinion_curvature_mm: NDArray[float64]
+    """mm: radius of curvature of the pinion's flank"""
+    gear_curvature_mm: NDArray[float64]
+    """mm: radius of curvature of the gear's flank"""
 
-class ElementsTable(Table):
-    """elements of the section's grid: four corners anticlockwise, then the midsides behind each"""
+class TransmissionErrorTable(Table):
+    """static transmission error and load sharing over a mesh period, for each relief"""
 
-    element: NDArray[int64]
-    """its number"""
-    node_1: NDArray[int64]
-    """number of this node"""
-    node_2: NDArray[int64]
-    """number of this node"""
-    node_3: NDArray[int64]
-    """number of this node"""
-    node_4: NDArray[int64]
-    """number of this node"""
-    node_5: NDArray[int64]
-    """number of this node"""
-    node_6: NDArray[int64]
-    """number of this node"""
-    node_7: NDArray[int64]
-    """number of this node"""
-    node_8: NDArray[int64]
-    """number of this node"""
-    tooth: NDArray[int64]
-    """that it belongs to, from the coast side; 0: the rim"""
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    peak_to_peak_um: NDArray[float64]
+    """um: largest less least transmission error"""
+    mean_um: NDArray[float64]
+    """um: mean transmission error"""
+    rms_um: NDArray[float64]
+    """um: root mean square of what differs from the mean"""
+    error_estimate_um: NDArray[float64]
+    """um: estimated error of mean and amplitudes, without rounding errors"""
+    largest_load_share: NDArray[float64]
+    """largest load of a pair over the static load"""
+    effective_contact_ratio: NDArray[float64]
+    """length of the path over which a pair carries load, in base pitches"""
 
-class ModalTable(Table):
-    """natural frequencies of the section"""
+class HarmonicsTable(Table):
+    """static transmission error for each relief, as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean"""
 
-    mode: NDArray[int64]
-    """from the lowest frequency"""
-    frequency_hz: NDArray[float64]
-    """Hz: natural frequency"""
-    error_estimate: NDArray[float64]
-    """estimated discretisation error, relative"""
-    residual: NDArray[float64]
-    """residual of the eigenvalue problem, relative"""
-    rim_share: NDArray[float64]
-    """kinetic energy of the body below the teeth over the whole"""
-
-class ModeEnergyTable(Table):
-    """kinetic energy of each mode by part of the section"""
-
-    mode: NDArray[int64]
-    """from the lowest frequency"""
-    tooth: NDArray[int64]
-    """counted from the coast side; 0 for the body below the teeth"""
-    energy_share: NDArray[float64]
-    """kinetic energy of this part over the whole"""
-
-class ModeShapesTable(Table):
-    """mode shapes at the nodes of the section's grid, for unit modal mass"""
-
-    mode: NDArray[int64]
-    """from the lowest frequency"""
-    node: NDArray[int64]
-    """its number"""
-    shape_x: NDArray[float64]
-    """kg**-0.5: displacement in x over the modal coordinate"""
-    shape_y: NDArray[float64]
-    """kg**-0.5: displacement in y over the modal coordinate"""
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    harmonic: NDArray[int64]
+    """0 for the mean, 1, 2 ... up to ste_harmonics"""
+    amplitude_um: NDArray[float64]
+    """um: half of peak-to-peak; the mean for harmonic 0"""
+    phase_deg: NDArray[float64]
+    """deg: where the amplitude is larger than its error"""
+    error_estimate_um: NDArray[float64]
+    """um: estimated error of mean and amplitudes, without rounding errors"""
 
 class StaticTable(Table):
     """stress at tangent_deg of the fillet for each relief and position of the load"""
@@ -303,75 +261,29 @@ class StressLoadTable(Table):
     load_share: float
     """load of this pair over the whole load"""
 
-class StressTable(Table):
-    """stress at the nodes of the section's grid under the load of the table stress_load"""
+class ModalTable(Table):
+    """natural frequencies of the section"""
 
-    node: NDArray[int64]
-    """its number"""
-    sigma_x_mpa: NDArray[float64]
-    """MPa: component across the middle tooth, x to its drive side"""
-    sigma_y_mpa: NDArray[float64]
-    """MPa: component along that tooth's axis y"""
-    tau_xy_mpa: NDArray[float64]
-    """MPa: shear component"""
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    frequency_hz: NDArray[float64]
+    """Hz: natural frequency"""
+    error_estimate: NDArray[float64]
+    """estimated discretisation error, relative"""
+    residual: NDArray[float64]
+    """residual of the eigenvalue problem, relative"""
+    rim_share: NDArray[float64]
+    """kinetic energy of the body below the teeth over the whole"""
 
-class MeshTable(Table):
-    """one pair along its path of contact, static, for each relief"""
+class ModeEnergyTable(Table):
+    """kinetic energy of each mode by part of the section"""
 
-    relief_um: NDArray[float64]
-    """um: amount of relief"""
-    s: NDArray[float64]
-    """path coordinate of the pair, in base pitches from A; below 0 before A"""
-    pair_stiffness_n_um: NDArray[float64]
-    """N/um: stiffness of this pair, whole face width; what the dynamics take"""
-    mesh_stiffness_n_um: NDArray[float64]
-    """N/um: of all pairs that carry load; of whole gears also their discs"""
-    profile_error_um: NDArray[float64]
-    """um: material missing at this point, both flanks together"""
-    load_share: NDArray[float64]
-    """static load of this pair over the whole load"""
-    ste_um: NDArray[float64]
-    """um: static transmission error along the line of action"""
-    path_mm: NDArray[float64]
-    """mm: distance from A on the line of action"""
-    pinion_radius_mm: NDArray[float64]
-    """mm: radius at which the pinion touches"""
-    pinion_curvature_mm: NDArray[float64]
-    """mm: radius of curvature of the pinion's flank"""
-    gear_curvature_mm: NDArray[float64]
-    """mm: radius of curvature of the gear's flank"""
-
-class TransmissionErrorTable(Table):
-    """static transmission error and load sharing over a mesh period, for each relief"""
-
-    relief_um: NDArray[float64]
-    """um: amount of relief"""
-    peak_to_peak_um: NDArray[float64]
-    """um: largest less least transmission error"""
-    mean_um: NDArray[float64]
-    """um: mean transmission error"""
-    rms_um: NDArray[float64]
-    """um: root mean square of what differs from the mean"""
-    error_estimate_um: NDArray[float64]
-    """um: estimated error of mean and amplitudes, without rounding errors"""
-    largest_load_share: NDArray[float64]
-    """largest load of a pair over the static load"""
-    effective_contact_ratio: NDArray[float64]
-    """length of the path over which a pair carries load, in base pitches"""
-
-class HarmonicsTable(Table):
-    """static transmission error for each relief, as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean"""
-
-    relief_um: NDArray[float64]
-    """um: amount of relief"""
-    harmonic: NDArray[int64]
-    """0 for the mean, 1, 2 ... up to ste_harmonics"""
-    amplitude_um: NDArray[float64]
-    """um: half of peak-to-peak; the mean for harmonic 0"""
-    phase_deg: NDArray[float64]
-    """deg: where the amplitude is larger than its error"""
-    error_estimate_um: NDArray[float64]
-    """um: estimated error of mean and amplitudes, without rounding errors"""
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    tooth: NDArray[int64]
+    """counted from the coast side; 0 for the body below the teeth"""
+    energy_share: NDArray[float64]
+    """kinetic energy of this part over the whole"""
 
 class LoadTable(Table):
     """dynamic load of one pair along its path of contact"""
@@ -695,6 +607,94 @@ class PrecisionFinestTable(Table):
     status: NDArray[str_]
     """ok, or why there is no value, as in the table sweep"""
 
+class MotionTable(Table):
+    """load, masses and stiffness of the mesh, and its natural frequency"""
+
+    load_n: float
+    """N: static load on the line of action"""
+    pinion_mass_kg: float
+    """kg: effective mass of the pinion on the line of action"""
+    gear_mass_kg: float
+    """kg: effective mass of the gear on the line of action"""
+    least_pair_stiffness_n_um: float
+    """N/um: least stiffness of a pair on its path, whole face width"""
+    largest_pair_stiffness_n_um: float
+    """N/um: largest stiffness of a pair on its path, whole face width"""
+    mean_mesh_stiffness_n_um: float
+    """N/um: mean over a mesh period of all pairs in contact"""
+    mean_mesh_stiffness_n_um_mm: float
+    """N/um/mm: the same per mm of face width"""
+    natural_frequency_hz: float
+    """Hz: of the mean mesh stiffness and the effective masses"""
+    resonance_rpm: float
+    """1/min: speed of the pinion at which the mesh excites it"""
+    body_rotation_um: float
+    """um: turn of whole gears about their bores under the load, on the line of action: not in the motion"""
+    body_coupling_um: float
+    """um: what neighbouring teeth share beyond that: in the stiffness of each pair"""
+    damping_ratio: float
+    """as in the case"""
+    friction: float
+    """friction coefficient, as in the case"""
+
+class NodesTable(Table):
+    """nodes of the section's grid"""
+
+    node: NDArray[int64]
+    """its number"""
+    x_mm: NDArray[float64]
+    """mm: across the middle tooth, towards its drive side"""
+    y_mm: NDArray[float64]
+    """mm: along the axis of that tooth"""
+
+class ElementsTable(Table):
+    """elements of the section's grid: four corners anticlockwise, then the midsides behind each"""
+
+    element: NDArray[int64]
+    """its number"""
+    node_1: NDArray[int64]
+    """number of this node"""
+    node_2: NDArray[int64]
+    """number of this node"""
+    node_3: NDArray[int64]
+    """number of this node"""
+    node_4: NDArray[int64]
+    """number of this node"""
+    node_5: NDArray[int64]
+    """number of this node"""
+    node_6: NDArray[int64]
+    """number of this node"""
+    node_7: NDArray[int64]
+    """number of this node"""
+    node_8: NDArray[int64]
+    """number of this node"""
+    tooth: NDArray[int64]
+    """that it belongs to, from the coast side; 0: the rim"""
+
+class StressTable(Table):
+    """stress at the nodes of the section's grid under the load of the table stress_load"""
+
+    node: NDArray[int64]
+    """its number"""
+    sigma_x_mpa: NDArray[float64]
+    """MPa: component across the middle tooth, x to its drive side"""
+    sigma_y_mpa: NDArray[float64]
+    """MPa: component along that tooth's axis y"""
+    tau_xy_mpa: NDArray[float64]
+    """MPa: shear component"""
+
+class ModeShapesTable(Table):
+    """mode shapes at the nodes of the section's grid, for unit modal mass"""
+
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    node: NDArray[int64]
+    """its number"""
+    shape_x: NDArray[float64]
+    """kg**-0.5: displacement in x over the modal coordinate"""
+    shape_y: NDArray[float64]
+    """kg**-0.5: displacement in y over the modal coordinate"""
+
 class PublishedTable(Table):
     """printed values and ours"""
 
@@ -723,21 +723,15 @@ class Named:
     @property
     def contact_points(self) -> ContactPointsTable: ...
     @property
-    def motion(self) -> MotionTable: ...
-    @property
     def section(self) -> SectionTable: ...
     @property
     def outline(self) -> OutlineTable: ...
     @property
-    def nodes(self) -> NodesTable: ...
+    def mesh(self) -> MeshTable: ...
     @property
-    def elements(self) -> ElementsTable: ...
+    def transmission_error(self) -> TransmissionErrorTable: ...
     @property
-    def modal(self) -> ModalTable: ...
-    @property
-    def mode_energy(self) -> ModeEnergyTable: ...
-    @property
-    def mode_shapes(self) -> ModeShapesTable: ...
+    def harmonics(self) -> HarmonicsTable: ...
     @property
     def static(self) -> StaticTable: ...
     @property
@@ -747,13 +741,9 @@ class Named:
     @property
     def stress_load(self) -> StressLoadTable: ...
     @property
-    def stress(self) -> StressTable: ...
+    def modal(self) -> ModalTable: ...
     @property
-    def mesh(self) -> MeshTable: ...
-    @property
-    def transmission_error(self) -> TransmissionErrorTable: ...
-    @property
-    def harmonics(self) -> HarmonicsTable: ...
+    def mode_energy(self) -> ModeEnergyTable: ...
     @property
     def load(self) -> LoadTable: ...
     @property
@@ -788,5 +778,15 @@ class Named:
     def precision(self) -> PrecisionTable: ...
     @property
     def precision_finest(self) -> PrecisionFinestTable: ...
+    @property
+    def motion(self) -> MotionTable: ...
+    @property
+    def nodes(self) -> NodesTable: ...
+    @property
+    def elements(self) -> ElementsTable: ...
+    @property
+    def stress(self) -> StressTable: ...
+    @property
+    def mode_shapes(self) -> ModeShapesTable: ...
     @property
     def published(self) -> PublishedTable: ...
