@@ -61,7 +61,7 @@ contains
     integer :: i
 
     allocate (rating(size(mesh)))
-    s = load_positions(pair, options)
+    s = load_positions(pair, options, mesh(1)%reach)
     allocate (radius, source=load_radius(pair, options, s))
     ! Each relief's stress along both fillets, once more while it is made.
     call claim_memory((size(mesh) + 2.0_dp)*(size(s)*(100 + 8.0_dp*sum([(size(unit%side(i)%along), i=1, 2)])) &
@@ -126,12 +126,17 @@ contains
   end function outer_point
 
   !> Path coordinates of the load. On the path, the jumps of the share are met from
-  !> both sides; on the flank, equal arcs lead from the tip down.
-  pure function load_positions(pair, options) result(s)
+  !> both sides; on the flank, equal arcs lead from the tip down. Where tip corners touch within `reach` (see mesh_t), the
+  !> share has no jumps, but it falls off steeply where another pair begins beyond the path: the load is put there more often.
+  pure function load_positions(pair, options, reach) result(s)
     type(pair_t), intent(in) :: pair
     type(root_options_t), intent(in) :: options
+    real(dp), intent(in) :: reach(2)
     real(dp), allocatable :: s(:)
     real(dp), parameter :: beside = 1e-9_dp
+    !> So far beyond A and E corners touch under usual loads, base pitches; the same under any, so that one solution for unit
+    !> loads serves all loads.
+    real(dp), parameter :: corners(*) = [0.02_dp, 0.04_dp, 0.06_dp, 0.08_dp, 0.1_dp, 0.12_dp]
     real(dp) :: curvature(2), base
     integer :: i, n
 
@@ -141,6 +146,9 @@ contains
       s = [(pair%contact_ratio*i/(n - 1), i=0, n - 1)]
       do i = 1, int(pair%contact_ratio)
         s = [s, i + [-beside, beside], pair%contact_ratio - i + [-beside, beside]]
+        if (options%sharing /= shared_by_mesh) cycle
+        if (reach(1) < 0) s = [s, i - corners]
+        if (reach(2) > pair%contact_ratio) s = [s, pair%contact_ratio - i + corners]
       end do
       s = sorted(max(0.0_dp, min(pair%contact_ratio, s)))
     else

@@ -134,7 +134,8 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     self%unit_inputs%body = stages%body_inputs
-    allocate (self%unit_inputs%radius, source=load_radius(stages%pair, self%options, load_positions(stages%pair, self%options)))
+    allocate (self%unit_inputs%radius, source=load_radius(stages%pair, self%options, &
+                                                          load_positions(stages%pair, self%options, stages%mesh%reach)))
     if (associated(stages%running%earlier)) then
       select type (before => stages%running%earlier)
       type is (static_task_t)
