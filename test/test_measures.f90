@@ -318,6 +318,13 @@ contains
     spec%tip_form_diameter = 0
     spec%tip_diameter = 70*mm
     call make_gear(spec, gear, error)
-    call check_error(t, 'tip below the fillet', error, 'no involute is left')
+    call check_error(t, 'tip below the fillet', error, '&pinion tip_diameter_mm = 70: no involute is left')
+    spec%tip_diameter = 95*mm
+    call make_gear(spec, gear, error)
+    call check_error(t, 'tip beyond the point', error, '&pinion tip_diameter_mm = 95: pointed teeth')
+    spec%tip_diameter = 0
+    spec%thinning = -3
+    call make_gear(spec, gear, error)
+    call check_error(t, 'thinned away', error, 'leaves no tooth as thin as generating_shift or thickness_allowance_um make it')
   end subroutine tips_that_are_refused
 end module test_measures

@@ -10,7 +10,7 @@ module gearsweep_gear
   use gearsweep_text, only: str
   implicit none
   private
-  public :: gear_t, gear_spec_t, make_gear, involute, chamfer_base, drive, coast
+  public :: gear_t, gear_spec_t, make_gear, involute, chamfer_base, tip_key, drive, coast
 
   !> What follows from it.
   type :: gear_t
@@ -134,7 +134,8 @@ contains
     point = trochoid_point(gear%spec, side, trochoid_parameter(gear%spec, side, high, 0.0_dp))
     if (missed > 1e-9_dp*gear%reference_radius .or. point(1) <= 0) call fail(error, code_input, '&'//trim(gear%spec%name)// &
       ' profile_shift = '//str(gear%spec%profile_shift)//': undercut with '//str(gear%spec%teeth)// &
-      ' teeth leaves no tooth; must be at least '//str(least_shift(gear%spec, side))//' to have none')
+      ' teeth leaves no tooth'//trim(merge(' as thin as generating_shift or thickness_allowance_um make it', repeat(' ', 62), &
+      gear%spec%thinning < 0))//'; must be at least '//str(least_shift(gear%spec, side))//' to have none')
   end subroutine cross_undercut
 
   pure subroutine check_tooth(gear, error)
@@ -148,15 +149,32 @@ contains
       ': must be at least 0 and below the root diameter '//str(2000*gear%root_radius)//' mm')
     end if
     if (min(gear%tip_form_radius, gear%flank_end(coast)) <= maxval(gear%form_radius)) then
-      call fail(error, code_input, group//'addendum = '//str(gear%spec%addendum)// &
+      call fail(error, code_input, group//tip_key(gear)//' = '//tip_value(gear)// &
         ': no involute is left between fillet and tip'//trim(merge(' with this chamfer or rounding', repeat(' ', 30), &
         gear%tip_form_radius < gear%tip_radius)))
     else if (gear%thickness(gear%tip_radius) <= 0) then
-      call fail(error, code_input, group//'addendum = '//str(gear%spec%addendum)// &
+      call fail(error, code_input, group//tip_key(gear)//' = '//tip_value(gear)// &
         ': pointed teeth; the tip diameter must stay below '//str(2000*pointed_radius(gear))//' mm'// &
         trim(merge(' with this thickness allowance', repeat(' ', 30), gear%spec%thinning < 0)))
     end if
   end subroutine check_tooth
+
+  !> For messages: the key that sets the tip circle.
+  pure function tip_key(gear) result(words)
+    type(gear_t), intent(in) :: gear
+    character(:), allocatable :: words
+
+    words = trim(merge('tip_diameter_mm', 'addendum       ', gear%spec%tip_diameter > 0))
+  end function tip_key
+
+  !> Its value.
+  pure function tip_value(gear) result(words)
+    type(gear_t), intent(in) :: gear
+    character(:), allocatable :: words
+
+    words = str(gear%spec%addendum)
+    if (gear%spec%tip_diameter > 0) words = str(1000*gear%spec%tip_diameter)
+  end function tip_value
 
   !> A chamfer or rounding must begin on the involute and leave a tip land.
   pure subroutine check_tip(gear, error)
