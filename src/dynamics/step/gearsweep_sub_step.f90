@@ -292,10 +292,12 @@ contains
     type(sub_steps_t), intent(in) :: c
     integer, intent(in) :: l                     !< which speed of the batch
     real(dp), intent(in) :: q(0:5)               !< coefficients
-    real(dp) :: f(0:1, 2)
+    real(dp) :: f(0:1, 2), t(2)
 
-    call evaluate(q, c%left(l), f(0, 1), f(1, 1))
-    call evaluate(q, c%left(l) + c%width(l), f(0, 2), f(1, 2))
+    ! Written out, as this is asked for every motion at every event.
+    t = c%left(l) + [0.0_dp, c%width(l)]
+    f(0, :) = ((((q(5)*t + q(4))*t + q(3))*t + q(2))*t + q(1))*t + q(0)
+    f(1, :) = (((5*q(5)*t + 4*q(4))*t + 3*q(3))*t + 2*q(2))*t + q(1)
     f(1, :) = f(1, :)*c%width(l)
   end function derivatives
 
@@ -304,10 +306,10 @@ contains
     type(sub_steps_t), intent(in) :: c
     integer, intent(in) :: l                     !< which speed of the batch
     real(dp), intent(in) :: q(0:5)               !< coefficients
-    real(dp) :: f(2)
+    real(dp) :: f(2), t(2)
 
-    f(1) = second_derivative_of(q, c%left(l))*c%width(l)**2
-    f(2) = second_derivative_of(q, c%left(l) + c%width(l))*c%width(l)**2
+    t = c%left(l) + [0.0_dp, c%width(l)]
+    f = (((20*q(5)*t + 12*q(4))*t + 6*q(3))*t + 2*q(2))*c%width(l)**2
   end function second_derivatives
 
   !> Makes `error` of pair j the effective one under a contact set, unless it is. Whether the pair itself is in contact does
