@@ -4,8 +4,9 @@ module test_declarations
   use gearsweep_case, only: case_t, list_task_names
   use gearsweep_case_reader, only: list_keys, read_case
   use gearsweep_describe, only: describe, help_on, write_key_table
-  use gearsweep_error, only: code_input, error_t
+  use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_files, only: read_text
+  use gearsweep_key_names, only: key_names, name_key
   use gearsweep_keys, only: keys_t
   use gearsweep_new_case, only: write_new_case
   use gearsweep_task, only: task_length
@@ -26,6 +27,7 @@ contains
     if (t%wants('every_key')) call every_key(t)
     if (t%wants('help')) call help(t)
     if (t%wants('descriptions')) call descriptions(t)
+    if (t%wants('quantities')) call quantities(t)
     if (t%wants('new_cases')) call new_cases(t)
     if (t%wants('reference')) call reference(t)
   end subroutine run
@@ -103,6 +105,37 @@ contains
     call describe('taks', text, error)
     call check_error(t, 'what cannot be described', error, 'taks: cannot be described (did you mean tasks?)')
   end subroutine descriptions
+
+  !> The quantities of messages from below have keys that there are, and get them.
+  subroutine quantities(t)
+    type(tally_t), intent(inout) :: t
+    type(keys_t) :: keys
+    type(error_t), allocatable :: error
+    character(:), allocatable :: key, quantity
+    logical :: is_there
+    integer :: i, at, k
+
+    call list_keys([character(task_length) ::], keys)
+    do i = 1, size(key_names)
+      key = trim(key_names(i)%key)
+      quantity = trim(key_names(i)%quantity)
+      at = index(key//' ', ' ')
+      is_there = .false.
+      do k = 1, keys%known
+        if (keys%key(k)%group /= key(2:at - 1)) cycle
+        is_there = is_there .or. at > len(key) .or. keys%key(k)%name == key(min(at + 1, len(key)):)
+      end do
+      call check_true(t, 'one of the keys or groups: '//key, is_there)
+      call fail(error, code_input, quantity//' = 3: is too much')
+      call name_key(error)
+      call check_equal(t, quantity, error%message, key//' = 3: is too much')
+      deallocate (error)
+      call fail(error, code_input, quantity//'s are many')
+      call name_key(error)
+      call check_equal(t, 'other words than '//quantity, error%message, quantity//'s are many')
+      deallocate (error)
+    end do
+  end subroutine quantities
 
   !> For every task and for all together: read without a word of unused keys once the required ones are filled.
   subroutine new_cases(t)

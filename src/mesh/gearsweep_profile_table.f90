@@ -8,7 +8,7 @@ module gearsweep_profile_table
   private
   public :: profile_table
 
-  character(*), parameter :: key = '&mesh profile_error_file: '
+  character(*), parameter :: table = 'profile error table: '
 
 contains
 
@@ -55,14 +55,15 @@ contains
 
     n = size(s)
     if (n < 2) then
-      call fail(error, code_input, key//'needs at least two rows of s and profile error')
+      call fail(error, code_input, table//'needs at least two rows of s and profile error')
       return
     end if
     do row = 1, n
       if (.not. abs(s(row)) <= far) then
-        call fail(error, code_input, key//'s = '//str(s(row))//' at row '//str(row)//': must be from '//str(-far)//' to '//str(far))
+        call fail(error, code_input, table//'s = '//str(s(row))//' at row '//str(row)//': must be from '//str(-far)//' to '// &
+                  str(far))
       else if (.not. abs(values(row)) <= largest) then
-        call fail(error, code_input, key//'the profile error must be from '//str(-1e6_dp*largest)//' to '//str(1e6_dp*largest)// &
+        call fail(error, code_input, table//'the profile error must be from '//str(-1e6_dp*largest)//' to '//str(1e6_dp*largest)// &
                   ' um; at row '//str(row)//' it is beyond')
       end if
       if (allocated(error)) return
@@ -70,19 +71,19 @@ contains
     do row = 2, n
       associate (step => s(row) - s(row - 1))
         if (step < 0) then
-          call fail(error, code_input, key//'s is not ascending at row '//str(row))
+          call fail(error, code_input, table//'s is not ascending at row '//str(row))
         else if (step > 0 .and. step < closest) then
-          call fail(error, code_input, key//'s is closer than '//str(closest)//' to the row before at row '//str(row))
+          call fail(error, code_input, table//'s is closer than '//str(closest)//' to the row before at row '//str(row))
         end if
       end associate
       if (allocated(error)) return
     end do
     row = findloc(s(2:n) > s(:n - 1), .false., 1)
     if (s(1) > slack .or. s(n) < contact_ratio - slack) then
-      call fail(error, code_input, key//'covers s = '//str(s(1))//' to '//str(s(n))// &
+      call fail(error, code_input, table//'covers s = '//str(s(1))//' to '//str(s(n))// &
                 ' base pitches; the path of contact is 0 to '//str(contact_ratio))
     else if (.not. (s(2) > s(1) .and. s(n) > s(n - 1)) .or. any(.not. s(3:) > s(:n - 2))) then
-      call fail(error, code_input, key//'s comes twice at row '//str(row + 1)//': it may where a spline ends and the next '// &
+      call fail(error, code_input, table//'s comes twice at row '//str(row + 1)//': it may where a spline ends and the next '// &
                 'begins, each of two rows or more')
     end if
   end subroutine check_rows

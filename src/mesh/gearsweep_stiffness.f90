@@ -32,7 +32,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     curve = polynomial(0.0_dp, contact_ratio, coefficients)
-    call check_positive(curve, 'coefficients', error)
+    call check_positive(curve, 'stiffness polynomial', error)
   end subroutine polynomial_stiffness
 
   !> Spline through a table: `s` in base pitches, ascending, from 0 or below to
@@ -45,43 +45,43 @@ contains
     integer :: row
 
     if (size(s) < 2 .or. size(s) /= size(stiffness)) then
-      call fail(error, code_input, '&mesh file: needs at least two rows of s and stiffness')
+      call fail(error, code_input, 'stiffness table: needs at least two rows of s and stiffness')
     else if (any(s(2:) <= s(:size(s) - 1))) then
-      call fail(error, code_input, '&mesh file: s is not ascending at row '// &
+      call fail(error, code_input, 'stiffness table: s is not ascending at row '// &
                 str(findloc(s(2:) <= s(:size(s) - 1), .true., 1) + 1))
     else if (s(1) > slack .or. s(size(s)) < contact_ratio - slack) then
-      call fail(error, code_input, '&mesh file: covers s = '//str(s(1))//' to '//str(s(size(s)))// &
+      call fail(error, code_input, 'stiffness table: covers s = '//str(s(1))//' to '//str(s(size(s)))// &
                 ' base pitches; the path of contact is 0 to '//str(contact_ratio))
     else if (any(abs(s) > far)) then
-      call fail(error, code_input, '&mesh file: s = '//str(s(findloc(abs(s) > far, .true., 1)))//': must be from '// &
+      call fail(error, code_input, 'stiffness table: s = '//str(s(findloc(abs(s) > far, .true., 1)))//': must be from '// &
                 str(-far)//' to '//str(far))
     else if (any(s(2:) - s(:size(s) - 1) < closest)) then
-      call fail(error, code_input, '&mesh file: s is closer than '//str(closest)//' to the row before at row '// &
+      call fail(error, code_input, 'stiffness table: s is closer than '//str(closest)//' to the row before at row '// &
                 str(findloc(s(2:) - s(:size(s) - 1) < closest, .true., 1) + 1))
     else if (any(.not. abs(stiffness) <= stiffest)) then
       ! Before the spline, which would overflow.
       row = findloc(abs(stiffness) <= stiffest, .false., 1)
-      call fail(error, code_input, '&mesh file: the pair stiffness must be at most '//str(stiffest*1e-6_dp)// &
+      call fail(error, code_input, 'stiffness table: the pair stiffness must be at most '//str(stiffest*1e-6_dp)// &
                 ' N/um; at row '//str(row)//' it is beyond')
     else
       curve = spline(s, stiffness)
-      call check_positive(curve, 'file', error)
+      call check_positive(curve, 'stiffness table', error)
     end if
   end subroutine table_stiffness
 
-  pure subroutine check_positive(curve, key, error)
+  pure subroutine check_positive(curve, quantity, error)
     type(piecewise_t), intent(in) :: curve
-    character(*), intent(in) :: key
+    character(*), intent(in) :: quantity
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: least, largest
 
     least = curve%minimum()
     largest = curve%maximum()
     if (.not. least >= softest) then
-      call fail(error, code_input, '&mesh '//key//': the pair stiffness must be above 0 everywhere, at least '// &
+      call fail(error, code_input, quantity//': the pair stiffness must be above 0 everywhere, at least '// &
                 str(softest*1e-6_dp)//' N/um; it falls to '//str(least*1e-6_dp)//' N/um')
     else if (.not. largest <= stiffest) then
-      call fail(error, code_input, '&mesh '//key//': the pair stiffness must be at most '//str(stiffest*1e-6_dp)// &
+      call fail(error, code_input, quantity//': the pair stiffness must be at most '//str(stiffest*1e-6_dp)// &
                 ' N/um; it rises to '//str(largest*1e-6_dp)//' N/um')
     end if
   end subroutine check_positive

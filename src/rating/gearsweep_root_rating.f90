@@ -66,7 +66,7 @@ contains
     ! Each relief's stress along both fillets, once more while it is made.
     call claim_memory((size(mesh) + 2.0_dp)*(size(s)*(100 + 8.0_dp*sum([(size(unit%side(i)%along), i=1, 2)])) &
                       + 50.0_dp*sum([(size(unit%side(i)%along), i=1, 2)])), &
-                      '&static positions = '//str(size(s))//': '//str(size(mesh))//' reliefs', error)
+                      'positions of the load = '//str(size(s))//': '//str(size(mesh))//' reliefs', error)
     if (allocated(error)) return
     do i = 1, size(mesh)
       rating(i)%s = s

@@ -34,7 +34,8 @@ contains
       field%position = position
       if (position == 0) field%position = worst%stress%tension%load
       if (field%position > size(worst%s)) then
-        call fail(error, code_input, '&static field_position = '//str(position)//': must be at most '//str(size(worst%s))// &
+        call fail(error, code_input, 'position of the load of the stress field = '//str(position)//': must be at most '// &
+                  str(size(worst%s))// &
                   ', as the load has so many positions')
         return
       end if

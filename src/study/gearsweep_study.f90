@@ -7,6 +7,7 @@ module gearsweep_study
   use gearsweep_error, only: error_t
   use gearsweep_files, only: beside, read_text
   use gearsweep_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
+  use gearsweep_key_names, only: name_key
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_mesh_stage, only: mesh_and_motion
@@ -61,6 +62,7 @@ contains
     call hold_blas()
     call claim_memory(0.0_dp, '&case tasks', error)
     if (.not. allocated(error)) call run_stages(study, folder, error, earlier)
+    call name_key(error)
     call settle_memory()
     call release_blas()
     if (present(record) .and. study%stopped) record%tasks = study%tasks

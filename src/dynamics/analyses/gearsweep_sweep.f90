@@ -120,7 +120,7 @@ contains
     call settle_memory()
     call share_traps(traps, 0)
     !$omp end parallel
-    if (lacks) call fail(error, code_memory, '&sweep: the memory does not hold the steps of a mesh period at some speeds; '// &
+    if (lacks) call fail(error, code_memory, 'sweep: the memory does not hold the steps of a mesh period at some speeds; '// &
                          'fewer threads or a larger tolerance need less')
   end subroutine go_through
 
@@ -160,11 +160,11 @@ contains
     real(dp) :: points
 
     points = real(speeds, dp)*reliefs
-    if (points > most_points) call fail(error, code_memory, '&sweep: '//str(speeds)//' speeds times '//str(reliefs)// &
+    if (points > most_points) call fail(error, code_memory, 'sweep: '//str(speeds)//' speeds times '//str(reliefs)// &
                                         ' reliefs are too many points; at most '//str(most_points))
     ! Results and work, copies of one relief's points as they are stored, and the blocks.
     call claim_memory((points + 2*speeds + kept*real(reliefs, dp))*(60 + storage_size(point)/8), &
-                      '&sweep: '//str(speeds)//' speeds times '//str(reliefs)//' reliefs', error)
+                      'sweep: '//str(speeds)//' speeds times '//str(reliefs)//' reliefs', error)
   end subroutine claim_points
 
   subroutine allocate_sweep(rpm, reliefs, sweep)
