@@ -45,7 +45,8 @@ typedef struct gsc_study gsc_study;
 /* Version of the library, as "0.1.0". */
 int gsc_version(char *buffer, size_t buffer_size, char *message, size_t message_size);
 
-/* What the library has, as text in JSON. what: "tasks", what a case can ask for. */
+/* What the library has, as text in JSON. what: "tasks", what a case can ask for; "groups" and "keys", what a case may say,
+   with units, defaults and bounds; "key GROUP KEY", one of the keys; "all", these three; "tables", the tables there can be. */
 int gsc_describe(const char *what, char *buffer, size_t buffer_size, size_t *length, char *message, size_t message_size);
 
 /* Works on the text of a case. action:
@@ -56,6 +57,7 @@ int gsc_describe(const char *what, char *buffer, size_t buffer_size, size_t *len
                of a text that has it. Whether this case allows the key and the value is told by the run
    "unused"    the keys that the case gives but does not use, mostly for tasks that it does not name: for each use that
                they would have, a line "use: &group key, key; &group key"
+   "new"       a case for the tasks in text, separated by blanks, with every key of theirs and its default
    Only "change" takes group, key and value; NULL is empty. */
 int gsc_edit(const char *action, const char *text, size_t text_length, const char *group, const char *key,
              const char *value, char *buffer, size_t buffer_size, size_t *length, char *message, size_t message_size);
@@ -97,8 +99,9 @@ int gsc_words(const gsc_study *study, const char *table, const char *column, int
               char *message, size_t message_size);
 
 /* Writes the tables and grids of a study as files name.TABLE.csv and name.GRID.vtu into a folder, which is made if
-   missing: all, or none where one cannot be written (GSC_FILE), and then what was there before stays. name: without a
-   folder and control characters. buffer: the files written, a line each; they are written also where it is too small. */
+   missing: all, or none where one cannot be written (GSC_FILE), and then what was there before stays. Calls at once into
+   one folder are served one after the other. Files of an earlier call with this name that this study has not get the ending
+   .old. name: without a folder and control characters. buffer: the files written, a line each, also where it is too small. */
 int gsc_write(const gsc_study *study, const char *folder, const char *name, char *buffer, size_t buffer_size,
               size_t *length, char *message, size_t message_size);
 

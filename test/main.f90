@@ -18,7 +18,9 @@ program check
   use test_closed_stiffness, only: run_closed_stiffness => run
   use test_closed_stress, only: run_closed_stress => run
   use test_corner, only: run_corner => run
+  use test_completion, only: run_completion => run
   use test_declarations, only: run_declarations => run, write_page
+  use test_earlier, only: run_earlier => run
   use test_elastic_body, only: run_elastic_body => run
   use test_elastic_corner, only: run_elastic_corner => run
   use test_elastic_disc, only: run_elastic_disc => run
@@ -63,6 +65,7 @@ program check
     & suite_t('reader', run_reader), &
     & suite_t('inputs', run_inputs), &
     & suite_t('declarations', run_declarations), &
+    & suite_t('completion', run_completion), &
     & suite_t('geometry', run_geometry), &
     & suite_t('closed_geometry', run_closed_geometry), &
     & suite_t('measures', run_measures), &
@@ -80,6 +83,7 @@ program check
     & suite_t('resonances', run_resonances), &
     & suite_t('points', run_points), &
     & suite_t('precision', run_precision), &
+    & suite_t('earlier', run_earlier), &
     & suite_t('resume', run_resume), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &

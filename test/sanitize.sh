@@ -44,21 +44,17 @@ cat >"$work/case.nml" <<'END'
 &load normal_force_n = 4000 / &relief amount_um = 0, 10 / &section elements_across = 4 /
 &static positions = 5 / &modal modes = 3 / &sweep rpm_first = 3000 rpm_last = 9000 rpm_step = 1000 load_rpm = 4000 /
 END
-run() { "./$1" <case.nml; }
+run() { "./$1" case <case.nml; }
 
 calls=2500
 [ "${1-}" != --short ] || calls=250
 part 'spoilt calls: build' "$work" caller fuzz
 part 'spoilt calls' "$work" ./fuzz . $calls
 if [ "${1-}" != --short ]; then
-  for name in design results; do
-    part "C: $name: build" "$work" caller "$name"
-    part "C: $name" "$work" run "$name"
-  done
-  for name in legacy results; do
-    part "Fortran 77: $name: build" "$work" legacy "$name"
-    part "Fortran 77: $name" "$work" run "$name"
-  done
+  part 'C: build' "$work" caller results
+  part 'C' "$work" run results
+  part 'Fortran 77: build' "$work" legacy results
+  part 'Fortran 77' "$work" run results
   part 'suites' "$root" "$run_dir/check-sanitized" "$@"
 fi
 finish

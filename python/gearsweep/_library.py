@@ -1,7 +1,7 @@
 """The library's calls in Python's types: the only module that calls it.
 
 Texts go in and come out as bytes of UTF-8; a failed call becomes an `Error`. What the calls do is told in
-src/api/gearsweep_flat_calls.f90.
+include/gearsweep.h.
 """
 
 from __future__ import annotations
@@ -112,14 +112,9 @@ class Handle:
 
 
 def run(
-    text: str,
-    folder: str,
-    threads: int,
-    earlier: Handle | None,
-    progress: Callable[[int, int], object] | None,
-    resume: str,
-    keep: str,
-) -> tuple[Handle | None, Error | None, BaseException | None]:
+    text: str, folder: str, threads: int, earlier: Handle | None, progress: Callable[[int, int], object] | None,
+    resume: str, keep: str,
+) -> tuple[Handle | None, Error | None, BaseException | None]:  # fmt: skip
     """The study, if there is one, the error that the run ended with, and what ended it from outside.
 
     That is an exception that came up meanwhile, such as KeyboardInterrupt or one of `progress`.
@@ -175,20 +170,13 @@ def _str(text: bytes) -> str:
     return text.decode('utf-8', 'surrogateescape')
 
 
-_is_fork = False
-
-
-def _forked() -> None:
-    global _is_fork
-    _is_fork = True
-
-
+_fork: list[bool] = []  #: not empty in a forked process
 if hasattr(os, 'register_at_fork'):
-    os.register_at_fork(after_in_child=_forked)
+    os.register_at_fork(after_in_child=lambda: _fork.append(True))
 
 
 def _threads(threads: int) -> int:
     """One in a forked process, where GNU's OpenMP would wait for the parent's threads for ever."""
     if not -(2**31) <= index(threads) < 2**31:
         raise Error(f'threads = {threads}: must be from 0 (all) to 1024')
-    return 1 if _is_fork and threads >= 0 else index(threads)
+    return 1 if _fork and threads >= 0 else index(threads)

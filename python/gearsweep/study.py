@@ -7,6 +7,7 @@ import json
 import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,12 +30,12 @@ _TEXTS = ('report', 'log')
 _VERSION = _library.version()
 
 
+@dataclass
 class _Kept:
     """A study that was read from a file or came from another process."""
 
-    def __init__(self, texts: dict[str, str], columns: dict[tuple[str, str], np.ndarray]):
-        self.texts = texts
-        self.columns = columns
+    texts: dict[str, str]
+    columns: dict[tuple[str, str], np.ndarray]
 
     def text(self, what: str) -> str:
         return self.texts[what]
@@ -92,10 +93,7 @@ class Study(Named):
     def save(self, path: str | os.PathLike) -> None:
         """Writes all tables to one file that `gearsweep.read` reads: NumPy's npz format, bit by bit, no pickle.
 
-        Raises
-        ------
-        Error
-            The file cannot be written; one that is there stays as it was.
+        Where it cannot be written, an `Error` says why, and one that is there stays as it was.
         """
         about, columns = self._state()
         arrays = {'.'.join(place): values for place, values in columns.items()}
@@ -159,15 +157,9 @@ class Study(Named):
 
     def _state(self) -> tuple[dict[str, Any], dict[tuple[str, str], np.ndarray]]:
         """All that there is, without the library's memory."""
-        about = {
-            'format': _FORMAT,
-            'version': self.version,
-            'text': self.case.text,
-            'folder': self.case.folder,
-            'is_complete': self.is_complete,
-            'texts': {what: self._source.text(what) for what in _TEXTS},
-            'tables': list(self._about.values()),
-        }
+        texts = {what: self._source.text(what) for what in _TEXTS}
+        about = {'format': _FORMAT, 'version': self.version, 'text': self.case.text, 'folder': self.case.folder,
+                 'is_complete': self.is_complete, 'texts': texts, 'tables': list(self._about.values())}  # fmt: skip
         return about, {(table.name, name): self._column(table.name, name) for table in self for name in table}
 
     def __reduce__(self) -> tuple:
@@ -180,15 +172,9 @@ def _restored(about: dict[str, Any], columns: dict[tuple[str, str], np.ndarray])
 
 
 def run(
-    case: Case,
-    tasks: str | Iterable[str] | None = None,
-    *,
-    threads: int = 0,
-    earlier: Study | None = None,
-    progress: Callable[[int, int], object] | bool = False,
-    keep: str | os.PathLike = '',
-    resume: str | os.PathLike = '',
-) -> Study:
+    case: Case, tasks: str | Iterable[str] | None = None, *, threads: int = 0, earlier: Study | None = None,
+    progress: Callable[[int, int], object] | bool = False, keep: str | os.PathLike = '', resume: str | os.PathLike = '',
+) -> Study:  # fmt: skip
     """Everything that the case asks for.
 
     Parameters
@@ -252,41 +238,22 @@ def run(
 
 
 def attempt(
-    case: Case,
-    threads: int = 0,
-    earlier: Study | None = None,
-    progress: Callable[[int, int], object] | None = None,
-    resume: str | os.PathLike = '',
-    keep: str | os.PathLike = '',
-) -> tuple[Study | None, Error | None, BaseException | None]:
+    case: Case, threads: int = 0, earlier: Study | None = None, progress: Callable[[int, int], object] | None = None,
+    resume: str | os.PathLike = '', keep: str | os.PathLike = '',
+) -> tuple[Study | None, Error | None, BaseException | None]:  # fmt: skip
     """The study as far as there is one, the error that the run ended with, and the exception that ended it."""
     if earlier is not None and not isinstance(earlier, Study):
         raise TypeError(f'earlier: must be a gearsweep.Study, not {type(earlier).__name__}')
     before = None if earlier is None else earlier._live('to start others from it')
     found, error, cause = _library.run(case.text, case.folder, threads, before, progress, os.fspath(resume), os.fspath(keep))
-    study = None
-    if found:
-        study = Study(case, _VERSION, error is None, json.loads(found.text('tables')), found)
+    study = Study(case, _VERSION, error is None, json.loads(found.text('tables')), found) if found else None
     return study, error, cause
 
 
 def read(path: str | os.PathLike) -> Study:
     """Reads a study that `save` wrote, bit by bit as it was.
 
-    Raises
-    ------
-    Error
-        The file cannot be read, or is none of ours.
-
-    Examples
-    --------
-    >>> import gearsweep, os, tempfile
-    >>> case = gearsweep.Case('&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /')
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     gearsweep.run(case, 'geometry').save(os.path.join(folder, 'pair.npz'))
-    ...     study = gearsweep.read(os.path.join(folder, 'pair.npz'))
-    >>> study.geometry.centre_distance_mm
-    82.5
+    One that cannot be read, or is none of ours, is an `Error`.
     """
     path = os.fspath(path)
     try:
@@ -296,9 +263,7 @@ def read(path: str | os.PathLike) -> Study:
         if about['format'] != _FORMAT:
             raise Error(f'cannot read {path}: format {about["format"]} is not known to this version', Code.FILE)
         study = _restored(about, {tuple(name.split('.')): values for name, values in arrays.items()})
-        for table in study:
-            for name in table:
-                table[name]
+        _ = [table[name] for table in study for name in table]
         return study
     except Error:
         raise

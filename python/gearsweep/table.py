@@ -6,6 +6,7 @@ import difflib
 import html
 import os
 from collections.abc import Callable, Iterator
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .case import Case
     from .study import Study
 
 #: Rows of a table that is no grid of its index columns.
@@ -58,10 +58,6 @@ class Table:
     ((2, 81), ('relief_um', 'rpm'), '1/min')
     >>> sweep.at(relief_um=0, rpm=13700).status
     'ok'
-    >>> sweep.dynamic_facktor
-    Traceback (most recent call last):
-    ...
-    AttributeError: the table sweep has no column dynamic_facktor (did you mean dynamic_factor?)
     """
 
     def __init__(self, study: Study, about: dict[str, Any], read: Callable[[str], np.ndarray]):
@@ -75,14 +71,11 @@ class Table:
     rows = property(lambda self: self._about['rows'])
     grid = property(lambda self: self._about['grid'])
     study = property(lambda self: self._study)
+    case = property(lambda self: self._study.case)
     version = property(lambda self: self._study.version)
     units = property(lambda self: {name: column['unit'] for name, column in self._columns.items()})
     meanings = property(lambda self: {name: column['meaning'] for name, column in self._columns.items()})
     is_reproducible = property(lambda self: {name: column.get('reproducible', True) for name, column in self._columns.items()})
-
-    @property
-    def case(self) -> Case:
-        return self._study.case
 
     @property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -203,15 +196,11 @@ class Table:
         self._alone().save(path)
 
     def __reduce__(self) -> tuple:
-        return _only_table, (self._alone(),)
+        return itemgetter(self.name), (self._alone(),)
 
     def _alone(self) -> Study:
         """A study of this table and nothing else."""
         return self._study._of([self])
-
-
-def _only_table(study: Study) -> Table:
-    return study[study.tables[0]]
 
 
 def meant(name: str, names) -> str:

@@ -1,5 +1,6 @@
-!> What the calls of all languages do; gearsweep_flat hands it to Fortran 77 and Python, gearsweep_c to C.
+!> What the calls of all languages do; gearsweep_flat_calls hands it to Fortran 77 and Python, gearsweep_c to C.
 module gearsweep_api
+  use, intrinsic :: iso_c_binding, only: c_loc
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: check_key, complete_case, read_case
@@ -8,10 +9,8 @@ module gearsweep_api
   use gearsweep_edit, only: change_key
   use gearsweep_error, only: code_input, code_ok, code_partial, code_stopped, error_t, fail
   use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
-  use gearsweep_kept, only: fail_name, find_column, find_table, hand_out, kept_t, take
+  use gearsweep_kept, only: fail_name, find_column, find_table, kept_t, list_tables, release, take
   use gearsweep_kinds, only: dp
-  use gearsweep_json, only: list_tables
-  use gearsweep_lines, only: lines_t
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_new_case, only: write_new_case
   use gearsweep_output, only: write_results
@@ -19,11 +18,12 @@ module gearsweep_api
   use gearsweep_study, only: record_t, run_study, study_t
   use gearsweep_table, only: column_t, kind_text, table_t
   use gearsweep_tables, only: make_table, table_names
-  use gearsweep_text, only: str
-  use gearsweep_traps, only: bring_traps_back, set_traps_aside
+  use gearsweep_text, only: join, split, str
+  use gearsweep_traps, only: begin_call => set_traps_aside, bring_traps_back
   implicit none
   private
-  public :: begin_call, end_call, describe, edit, run, text_of, size_of, numbers_of, word_of, write_files, give
+  public :: begin_call, end_call, describe, edit, run, text_of, size_of, numbers_of, word_of, write_files, give, release
+  public :: error_t, int64
 
   integer, parameter :: most_threads = 1024
   integer, parameter, public :: longest_text = 10**9
@@ -33,12 +33,7 @@ module gearsweep_api
 
 contains
 
-  !> First of all in each call, which `end_call` ends.
-  subroutine begin_call()
-    call set_traps_aside()
-  end subroutine begin_call
-
-  !> Code and message of a call; blank where all is well. Last of all in each call.
+  !> Code and message of a call; blank where all is well. Last of all in each call, which `begin_call` begins.
   subroutine end_call(error, info, message)
     type(error_t), allocatable, intent(in) :: error
     integer, intent(out) :: info
@@ -59,23 +54,11 @@ contains
     character(*), intent(in) :: what
     character(:), allocatable, intent(out) :: words
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: names(:)
-    type(lines_t) :: lines
-    integer :: i
 
     call claim_memory(text_bytes, 'the description', error)
     if (allocated(error)) return
-    if (what /= 'tables') then
-      call describe_case(what, words, error)
-      return
-    end if
-    names = table_names()
-    do i = 1, size(names)
-      call lines%put(merge('[', ' ', i == 1))
-      call lines%json_text(trim(names(i)))
-      call lines%put(merge(']', ',', i == size(names)))
-    end do
-    words = lines%text()
+    if (what /= 'tables') call describe_case(what, words, error)
+    if (what == 'tables') words = '["'//join(table_names(), '", "')//'"]'
   end subroutine describe
 
   !> A case's text with every default (`complete`), with another value of a key (`change`), what it gives but does
@@ -84,6 +67,7 @@ contains
     character(*), intent(in) :: action, text, group, key, value
     character(:), allocatable, intent(out) :: words
     type(error_t), allocatable, intent(inout) :: error
+    character(63), allocatable :: names(:)
     type(case_t) :: case
 
     call check_length(text, error)
@@ -95,7 +79,9 @@ contains
       call read_case(text, case, error)
       if (.not. allocated(error)) words = case%unused
     case ('new')
-      call new_case(text, words, error)
+      call claim_memory(text_bytes, 'the new case', error)
+      call split(text, names)
+      if (.not. allocated(error)) call write_new_case(names, words, error)
     case ('change')
       call change_key(text, group, key, value, words, error)
       if (allocated(error)) return
@@ -104,29 +90,6 @@ contains
       call fail_name('action', action, [character(8) :: 'complete', 'change', 'unused', 'new'], error)
     end select
   end subroutine edit
-
-  !> `tasks` with blanks between them.
-  subroutine new_case(tasks, words, error)
-    character(*), intent(in) :: tasks
-    character(:), allocatable, intent(out) :: words
-    type(error_t), allocatable, intent(inout) :: error
-    integer, parameter :: longest = 63
-    character(longest), allocatable :: names(:)
-    character(longest) :: name
-    integer :: from, length
-
-    call claim_memory(text_bytes, 'the new case', error)
-    if (allocated(error)) return
-    allocate (names(0))
-    from = 1
-    do while (from <= len(tasks))
-      length = index(tasks(from:)//' ', ' ') - 1
-      name = tasks(from:from + length - 1)
-      if (length > 0) names = [names, name]
-      from = from + length + 1
-    end do
-    call write_new_case(names, words, error)
-  end subroutine new_case
 
   !> Runs a case. `study` is the number of what it found, which the caller owns. It is there also after an error with the
   !> codes `code_partial` and `code_stopped`, which only tell what it lacks.
@@ -141,6 +104,8 @@ contains
     type(kept_t), pointer :: kept, before
     type(study_t), pointer :: earlier_study      ! one that is not associated counts as not passed
     type(record_t), allocatable :: record        ! one that is not allocated counts as not passed
+    character(:), allocatable :: names(:)
+    integer :: i
 
     call check_length(text, error)
     if (allocated(error)) return
@@ -156,7 +121,11 @@ contains
     allocate (kept)
     call run_study(case, place(folder), threads, kept%study, error, watch=watch, record=record, &
                    earlier=earlier_study)
-    if (.not. allocated(error)) call make_tables(kept, error)
+    names = table_names()
+    allocate (kept%tables(size(names)))
+    do i = 1, size(names)
+      call make_table(kept%study, trim(names(i)), kept%tables(i), error)
+    end do
     if (.not. allocated(error) .and. keep /= '') then
       if (kept%study%stopped) call save_record(record, case, place(folder), keep, error)
       if (.not. kept%study%stopped) call drop_checkpoint(keep)
@@ -165,7 +134,7 @@ contains
       deallocate (kept)
       return
     end if
-    call hand_out(kept, study)
+    study = transfer(c_loc(kept), study)
     if (kept%study%stopped) then
       call fail(error, code_stopped, 'interrupted: what was computed by then is there; points that were not have the '// &
                 'status stopped')
@@ -174,20 +143,6 @@ contains
                 'status says why')
     end if
   end subroutine run
-
-  !> All tables that a study can have; `is_there` tells which it has.
-  subroutine make_tables(kept, error)
-    type(kept_t), intent(inout) :: kept
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: names(:)
-    integer :: i
-
-    names = table_names()
-    allocate (kept%tables(size(names)))
-    do i = 1, size(names)
-      call make_table(kept%study, trim(names(i)), kept%tables(i), error)
-    end do
-  end subroutine make_tables
 
   !> One of a study's texts.
   subroutine text_of(study, what, words, error)
@@ -228,7 +183,7 @@ contains
     rows = table%rows
     kind = column%kind
     width = 0
-    if (kind == kind_text) width = longest_word(column)
+    if (kind == kind_text) width = maxval([0, len_trim(column%words)])
   end subroutine size_of
 
   !> The numbers of a column into the first of `values`.
@@ -283,16 +238,6 @@ contains
     call find_table(kept, table_name, table, error)
     call find_column(table, column_name, column, error)
   end subroutine find
-
-  pure integer function longest_word(column)
-    type(column_t), intent(in) :: column
-    integer :: i
-
-    longest_word = 0
-    do i = 1, size(column%words)
-      longest_word = max(longest_word, len_trim(column%words(i)))
-    end do
-  end function longest_word
 
   !> Writes the tables and grids as files name.sweep.csv and so on into a folder, which is made if missing. `written`
   !> names them, a line each.

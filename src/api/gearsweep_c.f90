@@ -1,11 +1,11 @@
 !> The calls for C, as include/gearsweep.h has them: named gsc_..., they return the code.
 module gearsweep_c
-  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr, c_size_t
-  use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_api, only: begin_call, describe, edit, end_call, numbers_of, run, size_of, text_of, word_of, write_files
-  use gearsweep_c_texts, only: copy_text, give, take_string, take_text
-  use gearsweep_error, only: code_input, error_t, fail
-  use gearsweep_kept, only: release
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_null_char, c_null_ptr, c_ptr, &
+                                         c_size_t
+  use gearsweep_api, only: begin_call, describe, edit, end_call, error_t, int64, longest_text, numbers_of, release, run, size_of, &
+                           text_of, word_of, write_files
+  use gearsweep_error, only: code_input, code_memory, fail
+  use gearsweep_text, only: str
   use gearsweep_version, only: version
   implicit none
   private
@@ -13,10 +13,9 @@ module gearsweep_c
 
 contains
 
-  function gsc_version(buffer, buffer_size, message, message_size) result(info) bind(c)
+  integer(c_int) function gsc_version(buffer, buffer_size, message, message_size) result(info) bind(c)
     type(c_ptr), value :: buffer, message
     integer(c_size_t), value :: buffer_size, message_size
-    integer(c_int) :: info
     type(error_t), allocatable :: error
 
     call begin_call()
@@ -24,11 +23,10 @@ contains
     info = ended(error, message, message_size)
   end function gsc_version
 
-  function gsc_describe(what, buffer, buffer_size, length, message, message_size) result(info) bind(c)
+  integer(c_int) function gsc_describe(what, buffer, buffer_size, length, message, message_size) result(info) bind(c)
     type(c_ptr), value :: what, buffer, message
     integer(c_size_t), value :: buffer_size, message_size
     integer(c_size_t), intent(inout), optional :: length
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: subject, words
 
@@ -39,12 +37,11 @@ contains
     info = ended(error, message, message_size)
   end function gsc_describe
 
-  function gsc_edit(action, text, text_length, group, key, value, buffer, buffer_size, length, message, message_size) &
-                    result(info) bind(c)
+  integer(c_int) function gsc_edit(action, text, text_length, group, key, value, buffer, buffer_size, length, message, &
+                                   message_size) result(info) bind(c)
     type(c_ptr), value :: action, text, group, key, value, buffer, message
     integer(c_size_t), value :: text_length, buffer_size, message_size
     integer(c_size_t), intent(inout), optional :: length
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: verb, case, group_name, key_name, new, words
 
@@ -59,14 +56,13 @@ contains
     info = ended(error, message, message_size)
   end function gsc_edit
 
-  function gsc_run(text, text_length, folder, threads, earlier, watch, resume, keep, study, message, message_size) &
-                   result(info) bind(c)
+  integer(c_int) function gsc_run(text, text_length, folder, threads, earlier, watch, resume, keep, study, message, &
+                                  message_size) result(info) bind(c)
     type(c_ptr), value :: text, folder, earlier, resume, keep, message
     integer(c_size_t), value :: text_length, message_size
     integer(c_int), value :: threads
     integer(c_int), intent(inout), target, optional :: watch(3)
     type(c_ptr), intent(inout), optional :: study
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: case, place, before, later
     integer(int64) :: number
@@ -80,22 +76,18 @@ contains
     if (.not. present(study)) call fail(error, code_input, 'study: is a null pointer')
     number = 0
     unwatched = 0
-    if (allocated(error)) then
-      continue
-    else if (present(watch)) then
+    if (.not. allocated(error) .and. present(watch)) &
       call run(case, place, threads, transfer(earlier, number), watch, before, later, number, error)
-    else
+    if (.not. allocated(error) .and. .not. present(watch)) &
       call run(case, place, threads, transfer(earlier, number), unwatched, before, later, number, error)
-    end if
     if (number /= 0) study = transfer(number, study)
     info = ended(error, message, message_size)
   end function gsc_run
 
-  function gsc_text(study, what, buffer, buffer_size, length, message, message_size) result(info) bind(c)
+  integer(c_int) function gsc_text(study, what, buffer, buffer_size, length, message, message_size) result(info) bind(c)
     type(c_ptr), value :: study, what, buffer, message
     integer(c_size_t), value :: buffer_size, message_size
     integer(c_size_t), intent(inout), optional :: length
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: subject, words
 
@@ -106,11 +98,10 @@ contains
     info = ended(error, message, message_size)
   end function gsc_text
 
-  function gsc_size(study, table, column, rows, kind, width, message, message_size) result(info) bind(c)
+  integer(c_int) function gsc_size(study, table, column, rows, kind, width, message, message_size) result(info) bind(c)
     type(c_ptr), value :: study, table, column, message
     integer(c_int), intent(inout), optional :: rows, kind, width
     integer(c_size_t), value :: message_size
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: table_name, column_name
 
@@ -123,12 +114,11 @@ contains
     info = ended(error, message, message_size)
   end function gsc_size
 
-  function gsc_column(study, table, column, rows, values, message, message_size) result(info) bind(c)
+  integer(c_int) function gsc_column(study, table, column, rows, values, message, message_size) result(info) bind(c)
     type(c_ptr), value :: study, table, column, message
     integer(c_int), value :: rows
     real(c_double), intent(inout), optional :: values(rows)
     integer(c_size_t), value :: message_size
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: table_name, column_name
 
@@ -141,11 +131,10 @@ contains
   end function gsc_column
 
   !> Rows are counted from 0.
-  function gsc_words(study, table, column, row, word, word_size, message, message_size) result(info) bind(c)
+  integer(c_int) function gsc_words(study, table, column, row, word, word_size, message, message_size) result(info) bind(c)
     type(c_ptr), value :: study, table, column, word, message
     integer(c_int), value :: row
     integer(c_size_t), value :: word_size, message_size
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: table_name, column_name, words
 
@@ -157,11 +146,10 @@ contains
     info = ended(error, message, message_size)
   end function gsc_words
 
-  function gsc_write(study, folder, name, buffer, buffer_size, length, message, message_size) result(info) bind(c)
+  integer(c_int) function gsc_write(study, folder, name, buffer, buffer_size, length, message, message_size) result(info) bind(c)
     type(c_ptr), value :: study, folder, name, buffer, message
     integer(c_size_t), value :: buffer_size, message_size
     integer(c_size_t), intent(inout), optional :: length
-    integer(c_int) :: info
     type(error_t), allocatable :: error
     character(:), allocatable :: place, stem, words
 
@@ -193,4 +181,85 @@ contains
     call end_call(error, info, words)
     call copy_text(trim(words), message, message_size)
   end function ended
+
+  !> The text of this name: `length` bytes, or up to the first NUL.
+  subroutine take_text(name, text, length, taken, error)
+    character(*), intent(in) :: name
+    type(c_ptr), intent(in) :: text
+    integer(c_size_t), intent(in) :: length
+    character(:), allocatable, intent(out) :: taken
+    type(error_t), allocatable, intent(inout) :: error
+    character(c_char), pointer :: letters(:)
+    integer(c_size_t) :: i, n
+    integer :: stat
+
+    if (.not. c_associated(text)) call fail(error, code_input, name//': is a null pointer')
+    ! A length beyond the half of C's comes as a negative one.
+    if (length < 0 .or. length > longest_text) &
+      call fail(error, code_input, name//': longer than '//str(longest_text)//' characters')
+    if (allocated(error)) return
+    call c_f_pointer(text, letters, [length])
+    n = 0
+    do while (n < length)
+      if (letters(n + 1) == c_null_char) exit
+      n = n + 1
+    end do
+    allocate (character(n) :: taken, stat=stat)
+    if (stat /= 0) then
+      call fail(error, code_memory, name//': does not fit into memory')
+      return
+    end if
+    do i = 1, n
+      taken(i:i) = letters(i)
+    end do
+  end subroutine take_text
+
+  !> A text that ends with its NUL; empty for a null pointer.
+  subroutine take_string(name, text, taken, error)
+    character(*), intent(in) :: name
+    type(c_ptr), intent(in) :: text
+    character(:), allocatable, intent(out) :: taken
+    type(error_t), allocatable, intent(inout) :: error
+
+    taken = ''
+    if (c_associated(text)) call take_text(name, text, int(longest_text, c_size_t), taken, error)
+  end subroutine take_string
+
+  !> A text and its NUL into the buffer of this name, if it fits; `length` is told either way.
+  subroutine give(name, words, buffer, buffer_size, error, length)
+    character(*), intent(in) :: name, words
+    type(c_ptr), intent(in) :: buffer
+    integer(c_size_t), intent(in) :: buffer_size
+    type(error_t), allocatable, intent(inout) :: error
+    integer(c_size_t), intent(inout), optional :: length
+
+    if (present(length)) length = len(words)
+    if (buffer_size >= 0 .and. buffer_size <= len(words)) then
+      call fail(error, code_input, name//'_size = '//str(int(buffer_size))//': too small, must be at least '// &
+                str(len(words) + 1))
+    else if (.not. c_associated(buffer)) then
+      call fail(error, code_input, name//': is a null pointer')
+    else
+      call copy_text(words, buffer, buffer_size)
+    end if
+  end subroutine give
+
+  !> `words` and a NUL, cut where `room` bytes are too few; none where there is no room. A room beyond
+  !> the half of C's sizes, which comes as a negative one, is enough for any.
+  subroutine copy_text(words, target, room)
+    character(*), intent(in) :: words
+    type(c_ptr), intent(in) :: target
+    integer(c_size_t), intent(in) :: room
+    character(c_char), pointer :: letters(:)
+    integer(c_size_t) :: i, n
+
+    if (.not. c_associated(target) .or. room == 0) return
+    n = len(words, c_size_t)
+    if (room > 0) n = min(n, room - 1)
+    call c_f_pointer(target, letters, [n + 1])
+    do i = 1, n
+      letters(i) = words(i:i)
+    end do
+    letters(n + 1) = c_null_char
+  end subroutine copy_text
 end module gearsweep_c

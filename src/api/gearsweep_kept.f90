@@ -1,14 +1,15 @@
-!> A study that a caller of another language owns, and the number by which he names it.
+!> A study that a caller of another language owns, the number by which he names it (its address), and what he finds in it by name.
 module gearsweep_kept
-  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_lines, only: lines_t
   use gearsweep_study, only: study_t
-  use gearsweep_table, only: column_t, table_t
-  use gearsweep_text, only: closest_word, join, shown
+  use gearsweep_table, only: column_t, kind_integer, kind_real, kind_text, table_t
+  use gearsweep_text, only: closest_word, join, shown, str
   implicit none
   private
-  public :: kept_t, hand_out, take, release, find_table, find_column, fail_name
+  public :: kept_t, take, release, find_table, find_column, fail_name, list_tables
 
   !> Nothing in it changes once it is made, so that any number of threads may read it.
   type :: kept_t
@@ -17,16 +18,9 @@ module gearsweep_kept
   end type kept_t
 
   integer, parameter :: longest_name = 63
+  character(*), parameter :: kind_names(kind_real:kind_text) = [character(7) :: 'real', 'integer', 'text']
 
 contains
-
-  !> The number of a study: its address.
-  subroutine hand_out(kept, study)
-    type(kept_t), pointer, intent(in) :: kept
-    integer(int64), intent(out) :: study
-
-    study = transfer(c_loc(kept), study)
-  end subroutine hand_out
 
   !> The study with this number; 0 is none.
   subroutine take(study, kept, error)
@@ -87,7 +81,7 @@ contains
     nullify (column)
     if (allocated(error)) return
     allocate (names(size(table%columns)))
-    do i = 1, size(table%columns)
+    do i = 1, size(names)
       names(i) = table%columns(i)%name
       if (names(i) == name) column => table%columns(i)
     end do
@@ -109,4 +103,59 @@ contains
       call fail(error, code_input, what//' = '//shown(name)//': unknown; there is '//join(words, ', '))
     end if
   end subroutine fail_name
+
+  !> The tables that are there, in JSON, with all but their values; a line for each table and each column.
+  pure subroutine list_tables(tables, words)
+    type(table_t), intent(in) :: tables(:)
+    character(:), allocatable, intent(out) :: words
+    type(lines_t) :: lines
+    character(:), allocatable :: mark
+    integer :: i, k
+
+    mark = '['
+    do i = 1, size(tables)
+      if (.not. tables(i)%is_there()) cycle
+      associate (table => tables(i))
+        call lines%add(mark)
+        call put_text('{"name": ', table%name, lines)
+        call put_text(', "meaning": ', table%meaning, lines)
+        call put_text(', "grid": ', table%grid, lines)
+        call lines%put(', "rows": '//str(table%rows)//', "extent": ')
+        if (.not. allocated(table%extent)) call lines%put('null')
+        if (allocated(table%extent)) then
+          do k = 1, size(table%extent)
+            call lines%put(merge('[ ', ', ', k == 1)//str(table%extent(k)))
+          end do
+          call lines%put(']')
+        end if
+        do k = 1, size(table%columns)
+          if (k == 1) call lines%add(', "columns": [')
+          if (k > 1) call lines%add(',')
+          call put_column(table%columns(k), lines)
+        end do
+        mark = ']},'
+      end associate
+    end do
+    call lines%add(merge(']}]', '[] ', mark /= '['))
+    words = lines%text()
+  end subroutine list_tables
+
+  pure subroutine put_column(column, lines)
+    type(column_t), intent(in) :: column
+    type(lines_t), intent(inout) :: lines
+
+    call put_text('  {"name": ', column%name, lines)
+    call put_text(', "unit": ', column%unit, lines)
+    call put_text(', "meaning": ', column%meaning, lines)
+    call put_text(', "kind": ', trim(kind_names(column%kind)), lines)
+    call lines%put(', "index": '//str(column%is_index)//', "reproducible": '//str(column%is_reproducible)//'}')
+  end subroutine put_column
+
+  pure subroutine put_text(name, words, lines)
+    character(*), intent(in) :: name, words
+    type(lines_t), intent(inout) :: lines
+
+    call lines%put(name)
+    call lines%json_text(words)
+  end subroutine put_text
 end module gearsweep_kept

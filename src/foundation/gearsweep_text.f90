@@ -9,7 +9,7 @@ module gearsweep_text
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
-  public :: str, fixed, lower, join, shown, closest_word, to_number
+  public :: str, fixed, lower, join, split, shown, closest_word, to_number
 
   !> The shortest sensible text of a number or logical: `3.18`, `1600`, `1.2e-7`, `true`.
   interface str
@@ -195,6 +195,26 @@ contains
       from = from + len_trim(words(i))
     end do
   end function join
+
+  !> The words of a text that blanks separate, padded with blanks; what is longer than these are is cut.
+  pure subroutine split(text, words)
+    character(*), intent(in) :: text
+    character(*), allocatable, intent(out) :: words(:)
+    integer :: i, n
+
+    ! A word begins where a blank, or the text's begin, stands before it.
+    n = count([(text(i:i) /= ' ' .and. (i == 1 .or. text(max(1, i - 1):max(1, i - 1)) == ' '), i=1, len(text))])
+    allocate (words(n))
+    n = 0
+    do i = 1, len(text)
+      if (text(i:i) == ' ') cycle
+      if (i > 1) then
+        if (text(i - 1:i - 1) /= ' ') cycle
+      end if
+      n = n + 1
+      words(n) = text(i:i + index(text(i:)//' ', ' ') - 2)
+    end do
+  end subroutine split
 
   !> Text fit for a one-line message: at most 60 characters, `?` for what is not plain ASCII.
   pure function shown(text) result(clean)

@@ -15,7 +15,6 @@
 enum { MARK = 0xA5, GUARD = 64, LONGEST = 3000, CALLERS = 4 };
 
 /* --- chance ----------------------------------------------------------------------- */
-
 static __thread uint64_t state = 88172645463325252u;
 static __thread int number; /* of this caller */
 
@@ -84,7 +83,6 @@ static size_t spoil(char *text)
 }
 
 /* --- what a call leaves behind -------------------------------------------------------- */
-
 static __thread int passed, failed, rooms, said;
 static __thread struct { unsigned char *bytes; size_t size; } room[20];
 static __thread char message[GUARD + 300];
@@ -107,7 +105,6 @@ static void *fresh(long n, size_t item)
 }
 #define D(n) fresh(n, sizeof(double))
 #define I(n) fresh(n, sizeof(int))
-
 static int marked(const unsigned char *bytes, size_t n)
 {
   while (n > 0 && bytes[n - 1] == MARK) n--;
@@ -142,7 +139,6 @@ static void judge(int which, int info)
 }
 
 /* --- spoilt calls -------------------------------------------------------------------- */
-
 static gsc_study *shared;                 /* read by all callers at once */
 static int rows, longest_row;
 static const char *folder;
@@ -181,11 +177,7 @@ static void spoilt_text(void)
   judge(which, info);
 }
 
-static int some_size(int right)
-{
-  int sizes[] = {right, right, right, right + 1, right + 7, right - 1, 1, 0, -1, INT_MIN};
-  return ANY(sizes);
-}
+static int some_size(int right) { return ANY(((int[]){right, right, right, right + 1, right + 7, right - 1, 1, 0, -1, INT_MIN})); }
 static long held(int size, int right) { return size < right + 8 ? size : right + 8; }
 
 static void spoilt_call(void)
@@ -224,7 +216,6 @@ static void spoilt_call(void)
 }
 
 /* --- a good call --------------------------------------------------------------------------- */
-
 enum { LONGEST_ANSWER = 40000 };
 static char before[LONGEST_ANSWER];
 

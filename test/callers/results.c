@@ -1,5 +1,6 @@
-/* Prints every number and word of every table that a case gives, a line each with its table and column, then the report:
-   what results.f and results.py print, line by line. The case comes from the standard input.
+/* Prints every number and word of every table that a case gives, a line each with its table and column, then the report; for
+   run times their table and column alone, as they differ from run to run. Then it runs the case again, with another title,
+   from the first study, prints the log, and writes files into `written`. What results.f and results.py print, line by line.
 
      cc results.c $(pkg-config --cflags --libs gearsweep) */
 #include <math.h>
@@ -8,7 +9,7 @@
 #include <string.h>
 #include <gearsweep.h>
 
-static char text[40000], message[200];
+static char text[40000], other[50000], message[200];
 #define M message, sizeof message
 
 static void check(int info)
@@ -41,9 +42,10 @@ static void show(const char *table, const char *column, double value)
   printf("%s.%s,%25s\n", table, column, isnan(value) ? "NaN" : digits);
 }
 
-static void show_column(const gsc_study *study, const char *table, const char *column)
+static void show_column(const gsc_study *study, const char *table, const char *column, int reproducible)
 {
   int rows, kind, width, row;
+  if (!reproducible) { printf("%s.%s\n", table, column); return; }
   check(gsc_size(study, table, column, &rows, &kind, &width, M));
   if (kind == GSC_TEXT) {
     char *word = malloc((size_t)width + 1);
@@ -61,21 +63,27 @@ static void show_column(const gsc_study *study, const char *table, const char *c
   }
 }
 
-int main(void)
+int main(int count, char **argument)
 {
-  size_t n = fread(text, 1, sizeof text - 1, stdin);
-  gsc_study *study = NULL;
+  size_t n = fread(text, 1, sizeof text - 1, stdin), length;
+  gsc_study *study = NULL, *again = NULL;
   char *list, *report, *line, table[64] = "", column[64];
   check(gsc_run(text, n, NULL, 2, NULL, NULL, NULL, NULL, &study, M));
   /* Each table and each column has a line of its own. */
   list = text_of(study, "tables");
   for (line = strtok(list, "\n"); line; line = strtok(NULL, "\n")) {
     if (sscanf(line, "{\"name\": \"%63[^\"]", table) != 1 && sscanf(line, "  {\"name\": \"%63[^\"]", column) == 1)
-      show_column(study, table, column);
+      show_column(study, table, column, strstr(line, "\"reproducible\": false") == NULL);
   }
   report = text_of(study, "report");
   fputs(report, stdout);
   free(report), free(list);
-  gsc_free(&study);
+  check(gsc_edit("change", text, n, "case", "title", "'again'", other, sizeof other, &length, M));
+  check(gsc_run(other, length, NULL, 1, study, NULL, NULL, NULL, &again, M));
+  fputs(report = text_of(again, "log"), stdout);
+  check(gsc_write(again, "written", count > 1 ? argument[1] : "case", other, sizeof other, &length, M));
+  fputs(other, stdout);
+  free(report);
+  gsc_free(&again), gsc_free(&study);
   return study != NULL;
 }

@@ -1,20 +1,19 @@
 C     Prints every number and word of every table that a case gives, a
-C     line each with its table and column, then the report: what
-C     results.c and results.py print, line by line. The case comes from
-C     the standard input.
+C     line each with its table and column, then the report, and runs the
+C     case again from the first study: what results.c and results.py
+C     print, line by line. The case comes from the standard input.
 C
 C       gfortran results.f $(pkg-config --cflags --libs gearsweep)
 C
       PROGRAM RESULT
       INTEGER MAXTXT
       PARAMETER (MAXTXT=60000)
-      CHARACTER*(MAXTXT) CASE, LIST
+      CHARACTER*(MAXTXT) CASE, LIST, OTHER
       CHARACTER*200 LINE, MESSAG
       CHARACTER*64 TABLE, COLUMN
       INTEGER LENGTH, INFO, WATCH(3), USED, FROM, TO
-      INTEGER*8 STUDY, NONE
+      INTEGER*8 STUDY, AGAIN, NONE
       DATA WATCH /3*0/
-C
       CASE = ' '
       USED = 0
    10 READ (*, '(A)', END=20) LINE
@@ -27,7 +26,6 @@ C
       CALL GS_RUN(CASE(:USED), ' ', 2, NONE, WATCH, ' ', ' ', STUDY,
      1  INFO, MESSAG)
       CALL CHECK(INFO, MESSAG)
-C
 C     Each table and each column has a line of its own.
       CALL GS_TEXT(STUDY, 'tables', LIST, LENGTH, INFO, MESSAG)
       CALL CHECK(INFO, MESSAG)
@@ -37,18 +35,36 @@ C     Each table and each column has a line of its own.
         TABLE = LIST(FROM+10:FROM+8+INDEX(LIST(FROM+10:TO), '"'))
       ELSE IF (LIST(FROM:FROM+11) .EQ. '  {"name": "') THEN
         COLUMN = LIST(FROM+12:FROM+10+INDEX(LIST(FROM+12:TO), '"'))
-        CALL SHOW(STUDY, TABLE, COLUMN)
+        IF (INDEX(LIST(FROM:TO), '"reproducible": false') .EQ. 0) THEN
+          CALL SHOW(STUDY, TABLE, COLUMN)
+        ELSE
+          WRITE (*, '(3A)') TABLE(:LEN_TRIM(TABLE)), '.',
+     1      COLUMN(:LEN_TRIM(COLUMN))
+        END IF
       END IF
       FROM = TO + 1
       IF (FROM .LE. LENGTH) GO TO 30
-C
       CALL GS_TEXT(STUDY, 'report', LIST, LENGTH, INFO, MESSAG)
       CALL CHECK(INFO, MESSAG)
       WRITE (*, '(A)') LIST(:LENGTH-1)
+      CALL GS_EDIT('change', CASE(:USED), 'case', 'title', '''again''',
+     1  OTHER, LENGTH, INFO, MESSAG)
+      CALL CHECK(INFO, MESSAG)
+      AGAIN = 0
+      CALL GS_RUN(OTHER(:LENGTH), ' ', 1, STUDY, WATCH, ' ', ' ', AGAIN,
+     1  INFO, MESSAG)
+      CALL CHECK(INFO, MESSAG)
+      CALL GS_TEXT(AGAIN, 'log', LIST, LENGTH, INFO, MESSAG)
+      CALL CHECK(INFO, MESSAG)
+      WRITE (*, '(A)') LIST(:LENGTH-1)
+      CALL GETARG(1, OTHER)
+      CALL GS_WRITE(AGAIN, 'written', OTHER, LIST, LENGTH, INFO, MESSAG)
+      CALL CHECK(INFO, MESSAG)
+      WRITE (*, '(A)') LIST(:LENGTH-1)
+      CALL GS_FREE(AGAIN)
       CALL GS_FREE(STUDY)
       IF (STUDY .NE. 0) STOP 1
       END
-C
       SUBROUTINE SHOW(STUDY, TABLE, COLUMN)
       INTEGER*8 STUDY
       CHARACTER*(*) TABLE, COLUMN
@@ -59,7 +75,6 @@ C
       CHARACTER*130 NAME
       INTEGER ROWS, KIND, WIDTH, INFO, I, N
       SAVE VALUES
-C
       NAME = TABLE(:INDEX(TABLE, ' ')-1)//'.'//COLUMN
       N = INDEX(NAME, ' ') - 1
       CALL GS_SIZE(STUDY, TABLE, COLUMN, ROWS, KIND, WIDTH, INFO,
@@ -80,7 +95,6 @@ C
    20   CONTINUE
       END IF
       END
-C
       SUBROUTINE CHECK(INFO, MESSAG)
       INTEGER INFO
       CHARACTER*(*) MESSAG
