@@ -814,13 +814,13 @@ waits() {
 run base.nml --out waits
 check 'nothing waits' lacks stdout 'Not used'
 waits "Not used           for a section that ends at it or a mass that is not stated: &pinion bore_mm" '/&pinion/,/^\//s/teeth = 25/teeth = 25 bore_mm = 20/'
-waits 'Not used           for modal or a mass that is not stated: &material density_kgm3' 's/young/density_kgm3 = 7850 young/'
-waits 'Not used           for static, modal or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
-waits 'Not used           for modal or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
+waits 'Not used           for modal, precision or a mass that is not stated: &material density_kgm3' 's/young/density_kgm3 = 7850 young/'
+waits 'Not used           for static, modal, precision or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
+waits 'Not used           for modal, precision or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
 waits 'Not used           for load: &sweep load_rpm' "s/tasks = .*/tasks = 'mesh', 'sweep'/"
 waits '                   for sweep, optimum, stability, hysteresis or poincare: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
-waits "Not used           for section, static, modal or a stiffness by elements: &section teeth" "s/&sweep/\\&section teeth = 5 \\/ \\&sweep/"
-waits 'for section, static or modal: &section member' "s/&sweep/\\&section member = 'gear' \\/ \\&sweep/"
+waits "Not used           for section, static, modal, precision or a stiffness by elements: &section teeth" "s/&sweep/\\&section teeth = 5 \\/ \\&sweep/"
+waits 'for section, static, modal or precision: &section member' "s/&sweep/\\&section member = 'gear' \\/ \\&sweep/"
 waits 'for static: &static positions' "s/&sweep/\\&static positions = 5 \\/ \\&sweep/"
 refuses '&static positions = 1: must be at least 2' 1 "s/&sweep/\\&static positions = 1 \\/ \\&sweep/"
 

@@ -13,7 +13,10 @@ WRITTEN = {'geared': GEARED, 'prescribed': PRESCRIBED, 'partial': PARTIAL}
 PLACES = {
     'Pair': 'gears geometry',
     'Diameters': 'gears',
-    'Path of contact': 'geometry contact_points',
+    'Path of contact': 'geometry contact_points gears',
+    'Tip': 'gears geometry',
+    'Undercut': 'gears geometry',
+    'Tooth thickness': 'gears',
     'Stiffness': 'motion',
     'Section of the': 'section',
     'Natural frequencies of the section': 'modal mode_energy',

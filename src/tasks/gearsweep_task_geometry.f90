@@ -185,10 +185,9 @@ contains
 
     associate (pair => self%tables(self%place('geometry')), gears => self%tables(self%place('gears')))
       do i = 1, 2
-        associate (height => (gears%number('tip_diameter_mm', i) - gears%number('tip_form_diameter_mm', i))/2)
-          if (height > 0) call lines%add(left('Tip', 19)//'of the '//trim(members(i))//': chamfer or rounding from '// &
-            str(gears%number('tip_form_diameter_mm', i), 7)//' mm diameter, '//str(height, 4)// &
-            ' mm high; stiffness, stress and modes are without it')
+        associate (tip => gears%number('tip_diameter_mm', i), form => gears%number('tip_form_diameter_mm', i))
+          if (tip > form) call lines%add(left('Tip', 19)//'of the '//trim(members(i))//': chamfer or rounding from '// &
+            str(form, 7)//' to '//str(tip, 7)//' mm diameter; stiffness, stress and modes are without it')
         end associate
       end do
       do i = 1, 2
