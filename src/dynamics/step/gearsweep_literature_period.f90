@@ -54,9 +54,10 @@ contains
       end if
       last_set = contacts_at(osc, table, ends, i, state(1), held)
       call raise_peak(osc, table, i, [contact_set, last_set], before, state, period%peak)
-      if (present(trace)) call record(trace, table%pairs(i), table%offset(::2, i), table%left(i) + [0.0_dp, table%width(i)], &
-        [before(1), state(1)], reshape([loads_at(osc, table, begins, i, contact_set, before(1)), &
-                                        loads_at(osc, table, ends, i, last_set, state(1))], [osc%pairs, 2]))
+      if (present(trace)) call record(trace, table%pairs(i), [table%offset(begins, i), table%offset(ends, i)], &
+        table%left(i) + [0.0_dp, table%width(i)], [before(1), state(1)], &
+        reshape([loads_at(osc, table, begins, i, contact_set, before(1)), &
+                 loads_at(osc, table, ends, i, last_set, state(1))], [osc%pairs, 2]))
     end do
     period%state = state
     period%monodromy = columns
