@@ -149,6 +149,7 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: sharing = 'mesh, static or precision'
     character(sentence_length) :: geared, waits
     integer :: i
 
@@ -162,8 +163,8 @@ contains
                     refused=geared, meaning='whether a loaded pair may touch before A and behind E too, where the tip corner '// &
                     'of one tooth meets the other''s flank, with model = ''fe''; papers whose contact ends at A and E leave it '// &
                     'out')
-    waits = unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), 'mesh or static')
-    call reader%get('mesh', 'nonlinear_contact', case%nonlinear_contact, error, tasks='mesh or static', refused=geared, &
+    waits = unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), sharing)
+    call reader%get('mesh', 'nonlinear_contact', case%nonlinear_contact, error, tasks=sharing, refused=geared, &
                     waits=first_of(waits, unless(case%model == 'fe', 'model = ''fe''')), &
                     meaning='whether the static load sharing flattens flanks by the load that each pair carries (Hertz), with '// &
                     'model = ''fe''; otherwise by the nominal load, as the motion does')
@@ -173,7 +174,7 @@ contains
   pure logical function shares_load(slot)
     type(task_slot_t), intent(in) :: slot
 
-    shares_load = slot%takes('reliefs') .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static'])
+    shares_load = slot%takes('reliefs') .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision'])
   end function shares_load
 
   !> What a prescribed mesh may have beside the stiffness of its pairs; `refused` where the mesh is not prescribed.
