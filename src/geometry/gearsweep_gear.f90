@@ -149,11 +149,11 @@ contains
       ': must be at least 0 and below the root diameter '//str(2000*gear%root_radius)//' mm')
     end if
     if (min(gear%tip_form_radius, gear%flank_end(coast)) <= maxval(gear%form_radius)) then
-      call fail(error, code_input, group//tip_key(gear)//' = '//tip_value(gear)// &
+      call fail(error, code_input, group//trim(tip_setting(gear))// &
         ': no involute is left between fillet and tip'//trim(merge(' with this chamfer or rounding', repeat(' ', 30), &
         gear%tip_form_radius < gear%tip_radius)))
     else if (gear%thickness(gear%tip_radius) <= 0) then
-      call fail(error, code_input, group//tip_key(gear)//' = '//tip_value(gear)// &
+      call fail(error, code_input, group//trim(tip_setting(gear))// &
         ': pointed teeth; the tip diameter must stay below '//str(2000*pointed_radius(gear))//' mm'// &
         trim(merge(' with this thickness allowance', repeat(' ', 30), gear%spec%thinning < 0)))
     end if
@@ -162,19 +162,19 @@ contains
   !> For messages: the key that sets the tip circle.
   pure function tip_key(gear) result(words)
     type(gear_t), intent(in) :: gear
-    character(:), allocatable :: words
+    character(15) :: words
 
-    words = trim(merge('tip_diameter_mm', 'addendum       ', gear%spec%tip_diameter > 0))
+    words = merge('tip_diameter_mm', 'addendum       ', gear%spec%tip_diameter > 0)
   end function tip_key
 
-  !> Its value.
-  pure function tip_value(gear) result(words)
+  !> The same with its value.
+  pure function tip_setting(gear) result(words)
     type(gear_t), intent(in) :: gear
-    character(:), allocatable :: words
+    character(48) :: words
 
-    words = str(gear%spec%addendum)
-    if (gear%spec%tip_diameter > 0) words = str(1000*gear%spec%tip_diameter)
-  end function tip_value
+    words = trim(tip_key(gear))//' = '//str(gear%spec%addendum)
+    if (gear%spec%tip_diameter > 0) words = trim(tip_key(gear))//' = '//str(1000*gear%spec%tip_diameter)
+  end function tip_setting
 
   !> A chamfer or rounding must begin on the involute and leave a tip land.
   pure subroutine check_tip(gear, error)

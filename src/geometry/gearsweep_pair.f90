@@ -170,7 +170,7 @@ contains
     pair%contact_ratio = (tip(1) + tip(2) - tangent)/pair%base_pitch
     do i = 1, 2
       clearance = pair%centre_distance - pair%gear(3 - i)%tip_radius - pair%gear(i)%root_radius
-      if (clearance <= 0) call fail(error, code_input, '&'//trim(names(3 - i))//' '//tip_key(pair%gear(3 - i))// &
+      if (clearance <= 0) call fail(error, code_input, '&'//trim(names(3 - i))//' '//trim(tip_key(pair%gear(3 - i)))// &
         ': interference; its tip cuts '//str(-1000*clearance)//' mm into the root of the '//trim(names(i)))
     end do
   end subroutine find_path
@@ -215,7 +215,7 @@ contains
           str(least_shift(pair%gear(i)%spec, drive))//', or the tip diameter of the '//trim(names(k))//' at most '// &
           str(deepest)//' mm; &pair shorten_path = .true. ends the path of contact where the involute ends')
       else
-        call fail(error, code_input, '&'//trim(names(k))//' '//tip_key(pair%gear(k))//': interference; its tip diameter '// &
+        call fail(error, code_input, '&'//trim(names(k))//' '//trim(tip_key(pair%gear(k)))//': interference; its tip diameter '// &
           str(2000*pair%gear(k)%tip_form_radius)//' mm reaches below the involute of the '//trim(names(i))// &
           '; at most '//str(deepest)//' mm')
       end if
