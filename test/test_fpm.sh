@@ -36,7 +36,7 @@ check 'fpm run: the answer and nothing else' same "$work/ours" "$work/answer"
 check 'fpm run: says something' test -s "$work/ours"
 
 # What these suites do reaches most of the library; test/run.sh runs all of them in a build with more checks.
-"$venv/bin/fpm" test -- reader flat geometry motion resonances >"$work/said" 2>&1 </dev/null
+"$venv/bin/fpm" test -- reader calls geometry motion resonances >"$work/said" 2>&1 </dev/null
 code=$?
 check 'fpm test: exit code' test "$code" = 0
 counts='[1-9][0-9]* passed, +0 failed'

@@ -207,16 +207,19 @@ contains
   pure subroutine split_names(list, names)
     character(*), intent(in) :: list
     character(table_length), allocatable, intent(out) :: names(:)
-    character(table_length) :: name
-    integer :: from, length
+    integer :: i, n, pass
 
-    allocate (names(0))
-    from = 1
-    do while (from <= len(list))
-      length = index(list(from:)//' ', ' ') - 1
-      name = list(from:from + length - 1)
-      if (length > 0) names = [names, name]
-      from = from + length + 1
+    do pass = 1, 2
+      n = 0
+      do i = 1, len(list)
+        if (list(i:i) == ' ') cycle
+        if (i > 1) then
+          if (list(i - 1:i - 1) /= ' ') cycle
+        end if
+        n = n + 1
+        if (pass == 2) names(n) = list(i:i + index(list(i:)//' ', ' ') - 2)
+      end do
+      if (pass == 1) allocate (names(n))
     end do
   end subroutine split_names
 
