@@ -199,7 +199,7 @@ def test_signatures_are_those_of_the_flat_layer():
         return re.findall(r'^ *subroutine (gs_\w+)\(([^)]*)\)', text, re.MULTILINE)
 
     ours = {name: re.sub(r'\s', '', words) for name, words in heads(ROOT / 'python/gearsweep/flat.pyf')}
-    theirs = {name: re.sub(r'\s', '', words) for name, words in heads(ROOT / 'src/api/gearsweep_calls.f90')}
+    theirs = {name: re.sub(r'\s', '', words) for name, words in heads(ROOT / 'src/api/gearsweep_flat_calls.f90')}
     assert ours == theirs and len(ours) == 10
     text = (ROOT / 'python/gearsweep/flat.pyf').read_text()
     assert not re.search(r'^\s*real', text, re.MULTILINE)

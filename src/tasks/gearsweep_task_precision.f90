@@ -177,6 +177,7 @@ contains
     class(precision_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
     logical, allocatable :: is_new(:), mine(:)
+    character(:), allocatable :: place
     integer :: i
 
     associate (table => self%tables(self%place('precision')))
@@ -185,8 +186,10 @@ contains
                  is_first => nint(table%numbers('number')) == 1 .and. is_same(table%numbers('relief_um')) .and. &
                              is_same(table%numbers('rpm')))
         call lines%add('')
-        call lines%add('Precision at '//str(table%number('rpm', 1))//' rpm, relief '//str(table%number('relief_um', 1))// &
-                       ' um: resolution needed for relative errors, and what the finest has')
+        place = ''
+        if (.not. ieee_is_nan(table%number('rpm', 1))) &
+          place = ' at '//str(table%number('rpm', 1))//' rpm, relief '//str(table%number('relief_um', 1))//' um'
+        call lines%add('Precision'//place//': resolution needed for relative errors, and what the finest has')
         call lines%add('   quantity            method           1e-2     1e-4     1e-6    finest      error   estimate')
         is_new = is_first
         do i = 1, table%rows
@@ -201,15 +204,16 @@ contains
     end associate
   end subroutine add_report
 
-  !> Where values are the first one, or NaN.
+  !> Where values are the first that is a number, or NaN.
   pure function is_same(values)
     real(dp), intent(in) :: values(:)
     logical :: is_same(size(values))
-    integer :: i
+    integer :: i, first
 
+    first = findloc(ieee_is_nan(values), .false., 1)
+    is_same = .true.
     do i = 1, size(values)
-      is_same(i) = ieee_is_nan(values(i))
-      if (.not. is_same(i)) is_same(i) = .not. abs(values(i) - values(1)) > 0
+      if (.not. ieee_is_nan(values(i))) is_same(i) = .not. abs(values(i) - values(first)) > 0
     end do
   end function is_same
 
