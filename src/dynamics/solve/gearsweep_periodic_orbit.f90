@@ -179,7 +179,7 @@ contains
     is_closed = closure < max(1e-3_dp*tolerance, 1e-12_dp)
   end function is_closed
 
-  !> Size of a difference of states, in static deflections.
+  !> Size of a difference of states, in static deflections; huge beyond what any motion has.
   pure real(dp) function distance(osc, duration, difference)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration             !< of the mesh period, s
@@ -187,7 +187,7 @@ contains
 
     distance = max(abs(difference(1)), abs(difference(2))/max(1.0_dp, osc%natural_frequency*duration)) &
                /osc%static_deflection
-    if (.not. distance < huge(distance)) distance = huge(distance)
+    if (.not. distance < 1e50_dp) distance = huge(distance)
   end function distance
 
   !> Fills in a converged motion, and whether it attracts.

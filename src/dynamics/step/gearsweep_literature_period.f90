@@ -20,6 +20,8 @@ module gearsweep_literature_period
 
   !> Places of a step.
   integer, parameter :: begins = 1, middle = 2, ends = 3
+  !> No motion goes so far (m).
+  real(dp), parameter :: lost = 1e60_dp
 
   !> A height (m) that no motion reaches.
   real(dp), parameter :: far = 1e30_dp
@@ -58,6 +60,8 @@ contains
         table%left(i) + [0.0_dp, table%width(i)], [before(1), state(1)], &
         reshape([loads_at(osc, table, begins, i, contact_set, before(1)), &
                  loads_at(osc, table, ends, i, last_set, state(1))], [osc%pairs, 2]))
+      ! Steps so long that the method is unstable: beyond this, squares would overflow.
+      if (.not. maxval(abs(state)) < lost) exit
     end do
     period%state = state
     period%monodromy = columns
