@@ -29,7 +29,7 @@ module test_inputs
   !> What is computed for the sake of these tasks shall not take long.
   character(*), parameter :: few = 'stability damping_count 4;stability tongues 2;poincare settling_periods 20;'// &
                                    'poincare kept_periods 10;hysteresis closeness 1e-2;precision most_steps 50;'// &
-                                   'precision most_samples 64;precision rpm 3000'
+                                   'precision most_samples 64;precision rpm 18000'
 
   !> A value that a case gives to a key; a blank one takes the key out.
   type :: setting_t
