@@ -14,9 +14,9 @@ module test_closed_limits
   public :: run
 
   character(*), parameter :: task = '&case tasks=''geometry'' / '
-  character(*), parameter :: impossible(12) = [character(50) :: 'teeth = 4: must be at least 5', 'module = 0', 'face width = 0', &
-    'pressure angle', 'pressure angle = 0.81', 'addendum = 0', 'dedendum = 0', 'rack_tip_radius = -1e-9', 'profile_shift = 5', &
-    'profile_shift = -5', 'bore_mm = ', 'must not exceed the dedendum']
+  character(*), parameter :: impossible(12) = [character(50) :: 'teeth = 4: must be at least 5', 'module (m) = 0', &
+    'face width (m) = 0', 'pressure angle', 'pressure angle (rad) = 0.81', 'addendum = 0', 'dedendum = 0', &
+    'rack tip radius = -1e-9', 'profile shift = 5', 'profile shift = -5', 'bore diameter (mm) = ', 'must not exceed the dedendum']
 
 contains
 

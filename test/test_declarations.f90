@@ -6,7 +6,7 @@ module test_declarations
   use gearsweep_describe, only: describe, help_on, write_key_table
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_files, only: read_text
-  use gearsweep_key_names, only: key_names, name_key
+  use gearsweep_key_names, only: key_names, member_key_names, name_key
   use gearsweep_keys, only: keys_t
   use gearsweep_new_case, only: write_new_case
   use gearsweep_task, only: task_length
@@ -111,31 +111,46 @@ contains
     type(tally_t), intent(inout) :: t
     type(keys_t) :: keys
     type(error_t), allocatable :: error
-    character(:), allocatable :: key, quantity
-    logical :: is_there
-    integer :: i, at, k
+    integer :: i
 
     call list_keys([character(task_length) ::], keys)
     do i = 1, size(key_names)
-      key = trim(key_names(i)%key)
-      quantity = trim(key_names(i)%quantity)
-      at = index(key//' ', ' ')
-      is_there = .false.
-      do k = 1, keys%known
-        if (keys%key(k)%group /= key(2:at - 1)) cycle
-        is_there = is_there .or. at > len(key) .or. keys%key(k)%name == key(min(at + 1, len(key)):)
-      end do
-      call check_true(t, 'one of the keys or groups: '//key, is_there)
-      call fail(error, code_input, quantity//' = 3: is too much')
-      call name_key(error)
-      call check_equal(t, quantity, error%message, key//' = 3: is too much')
-      deallocate (error)
-      call fail(error, code_input, quantity//'s are many')
-      call name_key(error)
-      call check_equal(t, 'other words than '//quantity, error%message, quantity//'s are many')
-      deallocate (error)
+      call check_quantity(t, keys, trim(key_names(i)%quantity), trim(key_names(i)%key))
     end do
+    do i = 1, size(member_key_names)
+      call check_quantity(t, keys, 'pinion '//trim(member_key_names(i)%quantity), '&pinion '//trim(member_key_names(i)%key))
+      call check_quantity(t, keys, 'gear '//trim(member_key_names(i)%quantity), '&gear '//trim(member_key_names(i)%key))
+    end do
+    call fail(error, code_input, 'pinion profile shift = 0: undercut; shortened path = .true. mends it; the rim (mm) = 3 stays')
+    call name_key(error)
+    call check_equal(t, 'behind a semicolon', error%message, &
+                     '&pinion profile_shift = 0: undercut; &pair shorten_path = .true. mends it; the rim (mm) = 3 stays')
   end subroutine quantities
+
+  subroutine check_quantity(t, keys, quantity, key)
+    type(tally_t), intent(inout) :: t
+    type(keys_t), intent(in) :: keys             !< all that there are
+    character(*), intent(in) :: quantity         !< with which a message begins
+    character(*), intent(in) :: key              !< that it is to get, or a group
+    type(error_t), allocatable :: error
+    logical :: is_there
+    integer :: at, k
+
+    at = index(key//' ', ' ')
+    is_there = .false.
+    do k = 1, keys%known
+      if (keys%key(k)%group /= key(2:at - 1)) cycle
+      is_there = is_there .or. at > len(key) .or. keys%key(k)%name == key(min(at + 1, len(key)):)
+    end do
+    call check_true(t, 'one of the keys or groups: '//key, is_there)
+    call fail(error, code_input, quantity//' = 3: is too much')
+    call name_key(error)
+    call check_equal(t, quantity, error%message, key//' = 3: is too much')
+    deallocate (error)
+    call fail(error, code_input, quantity//'s are many')
+    call name_key(error)
+    call check_equal(t, 'other words than '//quantity, error%message, quantity//'s are many')
+  end subroutine check_quantity
 
   !> For every task and for all together: read without a word of unused keys once the required ones are filled.
   subroutine new_cases(t)

@@ -230,14 +230,14 @@ contains
 
     pair = dogan_pair([25, 25], 0.0_dp)
     call fe_stiffness(pair, material_t(), options, 0.0_dp, curve, disc, error)
-    call check_error(t, 'no load', error, '&load line_load_n_mm = 0')
+    call check_error(t, 'no load', error, 'line load (N/mm) = 0')
     call fe_stiffness(pair, material_t(poisson=0.5_dp), options, load, curve, disc, error)
-    call check_error(t, 'incompressible', error, '&material poisson')
+    call check_error(t, 'incompressible', error, 'Poisson''s ratio')
     call tooth_compliance(pair%gear(1), material_t(), options, 0.001_dp, 0.03_dp, tooth, error)
     call check_error(t, 'load off the path', error, 'off the flank')
     options%section%fixed_sides = .false.
     options%section%fixed_rim = .false.
     call fe_stiffness(pair, material_t(), options, load, curve, disc, error)
-    call check_error(t, 'nothing fixed', error, '&section fixed')
+    call check_error(t, 'nothing fixed', error, 'support of the section')
   end subroutine refusals
 end module test_elastic_stiffness

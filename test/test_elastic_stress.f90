@@ -118,7 +118,7 @@ contains
     call stress_of(gear, material_t(), hassan_options(8), [0.3_dp], [1e5_dp], stress, error)
     call check_error(t, 'load off the path', error, 'off the flank')
     call stress_of(gear, material_t(), hassan_options(8), [0.37_dp], [real(dp) ::], stress, error)
-    call check_error(t, 'no load', error, '&load')
+    call check_error(t, 'no load', error, 'line loads')
   end subroutine load_and_sides
 
   !> The notch sees the tooth, not the far support.

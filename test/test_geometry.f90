@@ -412,7 +412,7 @@ contains
     spec = good
     spec(1)%bore_radius = 40*mm
     call build(spec, pair, error)
-    call check_error(t, 'bore', error, 'bore_mm')
+    call check_error(t, 'bore', error, 'bore diameter (mm)')
     spec = good
     spec(2)%module = 4*mm
     call build(spec, pair, error)
@@ -458,6 +458,6 @@ contains
     call check_error(t, 'the gear''s off the path', error, 'the gear''s relief begins at 1.61')
     relief%amount(2) = -1e-9_dp
     call profile_error(relief, 1.6_dp, e, error)
-    call check_error(t, 'negative relief', error, '&relief amount_um: must be at least 0')
+    call check_error(t, 'negative relief', error, 'amount of relief: must be at least 0')
   end subroutine relief_shapes
 end module test_geometry

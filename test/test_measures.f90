@@ -300,31 +300,31 @@ contains
     spec = spec_of(25, 0.0_dp)
     spec%tip_chamfer = 2*mm
     call make_gear(spec, gear, error)
-    call check_error(t, 'a chamfer as wide as the tip', error, '&pinion tip_chamfer_mm = 2: takes the whole tip')
+    call check_error(t, 'a chamfer as wide as the tip', error, 'pinion tip chamfer (mm) = 2: takes the whole tip')
     spec%tip_chamfer = 6*mm
     call make_gear(spec, gear, error)
     call check_error(t, 'a chamfer down to the fillet', error, 'no involute is left between fillet and tip with this chamfer')
     spec%tip_chamfer = 0
     spec%tip_rounding = 6*mm
     call make_gear(spec, gear, error)
-    call check_error(t, 'a rounding as high as the tooth', error, '&pinion tip_rounding_mm = 6')
+    call check_error(t, 'a rounding as high as the tooth', error, 'pinion tip rounding (mm) = 6')
     spec%tip_rounding = 2.2_dp*mm
     call make_gear(spec, gear, error)
-    call check_error(t, 'a rounding as wide as the tip', error, '&pinion tip_rounding_mm = 2.2: takes the whole tip')
+    call check_error(t, 'a rounding as wide as the tip', error, 'pinion tip rounding (mm) = 2.2: takes the whole tip')
     spec%tip_rounding = 0
     spec%tip_form_diameter = 81.1_dp*mm
     call make_gear(spec, gear, error)
-    call check_error(t, 'involute beyond the tip', error, 'tip_form_diameter_mm = 81.1: must be at most the tip diameter 81')
+    call check_error(t, 'involute beyond the tip', error, 'tip form diameter (mm) = 81.1: must be at most the tip diameter 81')
     spec%tip_form_diameter = 0
     spec%tip_diameter = 70*mm
     call make_gear(spec, gear, error)
-    call check_error(t, 'tip below the fillet', error, '&pinion tip_diameter_mm = 70: no involute is left')
+    call check_error(t, 'tip below the fillet', error, 'pinion tip diameter (mm) = 70: no involute is left')
     spec%tip_diameter = 95*mm
     call make_gear(spec, gear, error)
-    call check_error(t, 'tip beyond the point', error, '&pinion tip_diameter_mm = 95: pointed teeth')
+    call check_error(t, 'tip beyond the point', error, 'pinion tip diameter (mm) = 95: pointed teeth')
     spec%tip_diameter = 0
     spec%thinning = -3
     call make_gear(spec, gear, error)
-    call check_error(t, 'thinned away', error, 'leaves no tooth as thin as generating_shift or thickness_allowance_um make it')
+    call check_error(t, 'thinned away', error, 'leaves no tooth as thin as generating shift or allowance make it')
   end subroutine tips_that_are_refused
 end module test_measures

@@ -1,39 +1,106 @@
-!> Errors of the rooms below speak of quantities, such as the stiffness table; here each gets the group and the key by which a
-!> case gives it, so that whoever wrote the case finds it there. A message begins with its quantity.
+!> Errors of the rooms below speak of quantities, such as the stiffness table; here each gets the group and the key by
+!> which a case gives it, so that whoever wrote the case finds it there. A message, and what it says behind a
+!> semicolon, may begin with a quantity.
 module gearsweep_key_names
   use gearsweep_error, only: error_t
   implicit none
   private
-  public :: name_key, key_name_t, key_names
+  public :: name_key, key_name_t, key_names, member_key_names
 
   type :: key_name_t
     character(44) :: quantity
-    character(26) :: key                         !< with its group
+    character(28) :: key                         !< with its group
   end type key_name_t
 
-  !> Where one quantity's name begins with that of another, the longer one stands first.
   type(key_name_t), parameter :: key_names(*) = [ &
     & key_name_t('stiffness table', '&mesh file'), &
     & key_name_t('stiffness polynomial', '&mesh coefficients'), &
     & key_name_t('profile error table', '&mesh profile_error_file'), &
     & key_name_t('positions of the load', '&static positions'), &
     & key_name_t('position of the load of the stress field', '&static field_position'), &
-    & key_name_t('sweep', '&sweep')]
+    & key_name_t('sweep', '&sweep'), &
+    & key_name_t('centre distance (mm)', '&pair centre_distance_mm'), &
+    & key_name_t('module', '&pair module_mm'), &
+    & key_name_t('pressure angle', '&pair pressure_angle_deg'), &
+    & key_name_t('path of contact', '&pair'), &
+    & key_name_t('shortened path', '&pair shorten_path'), &
+    & key_name_t('face width', '&pair face_width_mm'), &
+    & key_name_t('relief', '&relief'), &
+    & key_name_t('amount of relief', '&relief amount_um'), &
+    & key_name_t('line load (N/mm)', '&load line_load_n_mm'), &
+    & key_name_t('Young''s modulus', '&material young_gpa'), &
+    & key_name_t('Poisson''s ratio', '&material poisson'), &
+    & key_name_t('density', '&material density_kgm3'), &
+    & key_name_t('pair stiffness', '&mesh model'), &
+    & key_name_t('corner contact', '&mesh corner_contact'), &
+    & key_name_t('teeth of the section', '&section teeth'), &
+    & key_name_t('support of the section', '&section fixed'), &
+    & key_name_t('rim (mm)', '&section rim_mm'), &
+    & key_name_t('half angle of the section (deg)', '&section half_angle_deg'), &
+    & key_name_t('elements across a tooth', '&section elements_across'), &
+    & key_name_t('static stress', '&static'), &
+    & key_name_t('tangent at the fillet (deg)', '&static tangent_deg'), &
+    & key_name_t('number of modes', '&modal modes')]
+
+  !> The same of a member, which stands before its quantity, as in `pinion profile shift`.
+  type(key_name_t), parameter :: member_key_names(*) = [ &
+    & key_name_t('addendum', 'addendum'), &
+    & key_name_t('dedendum', 'dedendum'), &
+    & key_name_t('rack tip radius', 'rack_tip_radius'), &
+    & key_name_t('profile shift', 'profile_shift'), &
+    & key_name_t('bore diameter (mm)', 'bore_mm'), &
+    & key_name_t('tip diameter (mm)', 'tip_diameter_mm'), &
+    & key_name_t('tip chamfer (mm)', 'tip_chamfer_mm'), &
+    & key_name_t('tip rounding (mm)', 'tip_rounding_mm'), &
+    & key_name_t('tip form diameter (mm)', 'tip_form_diameter_mm'), &
+    & key_name_t('pin diameter (mm)', 'pin_diameter_mm')]
 
 contains
 
-  !> Replaces the quantity at the begin of a message by its group and key; other messages stay as they are.
+  !> Replaces the quantity at the begin of a message, and of its parts behind semicolons, by its group and key; what
+  !> names none stays as it is.
   pure subroutine name_key(error)
     type(error_t), allocatable, intent(inout) :: error
-    integer :: i, n
+    character(:), allocatable :: rest
+    integer :: n
 
     if (.not. allocated(error)) return
-    do i = 1, size(key_names)
-      n = len_trim(key_names(i)%quantity)
-      if (index(error%message, key_names(i)%quantity(:n)//':') /= 1 .and. &
-          index(error%message, key_names(i)%quantity(:n)//' =') /= 1) cycle
-      error%message = trim(key_names(i)%key)//error%message(n + 1:)
+    rest = error%message
+    error%message = ''
+    do
+      n = index(rest, '; ')
+      if (n == 0) exit
+      error%message = error%message//named(rest(:n - 1))//'; '
+      rest = rest(n + 2:)
+    end do
+    error%message = error%message//named(rest)
+  end subroutine name_key
+
+  !> A part of a message with the key in place of the quantity that it begins with.
+  pure function named(part) result(text)
+    character(*), intent(in) :: part
+    character(:), allocatable :: text
+    integer :: n
+
+    text = part
+    n = index(part, ' ')
+    if (part(:n) == 'pinion ' .or. part(:n) == 'gear ') call put_key(member_key_names, '&'//part(:n), part(n + 1:), text)
+    call put_key(key_names, '', part, text)
+  end function named
+
+  !> The text of a part that begins with one of these quantities; else it stays as it is.
+  pure subroutine put_key(keys, before, part, text)
+    type(key_name_t), intent(in) :: keys(:)
+    character(*), intent(in) :: before           !< the key
+    character(*), intent(in) :: part             !< may begin with a quantity, ` =` or a colon behind it
+    character(:), allocatable, intent(inout) :: text
+    integer :: i, n
+
+    do i = 1, size(keys)
+      n = len_trim(keys(i)%quantity)
+      if (index(part, keys(i)%quantity(:n)//':') /= 1 .and. index(part, keys(i)%quantity(:n)//' =') /= 1) cycle
+      text = before//trim(keys(i)%key)//part(n + 1:)
       return
     end do
-  end subroutine name_key
+  end subroutine put_key
 end module gearsweep_key_names

@@ -52,14 +52,14 @@ contains
     call check(grid, material, thickness, held, error)
     ! The body's own grid, and the numbers of its unknowns.
     call claim_memory(40.0_dp*size(held, 2) + 4.0_dp*size(grid%node) + 40.0_dp*size(grid%element, 2), &
-                      '&section elements_across: the grid with '//str(size(held, 2))//' nodes', error)
+                      'elements across a tooth: the grid with '//str(size(held, 2))//' nodes', error)
     if (allocated(error)) return
     body%grid = grid
     body%material = material
     body%plane_strain = plane_strain
     body%thickness = thickness
     call number_unknowns(held, body%equation, body%unknowns)
-    what = '&section elements_across: the grid with '//str(body%unknowns)//' unknowns'
+    what = 'elements across a tooth: the grid with '//str(body%unknowns)//' unknowns'
     call claim_memory(size(grid%element, 2)*(8.0_dp*triangle + 4.0_dp*(2*nodes_per_element + 1)), what, error)
     if (allocated(error)) return
     call collect(body, first, at, values)
@@ -74,9 +74,9 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call check_material(material, error)
-    if (.not. thickness > 0) call fail(error, code_input, '&pair face_width_mm: must be above 0')
+    if (.not. thickness > 0) call fail(error, code_input, 'face width: must be above 0')
     if (.not. excludes_rigid_motion(grid%x, held)) call fail(error, code_input, &
-      '&section fixed: the section is not held; must have ''sides'' (of a sector) or ''rim'' (or bore)')
+      'support of the section: it is not held; must be at the ''sides'' (of a sector) or the ''rim'' (or bore)')
   end subroutine check
 
   !> The held displacements, seen by two translations and a rotation, have rank 3.

@@ -32,7 +32,7 @@ contains
     real(dp), allocatable :: x(:, :)
     integer :: i
 
-    call claim_memory(16.0_dp*body%unknowns*size(radius), '&section elements_across: the compliance on '// &
+    call claim_memory(16.0_dp*body%unknowns*size(radius), 'elements across a tooth: the compliance on '// &
                       str(body%unknowns)//' unknowns', error)
     if (allocated(error)) return
     allocate (x(body%unknowns, size(radius)), source=0.0_dp)
@@ -62,7 +62,7 @@ contains
     real(dp), allocatable :: x(:, :), both(:)
     integer :: i
 
-    call claim_memory(32.0_dp*body%unknowns, '&mesh corner_contact: the tip corner on '//str(body%unknowns)//' unknowns', error)
+    call claim_memory(32.0_dp*body%unknowns, 'corner contact: the tip corner on '//str(body%unknowns)//' unknowns', error)
     if (allocated(error)) return
     allocate (x(body%unknowns, 2), source=0.0_dp)
     call flank_load(section, body, radius, x(:, 1), error)

@@ -53,8 +53,8 @@ contains
     integer :: i
 
     if (section%options%teeth == 1) return
-    call claim_memory(8.0_dp*body%unknowns*(2*places + 6), '&section teeth: what neighbours share, on '//str(body%unknowns)// &
-                      ' unknowns', error)
+    call claim_memory(8.0_dp*body%unknowns*(2*places + 6), 'teeth of the section: what neighbours share, on '// &
+                      str(body%unknowns)//' unknowns', error)
     if (allocated(error)) return
     allocate (x(body%unknowns, places), beside(body%unknowns, places), source=0.0_dp)
     pitch = 2*pi*section%gear%base_radius(drive)/section%gear%spec%teeth

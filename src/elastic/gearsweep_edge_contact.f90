@@ -81,7 +81,7 @@ contains
     if (allocated(error)) return
     cells = count(radius(3::2) <= min(widest*half_width, deepest*depth))
     edge%ends = radius(1:2*cells + 1:2)
-    call claim_memory(24.0_dp*body%unknowns*(2*cells + 2), '&mesh corner_contact: the edge on '//str(body%unknowns)//' unknowns', &
+    call claim_memory(24.0_dp*body%unknowns*(2*cells + 2), 'corner contact: the edge on '//str(body%unknowns)//' unknowns', &
                       error)
     if (allocated(error)) return
     allocate (x(body%unknowns, 2*cells + 2), share(3, cells))
@@ -167,7 +167,7 @@ contains
       presses = presses .and. pressure >= 0
     end do
     if (.not. any(presses)) then
-      call fail(error, code_numerical, '&mesh corner_contact: the pressure at the tip corner is not found')
+      call fail(error, code_numerical, 'corner contact: the pressure at the tip corner is not found')
       return
     end if
     compliance = approach/line_load - 2*edge_deflection(edge, edge%depth, tilt) + edge_deflection(edge, 2*edge%depth, tilt)

@@ -50,7 +50,7 @@ contains
     real(dp) :: width, zone(2)
 
     if (.not. line_load > 0) then
-      call fail(error, code_input, '&load line_load_n_mm = '//str(line_load/1000)//': must be above 0')
+      call fail(error, code_input, 'line load (N/mm) = '//str(line_load/1000)//': must be above 0')
       return
     end if
     zone = 0
@@ -132,7 +132,7 @@ contains
     real(dp), intent(in) :: s(:), alone(:)
     type(error_t), allocatable, intent(inout) :: error
 
-    if (any(.not. alone > 0)) call fail(error, code_numerical, '&mesh model: the pair compliance is not positive at s = '// &
+    if (any(.not. alone > 0)) call fail(error, code_numerical, 'pair stiffness: the pair compliance is not positive at s = '// &
       str(s(findloc(.not. alone > 0, .true., 1)))//'; the line load is too large')
   end subroutine check_compliance
 

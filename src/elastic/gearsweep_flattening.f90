@@ -30,7 +30,7 @@ contains
     real(dp), intent(in) :: half_width, module, line_load
     type(error_t), allocatable, intent(inout) :: error
 
-    if (.not. 2*half_width <= module) call fail(error, code_input, '&load line_load_n_mm = '//str(line_load/1000)// &
+    if (.not. 2*half_width <= module) call fail(error, code_input, 'line load (N/mm) = '//str(line_load/1000)// &
       ' (the load over the face width): flattens the flanks over '//str(2000*half_width, 3)// &
       ' mm, where Hertz''s contact does not hold; must be at most '//str(line_load/1000*(module/(2*half_width))**2, 3))
   end subroutine check_contact

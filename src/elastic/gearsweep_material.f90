@@ -19,9 +19,9 @@ contains
     type(material_t), intent(in) :: material
     type(error_t), allocatable, intent(inout) :: error
 
-    if (.not. material%young > 0) call fail(error, code_input, '&material young_gpa: must be above 0')
+    if (.not. material%young > 0) call fail(error, code_input, 'Young''s modulus: must be above 0')
     if (.not. (material%poisson > -1 .and. material%poisson < 0.5_dp)) then
-      call fail(error, code_input, '&material poisson: must lie between -1 and 0.5')
+      call fail(error, code_input, 'Poisson''s ratio: must lie between -1 and 0.5')
     end if
   end subroutine check_material
 end module gearsweep_material

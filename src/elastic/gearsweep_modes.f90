@@ -42,12 +42,12 @@ contains
     real(dp), allocatable :: values(:), vectors(:, :)
 
     if (count < 1 .or. 2*count + 2 > body%unknowns) then
-      call fail(error, code_input, '&modal modes = '//str(count)//': must lie between 1 and '// &
+      call fail(error, code_input, 'number of modes = '//str(count)//': must lie between 1 and '// &
         str(body%unknowns/2 - 1))
       return
     end if
     if (.not. body%material%density > 0) then
-      call fail(error, code_input, '&material density_kgm3: must be above 0')
+      call fail(error, code_input, 'density: must be above 0')
       return
     end if
     call claim_modes(body, count, error)
@@ -76,7 +76,7 @@ contains
     others = 8.0_dp*body%unknowns*(5*count + 20) + 16.0_dp*size(body%grid%x, 2)*(7*count + 10) &
              + 1300.0_dp*size(body%grid%element, 2)
     if (body%grid%closed) others = 2*others
-    call claim_memory(work_bytes(body%unknowns, count) + others, '&modal modes = '//str(count), error, blas=.true.)
+    call claim_memory(work_bytes(body%unknowns, count) + others, 'number of modes = '//str(count), error, blas=.true.)
   end subroutine claim_modes
 
   !> The same for a whole gear: where all its teeth are alike, most of its frequencies come in pairs, of which an

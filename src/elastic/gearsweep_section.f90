@@ -87,7 +87,7 @@ contains
     call make_grid(points, part, is_closed(section), section%grid, error)
     if (allocated(error)) then
       deallocate (error)
-      call fail(error, code_input, '&section rim_mm = '//str(1000*(gear%root_radius - section%inner_radius))// &
+      call fail(error, code_input, 'rim (mm) = '//str(1000*(gear%root_radius - section%inner_radius))// &
                 ': the rim below the root circle is too thin for a grid; must be thicker (or the bore smaller)')
     end if
   end subroutine make_section
@@ -101,7 +101,7 @@ contains
     across = options%elements_across
     if (options%others_across > 0) across = options%others_across
     call claim_memory(options%teeth*(1000 + 16.0_dp*(2*across + 3)*(3*across + 12)) + 300.0_dp*options%elements_across**2, &
-                      '&section teeth = '//str(options%teeth), error)
+                      'teeth of the section = '//str(options%teeth), error)
   end subroutine claim_teeth
 
   !> Points of the lattice, and nodes and elements of the grid, which is copied with the section and the body.
@@ -116,7 +116,7 @@ contains
     rim = max(1.0_dp, block(section%loaded)%across*rim_steps(section, block, section%inner_radius)/growth)
     call claim_memory(columns*((lattice + grid)*(rim + 1) + lattice*maxval(block%upper)) &
                       + grid*sum(real(block%across, dp)*block%upper), &
-                      '&section elements_across = '//str(section%options%elements_across)//': the grid', error)
+                      'elements across a tooth = '//str(section%options%elements_across)//': the grid', error)
   end subroutine claim_lattice
 
   !> The unloaded teeth are equal to the loaded one, or coarser.
@@ -139,19 +139,19 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     if (options%teeth < 1 .or. options%teeth > gear%spec%teeth) call fail(error, code_input, &
-      '&section teeth = '//str(options%teeth)//': must lie between 1 and the gear''s '//str(gear%spec%teeth))
+      'teeth of the section = '//str(options%teeth)//': must lie between 1 and the gear''s '//str(gear%spec%teeth))
     if (options%elements_across < 3 .or. options%elements_across > most_across) call fail(error, code_input, &
-      '&section elements_across = '//str(options%elements_across)//': must lie between 3 and '//str(most_across))
+      'elements across a tooth = '//str(options%elements_across)//': must lie between 3 and '//str(most_across))
     if (options%others_across /= 0 .and. (options%others_across < 3 .or. &
                                           options%others_across > options%elements_across)) then
-      call fail(error, code_input, '&section others_across = '//str(options%others_across)// &
+      call fail(error, code_input, 'elements across the other teeth = '//str(options%others_across)// &
       ': must be 0 or lie between 3 and '//str(options%elements_across))
     end if
     if (.not. options%rim >= 0 .or. options%rim >= gear%root_radius) call fail(error, code_input, &
-      '&section rim_mm = '//str(1000*options%rim)//': must be above 0 and below the root radius '// &
+      'rim (mm) = '//str(1000*options%rim)//': must be above 0 and below the root radius '// &
       str(1000*gear%root_radius)//' mm')
     if (.not. (options%half_angle >= 0 .and. options%half_angle < pi)) call fail(error, code_input, &
-      '&section half_angle_deg = '//str(options%half_angle*180/pi)//': must lie between 0 and 180')
+      'half angle of the section (deg) = '//str(options%half_angle*180/pi)//': must lie between 0 and 180')
   end subroutine check_options
 
   !> Inner radius, tooth axes and half angle.
@@ -172,7 +172,7 @@ contains
       section%half_angle = options%half_angle
       if (options%half_angle <= 0) section%half_angle = options%teeth*pitch/2
       if (section%inner_radius < gear%spec%bore_radius*(1 - 1e-9_dp)) call fail(error, code_input, &
-        '&section rim_mm = '//str(1000*options%rim)//': reaches into the bore; at most '// &
+        'rim (mm) = '//str(1000*options%rim)//': reaches into the bore; at most '// &
         str(1000*(gear%root_radius - gear%spec%bore_radius)))
       if (is_closed(section)) return
       ! Cut in the middle of the root lands, which unequal flanks shift.
@@ -182,7 +182,7 @@ contains
       most = min(pi, section%axis(options%teeth) + pitch - max(root_angle(gear, coast) + section%middle, &
                                                                root_angle(gear, drive) - section%middle))
       if (section%half_angle <= least .or. section%half_angle > most*(1 + 1e-12_dp)) call fail(error, code_input, &
-        '&section half_angle_deg = '//str(section%half_angle*180/pi)//': with '//str(options%teeth)// &
+        'half angle of the section (deg) = '//str(section%half_angle*180/pi)//': with '//str(options%teeth)// &
         ' teeth it must lie between '//str(least*180/pi)//' (teeth cut) and '//str(most*180/pi)// &
         ' (overlaps the next tooth)')
     end associate
@@ -248,7 +248,7 @@ contains
     width = 6*(block(section%loaded)%across*reach/growth + block(section%loaded)%upper)
     if (is_closed(section)) width = 2*width
     if (8*unknowns*width > section%options%most_memory) call fail(error, code_memory, &
-      '&section elements_across = '//str(section%options%elements_across)//': the grid has some '// &
+      'elements across a tooth = '//str(section%options%elements_across)//': the grid has some '// &
       str(unknowns, 2)//' unknowns and needs '//str(8e-9_dp*unknowns*width, 2)//' GB; at most '// &
       str(section%options%most_memory*1e-9_dp, 3)//' GB')
   end subroutine check_size

@@ -40,7 +40,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error   !< the memory does not hold it, or the radius is not on the flank
     real(dp), allocatable :: x(:, :)
 
-    call claim_memory(100.0_dp*grid%body%unknowns, '&static: the stress on '//str(grid%body%unknowns)//' unknowns', error, &
+    call claim_memory(100.0_dp*grid%body%unknowns, 'static stress: the stress on '//str(grid%body%unknowns)//' unknowns', error, &
                       blas=.true.)
     if (allocated(error)) return
     allocate (x(grid%body%unknowns, 1), source=0.0_dp)

@@ -104,13 +104,13 @@ contains
     integer :: i
 
     if (size(radius) < 1 .or. size(radius) /= size(line_load)) then
-      call fail(error, code_input, '&load: as many line loads as positions are needed, and at least one')
+      call fail(error, code_input, 'line loads: as many line loads as positions are needed, and at least one')
       return
     end if
     ! Forces and displacements, and the stress along the fillets.
     call claim_memory(size(radius)*(8.0_dp*body%unknowns + 16.0_dp*size(section%grid%x, 2) &
                                     + 64.0_dp*size(section%grid%node, 2)), &
-                      '&static positions = '//str(size(radius)), error, blas=.true.)
+                      'positions of the load = '//str(size(radius)), error, blas=.true.)
     if (allocated(error)) return
     allocate (x(body%unknowns, size(radius)), u(2, size(section%grid%x, 2), size(radius)))
     x = 0
@@ -256,7 +256,7 @@ contains
 
     associate (fillet => product%side(side))
       if (.not. (tangent >= minval(fillet%tangent) .and. tangent <= maxval(fillet%tangent))) then
-        call fail(error, code_input, '&static tangent_deg = '//str(tangent*180/pi)// &
+        call fail(error, code_input, 'tangent at the fillet (deg) = '//str(tangent*180/pi)// &
           ': must lie between '//str(minval(fillet%tangent)*180/pi)//' and '//str(maxval(fillet%tangent)*180/pi))
         return
       end if

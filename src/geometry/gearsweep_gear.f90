@@ -10,7 +10,7 @@ module gearsweep_gear
   use gearsweep_text, only: str
   implicit none
   private
-  public :: gear_t, gear_spec_t, make_gear, involute, chamfer_base, tip_key, drive, coast
+  public :: gear_t, gear_spec_t, make_gear, involute, chamfer_base, tip_quantity, drive, coast
 
   !> What follows from it.
   type :: gear_t
@@ -70,23 +70,23 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: fewest = 5
 
-    call demand(spec%teeth >= fewest, 'teeth', str(spec%teeth), 'must be at least '//str(fewest))
-    call demand(spec%module > 0, 'module', str(spec%module), 'must be above 0')
-    call demand(spec%face_width > 0, 'face width', str(spec%face_width), 'must be above 0')
-    call demand(all(spec%pressure_angle > 0.05_dp .and. spec%pressure_angle < 0.8_dp), 'pressure angle', &
-                str(spec%pressure_angle(1)), 'must lie between 0.05 and 0.8 rad')
+    call demand(spec%teeth >= fewest, 'number of teeth', str(spec%teeth), 'must be at least '//str(fewest))
+    call demand(spec%module > 0, 'module (m)', str(spec%module), 'must be above 0')
+    call demand(spec%face_width > 0, 'face width (m)', str(spec%face_width), 'must be above 0')
+    call demand(all(spec%pressure_angle > 0.05_dp .and. spec%pressure_angle < 0.8_dp), 'pressure angle (rad)', &
+                str(spec%pressure_angle(1)), 'must lie between 0.05 and 0.8')
     call demand(spec%addendum > 0, 'addendum', str(spec%addendum), 'must be above 0')
     call demand(spec%dedendum > 0, 'dedendum', str(spec%dedendum), 'must be above 0')
-    call demand(spec%rack_tip_radius >= 0, 'rack_tip_radius', str(spec%rack_tip_radius), 'must be at least 0')
-    call demand(abs(spec%profile_shift) < 5, 'profile_shift', str(spec%profile_shift), 'must lie between -5 and 5')
+    call demand(spec%rack_tip_radius >= 0, 'rack tip radius', str(spec%rack_tip_radius), 'must be at least 0')
+    call demand(abs(spec%profile_shift) < 5, 'profile shift', str(spec%profile_shift), 'must lie between -5 and 5')
 
   contains
 
-    subroutine demand(met, key, value, allowed)
+    subroutine demand(met, quantity, value, allowed)
       logical, intent(in) :: met
-      character(*), intent(in) :: key, value, allowed
+      character(*), intent(in) :: quantity, value, allowed
 
-      if (.not. met) call fail(error, code_input, '&'//trim(spec%name)//' '//key//' = '//value//': '//allowed)
+      if (.not. met) call fail(error, code_input, trim(spec%name)//' '//quantity//' = '//value//': '//allowed)
     end subroutine demand
   end subroutine check_spec
 
@@ -132,69 +132,69 @@ contains
     missed = gear%form_radius(side)*abs(atan2(point(1), point(2)) - gear%half_angle(side, gear%form_radius(side)))
     ! The narrowest place below, where the trochoid's tangent is along the tooth's axis.
     point = trochoid_point(gear%spec, side, trochoid_parameter(gear%spec, side, high, 0.0_dp))
-    if (missed > 1e-9_dp*gear%reference_radius .or. point(1) <= 0) call fail(error, code_input, '&'//trim(gear%spec%name)// &
-      ' profile_shift = '//str(gear%spec%profile_shift)//': undercut with '//str(gear%spec%teeth)// &
-      ' teeth leaves no tooth'//trim(merge(' as thin as generating_shift or thickness_allowance_um make it', repeat(' ', 62), &
+    if (missed > 1e-9_dp*gear%reference_radius .or. point(1) <= 0) call fail(error, code_input, trim(gear%spec%name)// &
+      ' profile shift = '//str(gear%spec%profile_shift)//': undercut with '//str(gear%spec%teeth)// &
+      ' teeth leaves no tooth'//trim(merge(' as thin as generating shift or allowance make it', repeat(' ', 49), &
       gear%spec%thinning < 0))//'; must be at least '//str(least_shift(gear%spec, side))//' to have none')
   end subroutine cross_undercut
 
   pure subroutine check_tooth(gear, error)
     type(gear_t), intent(in) :: gear
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: group
+    character(:), allocatable :: member
 
-    group = '&'//trim(gear%spec%name)//' '
+    member = trim(gear%spec%name)//' '
     if (.not. gear%spec%bore_radius >= 0 .or. gear%spec%bore_radius >= gear%root_radius) then
-      call fail(error, code_input, group//'bore_mm = '//str(2000*gear%spec%bore_radius)// &
+      call fail(error, code_input, member//'bore diameter (mm) = '//str(2000*gear%spec%bore_radius)// &
       ': must be at least 0 and below the root diameter '//str(2000*gear%root_radius)//' mm')
     end if
     if (min(gear%tip_form_radius, gear%flank_end(coast)) <= maxval(gear%form_radius)) then
-      call fail(error, code_input, group//trim(tip_setting(gear))// &
+      call fail(error, code_input, member//trim(tip_setting(gear))// &
         ': no involute is left between fillet and tip'//trim(merge(' with this chamfer or rounding', repeat(' ', 30), &
         gear%tip_form_radius < gear%tip_radius)))
     else if (gear%thickness(gear%tip_radius) <= 0) then
-      call fail(error, code_input, group//trim(tip_setting(gear))// &
+      call fail(error, code_input, member//trim(tip_setting(gear))// &
         ': pointed teeth; the tip diameter must stay below '//str(2000*pointed_radius(gear))//' mm'// &
         trim(merge(' with this thickness allowance', repeat(' ', 30), gear%spec%thinning < 0)))
     end if
   end subroutine check_tooth
 
-  !> For messages: the key that sets the tip circle.
-  pure function tip_key(gear) result(words)
+  !> For messages: the quantity that sets the tip circle.
+  pure function tip_quantity(gear) result(words)
     type(gear_t), intent(in) :: gear
-    character(15) :: words
+    character(17) :: words
 
-    words = merge('tip_diameter_mm', 'addendum       ', gear%spec%tip_diameter > 0)
-  end function tip_key
+    words = merge('tip diameter (mm)', 'addendum         ', gear%spec%tip_diameter > 0)
+  end function tip_quantity
 
   !> The same with its value.
   pure function tip_setting(gear) result(words)
     type(gear_t), intent(in) :: gear
     character(48) :: words
 
-    words = trim(tip_key(gear))//' = '//str(gear%spec%addendum)
-    if (gear%spec%tip_diameter > 0) words = trim(tip_key(gear))//' = '//str(1000*gear%spec%tip_diameter)
+    words = trim(tip_quantity(gear))//' = '//str(gear%spec%addendum)
+    if (gear%spec%tip_diameter > 0) words = trim(tip_quantity(gear))//' = '//str(1000*gear%spec%tip_diameter)
   end function tip_setting
 
   !> A chamfer or rounding must begin on the involute and leave a tip land.
   pure subroutine check_tip(gear, error)
     type(gear_t), intent(in) :: gear
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: key
+    character(:), allocatable :: what
 
     if (allocated(error)) return
     associate (spec => gear%spec)
-      key = '&'//trim(spec%name)
-      if (spec%tip_chamfer > 0) key = key//' tip_chamfer_mm = '//str(1000*spec%tip_chamfer)
-      if (spec%tip_rounding > 0) key = key//' tip_rounding_mm = '//str(1000*spec%tip_rounding)
-      if (spec%tip_form_diameter > 0) key = key//' tip_form_diameter_mm = '//str(1000*spec%tip_form_diameter)
+      what = trim(spec%name)
+      if (spec%tip_chamfer > 0) what = what//' tip chamfer (mm) = '//str(1000*spec%tip_chamfer)
+      if (spec%tip_rounding > 0) what = what//' tip rounding (mm) = '//str(1000*spec%tip_rounding)
+      if (spec%tip_form_diameter > 0) what = what//' tip form diameter (mm) = '//str(1000*spec%tip_form_diameter)
       if (spec%tip_form_diameter > 2*gear%tip_radius) then
-        call fail(error, code_input, key//': must be at most the tip diameter '//str(2000*gear%tip_radius)//' mm')
+        call fail(error, code_input, what//': must be at most the tip diameter '//str(2000*gear%tip_radius)//' mm')
       else if (spec%tip_rounding > gear%tip_radius - maxval(gear%base_radius)) then
-        call fail(error, code_input, key//': must be at most '//str(1000*(gear%tip_radius - maxval(gear%base_radius)))// &
+        call fail(error, code_input, what//': must be at most '//str(1000*(gear%tip_radius - maxval(gear%base_radius)))// &
                   ', the height of the tip above the base circle')
       else if (gear%tip_half_angle(drive) + gear%tip_half_angle(coast) <= 0) then
-        call fail(error, code_input, key//': takes the whole tip, which is '//str(1000*gear%thickness(gear%tip_radius))// &
+        call fail(error, code_input, what//': takes the whole tip, which is '//str(1000*gear%thickness(gear%tip_radius))// &
                   ' mm thick; must leave some of it')
       end if
     end associate

@@ -143,7 +143,7 @@ contains
     character(:), allocatable :: what
 
     if (gear%spec%pin_diameter <= 0) return
-    what = '&'//trim(gear%spec%name)//' pin_diameter_mm = '//str(1000*gear%spec%pin_diameter)//': '
+    what = trim(gear%spec%name)//' pin diameter (mm) = '//str(1000*gear%spec%pin_diameter)//': '
     if (abs(gear%spec%pressure_angle(coast) - gear%spec%pressure_angle(drive)) > 0) then
       call fail(error, code_input, what//'pins measure teeth with equal pressure angles only; remove it')
     else if (.not. touches(gear, gear%spec%pin_diameter)) then

@@ -5,7 +5,7 @@
 module gearsweep_pair
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_gear, only: gear_t, drive, coast, involute, tip_key
+  use gearsweep_gear, only: gear_t, drive, coast, involute, tip_quantity
   use gearsweep_rack, only: generating_shift, least_shift
   use gearsweep_text, only: str
   implicit none
@@ -61,7 +61,7 @@ contains
       pair%backlash = 0
     end if
     if (.not. pair%rounding <= told*pinion%spec%module) then
-      call fail(error, code_input, '&pair centre_distance_mm = '//str(1000*centre_distance, 9)// &
+      call fail(error, code_input, 'centre distance (mm) = '//str(1000*centre_distance, 9)// &
         ': the teeth jam; must be at least '//str(1000*least, 9))
       return
     end if
@@ -82,10 +82,10 @@ contains
     real(dp), parameter :: same = 1e-12_dp
 
     if (abs(pinion%spec%module - gear%spec%module) > same*pinion%spec%module) then
-      call fail(error, code_input, '&pair module_mm: pinion and gear must have the same module')
+      call fail(error, code_input, 'module: pinion and gear must have the same module')
     end if
     if (any(abs(pinion%spec%pressure_angle - gear%spec%pressure_angle) > same)) then
-      call fail(error, code_input, '&pair pressure_angle_deg: pinion and gear must have the same angles')
+      call fail(error, code_input, 'pressure angle: pinion and gear must have the same angles')
     end if
   end subroutine check_partners
 
@@ -170,7 +170,7 @@ contains
     pair%contact_ratio = (tip(1) + tip(2) - tangent)/pair%base_pitch
     do i = 1, 2
       clearance = pair%centre_distance - pair%gear(3 - i)%tip_radius - pair%gear(i)%root_radius
-      if (clearance <= 0) call fail(error, code_input, '&'//trim(names(3 - i))//' '//trim(tip_key(pair%gear(3 - i)))// &
+      if (clearance <= 0) call fail(error, code_input, trim(names(3 - i))//' '//trim(tip_quantity(pair%gear(3 - i)))// &
         ': interference; its tip cuts '//str(-1000*clearance)//' mm into the root of the '//trim(names(i)))
     end do
   end subroutine find_path
@@ -210,18 +210,18 @@ contains
       deepest = 2000*hypot(pair%gear(k)%base_radius(drive), pair%centre_distance*sin(pair%working_angle(drive)) &
                            - pair%gear(i)%curvature(drive, pair%gear(i)%form_radius(drive)))
       if (pair%gear(i)%is_undercut(drive)) then
-        call fail(error, code_input, '&'//trim(names(i))//' profile_shift = '//str(pair%gear(i)%spec%profile_shift)// &
+        call fail(error, code_input, trim(names(i))//' profile shift = '//str(pair%gear(i)%spec%profile_shift)// &
           ': undercut with '//str(pair%gear(i)%spec%teeth)//' teeth takes working flank; to have none it must be at least '// &
           str(least_shift(pair%gear(i)%spec, drive))//', or the tip diameter of the '//trim(names(k))//' at most '// &
-          str(deepest)//' mm; &pair shorten_path = .true. ends the path of contact where the involute ends')
+          str(deepest)//' mm; shortened path = .true. ends the path of contact where the involute ends')
       else
-        call fail(error, code_input, '&'//trim(names(k))//' '//trim(tip_key(pair%gear(k)))//': interference; its tip diameter '// &
+        call fail(error, code_input, trim(names(k))//' '//trim(tip_quantity(pair%gear(k)))//': interference; its tip diameter '// &
           str(2000*pair%gear(k)%tip_form_radius)//' mm reaches below the involute of the '//trim(names(i))// &
           '; at most '//str(deepest)//' mm')
       end if
     end do
     if (.not. pair%contact_ratio > 1) call fail(error, code_input, &
-      '&pair: contact ratio '//str(pair%contact_ratio)//' is not above 1: contact would be interrupted')
+      'path of contact: contact ratio '//str(pair%contact_ratio)//' is not above 1: contact would be interrupted')
   end subroutine check_path
 
   !> Radius of curvature (m) of a member's drive flank at path coordinate s.

@@ -55,14 +55,14 @@ contains
       taken = sum((1 - sin(angle))/cos(angle))
     end associate
     if (land < 0) then
-      call fail(error, code_input, '&'//trim(spec%name)//' dedendum = '//str(spec%dedendum)// &
+      call fail(error, code_input, trim(spec%name)//' dedendum = '//str(spec%dedendum)// &
         ': the rack tooth is pointed above '//str(pi/2/sum(tan(spec%pressure_angle))))
     else if (spec%rack_tip_radius*taken > land*(1 + 1e-12_dp)) then
-      call fail(error, code_input, '&'//trim(spec%name)//' rack_tip_radius = '//str(spec%rack_tip_radius)// &
+      call fail(error, code_input, trim(spec%name)//' rack tip radius = '//str(spec%rack_tip_radius)// &
         ': does not fit the rack; at most '//str(land/taken))
     end if
-    if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, '&'//trim(spec%name)// &
-      ' rack_tip_radius = '//str(spec%rack_tip_radius)//': must not exceed the dedendum')
+    if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, trim(spec%name)// &
+      ' rack tip radius = '//str(spec%rack_tip_radius)//': must not exceed the dedendum')
   end subroutine check_rack_tip
 
   !> Radius of curvature (m) of the involute where the rack's straight flank ends; negative where that end

@@ -31,7 +31,7 @@ contains
     real(dp) :: middle(2)
 
     if (any(.not. relief%amount >= 0)) call fail(error, code_input, &
-      '&relief amount_um: must be at least 0')
+      'amount of relief: must be at least 0')
     if (relief%amount(1) > 0 .and. .not. (relief%start(1) >= 0 .and. relief%start(1) < contact_ratio)) then
       call no_room('pinion', relief%start(1), contact_ratio, error)
     end if
@@ -68,7 +68,7 @@ contains
     real(dp), intent(in) :: start, contact_ratio
     type(error_t), allocatable, intent(inout) :: error
 
-    call fail(error, code_input, '&relief: the '//member//'''s relief begins at '//str(start)// &
+    call fail(error, code_input, 'relief: the '//member//'''s relief begins at '//str(start)// &
       ' base pitches, off the path of contact (0 to '//str(contact_ratio)//')')
   end subroutine no_room
 
