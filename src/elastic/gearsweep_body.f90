@@ -76,7 +76,7 @@ contains
     call check_material(material, error)
     if (.not. thickness > 0) call fail(error, code_input, 'face width: must be above 0')
     if (.not. excludes_rigid_motion(grid%x, held)) call fail(error, code_input, &
-      'support of the section: it is not held; must be at the ''sides'' (of a sector) or the ''rim'' (or bore)')
+      'support of the section: the section is not held; must be at the ''sides'' (of a sector) or the ''rim'' (or bore)')
   end subroutine check
 
   !> The held displacements, seen by two translations and a rotation, have rank 3.
