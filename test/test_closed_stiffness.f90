@@ -25,6 +25,7 @@ contains
 
     if (t%wants('iso_single_stiffness')) call iso_single_stiffness(t)
     if (t%wants('weber_by_printed_constants')) call weber_by_printed_constants(t)
+    if (t%wants('two_materials')) call two_materials(t)
     if (t%wants('parted_pairs')) call parted_pairs(t)
     if (t%wants('slope_of_the_load')) call slope_of_the_load(t)
     if (t%wants('unlike_gears')) call unlike_gears(t)
@@ -142,6 +143,66 @@ contains
       end associate
     end do
   end subroutine weber_by_printed_constants
+
+  !> Two materials. Weber and Banaschek: each tooth with its own E and nu, and of the flattening too, on the half width of both, a**2 =
+  !> 4 w r/pi [(1 - nu1**2)/E1 + (1 - nu2**2)/E2] (Johnson 1985, Eqs. 4.21, 4.43). ISO 6336-1: E/E_steel with E = 2 E1 E2/
+  !> (E1 + E2), for which the standard prints 0.74 for steel with grey cast iron and 0.59 for grey cast iron with itself: both
+  !> are those of 121 GPa. Solid discs weigh by their own density.
+  subroutine two_materials(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: young(2) = [121e3_dp, 70e3_dp], nu(2) = [0.26_dp, 0.34_dp], line_load = 90
+    character(*), parameter :: own(2) = [character(50) :: 'young_gpa=121 poisson=0.26 density_kgm3=7200', &
+                                         'young_gpa=70 density_kgm3=2700']
+    character(*), parameter :: rest = ' &material poisson=0.34 / &load line_load_n_mm=90 /'
+    type(stated_t) :: list(5)
+    type(answer_t) :: answer
+    real(dp), allocatable :: s(:), found(:)
+    real(dp) :: rho(2), depth(2), part, total, a, steel
+    integer :: i, k
+
+    list = examples()
+    associate (pair => list(1))
+      call ask(t, '&case tasks=''mesh'' / '//text_of(pair, own(1), own(2))//'&mesh model=''weber'' / '//rest, answer)
+      s = answer%all_of('mesh.s')
+      found = answer%all_of('mesh.pair_stiffness_n_um')
+      do k = 1, size(s), 29
+        rho(1) = first_curvature(pair) + s(k)*base_pitch(pair)
+        rho(2) = pair%distance*sin(working_angle(pair, drive)) - rho(1)
+        a = sqrt(4*line_load/pi*rho(1)*rho(2)/sum(rho)*sum((1 - nu**2)/young))
+        total = 0
+        do i = 1, 2
+          part = 0
+          call bend_tooth(pair, i, rho(i), [12*(1 - nu(i)**2), 2.4_dp*(1 + nu(i)), (1 - nu(i))/2.4_dp, 18*(1 - nu(i)**2)/pi, &
+                          2*(1 + nu(i))*(1 - 2*nu(i)), 4.8_dp*(1 - nu(i)**2)/pi], part, depth(i))
+          total = total + (part + (1 - nu(i)**2)/pi*(2*log(2*depth(i)/a) - nu(i)/(1 - nu(i))))/young(i)
+        end do
+        call check_close(t, 'Weber and Banaschek, two materials', found(k), 20/total/1000, relative=3e-4_dp)
+      end do
+      associate (rb => base_radius(pair, drive)/1000, r => pair%module*pair%teeth/2000)
+        call check_close(t, 'mass of a light gear', answer%one('motion.gear_mass_kg'), &
+                         pi/2*2700*0.02_dp*r(2)**4/rb(2)**2, relative=1e-12_dp)
+        call check_close(t, 'mass of its pinion', answer%one('motion.pinion_mass_kg'), &
+                         pi/2*7200*0.02_dp*r(1)**4/rb(1)**2, relative=1e-12_dp)
+      end associate
+      call ask(t, '&case tasks=''mesh'' / '//text_of(pair, own(1), own(2))//'&mesh model=''iso6336'' / '//rest, answer)
+      call check_close(t, 'c_gamma of two materials', answer%one('motion.mean_mesh_stiffness_n_um'), &
+                       20*iso_c_prime(pair, 2*121*70/191.0_dp, line_load)*(0.75_dp*contact_ratio(pair) + 0.25_dp), 1e-10_dp)
+      steel = c_gamma('206', '206')
+      call check_close(t, 'steel with grey cast iron', c_gamma('206', '121')/steel, 0.74_dp, absolute=5e-3_dp)
+      call check_close(t, 'cast iron with steel', c_gamma('121', '206')/steel, 0.74_dp, absolute=5e-3_dp)
+      call check_close(t, 'grey cast iron with itself', c_gamma('121', '121')/steel, 0.59_dp, absolute=5e-3_dp)
+    end associate
+
+  contains
+
+    real(dp) function c_gamma(pinion, gear)
+      character(*), intent(in) :: pinion, gear
+
+      call ask(t, '&case tasks=''mesh'' / '//text_of(list(1), 'young_gpa='//pinion, 'young_gpa='//gear)// &
+               '&mesh model=''iso6336'' / &load line_load_n_mm=300 /', answer)
+      c_gamma = answer%one('motion.mean_mesh_stiffness_n_um')
+    end function c_gamma
+  end subroutine two_materials
 
   !> Adds what one tooth of `member` yields under a unit line load, times E, where the flank has this radius of curvature (mm);
   !> `depth` is the way from there to the tooth's axis along the load.
@@ -333,8 +394,8 @@ contains
   !> equal gears. Each of both is looked at by itself, whatever it shares with the other.
   subroutine unlike_gears(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: differing(6) = [character(40) :: 'profile_shift=0.2', 'addendum=0.9', 'dedendum=1.15', &
-                                               'rack_tip_radius=0.1', 'bore_mm=30', 'teeth=26']
+    character(*), parameter :: differing(8) = [character(40) :: 'profile_shift=0.2', 'addendum=0.9', 'dedendum=1.15', &
+                                               'rack_tip_radius=0.1', 'bore_mm=30', 'young_gpa=110', 'poisson=0.25', 'teeth=26']
     real(dp), allocatable :: equal(:), one(:), other(:)
     character(:), allocatable :: pinion, gear
     integer :: i

@@ -210,7 +210,7 @@ contains
       mesh%reach = [0.0_dp, mesh%contact_ratio]
       options%section%teeth = 0
       options%section%elements_across = 8
-      call fe_stiffness(pair, material_t(), options, line_load, mesh%stiffness, mesh%disc, error)
+      call fe_stiffness(pair, [material_t(), material_t()], options, line_load, mesh%stiffness, mesh%disc, error)
       call check_no_error(t, 'whole gears', error)
       call profile_error(relief_t(start=[1.0_dp, pair%contact_ratio - 1]), mesh%contact_ratio, mesh%profile_error, error)
     end function whole_mesh
@@ -243,7 +243,7 @@ contains
       associate (ends => pair%curvature(1, [0.0_dp, pair%contact_ratio]))
         call disc_compliance(section, body, ends(1), ends(2), disc, error)
       end associate
-      call fe_stiffness(pair, material_t(), options, line_load, curve, both, error)
+      call fe_stiffness(pair, [material_t(), material_t()], options, line_load, curve, both, error)
       call check_no_error(t, 'section of '//str(teeth(n))//' teeth', error)
       call check_close(t, 'a section does not turn', disc%turn, 0.0_dp)
       call check_close(t, 'both members share', both%shared*0.0254_dp, 2*disc%shared, relative=1e-9_dp)
@@ -296,10 +296,10 @@ contains
       mesh%reach = [0.0_dp, pair%contact_ratio]
       call profile_error(relief_t(start=[1.0_dp, pair%contact_ratio - 1]), mesh%contact_ratio, mesh%profile_error, error)
       options%tooth_coupling = .true.
-      call fe_stiffness(pair, material_t(), options, load/0.0254_dp, mesh%stiffness, mesh%disc, error)
+      call fe_stiffness(pair, [material_t(), material_t()], options, load/0.0254_dp, mesh%stiffness, mesh%disc, error)
       call find_harmonics(mesh, load, 1, shared)
       options%tooth_coupling = .false.
-      call fe_stiffness(pair, material_t(), options, load/0.0254_dp, mesh%stiffness, mesh%disc, error)
+      call fe_stiffness(pair, [material_t(), material_t()], options, load/0.0254_dp, mesh%stiffness, mesh%disc, error)
       call find_harmonics(mesh, load, 1, alone)
       call check_no_error(t, 'support', error)
       call check_close(t, 'no part is shared', mesh%disc%shared, 0.0_dp)

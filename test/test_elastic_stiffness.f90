@@ -30,6 +30,7 @@ contains
     if (t%wants('depth')) call depth(t)
     if (t%wants('supports')) call supports(t)
     if (t%wants('exchange')) call exchange(t)
+    if (t%wants('two_materials')) call two_materials(t)
     if (t%wants('refusals')) call refusals(t)
   end subroutine run
 
@@ -66,11 +67,15 @@ contains
   !> Johnson's numbers in two lines.
   subroutine flattening(t)
     type(tally_t), intent(inout) :: t
-    type(material_t) :: steel
+    type(material_t), parameter :: steel = material_t(), brass = material_t(young=100e9_dp, poisson=0.35_dp)
     real(dp) :: a
 
-    a = contact_half_width(steel, .true., 1e5_dp, 0.01_dp, 0.02_dp)
+    a = contact_half_width(steel, steel, .true., 1e5_dp, 0.01_dp, 0.02_dp)
     call check_close(t, 'half width', a, sqrt(4*1e5_dp*(0.02_dp/3)/(pi*206e9_dp/2/0.91_dp)))
+    call check_close(t, 'half width of two materials', contact_half_width(steel, brass, .true., 1e5_dp, 0.01_dp, 0.02_dp), &
+                     sqrt(4*1e5_dp*(0.02_dp/3)/pi*(0.91_dp/206e9_dp + (1 - 0.35_dp**2)/100e9_dp)))
+    call check_close(t, 'and in plane stress', contact_half_width(brass, steel, .false., 1e5_dp, 0.01_dp, 0.02_dp), &
+                     sqrt(4*1e5_dp*(0.02_dp/3)/pi*(1/206e9_dp + 1/100e9_dp)))
     call check_close(t, 'approach', surface_to_depth(steel, .true., a, 50*a), &
                      0.91_dp/(pi*206e9_dp)*(2*log(100.0_dp) - 0.3_dp/0.7_dp))
     call check_close(t, 'approach, plane stress', surface_to_depth(steel, .false., a, 50*a), &
@@ -87,14 +92,14 @@ contains
     type(error_t), allocatable :: error
 
     pair = dogan_pair([25, 25], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, load, usual, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, usual, disc, error)
     call check_no_error(t, 'fe stiffness', error)
     options%section%elements_across = 7
-    call fe_stiffness(pair, material_t(), options, load, rough, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, rough, disc, error)
     options%section%elements_across = 40
     options%section%others_across = 10
     options%positions = 33
-    call fe_stiffness(pair, material_t(), options, load, fine, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, fine, disc, error)
     call check_close(t, 'pair stiffness, default grid', apart(usual, fine, pair%contact_ratio), 0.0_dp, absolute=1e-3_dp)
     call check_close(t, 'pair stiffness, rough grid', apart(rough, fine, pair%contact_ratio), 0.0_dp, absolute=1e-2_dp)
     call check_close(t, 'same at both ends', usual%value(0.0_dp), usual%value(pair%contact_ratio), relative=1e-12_dp)
@@ -132,7 +137,7 @@ contains
       do i = 1, 3
         options%section%elements_across = across(i)
         options%section%others_across = max(4, across(i)/4)
-        call fe_stiffness(pair, material_t(), options, load, curve(i), disc, error)
+        call fe_stiffness(pair, [material_t(), material_t()], options, load, curve(i), disc, error)
         call check_no_error(t, 'stiffness of undercut teeth', error)
       end do
       off = [apart(curve(1), curve(3), pair%contact_ratio), apart(curve(2), curve(3), pair%contact_ratio)]
@@ -153,9 +158,9 @@ contains
     pair = dogan_pair([25, 25], 0.0_dp)
     options%section%elements_across = 24
     options%depth = 0.25_dp
-    call fe_stiffness(pair, material_t(), options, load, near, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, near, disc, error)
     options%depth = 0.4_dp
-    call fe_stiffness(pair, material_t(), options, load, far, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, far, disc, error)
     call check_close(t, 'depth of the cut', apart(near, far, pair%contact_ratio), 0.0_dp, absolute=5e-3_dp)
   end subroutine depth
 
@@ -176,7 +181,7 @@ contains
     last = huge(last)
     do i = 1, size(teeth)
       options%section%teeth = teeth(i)
-      call fe_stiffness(pair, material_t(), options, load, curve, disc, error)
+      call fe_stiffness(pair, [material_t(), material_t()], options, load, curve, disc, error)
       call check_no_error(t, 'support with '//str(teeth(i))//' teeth', error)
       now = 1/(1/curve%value(pair%contact_ratio/2) + disc%turn)
       call check_true(t, 'wider is softer', now < last, str(now)//' after '//str(last))
@@ -184,7 +189,7 @@ contains
       last = now
     end do
     options%section%half_angle = pi - 1e-9_dp
-    call fe_stiffness(pair, material_t(), options, load, wide, slit, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, wide, slit, error)
     do i = 0, 8
       associate (s => pair%contact_ratio*i/8)
         call check_close(t, 'whole gear and slit gear', 1/curve%value(s) + disc%turn, 1/wide%value(s), relative=3e-3_dp)
@@ -204,20 +209,70 @@ contains
 
     options%section%elements_across = 8
     pair = dogan_pair([25, 40], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, load, one, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, one, disc, error)
     call check_no_error(t, 'unequal gears', error)
     pair = dogan_pair([40, 25], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, load, other, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, other, disc, error)
     do i = 0, 8
       call check_close(t, 'mirrored', one%value(pair%contact_ratio*i/8), other%value(pair%contact_ratio*(8 - i)/8), &
                        relative=1e-9_dp)
     end do
     pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 30.0_dp])
-    call fe_stiffness(pair, material_t(), options, load, one, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, one, disc, error)
     pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 20.0_dp])
-    call fe_stiffness(pair, material_t(), options, load, other, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, other, disc, error)
     call check_true(t, 'a steeper coast flank stiffens', one%integral(0.0_dp, 1.0_dp) > 1.02_dp*other%integral(0.0_dp, 1.0_dp))
   end subroutine exchange
+
+  !> Equal gears of two materials that differ in E only: what a tooth yields goes with 1/E, so that the compliance of two of
+  !> steel, less Hertz's part, gives that of steel on brass, and as the mate grows stiff, half of it is left. Hertz's part is a
+  !> closed form in each material's own E on the half width of both.
+  subroutine two_materials(t)
+    type(tally_t), intent(inout) :: t
+    type(material_t), parameter :: steel = material_t(), brass = material_t(young=100e9_dp)
+    type(material_t), parameter :: diamond = material_t(young=206e15_dp)
+    type(fe_options_t) :: options
+    type(piecewise_t) :: alike, mixed, stiff
+    type(disc_t) :: disc
+    type(pair_t) :: pair
+    type(error_t), allocatable :: error
+    real(dp) :: middle, tooth
+    integer :: i
+
+    pair = dogan_pair([25, 25], 0.0_dp)
+    middle = pair%contact_ratio/2
+    options%section%elements_across = 6
+    do i = 1, 2
+      options%section%plane_strain = i == 1
+      call fe_stiffness(pair, [steel, steel], options, load, alike, disc, error)
+      call check_no_error(t, 'steel on steel', error)
+      call fe_stiffness(pair, [steel, brass], options, load, mixed, disc, error)
+      call fe_stiffness(pair, [diamond, steel], options, load, stiff, disc, error)
+      call check_no_error(t, 'other materials', error)
+      tooth = (0.0254_dp/alike%value(middle) - flat(steel, steel))/2
+      call check_close(t, 'steel on brass', 0.0254_dp/mixed%value(middle), tooth*(1 + 2.06_dp) + flat(steel, brass), 1e-9_dp)
+      call check_close(t, 'a stiff mate', 0.0254_dp/stiff%value(middle), tooth + flat(steel, diamond), 1e-5_dp)
+    end do
+
+  contains
+
+    !> What both flanks flatten by in the middle of the path, down to a module (m2/N): Weber and Banaschek.
+    real(dp) function flat(one, other)
+      type(material_t), intent(in) :: one, other
+      real(dp) :: a, e(2), nu
+
+      e = [one%young, other%young]
+      nu = one%poisson
+      if (options%section%plane_strain) then
+        e = e/(1 - nu**2)
+        nu = nu/(1 - nu)
+      end if
+      associate (r => pair%curvature(1, middle))
+        a = sqrt(4*load*(r/2)/pi*sum(1/e))
+      end associate
+      flat = sum((2*log(2*0.00318_dp/a) - nu)/(pi*e))
+    end function flat
+  end subroutine two_materials
 
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t
@@ -229,15 +284,15 @@ contains
     type(pair_t) :: pair
 
     pair = dogan_pair([25, 25], 0.0_dp)
-    call fe_stiffness(pair, material_t(), options, 0.0_dp, curve, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, 0.0_dp, curve, disc, error)
     call check_error(t, 'no load', error, 'line load (N/mm) = 0')
-    call fe_stiffness(pair, material_t(poisson=0.5_dp), options, load, curve, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t(poisson=0.5_dp)], options, load, curve, disc, error)
     call check_error(t, 'incompressible', error, 'Poisson''s ratio')
     call tooth_compliance(pair%gear(1), material_t(), options, 0.001_dp, 0.03_dp, tooth, error)
     call check_error(t, 'load off the path', error, 'off the flank')
     options%section%fixed_sides = .false.
     options%section%fixed_rim = .false.
-    call fe_stiffness(pair, material_t(), options, load, curve, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, load, curve, disc, error)
     call check_error(t, 'nothing fixed', error, 'support of the section')
   end subroutine refusals
 end module test_elastic_stiffness

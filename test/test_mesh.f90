@@ -103,13 +103,13 @@ contains
 
     pair = pair_of([25, 25])
     width = 25.4e-3_dp
-    call iso_stiffness(pair, steel, 300e3_dp, curve, error)
+    call iso_stiffness(pair, [steel, steel], 300e3_dp, curve, error)
     call check_close(t, 'c prime 25/25', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp, 3e-4_dp)
     call check_close(t, 'c gamma', curve%integral(0.0_dp, pair%contact_ratio)/curve%maximum(), &
                      0.75_dp*pair%contact_ratio + 0.25_dp, 1e-12_dp)
-    call iso_stiffness(pair_of([25, 116]), steel, 300e3_dp, curve, error)
+    call iso_stiffness(pair_of([25, 116]), [steel, steel], 300e3_dp, curve, error)
     call check_close(t, 'c prime 25/116', curve%maximum()/width, 17.96e9_dp*0.8_dp*0.975_dp, 3e-4_dp)
-    call iso_stiffness(pair, steel, 50e3_dp, curve, error)
+    call iso_stiffness(pair, [steel, steel], 50e3_dp, curve, error)
     call check_close(t, 'low load', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp*(0.5_dp*cos(pi/9))**0.25_dp, &
                      3e-4_dp)
   end subroutine iso_numbers
@@ -128,11 +128,11 @@ contains
 
     pair = pair_of([25, 40])
     options%application_factor = 1.5_dp
-    call iso_stiffness(pair, steel, 60e3_dp, plain, error)
-    call iso_stiffness(pair, steel, 40e3_dp, changed, error, options)
+    call iso_stiffness(pair, [steel, steel], 60e3_dp, plain, error)
+    call iso_stiffness(pair, [steel, steel], 40e3_dp, changed, error, options)
     call check_close(t, 'K_A of a light load', changed%maximum(), plain%maximum(), 1e-14_dp)
-    call iso_stiffness(pair, steel, 200e3_dp, plain, error)
-    call iso_stiffness(pair, steel, 200e3_dp, changed, error, options)
+    call iso_stiffness(pair, [steel, steel], 200e3_dp, plain, error)
+    call iso_stiffness(pair, [steel, steel], 200e3_dp, changed, error, options)
     call check_close(t, 'K_A of a heavy load', changed%maximum(), plain%maximum(), 1e-14_dp)
     call check_close(t, 'C_R by hand', gear_blank_factor(0.3_dp*width, 2*module, width, module), 0.838591_dp, absolute=1e-6_dp)
     call check_close(t, 'least C_R', gear_blank_factor(0.1_dp*width, module/2, width, module), 0.736461_dp, absolute=1e-6_dp)
@@ -140,7 +140,7 @@ contains
     call check_close(t, 'C_R of a solid disc', gear_blank_factor(0.0_dp, 0.0_dp, width, module), 1.0_dp, 1e-14_dp)
     options%web_thickness = [0.9_dp, 0.3_dp]*width
     options%rim_thickness = [4, 2]*module
-    call iso_stiffness(pair, steel, 200e3_dp, changed, error, options)
+    call iso_stiffness(pair, [steel, steel], 200e3_dp, changed, error, options)
     call check_close(t, 'the more flexible gear', changed%maximum(), 0.838591_dp*plain%maximum(), 2e-6_dp)
   end subroutine iso_bodies
 
@@ -157,19 +157,19 @@ contains
 
     do i = 1, size(teeth, 2)
       pair = pair_of(teeth(:, i))
-      call weber_stiffness(pair, steel, 300e3_dp, weber, error)
+      call weber_stiffness(pair, [steel, steel], 300e3_dp, weber, error)
       call check_no_error(t, 'weber', error)
-      call iso_stiffness(pair, steel, 300e3_dp, iso, error)
+      call iso_stiffness(pair, [steel, steel], 300e3_dp, iso, error)
       call check_close(t, 'weber and c''th', weber%maximum(), iso%maximum()/(0.8_dp*0.975_dp), 0.05_dp)
     end do
     pair = pair_of([25, 25])
-    call weber_stiffness(pair, steel, 300e3_dp, weber, error)
+    call weber_stiffness(pair, [steel, steel], 300e3_dp, weber, error)
     associate (c => pair%contact_ratio)
       call check_close(t, 'equal gears: symmetric path', weber%value(0.2_dp*c), weber%value(0.8_dp*c), 1e-12_dp)
     end associate
-    call weber_stiffness(pair, material_t(2*steel%young, steel%poisson, steel%density), 600e3_dp, iso, error)
+    call weber_stiffness(pair, spread(material_t(2*steel%young, steel%poisson, steel%density), 1, 2), 600e3_dp, iso, error)
     call check_close(t, 'twice E and load: twice the stiffness', iso%value(0.3_dp), 2*weber%value(0.3_dp), 1e-12_dp)
-    call weber_stiffness(pair, steel, 600e3_dp, iso, error)
+    call weber_stiffness(pair, [steel, steel], 600e3_dp, iso, error)
     call check_true(t, 'flattening stiffens under load', iso%value(0.3_dp) > weber%value(0.3_dp))
   end subroutine weber_against_iso
 
@@ -238,11 +238,12 @@ contains
     real(dp) :: x, e(3), force(3), slope(3), part(2), width(2)
     integer :: i
 
-    width = contact_half_width(steel, .true., [1e5_dp, 3e5_dp], 0.01_dp, 0.02_dp)
+    width = contact_half_width(steel, steel, .true., [1e5_dp, 3e5_dp], 0.01_dp, 0.02_dp)
     part = 2*surface_to_depth(steel, .true., width, 0.003_dp)
-    call check_close(t, 'flattening at two loads', part(1) - part(2), load_dependence(steel, .true.)*log(3.0_dp))
-    part = 2*surface_to_depth(steel, .false., contact_half_width(steel, .false., [1e5_dp, 3e5_dp], 0.01_dp, 0.02_dp), 0.003_dp)
-    call check_close(t, 'and in plane stress', part(1) - part(2), load_dependence(steel, .false.)*log(3.0_dp))
+    call check_close(t, 'flattening at two loads', part(1) - part(2), 2*load_dependence(steel, .true.)*log(3.0_dp))
+    width = contact_half_width(steel, steel, .false., [1e5_dp, 3e5_dp], 0.01_dp, 0.02_dp)
+    part = 2*surface_to_depth(steel, .false., width, 0.003_dp)
+    call check_close(t, 'and in plane stress', part(1) - part(2), 2*load_dependence(steel, .false.)*log(3.0_dp))
     do i = 1, 40
       e = [4e-6_dp, 0.0_dp, 1e-6_dp*i]
       x = static_deflection(k, e, nominal, c)

@@ -223,7 +223,7 @@ contains
     options%section%others_across = others
     options%positions = places
     from = seconds()
-    call fe_stiffness(pair, material_t(), options, 280e3_dp, curve, disc, error)
+    call fe_stiffness(pair, [material_t(), material_t()], options, 280e3_dp, curve, disc, error)
     call check(error)
     taken = seconds() - from
     write (output_unit, numbers) taken, (1/curve%value(pair%contact_ratio*i/(points - 1)), i=0, points - 1)

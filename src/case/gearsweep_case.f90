@@ -29,7 +29,7 @@ module gearsweep_case
     logical :: has_backlash = .false.
     real(dp) :: backlash = 0
     real(dp) :: mass(2) = 0, inertia(2) = 0      !< 0: not given
-    type(material_t) :: material
+    type(material_t) :: material(2)              !< of pinion and gear
     ! &load, one of them
     real(dp) :: torque = 0, normal_force = 0, line_load = 0
     ! &relief
@@ -64,6 +64,7 @@ module gearsweep_case
     procedure :: needs
     procedure :: tasks_for
     procedure :: needs_elements
+    procedure :: weighs
   end type case_t
 
 contains
@@ -141,6 +142,14 @@ contains
 
     needs_elements = self%needs('mesh') .and. self%model == 'fe'
   end function needs_elements
+
+  !> Is a member's mass taken from its body, as neither mass nor inertia is given?
+  pure logical function weighs(self, member)
+    class(case_t), intent(in) :: self
+    integer, intent(in) :: member
+
+    weighs = self%needs('mesh') .and. .not. (self%mass(member) > 0 .or. self%inertia(member) > 0)
+  end function weighs
 
   !> How many speeds the sweep has.
   pure integer function speed_count(case)

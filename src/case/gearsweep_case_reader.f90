@@ -6,7 +6,8 @@ module gearsweep_case_reader
   use gearsweep_case_checks, only: check_case
   use gearsweep_error, only: error_t
   use gearsweep_keys, only: keys_t
-  use gearsweep_gear_keys, only: read_material, read_member, read_pair
+  use gearsweep_gear_keys, only: read_member, read_pair
+  use gearsweep_material_keys, only: read_materials
   use gearsweep_mesh_keys, only: read_load, read_model, read_path, read_relief
   use gearsweep_motion_keys, only: read_dynamics, read_numerics, read_sweep
   use gearsweep_reader, only: open_reader, reader_t
@@ -96,7 +97,7 @@ contains
     call read_pair(reader, case, error)
     call read_member(reader, 'pinion', 1, case, error)
     call read_member(reader, 'gear', 2, case, error)
-    call read_material(reader, case, error)
+    call read_materials(reader, case, error)
     call read_path(reader, case, error)
     call reader%finish(error)
     if (allocated(error)) return
@@ -112,7 +113,7 @@ contains
     call reader%add_group('pair', 'What the two gears have in common.')
     call reader%add_group('pinion', 'The driving gear. Its tooth factors are in modules.')
     call reader%add_group('gear', 'The driven gear. Its tooth factors are in modules.')
-    call reader%add_group('material', 'The material of both gears.')
+    call reader%add_group('material', 'The material of both gears; a gear of another has keys of its own.')
     call reader%add_group('load', 'The static load; exactly one of its keys.')
     call reader%add_group('relief', 'Tip relief, which grows from its start to the tip. Without this group there is none.')
     call reader%add_group('mesh', 'The stiffness of the pairs of teeth in mesh.')

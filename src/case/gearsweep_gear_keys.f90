@@ -1,4 +1,4 @@
-!> What a case says of the gears: &pair, &pinion, &gear and &material.
+!> What a case says of the gears: &pair, &pinion and &gear.
 module gearsweep_gear_keys
   use gearsweep_kinds, only: dp, pi
   use gearsweep_case, only: case_t, for_iso, for_stage
@@ -10,7 +10,7 @@ module gearsweep_gear_keys
   use gearsweep_uses, only: first_of, needs_gears, unless
   implicit none
   private
-  public :: read_pair, read_member, read_material
+  public :: read_pair, read_member
 
 contains
 
@@ -196,46 +196,9 @@ contains
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
     character(sentence_length) :: waits
-    logical :: weighs, ends
+    logical :: ends
 
-    weighs = case%needs('mesh') .and. .not. is_stated(case, member)
     ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs('section') .and. member == case%member))
-    waits = unless(weighs .or. ends, 'a section that ends at it or a mass that is not stated')
+    waits = unless(case%weighs(member) .or. ends, 'a section that ends at it or a mass that is not stated')
   end function bore_waits
-
-  !> Is the member's mass or inertia given?
-  pure logical function is_stated(case, member)
-    type(case_t), intent(in) :: case
-    integer, intent(in) :: member
-
-    is_stated = case%mass(member) > 0 .or. case%inertia(member) > 0
-  end function is_stated
-
-  !> After the members, whose masses decide about the density.
-  subroutine read_material(reader, case, error)
-    type(reader_t), intent(inout) :: reader
-    type(case_t), intent(inout) :: case
-    type(error_t), allocatable, intent(inout) :: error
-    character(sentence_length) :: geared
-    logical :: yields, weighs, vibrates, compares
-
-    if (allocated(error)) return
-    geared = unless(.not. case%prescribed, needs_gears)
-    yields = case%needs('mesh') .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
-    weighs = case%needs('mesh') .and. .not. (is_stated(case, 1) .and. is_stated(case, 2))
-    vibrates = case%asks('modal') .or. (case%asks('precision') .and. .not. case%prescribed)
-    ! Printed values may be a tooth's as a beam.
-    compares = allocated(case%published)
-    call reader%get('material', 'young_gpa', case%material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
-                    waits=unless(yields .or. vibrates .or. compares, 'modal, precision or a stiffness that is computed'), &
-                    refused=geared, meaning='Young''s modulus, for a stiffness that is computed and for natural modes; '// &
-                    'root stress does not depend on it')
-    call reader%get('material', 'poisson', case%material%poisson, error, at_least=0.0_dp, below=0.5_dp, &
-                    waits=unless((yields .and. case%model /= 'iso6336') .or. case%needs('body'), &
-                    'static, modal, precision or a stiffness that depends on it'), refused=geared, &
-                    meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress and natural modes')
-    call reader%get('material', 'density_kgm3', case%material%density, error, unit='kg/m^3', at_least=1.0_dp, at_most=1e5_dp, &
-                    waits=unless(weighs .or. vibrates .or. compares, 'modal, precision or a mass that is not stated'), &
-                    refused=geared, meaning='density, for natural modes and for gears with neither mass nor inertia given')
-  end subroutine read_material
 end module gearsweep_gear_keys

@@ -23,7 +23,7 @@ contains
   subroutine corner_compliance(pair, tooth, material, plane_strain, line_load, s, compliance, error)
     type(pair_t), intent(in) :: pair
     type(tooth_t), intent(in) :: tooth(2)
-    type(material_t), intent(in) :: material
+    type(material_t), intent(in) :: material(2)
     logical, intent(in) :: plane_strain
     real(dp), intent(in) :: line_load, s(:)
     real(dp), intent(out) :: compliance(:)
@@ -38,8 +38,9 @@ contains
     tip = pair%curvature(member, end_of_path)
     compliance = 0
     ! Flank and tip circle at the corner.
-    call make_edge(material, plane_strain, pi/2 + atan2(tip, pair%gear(member)%base_radius(drive)), tooth(member)%corner_depth, &
-                   contact_half_width(material, plane_strain, line_load, tip, pair%curvature(3 - member, end_of_path)), edge, error)
+    call make_edge(material([member, 3 - member]), plane_strain, pi/2 + atan2(tip, pair%gear(member)%base_radius(drive)), &
+                   tooth(member)%corner_depth, contact_half_width(material(1), material(2), plane_strain, line_load, tip, &
+                   pair%curvature(3 - member, end_of_path)), edge, error)
     do k = 1, size(s)
       if (allocated(error)) return
       corner = corner_contact(pair, s(k))
@@ -53,7 +54,7 @@ contains
   !> How far from A and from E, in base pitches, a contact within the path feels the edge under `line_load` (N/m).
   pure function edge_zone(pair, material, plane_strain, line_load) result(zone)
     type(pair_t), intent(in) :: pair
-    type(material_t), intent(in) :: material
+    type(material_t), intent(in) :: material(2)
     logical, intent(in) :: plane_strain
     real(dp), intent(in) :: line_load
     real(dp) :: zone(2)
@@ -66,7 +67,8 @@ contains
     do i = 1, 2
       associate (member => 3 - i, s => merge(0.0_dp, pair%contact_ratio, i == 1))
         tip = pair%curvature(member, s)
-        arc = half_widths*contact_half_width(material, plane_strain, line_load, pair%curvature(1, s), pair%curvature(2, s))
+        arc = half_widths*contact_half_width(material(1), material(2), plane_strain, line_load, pair%curvature(1, s), &
+                                             pair%curvature(2, s))
         ! The arc of an involute grows with the square of its radius of curvature.
         zone(i) = (tip - sqrt(max(0.0_dp, tip**2 - 2*pair%gear(member)%base_radius(drive)*arc)))/pair%base_pitch
       end associate

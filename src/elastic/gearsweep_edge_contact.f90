@@ -19,10 +19,10 @@ module gearsweep_edge_contact
   private
   public :: edge_t, make_edge, edge_compliance, edge_deflection
 
-  !> A wedge of one material, prepared for contacts at its edge. The edge is the origin; its face is the positive x axis, and
+  !> A wedge, prepared for contacts at its edge. The edge is the origin; its face is the positive x axis, and
   !> the material lies below, between the face and the angle.
   type :: edge_t
-    type(material_t) :: material
+    type(material_t) :: mate                     !< material of the half plane
     logical :: plane_strain = .true.
     real(dp) :: depth = 0                        !< where the deflection is referred to, m
     real(dp), allocatable :: ends(:)             !< of the cells along the face, m; (0:cells)
@@ -44,9 +44,9 @@ contains
 
   !> Prepares the wedge with the included `angle` (rad). Deflections are referred to `depth` (m) and twice of it, along the
   !> line of the load through the edge, as gearsweep_tooth_compliance reads them from the tooth's own grid. `half_width` (m):
-  !> that of Hertz's contact without the edge, which tells how fine the grid must be.
+  !> that of Hertz's contact without the edge, which tells how fine the grid must be. `material`: of the wedge and of its mate.
   subroutine make_edge(material, plane_strain, angle, depth, half_width, edge, error)
-    type(material_t), intent(in) :: material
+    type(material_t), intent(in) :: material(2)
     logical, intent(in) :: plane_strain
     real(dp), intent(in) :: angle, depth, half_width
     type(edge_t), intent(out) :: edge
@@ -58,7 +58,7 @@ contains
     real(dp) :: nearest
     integer :: columns, cells, i, j, d
 
-    edge%material = material
+    edge%mate = material(2)
     edge%plane_strain = plane_strain
     edge%depth = depth
     nearest = first_step*min(half_width, depth)
@@ -77,7 +77,7 @@ contains
     if (allocated(error)) return
     allocate (held(size(edge%grid%x, 2)), source=.false.)
     held(edge%grid%column_nodes(2*columns)) = .true.
-    call make_body(edge%grid, material, plane_strain, 1.0_dp, spread(held, 1, 2), 1e9_dp, body, error)
+    call make_body(edge%grid, material(1), plane_strain, 1.0_dp, spread(held, 1, 2), 1e9_dp, body, error)
     if (allocated(error)) return
     cells = count(radius(3::2) <= min(widest*half_width, deepest*depth))
     edge%ends = radius(1:2*cells + 1:2)
@@ -155,7 +155,7 @@ contains
       do j = 1, size(gap)
         do i = 1, size(gap)
           matrix(i, j) = dot_product(along, matmul(edge%influence(:, :, i, j), along)) &
-                         + surface_to_depth(edge%material, edge%plane_strain, &
+                         + surface_to_depth(edge%mate, edge%plane_strain, &
                                             2*exp(0.5_dp + mean_logarithm(a(i), b(i), a(j), b(j))), mate_depth)
         end do
       end do

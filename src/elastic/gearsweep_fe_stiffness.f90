@@ -7,7 +7,6 @@ module gearsweep_fe_stiffness
   use gearsweep_disc, only: disc_t
   use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
-  use gearsweep_gear, only: gear_t
   use gearsweep_interpolation, only: joined
   use gearsweep_material, only: material_t
   use gearsweep_pair, only: pair_t
@@ -31,7 +30,7 @@ contains
   !> K(s) of one pair (N/m, smaller face width) over the path coordinate s, without the turning of
   !> whole gears about their bores, and what their bodies yield under all pairs together (m/N).
   !>
-  !> Both members are of `material`; `line_load` (N/m) is the nominal load that
+  !> `material` is that of pinion and gear; `line_load` (N/m) is the nominal load that
   !> the flattening is taken at (secant stiffness). Equal gears share the work.
   !>
   !> With corner contact the curve reaches beyond A and E, to where the gap of the tip corner (see gearsweep_corner) is
@@ -39,7 +38,7 @@ contains
   !> motion only one above `margin` times the nominal load on one pair.
   subroutine fe_stiffness(pair, material, options, line_load, curve, disc, error)
     type(pair_t), intent(in) :: pair
-    type(material_t), intent(in) :: material
+    type(material_t), intent(in) :: material(2)
     type(fe_options_t), intent(in) :: options
     real(dp), intent(in) :: line_load
     type(piecewise_t), intent(out) :: curve
@@ -57,12 +56,13 @@ contains
     if (options%corner_contact) zone = edge_zone(pair, material, options%section%plane_strain, line_load)
     s = path_knots(pair%contact_ratio, zone)
     associate (r1 => pair%curvature(1, s), r2 => pair%curvature(2, s), strain => options%section%plane_strain)
-      half_width = contact_half_width(material, strain, line_load, r1, r2)
+      half_width = contact_half_width(material(1), material(2), strain, line_load, r1, r2)
       call check_contact(maxval(half_width), pair%gear(1)%spec%module, line_load, error)
       if (.not. allocated(error)) call both_teeth(pair, material, options, tooth, error)
       if (allocated(error)) return
-      associate (flat => surface_to_depth(material, strain, half_width, pair%gear(1)%spec%module))
-        total = values(tooth(1)%compliance, r1) + values(tooth(2)%compliance, r2) + 2*flat
+      associate (flat1 => surface_to_depth(material(1), strain, half_width, pair%gear(1)%spec%module), &
+                 flat2 => surface_to_depth(material(2), strain, half_width, pair%gear(2)%spec%module))
+        total = values(tooth(1)%compliance, r1) + values(tooth(2)%compliance, r2) + (flat1 + flat2)
       end associate
     end associate
     width = minval(pair%gear%spec%face_width)
@@ -91,7 +91,7 @@ contains
       beyond(:, 1) = reach(1)*[(1 - i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       beyond(:, 2) = pair%contact_ratio + (reach(2) - pair%contact_ratio)*[(i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       do i = 1, 2
-        if (i == 2 .and. are_equal(pair%gear(1), pair%gear(2))) then
+        if (i == 2 .and. are_equal(pair, material)) then
           there(:, 2) = there(corner_knots:1:-1, 1)
           exit
         end if
@@ -139,7 +139,7 @@ contains
   !> Teeth of both members; equal gears have equal ones.
   subroutine both_teeth(pair, material, options, tooth, error)
     type(pair_t), intent(in) :: pair
-    type(material_t), intent(in) :: material
+    type(material_t), intent(in) :: material(2)
     type(fe_options_t), intent(in) :: options
     type(tooth_t), intent(out) :: tooth(2)
     type(error_t), allocatable, intent(inout) :: error
@@ -148,24 +148,27 @@ contains
 
     do i = 1, 2
       ends = pair%curvature(i, [0.0_dp, pair%contact_ratio])
-      if (i == 2 .and. are_equal(pair%gear(1), pair%gear(2))) then
+      if (i == 2 .and. are_equal(pair, material)) then
         tooth(2) = tooth(1)
       else
-        call tooth_compliance(pair%gear(i), material, options, minval(ends), maxval(ends), tooth(i), error)
+        call tooth_compliance(pair%gear(i), material(i), options, minval(ends), maxval(ends), tooth(i), error)
         if (allocated(error)) return
       end if
     end do
   end subroutine both_teeth
 
-  pure logical function are_equal(a, b)
-    type(gear_t), intent(in) :: a, b
+  !> Do both members yield alike?
+  pure logical function are_equal(pair, material)
+    type(pair_t), intent(in) :: pair
+    type(material_t), intent(in) :: material(2)
 
-    associate (p => a%spec, q => b%spec)
+    associate (p => pair%gear(1)%spec, q => pair%gear(2)%spec)
       are_equal = p%teeth == q%teeth .and. all(same( &
         [p%module, p%pressure_angle, p%profile_shift, p%addendum, p%dedendum, p%rack_tip_radius, &
          p%tip_alteration, p%bore_radius, p%thinning, p%tip_diameter, p%tip_chamfer, p%tip_rounding, p%tip_form_diameter], &
         [q%module, q%pressure_angle, q%profile_shift, q%addendum, q%dedendum, q%rack_tip_radius, &
-         q%tip_alteration, q%bore_radius, q%thinning, q%tip_diameter, q%tip_chamfer, q%tip_rounding, q%tip_form_diameter]))
+         q%tip_alteration, q%bore_radius, q%thinning, q%tip_diameter, q%tip_chamfer, q%tip_rounding, q%tip_form_diameter])) &
+        .and. same(material(1)%young, material(2)%young) .and. same(material(1)%poisson, material(2)%poisson)
     end associate
 
   contains

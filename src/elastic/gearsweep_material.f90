@@ -4,7 +4,7 @@ module gearsweep_material
   use gearsweep_error, only: error_t, fail, code_input
   implicit none
   private
-  public :: material_t, check_material
+  public :: material_t, check_material, harmonic_mean
 
   type :: material_t
     real(dp) :: young = 206e9_dp       !< E, Pa
@@ -13,6 +13,14 @@ module gearsweep_material
   end type material_t
 
 contains
+
+  !> 2 a b/(a + b) of two positive numbers: the modulus that stands for those of two bodies in series, each of which takes half.
+  !> The same to the last bit whichever comes first; of two equal ones, that one.
+  elemental real(dp) function harmonic_mean(a, b) result(mean)
+    real(dp), intent(in) :: a, b
+
+    mean = min(a, b)*(2*max(a, b)/(a + b))
+  end function harmonic_mean
 
   !> Refuses what no elastic body has.
   pure subroutine check_material(material, error)

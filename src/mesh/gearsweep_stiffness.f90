@@ -5,7 +5,7 @@ module gearsweep_stiffness
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
-  use gearsweep_material, only: material_t
+  use gearsweep_material, only: harmonic_mean, material_t
   use gearsweep_pair, only: pair_t
   use gearsweep_gear, only: drive
   use gearsweep_text, only: str
@@ -91,11 +91,11 @@ contains
   !> c_gamma = c' (0.75 eps + 0.25); solid discs unless `options` say otherwise. F_t K_A/b below
   !> 100 N/mm lowers c', where F_t is the tangential load on the reference circle; `line_load` (N/m) is that on the line
   !> of action. Of two gears with webs the more flexible one's C_R counts: the standard gives it for a mate that is as
-  !> stiff or stiffer.
+  !> stiff or stiffer. For materials other than steel the standard takes E/E_steel of the harmonic mean of both moduli.
   !> Source: ISO 6336-1:2006, clause 9, method B.
   pure subroutine iso_stiffness(pair, material, line_load, curve, error, options)
     type(pair_t), intent(in) :: pair
-    type(material_t), intent(in) :: material
+    type(material_t), intent(in) :: material(2)  !< of pinion and gear
     real(dp), intent(in) :: line_load
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
@@ -108,7 +108,7 @@ contains
     associate (spec => pair%gear%spec)
       rack = (1 + 0.5_dp*(1.2_dp - sum(spec%dedendum)/2)) &
              *(1 - 0.02_dp*(20 - spec(1)%pressure_angle(drive)*57.29577951308232_dp))
-      largest = 1e9_dp/flexibility()*correction*rack*material%young/steel &
+      largest = 1e9_dp/flexibility()*correction*rack*harmonic_mean(material(1)%young, material(2)%young)/steel &
                 *min(1.0_dp, extra%application_factor*line_load*cos(spec(1)%pressure_angle(drive))/threshold)**0.25_dp &
                 *minval(gear_blank_factor(extra%web_thickness, extra%rim_thickness, spec%face_width, spec%module)) &
                 *minval(spec%face_width)

@@ -26,11 +26,11 @@ module gearsweep_weber
 
 contains
 
-  !> K(s) in N/m for both members of `material` under `line_load` (N/m), on
+  !> K(s) in N/m for pinion and gear of these materials under `line_load` (N/m), on
   !> which only the flattening depends.
   pure subroutine weber_stiffness(pair, material, line_load, curve, error)
     type(pair_t), intent(in) :: pair
-    type(material_t), intent(in) :: material
+    type(material_t), intent(in) :: material(2)
     real(dp), intent(in) :: line_load
     type(piecewise_t), intent(out) :: curve
     type(error_t), allocatable, intent(out) :: error
@@ -42,7 +42,8 @@ contains
     beam(1) = tooth_beam(pair%gear(1))
     beam(2) = tooth_beam(pair%gear(2))
     s = [(pair%contact_ratio*i/(points - 1), i=0, points - 1)]
-    call check_contact(maxval(contact_half_width(material, .true., line_load, pair%curvature(1, s), pair%curvature(2, s))), &
+    call check_contact(maxval(contact_half_width(material(1), material(2), .true., line_load, pair%curvature(1, s), &
+                                                 pair%curvature(2, s))), &
                        pair%gear(1)%spec%module, line_load, error)
     if (allocated(error)) return
     do i = 1, points
@@ -60,9 +61,9 @@ contains
       integer :: i
 
       do i = 1, 2
-        call load_tooth(pair%gear(i), beam(i), material, pair%radius(i, s), tooth(i), depth(i))
+        call load_tooth(pair%gear(i), beam(i), material(i), pair%radius(i, s), tooth(i), depth(i))
       end do
-      width = contact_half_width(material, .true., line_load, pair%curvature(1, s), pair%curvature(2, s))
+      width = contact_half_width(material(1), material(2), .true., line_load, pair%curvature(1, s), pair%curvature(2, s))
       compliance = sum(tooth) + sum(surface_to_depth(material, .true., width, depth))
     end function compliance
   end subroutine weber_stiffness

@@ -31,6 +31,7 @@ contains
     type(study_t), intent(in) :: study
     type(iso_beside_t) :: beside
     type(piecewise_t) :: curve
+    type(material_t) :: steel(2)
     type(error_t), allocatable :: error
 
     beside%weber_stiffness = no_number()
@@ -38,7 +39,8 @@ contains
       beside%line_load = iso%application_factor*study%load/spec(1)%face_width*cos(spec(1)%pressure_angle(drive))
       beside%blank_factor = minval(gear_blank_factor(iso%web_thickness, iso%rim_thickness, spec%face_width, spec%module))
       ! The standard does not know Poisson's ratio: that of steel, then.
-      call weber_stiffness(study%pair, material_t(young=study%case%material%young), study%load/spec(1)%face_width, curve, error)
+      steel%young = study%case%material%young
+      call weber_stiffness(study%pair, steel, study%load/spec(1)%face_width, curve, error)
     end associate
     if (.not. allocated(error)) beside%weber_stiffness = curve%integral(0.0_dp, study%pair%contact_ratio)
   end function find_iso_beside

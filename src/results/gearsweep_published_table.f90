@@ -116,13 +116,13 @@ contains
 
     known = .true.
     value = 0
-    associate (gear => study%pair%gear(study%member))
+    associate (gear => study%pair%gear(study%member), material => study%case%material(study%member))
       beam = beam_t(gear%tip_radius - gear%root_radius, gear%thickness(gear%reference_radius), gear%spec%face_width)
       select case (quantity)
       case ('beam_frequency_rad_s')
-        value = beam%spring_frequency(study%case%material)
+        value = beam%spring_frequency(material)
       case ('rayleigh_frequency_rad_s')
-        call beam%rayleigh_frequency(study%case%material, hassan_shape, value, error)
+        call beam%rayleigh_frequency(material, hassan_shape, value, error)
         known = .not. allocated(error)
       case ('beam_sigma_x_mpa', 'beam_sigma_y_mpa')
         known = study%load > 0

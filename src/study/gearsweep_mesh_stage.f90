@@ -66,7 +66,7 @@ contains
     if (study%case%corner_contact .and. .not. allocated(error)) &
       study%mesh%reach = study%mesh%stiffness%breaks([1, size(study%mesh%stiffness%breaks)])
     if (study%case%nonlinear_contact) study%mesh%flattening = &
-      load_dependence(study%case%material, body%plane_strain)/minval(study%case%spec%face_width)
+      sum(load_dependence(study%case%material, body%plane_strain))/minval(study%case%spec%face_width)
   end subroutine find_by_elements
 
   subroutine by_elements(inputs, stiffness, disc, error)

@@ -81,7 +81,7 @@ contains
       else if (case%inertia(i) > 0) then
         mass(i) = case%inertia(i)/base_radius(i)**2
       else
-        mass(i) = solid_inertia(pair%gear(i), case%material%density)/base_radius(i)**2
+        mass(i) = solid_inertia(pair%gear(i), case%material(i)%density)/base_radius(i)**2
       end if
     end do
   end subroutine find_load

@@ -88,7 +88,7 @@ contains
         allocate (study%pair)
         call build_pair(case, study%pair, error)
         if (allocated(error)) return
-        study%body_inputs = body_inputs_t(study%pair%gear(case%member), case%material, case%section)
+        study%body_inputs = body_inputs_t(study%pair%gear(case%member), case%material(case%member), case%section)
       end if
       if (case%needs('mesh')) then
         call mesh_and_motion(study, folder, error, earlier)

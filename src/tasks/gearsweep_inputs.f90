@@ -23,7 +23,7 @@ module gearsweep_inputs
   !> Of the pair stiffness by finite elements, with its disc.
   type :: elements_inputs_t
     type(pair_t) :: pair
-    type(material_t) :: material
+    type(material_t) :: material(2)
     type(fe_options_t) :: options
     real(dp) :: line_load = 0                    !< N/m
   end type elements_inputs_t

@@ -1,0 +1,90 @@
+!> What a case says of materials: &material for both gears, and the same keys of &pinion and &gear for one of them.
+module gearsweep_material_keys
+  use gearsweep_case, only: case_t
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_material, only: material_t
+  use gearsweep_reader, only: reader_t
+  use gearsweep_tasks, only: sentence_length
+  use gearsweep_uses, only: first_of, needs_gears, unless
+  implicit none
+  private
+  public :: read_materials
+
+  integer, parameter :: young = 1, poisson = 2, density = 3
+  !> Values that no material has: none is given.
+  type(material_t), parameter :: not_given = material_t(0.0_dp, -1.0_dp, 0.0_dp)
+
+contains
+
+  !> After the section, which names a gear, and the gears, whose masses decide about the density.
+  subroutine read_materials(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(sentence_length), parameter :: users(*) = [character(sentence_length) :: &
+      'modal, precision or a stiffness that is computed', 'static, modal, precision or a stiffness that depends on it', &
+      'modal, precision or a mass that is not stated']
+    logical :: counts(3, 2), own(3, 2)
+    character(sentence_length) :: geared, waits(3)
+    type(material_t) :: common
+    integer :: i
+
+    if (allocated(error)) return
+    geared = unless(.not. case%prescribed, needs_gears)
+    do i = 1, 2
+      counts(:, i) = uses_of(case, i)
+      waits = ''
+      where (.not. counts(:, i)) waits = 'a stiffness or mass that depends on it, or a task that takes this gear (&section member)'
+      case%material(i) = not_given
+      call read_group(reader, trim(case%spec(i)%name), waits, geared, case%material(i), error)
+      own(:, i) = [case%material(i)%young > 0, case%material(i)%poisson >= 0, case%material(i)%density > 0]
+    end do
+    do i = 1, 3
+      waits(i) = first_of(unless(any(counts(i, :)), users(i)), &
+                          unless(any(counts(i, :) .and. .not. own(i, :)), 'a gear without its own'))
+    end do
+    call read_group(reader, 'material', waits, geared, common, error)
+    do i = 1, 2
+      if (.not. own(young, i)) case%material(i)%young = common%young
+      if (.not. own(poisson, i)) case%material(i)%poisson = common%poisson
+      if (.not. own(density, i)) case%material(i)%density = common%density
+    end do
+  end subroutine read_materials
+
+  !> Does a result depend on the member's modulus, Poisson's ratio and density?
+  pure function uses_of(case, member) result(uses)
+    type(case_t), intent(in) :: case
+    integer, intent(in) :: member
+    logical :: uses(3), yields, vibrates
+
+    yields = case%needs('mesh') .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
+    ! Printed values may be a tooth's as a beam.
+    vibrates = case%asks('modal') .or. case%asks('precision') .or. allocated(case%published)
+    vibrates = vibrates .and. member == case%member
+    uses(young) = yields .or. vibrates
+    uses(poisson) = (yields .and. case%model /= 'iso6336') .or. (case%needs('body') .and. member == case%member)
+    uses(density) = case%weighs(member) .or. vibrates
+  end function uses_of
+
+  !> The keys of one group; for a single gear without defaults.
+  subroutine read_group(reader, group, waits, geared, material, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: group, waits(:), geared
+    type(material_t), intent(inout) :: material
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: common          !< not allocated: not said
+
+    if (group /= 'material') common = 'that of &material'
+    call reader%get(group, 'young_gpa', material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
+                    waits=waits(young), refused=geared, otherwise=common, &
+                    meaning='Young''s modulus, for a stiffness that is computed and for natural modes; '// &
+                    'root stress does not depend on it')
+    call reader%get(group, 'poisson', material%poisson, error, at_least=0.0_dp, below=0.5_dp, waits=waits(poisson), &
+                    refused=geared, otherwise=common, &
+                    meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress and natural modes')
+    call reader%get(group, 'density_kgm3', material%density, error, unit='kg/m^3', at_least=1.0_dp, at_most=1e5_dp, &
+                    waits=waits(density), refused=geared, otherwise=common, &
+                    meaning='density, for natural modes and for gears with neither mass nor inertia given')
+  end subroutine read_group
+end module gearsweep_material_keys
