@@ -33,6 +33,7 @@ program check
   use test_grading, only: run_grading => run
   use test_honesty, only: run_honesty => run
   use test_harmonics, only: run_harmonics => run
+  use test_hub, only: run_hub => run
   use test_inputs, only: run_inputs => run
   use test_measures, only: run_measures => run
   use test_mesh, only: run_mesh => run
@@ -103,6 +104,7 @@ program check
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('elastic_disc', run_elastic_disc), &
     & suite_t('elastic_corner', run_elastic_corner), &
+    & suite_t('hub', run_hub), &
     & suite_t('scenes', run_scenes), &
     & suite_t('calls', run_calls)])
   print '(i0, a, i0, a)', passed, ' passed, ', failed, ' failed'

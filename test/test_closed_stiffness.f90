@@ -144,8 +144,8 @@ contains
     end do
   end subroutine weber_by_printed_constants
 
-  !> Two materials. Weber and Banaschek: each tooth with its own E and nu, and of the flattening too, on the half width of both, a**2 =
-  !> 4 w r/pi [(1 - nu1**2)/E1 + (1 - nu2**2)/E2] (Johnson 1985, Eqs. 4.21, 4.43). ISO 6336-1: E/E_steel with E = 2 E1 E2/
+  !> Two materials. Weber and Banaschek: each tooth with its own E and nu, and of the flattening too, on the half width of both,
+  !> a**2 = 4 w r/pi [(1 - nu1**2)/E1 + (1 - nu2**2)/E2] (Johnson 1985, Eqs. 4.21, 4.43). ISO 6336-1: E/E_steel with E = 2 E1 E2/
   !> (E1 + E2), for which the standard prints 0.74 for steel with grey cast iron and 0.59 for grey cast iron with itself: both
   !> are those of 121 GPa. Solid discs weigh by their own density.
   subroutine two_materials(t)

@@ -250,6 +250,8 @@ contains
       call add(member//' young_gpa', '120')
       call add(member//' poisson', '0.25')
       call add(member//' density_kgm3', '7200')
+      call add(member//' hub_inertia_kgm2', '1e-3')
+      call add(member//' hub_inertia_kgm2', '1e-3', 'g', 'section teeth 0;section fixed ''rim'';pinion bore_mm 20')
       call add(member//' effective_mass_kg', '0.6')
       call add(member//' inertia_kgm2', '2e-3', 'g', member//' inertia_kgm2 1e-3')
       call add(member//' inertia_kgm2', '2e-3', 'p', member//' effective_mass_kg ;'//member//' inertia_kgm2 1e-3;'// &

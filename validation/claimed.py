@@ -94,6 +94,23 @@ def disc(bore):
     return [motion.body_rotation_um, motion.body_coupling_um, stiffness, static.mean() / width, error, worst]
 
 
+def hub(bore, ratio):
+    """Case 1 with whole gears on this bore, mm, and this inertia there over that of the gear: how many per cent a natural
+    frequency lies above that of finite elements with a hub: all inertia in one body, the motion's, the chain's."""
+    lines = (REFERENCE / 'hub.dat').read_text(encoding='utf-8').splitlines()
+    rows = [tuple(map(float, line.split())) for line in lines if line[0] != '#']
+    mass, whole, rigid = next((row[2], row[4], row[5]) for row in rows if (2 * row[0], row[3]) == (bore, ratio))
+    mass *= given('case1', 'pair', 'face_width_mm')
+    base = 0.5e-3 * given('case1', 'pinion', 'teeth') * given('case1', 'pair', 'module_mm') * np.cos(np.radians(20))
+    member = {'bore_mm': bore, 'effective_mass_kg': mass}
+    plain, with_hub = (run(case('case1').changed(section={'teeth': 25, 'fixed': 'rim'}, pinion=member | added, gear=member | added,
+                                                 relief={'amount_um': 0}, mesh={'tooth_coupling': True}), 'mesh').motion
+                       for added in ({}, {'hub_inertia_kgm2': ratio * mass * base**2}))
+    alone = plain.natural_frequency_hz / np.sqrt(1 + ratio)
+    ours = [alone, with_hub.natural_frequency_hz, with_hub.chain_frequency_hz if ratio else alone]
+    return [100 * (hertz / alone * rigid / whole - 1) for hertz in ours]
+
+
 def corner(relief):
     """Case 1 from A to E, with corner contact, and by default, each with this relief: peak-to-peak static transmission error, um, of
     all three, then their worst dynamic factors."""

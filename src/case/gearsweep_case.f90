@@ -29,6 +29,7 @@ module gearsweep_case
     logical :: has_backlash = .false.
     real(dp) :: backlash = 0
     real(dp) :: mass(2) = 0, inertia(2) = 0      !< 0: not given
+    real(dp) :: hub_inertia(2) = 0               !< at the bores, beside the gears' own, kg m^2
     type(material_t) :: material(2)              !< of pinion and gear
     ! &load, one of them
     real(dp) :: torque = 0, normal_force = 0, line_load = 0

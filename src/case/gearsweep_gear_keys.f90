@@ -83,6 +83,10 @@ contains
     call reader%get(group, 'inertia_kgm2', case%inertia(member), error, unit='kg m^2', tasks=case%tasks_for('mesh'), &
                     at_least=1e-15_dp, at_most=1e15_dp, otherwise='that of a solid disc', &
                     meaning='polar moment of inertia, instead of the effective mass')
+    call reader%get(group, 'hub_inertia_kgm2', case%hub_inertia(member), error, unit='kg m^2', tasks=case%tasks_for('mesh'), &
+                    at_least=0.0_dp, at_most=1e15_dp, refused=geared, &
+                    meaning='polar moment of inertia of what turns with the bore (shaft, coupling, motor), beside the gear''s '// &
+                    'own; the body of a whole gear of finite elements turns between the two')
     rolls = cut .or. member == 1 .or. case%inertia(member) > 0
     associate (spec => case%spec(member))
       spec%name = group

@@ -21,8 +21,10 @@ module gearsweep_disc
   type :: disc_t
     !> As the body turns: the mean over its mass, which is what a rigid gear's inertia feels.
     real(dp) :: turn = 0
-    !> What the load on a tooth moves the next one by beyond that.
+    !> What the load on a tooth moves the next one by beyond that; of a mesh also what of the turning the inertia at the hubs
+    !> makes the motion feel (gearsweep_hub), which is not in `turn` then.
     real(dp) :: shared = 0
+    real(dp) :: twist(2) = 0                     !< of a mesh: all the turning of pinion and gear, each by itself
   contains
     procedure :: yield
   end type disc_t

@@ -7,6 +7,7 @@ module gearsweep_fe_stiffness
   use gearsweep_disc, only: disc_t
   use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
+  use gearsweep_hub, only: felt_twist
   use gearsweep_interpolation, only: joined
   use gearsweep_material, only: material_t
   use gearsweep_pair, only: pair_t
@@ -28,7 +29,8 @@ module gearsweep_fe_stiffness
 contains
 
   !> K(s) of one pair (N/m, smaller face width) over the path coordinate s, without the turning of
-  !> whole gears about their bores, and what their bodies yield under all pairs together (m/N).
+  !> whole gears about their bores but for what the inertia at their hubs makes the motion feel of it, and what their
+  !> bodies yield under all pairs together (m/N).
   !>
   !> `material` is that of pinion and gear; `line_load` (N/m) is the nominal load that
   !> the flattening is taken at (secant stiffness). Equal gears share the work.
@@ -46,7 +48,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(tooth_t) :: tooth(2)
     real(dp), allocatable :: s(:), half_width(:), total(:)
-    real(dp) :: width, zone(2)
+    real(dp) :: width, zone(2), felt
 
     if (.not. line_load > 0) then
       call fail(error, code_input, 'line load (N/mm) = '//str(line_load/1000)//': must be above 0')
@@ -62,11 +64,13 @@ contains
       if (allocated(error)) return
       associate (flat1 => surface_to_depth(material(1), strain, half_width, pair%gear(1)%spec%module), &
                  flat2 => surface_to_depth(material(2), strain, half_width, pair%gear(2)%spec%module))
-        total = values(tooth(1)%compliance, r1) + values(tooth(2)%compliance, r2) + (flat1 + flat2)
+        felt = sum(felt_twist(options%hub_share, tooth%disc%turn))
+        total = values(tooth(1)%compliance, r1) + values(tooth(2)%compliance, r2) + (flat1 + flat2) + felt
       end associate
     end associate
     width = minval(pair%gear%spec%face_width)
-    disc = disc_t(turn=sum(tooth%disc%turn)/width, shared=sum(tooth%disc%shared)/width)
+    disc = disc_t(turn=(sum(tooth%disc%turn) - felt)/width, shared=(sum(tooth%disc%shared) + felt)/width, &
+                  twist=tooth%disc%turn/width)
     call check_compliance(s, total - width*disc%shared, error)
     if (allocated(error)) return
     if (options%corner_contact) then
@@ -96,6 +100,7 @@ contains
           exit
         end if
         call corner_compliance(pair, tooth, material, options%section%plane_strain, line_load, beyond(:, i), there(:, i), error)
+        there(:, i) = there(:, i) + felt
         if (.not. allocated(error)) call check_compliance(beyond(:, i), there(:, i) - width*disc%shared, error)
         if (allocated(error)) return
       end do

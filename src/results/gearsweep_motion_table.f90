@@ -2,6 +2,7 @@
 module gearsweep_motion_table
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive
+  use gearsweep_hub, only: chain_frequencies, felt_twist
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: left, lines_t
   use gearsweep_material, only: material_t
@@ -51,18 +52,20 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     type(iso_beside_t) :: beside
-    real(dp) :: frequency, mean, width
+    real(dp) :: frequency, mean, width, felt
 
     if (.not. allocated(study%motion)) return
-    call table%begin('load, masses and stiffness of the mesh, and its natural frequency', 1, 16, error)
+    call table%begin('load, masses and stiffness of the mesh, and its natural frequency', 1, 19, error)
     if (allocated(error)) return
     associate (mesh => study%motion(1)%mesh, case => study%case)
       frequency = study%motion(1)%natural_frequency/(2*pi)
       mean = mesh%mean_stiffness()
       width = case%spec(1)%face_width
       call table%add('load_n', 'N', 'static load on the line of action', [study%load])
-      call table%add('pinion_mass_kg', 'kg', 'effective mass of the pinion on the line of action', study%mass(1:1))
-      call table%add('gear_mass_kg', 'kg', 'effective mass of the gear on the line of action', study%mass(2:2))
+      call table%add('pinion_mass_kg', 'kg', 'effective mass of the pinion on the line of action, with what sits at its '// &
+                     'bore', study%mass(1:1))
+      call table%add('gear_mass_kg', 'kg', 'effective mass of the gear on the line of action, with what sits at its bore', &
+                     study%mass(2:2))
       call table%add('least_pair_stiffness_n_um', 'N/um', 'least stiffness of a pair on its path, whole face width', &
                      [mesh%stiffness%minimum()/micro])
       call table%add('largest_pair_stiffness_n_um', 'N/um', 'largest stiffness of a pair on its path, whole face width', &
@@ -81,14 +84,33 @@ contains
       call table%add('natural_frequency_hz', 'Hz', 'of the mean mesh stiffness and the effective masses', [frequency])
       call table%add('resonance_rpm', '1/min', 'speed of the pinion at which the mesh excites it', &
                      [60*frequency/mesh%teeth(1)])
+      felt = sum(felt_twist(study%hub_mass/study%mass, mesh%disc%twist))
       call table%add('body_rotation_um', 'um', 'turn of whole gears about their bores under the load, on the line of '// &
-                     'action: not in the motion', [micro*study%load*mesh%disc%turn])
+                     'action: not in the motion but for felt_rotation_um', [micro*study%load*(mesh%disc%turn + felt)])
       call table%add('body_coupling_um', 'um', 'what neighbouring teeth share beyond that: in the stiffness of each pair', &
-                     [micro*study%load*mesh%disc%shared])
+                     [micro*study%load*(mesh%disc%shared - felt)])
+      if (felt > 0) call add_hubs(study, felt, mean, table)
       if (case%needs('losses')) call table%add('damping_ratio', '', 'as in the case', [case%damping_ratio])
       if (case%needs('motion')) call table%add('friction', '', 'friction coefficient, as in the case', [case%friction])
     end associate
   end subroutine motion_table
+
+  !> What inertia at the hubs makes of the turning, and how the chain of all four inertias vibrates. `felt` (m/N) of the
+  !> turning is in the `mean` stiffness (N/m) of the mesh.
+  pure subroutine add_hubs(study, felt, mean, table)
+    type(study_t), intent(in) :: study
+    real(dp), intent(in) :: felt, mean
+    type(table_t), intent(inout) :: table
+    real(dp) :: frequencies(2)
+
+    frequencies = chain_frequencies(study%mass - study%hub_mass, study%hub_mass, 1/mean - felt, study%mesh%disc%twist)/(2*pi)
+    call table%add('felt_rotation_um', 'um', 'what of the bodies'' turn the inertia at the hubs makes the motion feel: in the '// &
+                   'stiffness of each pair', [micro*study%load*felt])
+    call table%add('chain_frequency_hz', 'Hz', 'lowest natural frequency of the chain hub, body, mean mesh stiffness, body, hub', &
+                   frequencies(1:1))
+    call table%add('next_chain_frequency_hz', 'Hz', 'its next one, at which a body turns against its hub: not in the motion', &
+                   frequencies(2:2))
+  end subroutine add_hubs
 
   pure subroutine add_motion(study, lines)
     type(study_t), intent(in) :: study
@@ -112,6 +134,7 @@ contains
       call lines%add(left('', 19)//'not in the pairs'' stiffness nor in the motion; neighbouring teeth share '// &
                      str(table%number('body_coupling_um'), 4)//' um')
     end if
+    if (table%position('felt_rotation_um') > 0) call tell_hubs(table, lines)
     call lines%put(left('Load', 19)//str(table%number('load_n'), 5)//' N on the line of action, effective masses '// &
                    str(table%number('pinion_mass_kg'), 4)//' and '//str(table%number('gear_mass_kg'), 4)//' kg')
     if (table%position('damping_ratio') > 0) call lines%put(', damping ratio '//str(table%number('damping_ratio')))
@@ -120,6 +143,22 @@ contains
     call lines%add(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')
   end subroutine add_motion
+
+  !> How much of the turning the motion has, and how far one degree of freedom is from the chain of all inertias.
+  pure subroutine tell_hubs(table, lines)
+    type(table_t), intent(in) :: table
+    type(lines_t), intent(inout) :: lines
+    real(dp), parameter :: much = 0.01_dp
+    real(dp) :: more
+
+    call lines%add(left('Hubs', 19)//'their inertia makes the motion feel '//str(table%number('felt_rotation_um'), 4)// &
+                   ' um of that turn; as a chain of four inertias the gears have')
+    call lines%add(left('', 19)//'natural frequencies of '//str(table%number('chain_frequency_hz'), 5)//' and '// &
+                   str(table%number('next_chain_frequency_hz'), 5)//' Hz, of which the motion has one')
+    more = table%number('natural_frequency_hz')/table%number('chain_frequency_hz') - 1
+    if (more > much) call lines%add(left('', 19)//'caution: its natural frequency lies '//str(100*more, 2)// &
+      ' % above the chain''s, as the bodies turn too softly about these hubs')
+  end subroutine tell_hubs
 
   !> What the standard took, and how far another model is from it.
   pure subroutine add_iso(table, lines)

@@ -26,7 +26,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), optional :: earlier
 
-    call find_load(study%case, study%pair, study%base_pitch, study%load, study%mass)
+    call find_load(study%case, study%pair, study%base_pitch, study%load, study%mass, study%hub_mass)
     allocate (study%mesh)
     call place_mesh(study%case, study%pair, study%mesh)
     if (study%case%model == 'fe') then
@@ -50,7 +50,8 @@ contains
     body = study%case%section
     body%others_across = min(4, body%elements_across)
     study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t( &
-      section=body, tooth_coupling=study%case%tooth_coupling, corner_contact=study%case%corner_contact), &
+      section=body, tooth_coupling=study%case%tooth_coupling, hub_share=study%hub_mass/study%mass, &
+      corner_contact=study%case%corner_contact), &
       study%load/study%case%spec(1)%face_width)
     known = .false.
     if (present(earlier)) known = allocated(earlier%elements_inputs)

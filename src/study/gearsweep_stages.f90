@@ -59,12 +59,12 @@ contains
     end do
   end subroutine make_gears
 
-  !> Static load (N) and effective masses (kg) on the line of action; its base pitch (m), 0 where it is
-  !> not known. `pair`: not allocated for a prescribed mesh.
-  pure subroutine find_load(case, pair, base_pitch, load, mass)
+  !> Static load (N) and effective masses (kg) on the line of action, and what of these sits at the hubs; its base pitch
+  !> (m), 0 where it is not known. `pair`: not allocated for a prescribed mesh.
+  pure subroutine find_load(case, pair, base_pitch, load, mass, hub_mass)
     type(case_t), intent(in) :: case
     type(pair_t), allocatable, intent(in) :: pair
-    real(dp), intent(out) :: base_pitch, load, mass(2)
+    real(dp), intent(out) :: base_pitch, load, mass(2), hub_mass(2)
     real(dp) :: base_radius(2)
     integer :: i
 
@@ -72,6 +72,7 @@ contains
     if (allocated(pair)) base_pitch = pair%base_pitch
     base_radius = base_pitch*case%spec%teeth/(2*pi)
     load = 0
+    hub_mass = 0
     if (case%torque > 0) load = case%torque/base_radius(1)
     if (case%normal_force > 0) load = case%normal_force
     if (case%line_load > 0) load = case%line_load*case%spec(1)%face_width
@@ -83,6 +84,8 @@ contains
       else
         mass(i) = solid_inertia(pair%gear(i), case%material(i)%density)/base_radius(i)**2
       end if
+      if (case%hub_inertia(i) > 0) hub_mass(i) = case%hub_inertia(i)/base_radius(i)**2
+      mass(i) = mass(i) + hub_mass(i)
     end do
   end subroutine find_load
 

@@ -52,6 +52,7 @@ module gearsweep_task
     real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
     real(dp) :: load = 0                         !< static load on the line of action, N
     real(dp) :: mass(2) = 0                      !< effective masses, kg
+    real(dp) :: hub_mass(2) = 0                  !< what of these sits at the hubs, kg
     type(oscillator_t), allocatable :: motion(:)  !< one for each relief
     type(motions_inputs_t) :: motions_inputs     !< of these, and so of all that follows but for the section
     real(dp), allocatable :: amount(:)           !< the reliefs, m
