@@ -13,7 +13,7 @@ module test_closed_geometry
   use quantities, only: ask_geometry
   use stated_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &
     & base_pitch, contact_ratio, half_tooth, degree, drive, coast
-  use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
+  use testing, only: tally_t, check_true, check_close, check_equal, check_error, check_no_error
   implicit none
   private
   public :: run
@@ -26,6 +26,7 @@ contains
     if (t%wants('radii')) call radii(t)
     if (t%wants('backlash_by_turning')) call backlash_by_turning(t)
     if (t%wants('outline_as_cut')) call outline_as_cut(t)
+    if (t%wants('protuberance_as_cut')) call protuberance_as_cut(t)
     if (t%wants('tips_and_outlines')) call tips_and_outlines(t)
   end subroutine run
 
@@ -183,12 +184,72 @@ contains
     end do
   end subroutine outline_as_cut
 
+  !> The same for teeth that a tool with protuberance cuts before their flanks are ground: as if both tools were one, which cuts
+  !> flanks as the grinding wheel and fillets as its rounded tip does, s_pr beside them. How far its tip's own flank rises, at
+  !> 8 degrees, does not show. Undercut by generation, harmless or deep, comes on top.
+  subroutine protuberance_as_cut(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: steps = 6
+    real(dp), parameter :: depths(3) = [0.004_dp, 0.02_dp, 0.045_dp]
+    type(stated_t) :: list(4)
+    type(gear_spec_t) :: spec
+    type(gear_t) :: gear, plain
+    type(error_t), allocatable :: error
+    real(dp) :: points(2, 5*steps + 1), least, farthest
+    integer :: n, i, k, m, side
+
+    list(1) = stated_t(teeth=[25, 40], shift=[0.3_dp, -0.1_dp], dedendum=[1.4_dp, 1.4_dp], rounding=[0.3_dp, 0.38_dp])
+    list(2) = stated_t(module=2.0_dp, teeth=[17, 90], dedendum=[1.4_dp, 1.4_dp], rounding=[0.38_dp, 0.38_dp])
+    list(3) = stated_t(teeth=[14, 16], shift=[0.0_dp, -0.2_dp], rounding=[0.1_dp, 0.25_dp])
+    list(4) = stated_t(angle=[25, 18], teeth=[24, 31], shift=[0.3_dp, -0.1_dp], rounding=[0.2_dp, 0.15_dp])
+    do n = 1, size(list)
+      associate (pair => list(n), name => 'protuberance, pair '//str(n))
+        do i = 1, 2
+          do m = 1, size(depths)
+            spec = gear_spec_t('gear', pair%teeth(i), pair%module, pair%angle*degree, pair%shift(i), pair%addendum(i), &
+                               pair%dedendum(i), pair%rounding(i), face_width=1.0_dp)
+            call make_gear(spec, plain, error)
+            spec%grinding_stock = 0.05_dp*pair%module
+            spec%protuberance = (0.05_dp + depths(m))*pair%module
+            call make_gear(spec, gear, error)
+            call check_no_error(t, name, error)
+            call check_true(t, name//': flanks begin higher', all(gear%form_radius > plain%form_radius))
+            points = tooth_contour(gear, steps)
+            farthest = 0
+            least = 0
+            do k = 1, 5*steps + 1
+              side = merge(drive, coast, points(1, k) > 0)
+              if (k > 2*steps + 1 .and. k < 3*steps + 1) cycle
+              associate (room => cut(pair, i, side, [abs(points(1, k)), points(2, k)], depths(m)))
+                least = min(least, room)
+                farthest = max(farthest, room)
+              end associate
+            end do
+            call check_close(t, name//': nothing is cut off', least, 0.0_dp, absolute=1e-8_dp*pair%module)
+            call check_close(t, name//': nothing is left over', farthest, 0.0_dp, absolute=1e-8_dp*pair%module)
+          end do
+          spec%protuberance = spec%grinding_stock
+          call make_gear(spec, gear, error)
+          call check_true(t, name//': as much stock', all(abs(tooth_contour(gear, steps) - tooth_contour(plain, steps)) <= 0))
+          spec%protuberance = 0.9_dp*spec%grinding_stock
+          call make_gear(spec, gear, error)
+          call check_error(t, name//': more stock', error, 'grinding stock (mm) = ')
+          spec%protuberance = 2*pair%module
+          call make_gear(spec, gear, error)
+          call check_true(t, name//': too much', allocated(error))
+        end do
+      end associate
+    end do
+  end subroutine protuberance_as_cut
+
   !> Least distance (mm) of a point of the gear from the rack's tooth that cuts this side, over all positions of
-  !> the rack; negative where the rack reaches beyond. By a scan and golden section.
-  real(dp) function cut(pair, member, side, point) result(room)
+  !> the rack; negative where the rack reaches beyond. By a scan and golden section. `beside_flank`: what the rack's tip stands
+  !> out of its flank, in modules.
+  real(dp) function cut(pair, member, side, point, beside_flank) result(room)
     type(stated_t), intent(in) :: pair
     integer, intent(in) :: member, side
     real(dp), intent(in) :: point(2)
+    real(dp), intent(in), optional :: beside_flank
     integer, parameter :: scan = 400
     real(dp), parameter :: golden = (sqrt(5.0_dp) - 1)/2, reach = 1.2_dp
     real(dp) :: low, high, middle(2)
@@ -209,17 +270,25 @@ contains
 
   contains
 
-    !> Distance from the rack's tooth when the gear has turned by `roll` (rad). The rack's tooth is a disc of the
-    !> rounding's radius that has swept all that lies beyond the lines which its centre follows.
+    !> Distance from the rack's tooth when the gear has turned by `roll` (rad).
     pure real(dp) function beside(roll)
       real(dp), intent(in) :: roll
+
+      beside = beside_tip(roll, 0.0_dp, pair%angle(side)*degree)
+      if (present(beside_flank)) beside = min(beside, beside_tip(roll, beside_flank, 8*degree))
+    end function beside
+
+    !> The rack's tooth is a disc of the rounding's radius that has swept all that lies beyond the lines which its centre
+    !> follows: the tip land and a flank at `alpha` (rad). It stands out of the flank by `depth` (modules).
+    pure real(dp) function beside_tip(roll, depth, alpha) result(beside)
+      real(dp), intent(in) :: roll, depth, alpha
       real(dp) :: p(2), centre(2), flank, floor_line
 
-      associate (m => pair%module, alpha => pair%angle(side)*degree, x => pair%shift(member), rho => pair%rounding(member))
+      associate (m => pair%module, x => pair%shift(member), rho => pair%rounding(member), angle => pair%angle(side)*degree)
         ! In the rack's frame: across from the middle of its space, and up from its reference line.
         p = [point(1)*cos(roll) - point(2)*sin(roll) + m*pair%teeth(member)/2*roll, &
              point(1)*sin(roll) + point(2)*cos(roll) - m*(pair%teeth(member)/2.0_dp + x)]
-        centre = m*[pi/4 + (pair%dedendum(member) - rho)*tan(alpha) + rho/cos(alpha), rho - pair%dedendum(member)]
+        centre = m*[pi/4 + (pair%dedendum(member) - rho)*tan(angle) + (rho - depth)/cos(angle), rho - pair%dedendum(member)]
         p = p - centre
         flank = -(p(1)*cos(alpha) + p(2)*sin(alpha))
         floor_line = -p(2)
@@ -230,7 +299,7 @@ contains
           beside = max(flank, floor_line) - rho*m
         end if
       end associate
-    end function beside
+    end function beside_tip
   end function cut
 
   !> Tip alteration k = y - (x1 + x2), where y is the centre distance beyond the standard one in modules, and never above 0.

@@ -10,7 +10,7 @@ module test_closed_stress
   use gearsweep_nodal_stress, only: nodal_stress
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
-  use stated_gears, only: stated_t, examples, text_of, base_radius, tip_radius, working_angle, first_curvature, &
+  use stated_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &
     & base_pitch, contact_ratio, half_tooth, degree, drive, coast
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
@@ -27,6 +27,7 @@ contains
 
     if (t%wants('constant_strain')) call constant_strain(t)
     if (t%wants('formulas_on_the_outline')) call formulas_on_the_outline(t)
+    if (t%wants('root_section_with_protuberance')) call root_section_with_protuberance(t)
     if (t%wants('components_of_the_field')) call components_of_the_field(t)
     if (t%wants('peaks_and_tangents')) call peaks_and_tangents(t)
     if (t%wants('positions_and_shares')) call positions_and_shares(t)
@@ -120,6 +121,57 @@ contains
       pair%addendum(member), pair%dedendum(member), pair%rounding(member), face_width=1.0_dp), gear, error)
     points = tooth_contour(gear, steps)
   end function sampled
+
+  !> ISO 6336-3:2006, 6.2 to 6.4, for a tool with protuberance: E = pi/4 m - h_fP tan(alpha) + s_pr/cos(alpha) - (1 - sin(alpha))
+  !> rho_fP/cos(alpha), G = rho_fP/m - h_fP/m + x, H = 2/z (pi/2 - E/m) - pi/3, theta = 2 G/z tan(theta) - H, and from these s_Fn,
+  !> rho_F and h_Fe at the outer point of single contact. Both flanks alike, with and without s_pr.
+  subroutine root_section_with_protuberance(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: depths(3) = [0.0_dp, 0.008_dp, 0.02_dp]
+    type(stated_t) :: list(5)
+    type(answer_t) :: answer
+    character(:), allocatable :: tool
+    real(dp) :: e, g, h, theta, rho, rb(2), r, angle, gamma, tilt, alpha
+    integer :: n, k, i, member
+
+    list = examples()
+    do n = 1, 2
+      ! Short teeth, so that their tips stay above the fillets.
+      list(n)%addendum = 0.7_dp
+      list(n)%dedendum = 1.4_dp
+      do k = 1, size(depths)
+        do member = 1, 2
+          associate (pair => list(n), z => real(list(n)%teeth(member), dp), x => list(n)%shift(member), &
+                     h_fp => list(n)%dedendum(member), rho_fp => list(n)%rounding(member))
+            alpha = pair%angle(1)*degree
+            tool = 'grinding_stock_mm=0.1 protuberance_mm='//str(0.1_dp + depths(k)*pair%module, 17)
+            call ask(t, task//text_of(pair, tool, tool)//loaded//'&static positions=3 / &section elements_across=4 member='''// &
+                     trim(member_names(member))//''' /', answer)
+            e = pi/4 - h_fp*tan(alpha) + depths(k)/cos(alpha) - (1 - sin(alpha))*rho_fp/cos(alpha)
+            g = rho_fp - h_fp + x
+            h = 2/z*(pi/2 - e) - pi/3
+            theta = pi/6
+            do i = 1, 200
+              theta = 2*g/z*tan(theta) - h
+            end do
+            rho = first_curvature(pair) + merge(1.0_dp, contact_ratio(pair) - 1, member == 1)*base_pitch(pair)
+            if (member == 2) rho = pair%distance*sin(working_angle(pair, drive)) - rho
+            rb = base_radius(pair, drive)
+            r = hypot(rb(member), rho)
+            angle = acos(rb(member)/r)
+            gamma = (pi/2 + 2*x*tan(alpha))/z + involute(alpha) - involute(angle)
+            tilt = angle - gamma
+            call check_close(t, 's_Fn', answer%one('root_rating.iso_thickness_mm'), pair%module*(z*sin(pi/3 - theta) &
+                             + sqrt(3.0_dp)*(g/cos(theta) - rho_fp)), relative=1e-9_dp)
+            call check_close(t, 'h_Fe', answer%one('root_rating.iso_lever_mm'), pair%module/2*((cos(gamma) - sin(gamma)*tan(tilt)) &
+                             *2*r/pair%module - z*cos(pi/3 - theta) - (g/cos(theta) - rho_fp)), relative=1e-9_dp)
+            call check_close(t, 'rho_F', answer%one('root_rating.iso_radius_mm'), pair%module*(rho_fp + 2*g**2/(cos(theta) &
+                             *(z*cos(theta)**2 - 2*g))), relative=1e-9_dp)
+          end associate
+        end do
+      end do
+    end do
+  end subroutine root_section_with_protuberance
 
   !> Lewis: the largest bending stress 6 F cos(alpha_F) h/(b s**2) over the sections of the drive fillet. ISO 6336-3: the
   !> points of 30 degrees sought on the outline, the notch's radius from three points of it, and the standard's formulas

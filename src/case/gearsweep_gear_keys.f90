@@ -104,6 +104,12 @@ contains
                       meaning='dedendum of the rack in modules, h_fP*')
       call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, at_least=0.0_dp, at_most=2.0_dp, &
                       meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
+      call reader%get(group, 'protuberance_mm', spec%protuberance, error, unit='mm', refused=geared, at_least=0.0_dp, &
+                      meaning='by how much the rounded tips of the tool that cuts the fillets stand out of its flanks, pr; at '// &
+                      'least grinding_stock_mm')
+      call reader%get(group, 'grinding_stock_mm', spec%grinding_stock, error, unit='mm', refused=geared, at_least=0.0_dp, &
+                      meaning='stock that this tool leaves on each flank, normal to it, and that is ground off without '// &
+                      'reaching the fillets, q')
       call reader%get(group, 'pin_diameter_mm', spec%pin_diameter, error, unit='mm', refused=geared, above=0.0_dp, &
                       otherwise='one that touches at the V circle', &
                       meaning='diameter of the pins over which the gear is measured; equal pressure angles only')

@@ -47,6 +47,8 @@ module gearsweep_key_names
     & key_name_t('addendum', 'addendum'), &
     & key_name_t('dedendum', 'dedendum'), &
     & key_name_t('rack tip radius', 'rack_tip_radius'), &
+    & key_name_t('protuberance (mm)', 'protuberance_mm'), &
+    & key_name_t('grinding stock (mm)', 'grinding_stock_mm'), &
     & key_name_t('profile shift', 'profile_shift'), &
     & key_name_t('bore diameter (mm)', 'bore_mm'), &
     & key_name_t('tip diameter (mm)', 'tip_diameter_mm'), &

@@ -170,9 +170,11 @@ contains
     associate (p => pair%gear(1)%spec, q => pair%gear(2)%spec)
       are_equal = p%teeth == q%teeth .and. all(same( &
         [p%module, p%pressure_angle, p%profile_shift, p%addendum, p%dedendum, p%rack_tip_radius, &
-         p%tip_alteration, p%bore_radius, p%thinning, p%tip_diameter, p%tip_chamfer, p%tip_rounding, p%tip_form_diameter], &
+         p%tip_alteration, p%bore_radius, p%thinning, p%tip_diameter, p%tip_chamfer, p%tip_rounding, p%tip_form_diameter, &
+         p%protuberance, p%grinding_stock], &
         [q%module, q%pressure_angle, q%profile_shift, q%addendum, q%dedendum, q%rack_tip_radius, &
-         q%tip_alteration, q%bore_radius, q%thinning, q%tip_diameter, q%tip_chamfer, q%tip_rounding, q%tip_form_diameter])) &
+         q%tip_alteration, q%bore_radius, q%thinning, q%tip_diameter, q%tip_chamfer, q%tip_rounding, q%tip_form_diameter, &
+         q%protuberance, q%grinding_stock])) &
         .and. same(material(1)%young, material(2)%young) .and. same(material(1)%poisson, material(2)%poisson)
     end associate
 

@@ -5,8 +5,8 @@
 module gearsweep_gear
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_rack, only: check_rack_tip, coast, drive, gear_spec_t, generating_shift, least_shift, straight_end, &
-                            trochoid_parameter, trochoid_point
+  use gearsweep_rack, only: check_rack_tip, coast, drive, fillet_undercut, gear_spec_t, generating_shift, least_shift, &
+                            straight_end, trochoid_parameter, trochoid_point
   use gearsweep_text, only: str
   implicit none
   private
@@ -91,7 +91,8 @@ contains
   end subroutine check_spec
 
   !> The involute begins where the rack's straight flank ends. Where that end reaches beyond the base circle, the
-  !> rack's corner cuts off the lower involute again: undercut. What is left begins where the trochoid crosses it.
+  !> rack's corner cuts off the lower involute again: undercut. So does a protuberance, on purpose. What is left begins
+  !> where the trochoid crosses it.
   pure subroutine find_form_radius(gear, error)
     type(gear_t), intent(inout) :: gear
     type(error_t), allocatable, intent(inout) :: error
@@ -102,25 +103,31 @@ contains
       curvature = straight_end(gear%spec, side)
       gear%fillet_start(side) = gear%spec%pressure_angle(side)
       gear%form_radius(side) = hypot(gear%base_radius(side), max(curvature, 0.0_dp))
-      if (curvature < -1e-12_dp*gear%reference_radius) call cross_undercut(gear, side, error)
+      if (gear%is_undercut(side) .or. fillet_undercut(gear%spec) > 0) call cross_undercut(gear, side, error)
     end do
   end subroutine find_form_radius
 
   !> Where the trochoid of an undercut flank crosses the involute, by bisection: along the trochoid the radius falls
-  !> from beyond the base circle to the root, and the point goes from the space into the tooth.
+  !> from beyond the base circle to the root, and the point goes from the space into the tooth. A protuberance has the
+  !> point in the tooth already where the rack's straight flank ends: then the tool's rounding goes on from there, in small
+  !> steps of its parameter, until it is out again.
   pure subroutine cross_undercut(gear, side, error)
     type(gear_t), intent(inout) :: gear
     integer, intent(in) :: side
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: step = 0.98_dp
     real(dp) :: low, high, beta, missed, point(2)
     integer :: i
 
     low = gear%spec%pressure_angle(side)
     high = pi/2
+    do while (.not. is_in_space(gear, side, low) .and. low > 0.01_dp)
+      high = low
+      low = step*low
+    end do
     do i = 1, 60
       beta = (low + high)/2
-      point = trochoid_point(gear%spec, side, beta)
-      if (norm2(point) > gear%base_radius(side) .and. atan2(point(1), point(2)) > gear%half_angle(side, norm2(point))) then
+      if (is_in_space(gear, side, beta)) then
         low = beta
       else
         high = beta
@@ -132,11 +139,26 @@ contains
     missed = gear%form_radius(side)*abs(atan2(point(1), point(2)) - gear%half_angle(side, gear%form_radius(side)))
     ! The narrowest place below, where the trochoid's tangent is along the tooth's axis.
     point = trochoid_point(gear%spec, side, trochoid_parameter(gear%spec, side, high, 0.0_dp))
-    if (missed > 1e-9_dp*gear%reference_radius .or. point(1) <= 0) call fail(error, code_input, trim(gear%spec%name)// &
-      ' profile shift = '//str(gear%spec%profile_shift)//': undercut with '//str(gear%spec%teeth)// &
-      ' teeth leaves no tooth'//trim(merge(' as thin as generating shift or allowance make it', repeat(' ', 49), &
+    if (missed <= 1e-9_dp*gear%reference_radius .and. point(1) > 0) return
+    if (fillet_undercut(gear%spec) > 0) call fail(error, code_input, trim(gear%spec%name)//' protuberance (mm) = '// &
+      str(1000*gear%spec%protuberance)//': its undercut leaves no tooth')
+    call fail(error, code_input, trim(gear%spec%name)//' profile shift = '//str(gear%spec%profile_shift)// &
+      ': undercut with '//str(gear%spec%teeth)//' teeth leaves no tooth'// &
+      trim(merge(' as thin as generating shift or allowance make it', repeat(' ', 49), &
       gear%spec%thinning < 0))//'; must be at least '//str(least_shift(gear%spec, side))//' to have none')
   end subroutine cross_undercut
+
+  !> Is the trochoid's point beyond the base circle and in the space beside the involute?
+  pure logical function is_in_space(gear, side, beta)
+    type(gear_t), intent(in) :: gear
+    integer, intent(in) :: side
+    real(dp), intent(in) :: beta
+    real(dp) :: point(2)
+
+    point = trochoid_point(gear%spec, side, beta)
+    is_in_space = norm2(point) > gear%base_radius(side)
+    if (is_in_space) is_in_space = atan2(point(1), point(2)) > gear%half_angle(side, norm2(point))
+  end function is_in_space
 
   pure subroutine check_tooth(gear, error)
     type(gear_t), intent(in) :: gear
@@ -287,7 +309,7 @@ contains
     class(gear_t), intent(in) :: gear
     integer, intent(in) :: side
 
-    is_undercut = gear%fillet_start(side) > gear%spec%pressure_angle(side)
+    is_undercut = straight_end(gear%spec, side) < -1e-12_dp*gear%reference_radius
   end function is_undercut
 
   !> Radius of curvature of a flank at `radius` (m): the length of its generating line.

@@ -1,14 +1,15 @@
 !> The basic rack that generates a gear, and the fillet that its rounded tip leaves, a trochoid (ISO 53, ISO 21771).
 !>
 !> The fillet's parameter `beta` (rad) is the slope of the rack's normal where it cuts: the pressure angle where the
-!> straight flank ends, pi/2 on the root circle. Lengths in m, angles in rad.
+!> straight flank ends, pi/2 on the root circle. A tool with protuberance cuts the fillet deeper into the tooth than
+!> the finished flank, and its rounding goes on to smaller parameters, up to that flank. Lengths in m, angles in rad.
 module gearsweep_rack
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_text, only: str
   implicit none
   private
-  public :: gear_spec_t, generating_shift, check_rack_tip, straight_end, least_shift
+  public :: gear_spec_t, generating_shift, fillet_undercut, check_rack_tip, straight_end, least_shift
   public :: corner_depth, corner_place, trochoid_point, trochoid_parameter
 
   integer, parameter, public :: drive = 1, coast = 2
@@ -31,6 +32,8 @@ module gearsweep_rack
     real(dp) :: tip_chamfer = 0                  !< height h_K of the chamfer at the tip, m
     real(dp) :: tip_rounding = 0                 !< radius of the rounding at the tip instead, m
     real(dp) :: tip_form_diameter = 0            !< d_Na, m: where the chamfer begins, instead of its height; 0: not stated
+    real(dp) :: protuberance = 0                 !< by how much the tool's rounded tip stands out of its flank, pr, m
+    real(dp) :: grinding_stock = 0               !< left by that tool on the flank, normal to it, and ground off, q, m
     real(dp) :: pin_diameter = 0                 !< for measuring, m; 0: one that touches at the V circle
   end type gear_spec_t
 
@@ -44,6 +47,15 @@ contains
     shift = spec%profile_shift + spec%thinning
   end function generating_shift
 
+  !> Residual fillet undercut in modules: how deep the fillet is cut into the tooth beside the finished flank,
+  !> s_pr = pr - q (ISO 6336-3:2006, 6.2).
+  elemental real(dp) function fillet_undercut(spec) result(depth)
+    type(gear_spec_t), intent(in) :: spec
+
+    depth = 0
+    if (abs(spec%protuberance - spec%grinding_stock) > 0) depth = (spec%protuberance - spec%grinding_stock)/spec%module
+  end function fillet_undercut
+
   !> The rounded corners of the rack's tooth must leave its tip land.
   pure subroutine check_rack_tip(spec, error)
     type(gear_spec_t), intent(in) :: spec
@@ -51,7 +63,7 @@ contains
     real(dp) :: land, taken
 
     associate (angle => spec%pressure_angle)
-      land = sum(pi/4 - spec%dedendum*tan(angle))
+      land = sum(pi/4 - spec%dedendum*tan(angle) + fillet_undercut(spec)/cos(angle))
       taken = sum((1 - sin(angle))/cos(angle))
     end associate
     if (land < 0) then
@@ -61,6 +73,9 @@ contains
       call fail(error, code_input, trim(spec%name)//' rack tip radius = '//str(spec%rack_tip_radius)// &
         ': does not fit the rack; at most '//str(land/taken))
     end if
+    if (spec%grinding_stock > spec%protuberance) call fail(error, code_input, trim(spec%name)// &
+      ' grinding stock (mm) = '//str(1000*spec%grinding_stock)//': must be at most the protuberance '// &
+      str(1000*spec%protuberance)//' mm, else the ground flank ends in a step')
     if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, trim(spec%name)// &
       ' rack tip radius = '//str(spec%rack_tip_radius)//': must not exceed the dedendum')
   end subroutine check_rack_tip
@@ -107,7 +122,7 @@ contains
 
     associate (angle => spec%pressure_angle(side))
       corner_place = spec%module*(pi/4 + (spec%dedendum - spec%rack_tip_radius)*tan(angle) &
-                                  + spec%rack_tip_radius/cos(angle))
+                                  + (spec%rack_tip_radius - fillet_undercut(spec))/cos(angle))
     end associate
   end function corner_place
 

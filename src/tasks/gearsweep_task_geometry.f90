@@ -83,7 +83,7 @@ contains
     type(measures_t) :: measures(2)
     integer :: i
 
-    call table%begin('the two gears', 2, 24, error, extent=[2])
+    call table%begin('the two gears', 2, 25, error, extent=[2])
     if (allocated(error)) return
     associate (gear => pair%gear)
       call table%add_index('member', '', 'pinion or gear', members)
@@ -108,6 +108,9 @@ contains
                      2*milli*[pair%radius(1, 0.0_dp), pair%radius(2, pair%contact_ratio)])
       call table%add('undercut', '', '1 where undercut of the drive flank cuts into the involute above the base circle, else 0', &
                      [(merge(1, 0, gear(i)%is_undercut(drive)), i=1, 2)])
+      call table%add('fillet_undercut_mm', 'mm', 'how deep a tool with protuberance cut the fillet in beside the finished '// &
+                     'flank, s_pr', &
+                     [(milli*(gear(i)%spec%protuberance - gear(i)%spec%grinding_stock), i=1, 2)])
       call table%add('lost_path_mm', 'mm', 'what undercut of this gear takes off the path of contact (shorten_path)', &
                      milli*pair%lost)
       call table%add('generating_shift', '', 'generating profile shift coefficient x_E', &
@@ -191,7 +194,8 @@ contains
         end associate
       end do
       do i = 1, 2
-        if (gears%number('undercut', i) > 0) call lines%add(left('Undercut', 19)//'of the '//trim(members(i))//' up to '// &
+        if (max(gears%number('undercut', i), gears%number('fillet_undercut_mm', i)) > 0) &
+          call lines%add(left('Undercut', 19)//'of the '//trim(members(i))//' up to '// &
           str(gears%number('form_diameter_mm', i), 7)//' mm diameter; contact from '// &
           str(gears%number('active_diameter_mm', i), 7)//' mm on')
       end do
