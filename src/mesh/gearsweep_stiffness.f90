@@ -131,7 +131,7 @@ contains
 
   !> C_R of one gear: what a thin web under a rim takes from the stiffness; 1 for a solid disc (`web` = 0). Thickness of
   !> web and rim, face width and module in m. Ratios beyond 0.2 and 1.2, and rims below a module, count as these.
-  !> Source: ISO 6336-1:2006, 9.3.1.3.
+  !> Source: ISO 6336-1:2006, 9.3.1.3; formula and bounds as programs by others have them, not compared with its curves.
   elemental real(dp) function gear_blank_factor(web, rim, width, module) result(factor)
     real(dp), intent(in) :: web, rim, width, module
 
