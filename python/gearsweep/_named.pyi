@@ -64,6 +64,8 @@ class GearsTable(Table):
     """mm: circle where contact on the drive flank begins, d_Nf"""
     undercut: NDArray[int64]
     """1 where undercut of the drive flank cuts into the involute above the base circle, else 0"""
+    fillet_undercut_mm: NDArray[float64]
+    """mm: how deep a tool with protuberance cut the fillet in beside the finished flank, s_pr"""
     lost_path_mm: NDArray[float64]
     """mm: what undercut of this gear takes off the path of contact (shorten_path)"""
     generating_shift: NDArray[float64]
@@ -613,9 +615,9 @@ class MotionTable(Table):
     load_n: float
     """N: static load on the line of action"""
     pinion_mass_kg: float
-    """kg: effective mass of the pinion on the line of action"""
+    """kg: effective mass of the pinion on the line of action, with what sits at its bore"""
     gear_mass_kg: float
-    """kg: effective mass of the gear on the line of action"""
+    """kg: effective mass of the gear on the line of action, with what sits at its bore"""
     least_pair_stiffness_n_um: float
     """N/um: least stiffness of a pair on its path, whole face width"""
     largest_pair_stiffness_n_um: float
@@ -629,7 +631,7 @@ class MotionTable(Table):
     resonance_rpm: float
     """1/min: speed of the pinion at which the mesh excites it"""
     body_rotation_um: float
-    """um: turn of whole gears about their bores under the load, on the line of action: not in the motion"""
+    """um: turn of whole gears about their bores under the load, on the line of action: not in the motion but for felt_rotation_um"""
     body_coupling_um: float
     """um: what neighbouring teeth share beyond that: in the stiffness of each pair"""
     damping_ratio: float
