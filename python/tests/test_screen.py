@@ -371,3 +371,17 @@ def test_headings_stand_apart(elements):
         at = next(i for i, line in enumerate(elements.lines) if line.startswith(begin))
         assert elements.lines[at - 1] == ''
         assert elements.lines[at - 2] != ''
+
+
+@pytest.mark.parametrize(('member', 'model', 'word', 'stands'), [
+    ('bore_mm = 10 hub_inertia_kgm2 = 7.8e-4', "'fe' / &section teeth = 0 fixed = 'rim' elements_across = 4", 'turn too softly', True),
+    ('bore_mm = 40 hub_inertia_kgm2 = 7.8e-4', "'fe' / &section teeth = 0 fixed = 'rim' elements_across = 4", 'turn too softly', False),
+    ('bore_mm = 40 hub_inertia_kgm2 = 7.8e-4', "'fe' / &section teeth = 0 fixed = 'rim' elements_across = 4", 'four inertias', True),
+    ('bore_mm = 40', "'fe' / &section teeth = 0 fixed = 'rim' elements_across = 4", 'four inertias', False),
+    ('profile_shift = 0.2', "'iso6336'", 'the standard has its formula', False),
+    ('profile_shift = -0.3', "'iso6336'", 'the standard has its formula', True),
+])
+def test_cautions(program, tmp_path, member, model, word, stands):
+    (tmp_path / 'one.nml').write_text(f"""&case tasks = 'mesh' / &pair module_mm = 3.18 face_width_mm = 25.4 / &load line_load_n_mm = 276 /
+&pinion teeth = 25 effective_mass_kg = 0.556 {member} / &gear teeth = 25 effective_mass_kg = 0.556 {member} / &mesh model = {model} /""")
+    assert (word in program('one.nml', cwd=tmp_path).stdout) is stands

@@ -127,7 +127,7 @@ contains
     if (table%position('mean_mesh_stiffness_n_um_mm') > 0) &
       call lines%put(' ('//str(table%number('mean_mesh_stiffness_n_um_mm'), 4)//' N/um per mm of width)')
     call lines%add('')
-    if (table%position('iso_blank_factor') > 0) call add_iso(table, lines)
+    if (table%position('iso_blank_factor') > 0) call add_iso(study, table, lines)
     if (table%number('body_rotation_um') > 0) then
       call lines%add(left('Discs', 19)//'turn by '//str(table%number('body_rotation_um'), 4)//' um on the line of action '// &
                      'about their bores: in the static transmission error,')
@@ -161,10 +161,13 @@ contains
   end subroutine tell_hubs
 
   !> What the standard took, and how far another model is from it.
-  pure subroutine add_iso(table, lines)
+  pure subroutine add_iso(study, table, lines)
+    type(study_t), intent(in) :: study
     type(table_t), intent(in) :: table
     type(lines_t), intent(inout) :: lines
     real(dp), parameter :: wide = 0.15_dp
+    !> Where q' holds: ISO 6336-1:2006, 9.3.1.1.
+    real(dp), parameter :: least_sum = -0.5_dp, most_sum = 2
     real(dp) :: more
 
     call lines%add(left('', 19)//'F_t K_A/b '//str(table%number('iso_line_load_n_mm'), 4)//' N/mm, C_R '// &
@@ -173,5 +176,10 @@ contains
     if (abs(more) > wide) call lines%add(left('', 19)//'the model weber has a mesh mean of '// &
       str(table%number('weber_mesh_stiffness_n_um'), 4)//' N/um, '//str(100*abs(more), 2)//' % '// &
       merge('more', 'less', more > 0)//'; ISO 6336-1 is a mean of usual gears')
+    associate (x => study%pair%gear%spec%profile_shift)
+      if (x(1) < x(2) .or. sum(x) < least_sum .or. sum(x) > most_sum) call lines%add(left('', 19)//'caution: the standard has '// &
+        'its formula for profile shifts of the pinion at least as large as the gear''s, with a sum from '//str(least_sum)// &
+        ' to '//str(most_sum))
+    end associate
   end subroutine add_iso
 end module gearsweep_motion_table
