@@ -28,6 +28,7 @@ contains
     if (t%wants('constant_strain')) call constant_strain(t)
     if (t%wants('formulas_on_the_outline')) call formulas_on_the_outline(t)
     if (t%wants('root_section_with_protuberance')) call root_section_with_protuberance(t)
+    if (t%wants('stress_with_protuberance')) call stress_with_protuberance(t)
     if (t%wants('components_of_the_field')) call components_of_the_field(t)
     if (t%wants('peaks_and_tangents')) call peaks_and_tangents(t)
     if (t%wants('positions_and_shares')) call positions_and_shares(t)
@@ -172,6 +173,44 @@ contains
       end do
     end do
   end subroutine root_section_with_protuberance
+
+  !> Finite elements of a tooth with protuberance against ISO 6336-3, which sees its thinner root by closed forms alone: both rise
+  !> alike, within half a per cent. A grid half as fine has the stress within twice its estimate.
+  subroutine stress_with_protuberance(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: depths(3) = [0.0_dp, 0.06_dp, 0.1_dp]
+    type(answer_t) :: plain, answer, coarse
+    integer :: k
+
+    do k = 1, size(depths)
+      call ask(t, text(depths(k), 16), answer)
+      if (k == 1) plain = answer
+      call check_close(t, 'rise of the root stress', tension(answer)/tension(plain), answer%one('root_rating.iso_mpa') &
+                       /plain%one('root_rating.iso_mpa'), relative=5e-3_dp)
+      call ask(t, text(depths(k), 8), coarse)
+      call check_close(t, 'on a coarser grid', tension(coarse), tension(answer), &
+                       relative=2*coarse%one('root_stress.error_estimate'))
+    end do
+    call check_true(t, 'it does rise', tension(answer) > 1.03_dp*tension(plain))
+
+  contains
+
+    real(dp) function tension(of)
+      type(answer_t), intent(in) :: of
+
+      tension = of%one('root_stress.tension_mpa')
+    end function tension
+
+    function text(depth, across)
+      real(dp), intent(in) :: depth
+      integer, intent(in) :: across
+      character(:), allocatable :: text, tool
+
+      tool = ' dedendum=1.4 addendum=0.8 rack_tip_radius=0.3 protuberance_mm='//str(depth)//' / '
+      text = task//'&pair module_mm=3 face_width_mm=20 / &pinion teeth=25 profile_shift=0.3'//tool//'&gear teeth=40'// &
+             tool//loaded//'&section elements_across='//str(across)//' /'
+    end function text
+  end subroutine stress_with_protuberance
 
   !> Lewis: the largest bending stress 6 F cos(alpha_F) h/(b s**2) over the sections of the drive fillet. ISO 6336-3: the
   !> points of 30 degrees sought on the outline, the notch's radius from three points of it, and the standard's formulas
