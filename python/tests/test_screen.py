@@ -380,6 +380,8 @@ def test_headings_stand_apart(elements):
     ('bore_mm = 40', "'fe' / &section teeth = 0 fixed = 'rim' elements_across = 4", 'four inertias', False),
     ('profile_shift = 0.2', "'iso6336'", 'the standard has its formula', False),
     ('profile_shift = -0.3', "'iso6336'", 'the standard has its formula', True),
+    ('addendum = 0.7', "'iso6336'", 'up to a tenth less', True),
+    ('addendum = 0.8', "'iso6336'", 'up to a tenth less', False),
 ])
 def test_cautions(program, tmp_path, member, model, word, stands):
     (tmp_path / 'one.nml').write_text(f"""&case tasks = 'mesh' / &pair module_mm = 3.18 face_width_mm = 25.4 / &load line_load_n_mm = 276 /

@@ -168,6 +168,8 @@ contains
     real(dp), parameter :: wide = 0.15_dp
     !> Where q' holds: ISO 6336-1:2006, 9.3.1.1.
     real(dp), parameter :: least_sum = -0.5_dp, most_sum = 2
+    !> Below, c_gamma may be up to a tenth less than by its formula: ISO 6336-1:2006, 9.3.2.
+    real(dp), parameter :: least_ratio = 1.2_dp
     real(dp) :: more
 
     call lines%add(left('', 19)//'F_t K_A/b '//str(table%number('iso_line_load_n_mm'), 4)//' N/mm, C_R '// &
@@ -181,5 +183,7 @@ contains
         'its formula for profile shifts of the pinion at least as large as the gear''s, with a sum from '//str(least_sum)// &
         ' to '//str(most_sum))
     end associate
+    if (study%pair%contact_ratio < least_ratio) call lines%add(left('', 19)//'caution: below a contact ratio of '// &
+      str(least_ratio)//' the standard has a mesh stiffness up to a tenth less')
   end subroutine add_iso
 end module gearsweep_motion_table
