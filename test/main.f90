@@ -29,6 +29,7 @@ program check
   use test_elastic_stress, only: run_elastic_stress => run
   use test_estimates, only: run_estimates => run
   use test_extremes, only: run_extremes => run
+  use test_flank, only: run_flank => run
   use test_geometry, only: run_geometry => run
   use test_grading, only: run_grading => run
   use test_honesty, only: run_honesty => run
@@ -92,6 +93,7 @@ program check
     & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
+    & suite_t('flank', run_flank), &
     & suite_t('closed_stress', run_closed_stress), &
     & suite_t('closed_estimates', run_closed_estimates), &
     & suite_t('closed_limits', run_closed_limits), &

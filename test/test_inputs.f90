@@ -19,9 +19,9 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(10) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(11) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
-    'stability: ', 'hysteresis: ', 'poincare: ']
+    'stability: ', 'hysteresis: ', 'poincare: ', 'flank: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -82,7 +82,7 @@ contains
     end do
     do k = 1, size(tasks)
       ! These need a gear.
-      if (any(tasks(k) == [character(8) :: 'geometry', 'section', 'static', 'modal'])) cycle
+      if (any(tasks(k) == [character(8) :: 'geometry', 'section', 'static', 'modal', 'flank'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', changes)
     end do
     if (t%wants('walk')) call walk(t, prescribed('table', 'mesh'), 'p', changes)
@@ -222,6 +222,24 @@ contains
     call add('precision modes', '1')
     call add('poincare start_um', '2', ' ', 'poincare start_um 1;poincare start_mm_s 0')
     call add('poincare start_mm_s', '2', ' ', 'poincare start_um 1;poincare start_mm_s 0')
+    call add('flank rpm', '17000, 19000', 'g')
+    call add('flank relief_um', '5', 'g')
+    call add('flank dynamic_load', '.false.', 'g')
+    call add('flank friction_coefficient', '0.04', 'g')
+    call add('flank roughness_um', '0.8', 'g')
+    call add('flank oil_factor', '0.8', 'g')
+    call add('flank viscosity_mpa_s', '50', 'g')
+    call add('flank pressure_viscosity_1_gpa', '15', 'g')
+    call add('flank conductivity_w_mk', '40', 'g')
+    call add('flank conductivity_w_mk', '49, 40', 'g')
+    call add('flank specific_heat_j_kgk', '460', 'g')
+    call add('flank specific_heat_j_kgk', '484, 460', 'g')
+    call add('dynamics damping_ratio', '0.03', 'g', 'flank dynamic_load .false.')
+    call add('dynamics friction', '0.05', 'g', 'flank dynamic_load .false.')
+    call add('numerics tolerance', '1e-10', 'g', 'flank dynamic_load .false.')
+    call add('material young_gpa', '200', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
+    call add('material poisson', '0.28', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
+    call add('material density_kgm3', '7000', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
 
   contains
 
@@ -284,7 +302,7 @@ contains
     call set(settings, 'case tasks '''//task//''';pair module_mm 3;pair face_width_mm 20;pinion teeth 21;gear teeth 34;'// &
              'load normal_force_n 4000;relief amount_um 0, 5;relief gear_fraction 0.4;mesh model '''//model//''';'// &
              'section teeth 1;section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
-             'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;'//few)
+             'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;'//few)
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
     select case (model)

@@ -609,6 +609,84 @@ class PrecisionFinestTable(Table):
     status: NDArray[str_]
     """ok, or why there is no value, as in the table sweep"""
 
+class FlankTable(Table):
+    """the contact of one pair along its path, from its first contact to its last"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    loading: NDArray[str_]
+    """static: as stiffness and relief share the load; dynamic: that of the motion"""
+    pair: NDArray[int64]
+    """which of so many different pairs this is, from 1; 0 without an answer"""
+    s: NDArray[float64]
+    """path coordinate of the pair, in base pitches from A; below 0 before A"""
+    path_mm: NDArray[float64]
+    """mm: distance from A on the line of action"""
+    pair_load_n: NDArray[float64]
+    """N: load of the pair"""
+    pinion_rolling_m_s: NDArray[float64]
+    """m/s: speed at which the pinion's flank rolls through the contact"""
+    gear_rolling_m_s: NDArray[float64]
+    """m/s: the same of the gear's flank"""
+    sliding_m_s: NDArray[float64]
+    """m/s: sliding speed: that of the pinion less that of the gear"""
+    pinion_specific_sliding: NDArray[float64]
+    """sliding speed over the pinion's rolling speed"""
+    gear_specific_sliding: NDArray[float64]
+    """the same of the gear, whose sliding speed has the other sign"""
+    pressure_mpa: NDArray[float64]
+    """MPa: largest Hertz pressure; NaN beyond A and E, where a sharp corner touches, as is all that follows from it"""
+    half_width_um: NDArray[float64]
+    """um: half the width of the contact"""
+    shear_stress_mpa: NDArray[float64]
+    """MPa: largest shear stress below the surface, without friction"""
+    shear_depth_um: NDArray[float64]
+    """um: depth at which it lies"""
+    friction_power_w: NDArray[float64]
+    """W: coefficient of friction times load and sliding speed"""
+    flash_temperature_k: NDArray[float64]
+    """K: by how much the flanks become hotter within the contact"""
+    film_thickness_um: NDArray[float64]
+    """um: least thickness of the oil film; NaN where no load is"""
+
+class FlankLossesTable(Table):
+    """what the mesh loses by friction, and the extremes along the path"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    loading: NDArray[str_]
+    """static: as stiffness and relief share the load; dynamic: that of the motion"""
+    friction_coefficient: NDArray[float64]
+    """mean coefficient of friction"""
+    loss_factor: NDArray[float64]
+    """H_v: mean of load times sliding speed of all pairs, over static load and speed of the base circles"""
+    loss_factor_half_shares: NDArray[float64]
+    """the same in closed form where all pairs carry alike (Ohlendorf, ISO/TR 14179-2)"""
+    loss_factor_even_load: NDArray[float64]
+    """the same in closed form for one load all along the path (ISO/TR 14179-1)"""
+    input_power_w: NDArray[float64]
+    """W: power of the pinion's torque"""
+    friction_loss_w: NDArray[float64]
+    """W: mean power lost by friction in the mesh"""
+    efficiency: NDArray[float64]
+    """input power less that loss, over the input power"""
+    largest_pressure_mpa: NDArray[float64]
+    """MPa: largest Hertz pressure along the path"""
+    largest_flash_k: NDArray[float64]
+    """K: largest flash temperature along the path"""
+    least_film_um: NDArray[float64]
+    """um: least film thickness along the path"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer, and for the static load"""
+    error_estimate: NDArray[float64]
+    """estimated error of DF; NaN where there is no answer or it is not known"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+
 class MotionTable(Table):
     """load, masses and stiffness of the mesh, and its natural frequency"""
 
@@ -780,6 +858,10 @@ class Named:
     def precision(self) -> PrecisionTable: ...
     @property
     def precision_finest(self) -> PrecisionFinestTable: ...
+    @property
+    def flank(self) -> FlankTable: ...
+    @property
+    def flank_losses(self) -> FlankLossesTable: ...
     @property
     def motion(self) -> MotionTable: ...
     @property

@@ -12,6 +12,7 @@ import pytest
 from conftest import GEARED, PARTIAL, PRESCRIBED, grid_of
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.path import Path
 from matplotlib.text import Text
 
@@ -22,7 +23,7 @@ from gearsweep.plots.gears import contact_path
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
-MAPS = ('stability', 'hysteresis', 'poincare', 'precision')
+MAPS = ('stability', 'hysteresis', 'poincare', 'precision', 'flank')
 MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
 ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
 ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
@@ -66,6 +67,7 @@ def both(rattling):
 @pytest.fixture(scope='module')
 def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, static={'field_position': 0},
+                                flank={'rpm': [4000, 6000]},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
     return gearsweep.run(case, (*case.tasks, *MAPS))
 
@@ -358,9 +360,26 @@ def test_precision_shows_errors_and_estimates_over_run_times(ax):
     assert [name for name, _ in plots.figures(study)] == ['precision']
 
 
+def test_flank_shows_the_columns_of_its_table_at_one_speed():
+    study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, flank={'rpm': [4000, 6000]}), 'flank')
+    shown = study.flank
+    for quantity in plots.flank.QUANTITIES:
+        ax = plots.plot_flank(study, Figure().subplots(), quantity=quantity, rpm=6000)
+        drawn = np.concatenate([line.get_ydata() for line in ax.lines if np.size(line.get_xdata()) > 2])
+        columns = [quantity] if quantity in shown.units else ['pinion_specific_sliding', 'gear_specific_sliding']
+        for column in columns:
+            assert np.nanmax(shown[column][shown.rpm == 6000]) in drawn
+    labels = [text.get_text() for legend in ax.findobj(Legend) for text in legend.get_texts()]
+    assert {'motion', 'static load', '0', '10'} == set(labels)
+    with pytest.raises(ValueError, match='rpm = 5000: must be one of 4000, 6000'):
+        plots.plot_flank(study, rpm=5000)
+    with pytest.raises(ValueError, match="quantity = 'heat': must be one of pressure_mpa"):
+        plots.plot_flank(study, quantity='heat')
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare', 'precision')  # fmt: skip
+             'stability', 'hysteresis', 'poincare', 'precision', 'flank')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

@@ -9,7 +9,7 @@ from conftest import ROOT
 import gearsweep
 
 GROUPS = {
-    'case': {'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'precision'"},
+    'case': {'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'precision', 'flank'"},
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
     'gear': {'teeth': 34, 'effective_mass_kg': 0.9},
@@ -27,6 +27,7 @@ GROUPS = {
     'hysteresis': {},
     'poincare': {},
     'precision': {},
+    'flank': {'rpm': 3000},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

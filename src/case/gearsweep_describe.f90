@@ -275,7 +275,7 @@ contains
     integer, intent(in) :: at
     type(lines_t), intent(inout) :: lines
     character(:), allocatable :: allowed
-    character(22) :: name
+    character(24) :: name
     integer :: i
 
     call lines%add('group &'//trim(keys%groups(at)%name))

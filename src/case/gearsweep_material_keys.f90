@@ -23,8 +23,9 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length), parameter :: users(*) = [character(sentence_length) :: &
-      'modal, precision or a stiffness that is computed', 'static, modal, precision or a stiffness that depends on it', &
-      'modal, precision or a mass that is not stated']
+      'modal, precision, flank or a stiffness that is computed', &
+      'static, modal, precision, flank or a stiffness that depends on it', &
+      'modal, precision, flank or a mass that is not stated']
     logical :: counts(3, 2), own(3, 2)
     character(sentence_length) :: geared, waits(3)
     type(material_t) :: common
@@ -56,15 +57,16 @@ contains
   pure function uses_of(case, member) result(uses)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
-    logical :: uses(3), yields, vibrates
+    logical :: uses(3), yields, vibrates, touches
 
     yields = case%needs('mesh') .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
     ! Printed values may be a tooth's as a beam.
     vibrates = case%asks('modal') .or. case%asks('precision') .or. allocated(case%published)
     vibrates = vibrates .and. member == case%member
-    uses(young) = yields .or. vibrates
-    uses(poisson) = (yields .and. case%model /= 'iso6336') .or. (case%needs('body') .and. member == case%member)
-    uses(density) = case%weighs(member) .or. vibrates
+    touches = case%needs('material')
+    uses(young) = yields .or. vibrates .or. touches
+    uses(poisson) = (yields .and. case%model /= 'iso6336') .or. (case%needs('body') .and. member == case%member) .or. touches
+    uses(density) = case%weighs(member) .or. vibrates .or. touches
   end function uses_of
 
   !> The keys of one group; for a single gear without defaults.
@@ -78,13 +80,13 @@ contains
     if (group /= 'material') common = 'that of &material'
     call reader%get(group, 'young_gpa', material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
                     waits=waits(young), refused=geared, otherwise=common, &
-                    meaning='Young''s modulus, for a stiffness that is computed and for natural modes; '// &
+                    meaning='Young''s modulus, for a stiffness that is computed, natural modes and contact pressure; '// &
                     'root stress does not depend on it')
     call reader%get(group, 'poisson', material%poisson, error, at_least=0.0_dp, below=0.5_dp, waits=waits(poisson), &
                     refused=geared, otherwise=common, &
-                    meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress and natural modes')
+                    meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress, natural modes and contact pressure')
     call reader%get(group, 'density_kgm3', material%density, error, unit='kg/m^3', at_least=1.0_dp, at_most=1e5_dp, &
                     waits=waits(density), refused=geared, otherwise=common, &
-                    meaning='density, for natural modes and for gears with neither mass nor inertia given')
+                    meaning='density, for natural modes, flash temperature and gears with neither mass nor inertia given')
   end subroutine read_group
 end module gearsweep_material_keys

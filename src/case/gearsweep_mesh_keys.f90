@@ -28,7 +28,7 @@ contains
     call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp, &
                     otherwise='that of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
     if (case%prescribed .and. case%needs('geometry')) call fail(error, code_input, &
-      '&case tasks: geometry, section, static and modal need a gear; a prescribed mesh (&mesh contact_ratio) has none')
+      '&case tasks: '//trim(case%tasks_for('geometry'))//' needs a gear; a prescribed mesh (&mesh contact_ratio) has none')
     case%model = 'weber'
     if (case%prescribed) case%model = ''
     if (case%prescribed) then

@@ -9,6 +9,7 @@ module gearsweep_study
   use gearsweep_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_key_names, only: name_key
   use gearsweep_kinds, only: dp
+  use gearsweep_material, only: material_t
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_mesh_stage, only: mesh_and_motion
   use gearsweep_products, only: record_t, study_t
@@ -55,6 +56,7 @@ contains
     study%case = case
     study%tasks = case%tasks
     study%amount = case%amount
+    study%material = case%material
     study%member = case%member
     study%direction = case%direction
     study%accuracy = case%accuracy
@@ -197,6 +199,7 @@ contains
       known = before%is_wanted .and. (slot%takes('mesh') .or. slot%takes('body')) .and. before%given == slot%given
       if (known) known = before%task%is_done .and. .not. before%task%is_stopped
       if (known .and. slot%takes('body')) known = same(study%body_inputs, earlier%body_inputs)
+      if (known .and. slot%takes('material')) known = same_materials(study%material, earlier%material)
       if (known .and. slot%takes('mesh')) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs)
       if (known .and. slot%takes('reliefs')) known = same(maxval(study%amount), maxval(earlier%amount))
       if (known .and. slot%takes('amounts')) known = same(study%amount, earlier%amount)
@@ -206,6 +209,12 @@ contains
       if (known .and. (slot%takes('keep') .or. slot%takes('kept'))) known = same(study%keep, earlier%keep)
     end associate
   end function is_known
+
+  pure logical function same_materials(a, b)
+    type(material_t), intent(in) :: a(2), b(2)
+
+    same_materials = same([a%young, a%poisson, a%density], [b%young, b%poisson, b%density])
+  end function same_materials
 
   !> What the results at a speed depend on beside the oscillator.
   pure type(choice_t) function choice_of(study)

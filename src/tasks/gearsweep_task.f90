@@ -13,6 +13,7 @@ module gearsweep_task
   use gearsweep_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t
+  use gearsweep_material, only: material_t
   use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_pair, only: pair_t
@@ -23,7 +24,7 @@ module gearsweep_task
   use gearsweep_text, only: str
   implicit none
   private
-  public :: task_t, task_info_t, stages_t, running_t, includes, split_names
+  public :: task_t, task_info_t, stages_t, running_t, check_reliefs, includes, split_names
 
   integer, parameter, public :: task_length = 12, table_length = 18
   character(*), parameter, public :: members(2) = [character(6) :: 'pinion', 'gear']
@@ -45,6 +46,7 @@ module gearsweep_task
   !> Products of the stages that several tasks share. Those that no wanted task needs are not allocated.
   type :: stages_t
     type(pair_t), allocatable :: pair            !< none for a prescribed mesh
+    type(material_t) :: material(2)              !< of pinion and gear
     integer :: member = 1                        !< the gear whose body is looked at: 1 pinion, 2 gear
     type(body_inputs_t) :: body_inputs           !< of that body
     type(elements_inputs_t), allocatable :: elements_inputs  !< of the pair stiffness, where that is by finite elements
@@ -69,6 +71,7 @@ module gearsweep_task
   !>   geometry  gears, which a prescribed mesh has not
   !>   section   the section of one gear
   !>   body      the same held and factored, by finite elements
+  !>   material  the materials, whatever the mesh takes of them
   !>   mesh      load, masses and stiffness
   !>   reliefs   the result depends on the relief
   !>   amounts   there is one result for each amount of relief

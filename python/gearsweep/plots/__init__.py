@@ -22,6 +22,7 @@ except ImportError as error:
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
 from .files import draw_all, figures, save
+from .flank import plot_flank
 from .gears import plot_geometry
 from .look import style
 from .over_speed import plot_optimum, plot_sweep
@@ -32,6 +33,7 @@ from .stress import plot_stress
 __all__ = [
     'draw_all',
     'figures',
+    'plot_flank',
     'plot_geometry',
     'plot_harmonics',
     'plot_hysteresis',

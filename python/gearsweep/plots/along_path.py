@@ -27,7 +27,7 @@ def plot_stiffness(mesh: Study | Table, ax: Axes | None = None) -> Axes:
         ax.plot(s, one, **ASIDE)
         ax.annotate('one pair', (s[0], one[0]), (8, -3), textcoords='offset points', va='top')
         ax.set_ylim(bottom=0)
-        _finish(ax, mesh, 'Stiffness (N/µm)')
+        finish(ax, mesh, 'Stiffness (N/µm)')
     return ax
 
 
@@ -36,7 +36,7 @@ def plot_sharing(mesh: Study | Table, ax: Axes | None = None) -> Axes:
     mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
         _curves(ax, mesh, paths(mesh.s, mesh.load_share, mesh.relief_um))
-        _finish(ax, mesh, 'Load share (–)')
+        finish(ax, mesh, 'Load share (–)')
     return ax
 
 
@@ -45,7 +45,7 @@ def plot_ste(mesh: Study | Table, ax: Axes | None = None) -> Axes:
     mesh = table_of(mesh, 'mesh')
     with canvas(ax) as ax:
         _curves(ax, mesh, paths(mesh.s, mesh.ste_um, mesh.relief_um))
-        _finish(ax, mesh, 'Static transmission error (µm)')
+        finish(ax, mesh, 'Static transmission error (µm)')
     return ax
 
 
@@ -106,7 +106,7 @@ def plot_load(load: Study | Table, ax: Axes | None = None, *, rpm: float | None 
         cross = Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(missing)} µm')
         if 'motion' in load.study:
             _level(ax, load.study.motion.load_n, 'static load')
-        _finish(ax, load, f'Pair load at {rpm:g} 1/min (N)', [cross] if missing else [])
+        finish(ax, load, f'Pair load at {rpm:g} 1/min (N)', [cross] if missing else [])
     return ax
 
 
@@ -130,7 +130,7 @@ def plot_static(stress: Study | Table, ax: Axes | None = None) -> Axes:
         if 'root_rating' in stress.study:
             _level(ax, stress.study.root_rating.iso_mpa, 'ISO 6336-3')
             _level(ax, stress.study.root_rating.lewis_mpa, 'Lewis')
-        _finish(ax, stress, 'Root stress (MPa)')
+        finish(ax, stress, 'Root stress (MPa)')
     return ax
 
 
@@ -176,7 +176,7 @@ def _curves(ax: Axes, table: Table, curves: Iterable[tuple[Reals, ...]]) -> set[
     return found
 
 
-def _finish(ax: Axes, table: Table, label: str, more: Sequence[Artist] = ()) -> None:
+def finish(ax: Axes, table: Table, label: str, more: Sequence[Artist] = ()) -> None:
     """Points of contact, with those letters in one that would overlap; labels and legend."""
     points = sorted(contact_points(table.study).items(), key=lambda point: point[1])
     length = points[-1][1] if points else np.nanmax(table.s)

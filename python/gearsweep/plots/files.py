@@ -11,11 +11,13 @@ from typing import BinaryIO
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 
 from .._files import replacing
 from ..study import Study
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .body import plot_modal, plot_section
+from .flank import plot_flank
 from .gears import plot_geometry
 from .look import COLUMN, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
@@ -74,6 +76,7 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'hysteresis': _reliefs('hysteresis', plot_hysteresis),
         'poincare': _reliefs('lyapunov', plot_poincare),
         'precision': _precision,
+        'flank': _flank,
     }
     for name, draw in drawings.items():
         if name in study and (not names or name in names):
@@ -137,6 +140,26 @@ def _loads(study: Study) -> Figure:
     for ax, rpm in zip(axes, speeds):
         plot_load(study, ax, rpm=rpm)
     _one_legend(axes)
+    return figure
+
+
+def _flank(study: Study) -> Figure:
+    """Pressure, sliding, flash temperature and film below each other, a column for each of at most two speeds."""
+    speeds = np.atleast_1d(study.case.get('flank', 'rpm'))
+    shown = speeds[:2]
+    figure = Figure((COLUMN if len(shown) == 1 else PAGE, 190 * MM), layout='constrained')
+    rows = figure.subplots(4, len(shown), sharex=True, squeeze=False)
+    for axes, quantity in zip(rows, ('pressure_mpa', 'sliding_m_s', 'flash_temperature_k', 'film_thickness_um')):
+        for ax, rpm in zip(axes, shown):
+            plot_flank(study, ax, quantity=quantity, rpm=rpm)
+    for axes in rows[:-1]:
+        for ax in axes:
+            ax.set_xlabel('')
+    for ax in rows.flat[1:]:
+        for legend in ax.findobj(Legend):
+            legend.remove()
+    if len(shown) < len(speeds):
+        figure.supxlabel(f'The first {len(shown)} of {len(speeds)} speeds')
     return figure
 
 
