@@ -9,7 +9,7 @@ DATA = pathlib.Path(__file__).parent.parent / 'data'
 
 # The task that fills a table, where it has another name.
 TASKS = {'gears': 'geometry', 'contact_points': 'geometry', 'motion': 'mesh', 'transmission_error': 'mesh', 'harmonics': 'mesh',
-         'root_stress': 'static', 'root_rating': 'static', 'resonances': 'sweep', 'optimum_curve': 'optimum'}
+         'root_stress': 'static', 'flank_losses': 'flank', 'root_rating': 'static', 'resonances': 'sweep', 'optimum_curve': 'optimum'}
 
 _NO_SECTION = {'teeth': None, 'fixed': None, 'plane': None}
 
@@ -26,7 +26,12 @@ VARIANTS = {
     'gear': {'section': {'member': 'gear'}},
     # FZG C14: 14 mm wide, tips shortened by what the profile shifts exceed the widened centre distance.
     'c14': {'pair': {'face_width_mm': 14}, 'pinion': {'addendum': 0.980133}, 'gear': {'addendum': 0.980133},
-            'load': {'torque_nm': 200}},
+            'load': {'torque_nm': 200},
+            'flank': {'rpm': 1500, 'viscosity_mpa_s': 46.23, 'pressure_viscosity_1_gpa': 71.05, 'oil_factor': 0.85,
+                      'roughness_um': 0.6}},
+    # All pairs in contact carry the same.
+    'half-shares': {'mesh': {'model': 'polynomial', 'coefficients': 400}},
+    'losses': {'flank': {'rpm': 6700, 'friction_coefficient': 0.05, 'dynamic_load': False}},
     'six-um': {'relief': {'amount_um': (0, 6), 'start': 'hpstc'}},
     'no-edge-break': {'gear': {'tip_form_diameter_mm': None}},
     # STplus prints the span of teeth without their allowances.

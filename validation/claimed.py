@@ -288,3 +288,11 @@ def poisson_high():
 
 def _prescribed():
     return (REFERENCE.parent / 'extreme' / 'prescribed.nml').read_text(encoding='utf-8')
+
+
+def thermal_contact():
+    """Thermal contact coefficient that the defaults of &flank and &material make, N/(mm s^0.5 K)."""
+    complete = case('fzg_c40').changed(flank={'conductivity_w_mk': None, 'specific_heat_j_kgk': None},
+                                             material={'density_kgm3': None}).complete()  # fmt: skip
+    heat = [complete.get('flank', key) for key in ('conductivity_w_mk', 'specific_heat_j_kgk')]
+    return (heat[0] * heat[1] * complete.get('material', 'density_kgm3'))**0.5 / 1000

@@ -24,9 +24,9 @@ ROUNDING = 0.6  # of a unit of the last digit: half of it, and what another proc
 
 # Files in which no number stands without what confirms it, and what stands for no number there.
 COMPLETE = ('README.md', 'CHANGELOG.md', 'doc/dynamics.md', 'doc/elastic.md', 'doc/performance.md', 'doc/limits.md',
-            'doc/pictures.md', 'doc/python.md', 'doc/stability.md', 'doc/precision.md', 'doc/linking.md')
+            'doc/pictures.md', 'doc/python.md', 'doc/stability.md', 'doc/precision.md', 'doc/linking.md', 'doc/flank.md')
 NAMES = re.compile(
-    r'ISO \d+(-\d+)?(:\d+)?|ISO/\S+|Fortran \d+|Eqs?\. \d+( to \d+)?|[Cc]ase 1|FV32|version \d\S*|\d+\.\d+\.\d+|20\d\d-\d\d-\d\d|'
+    r'ISO \d+(-\d+)?(:\d+)?|ISO/TR \d+-\d|ISO/\S+|(Johnson|Blok|Dowson|Schlenk|Ohlendorf) 19\d\d|Fortran \d+|Eqs?\. \d+( to \d+)?|[Cc]ase 1|FV32|version \d\S*|\d+\.\d+\.\d+|20\d\d-\d\d-\d\d|'
     r'BSD \d|C1[12]|20\d\d|(flang|gfortran|GCC|Python|Debian|Ubuntu) \d[\d.]*|-O\d|[Dd]amping above 1|next to 0|(exit )?code \d|contact\s+ratio of 2')
 
 

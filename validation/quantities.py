@@ -130,6 +130,31 @@ def hertz_half_width(name):
     return 2 * load(name) / given(name, 'pair', 'face_width_mm') / (math.pi * hertz(name))
 
 
+def losses(name, column, relief=0):
+    """A column of what the mesh loses under the static load, with this relief: a factor, W, or um and MPa of an extreme."""
+    table = result('flank_losses', name)
+    here = (table.loading == 'static').ravel()
+    return table[column][list(table.relief_um).index(relief), 0, list(here).index(True)]
+
+
+def along_path(name, column, which):
+    """The least or largest value of a column of the contact along the path, under the static load."""
+    table = result('flank', name)
+    return {'least': np.nanmin, 'largest': np.nanmax}[which](table[column][table.loading == 'static'])
+
+
+def largest_sliding(name, member):
+    """Largest specific sliding of pinion or gear, without its sign."""
+    return np.abs(result('flank', name)[f'{member}_specific_sliding']).max()
+
+
+def at_pitch_point(name, column):
+    """The contact at the pitch point under the static load."""
+    table = result('flank', name)
+    here = table.loading == 'static'
+    return np.interp(_at(name, 'P'), table.s[here], table[column][here])
+
+
 def iso_root_stress(name):
     """sigma_F0 by ISO 6336-3."""
     return result('root_rating', name).iso_mpa

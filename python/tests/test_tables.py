@@ -28,6 +28,7 @@ PLACES = {
     'Points': 'sweep_summary',
     'Optimum relief': 'optimum',
     'Precision at': 'precision precision_finest',
+    'Flanks': 'flank_losses',
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
