@@ -5,15 +5,20 @@ module test_flank
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t
+  use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_flank, only: contact_t, flank_contact, flash_factor, rolling_arm, sliding_ratio, surfaces_t
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
-  use gearsweep_mesh, only: mesh_t
+  use gearsweep_mesh, only: interval_t, mesh_t
   use gearsweep_mesh_losses, only: even_load_factor, followed_loss_factor, friction_rule_t, half_shares_factor, mean_friction, &
     static_loss_factor
+  use gearsweep_oscillator, only: make_oscillator, mesh_period, mobility, oscillator_t
   use gearsweep_pair, only: free_centre_distance, make_pair, pair_t
-  use gearsweep_piecewise, only: constant
+  use gearsweep_piecewise, only: constant, polynomial
+  use gearsweep_response, only: find_response, response_t
+  use gearsweep_sharing, only: pairs_at
+  use gearsweep_status, only: status_ok
   use gearsweep_study, only: run_study, study_t
   use gearsweep_tables, only: column_of
   use gearsweep_text, only: str
@@ -39,6 +44,7 @@ contains
     if (t%wants('swapped_members')) call swapped_members(t)
     if (t%wants('one_task')) call one_task(t)
     if (t%wants('dynamic_loads')) call dynamic_loads(t)
+    if (t%wants('energy')) call energy(t)
     if (t%wants('refusals')) call refusals(t)
   end subroutine run
 
@@ -441,6 +447,83 @@ contains
     call check_true(t, 'static and dynamic', size(factor) == 2)
     call check_close(t, 'the same in the limit', factor(2), factor(1), 1e-3_dp)
   end subroutine dynamic_loads
+
+  !> The balance of a motion with friction and damping over a mesh period, followed by Runge-Kutta in many steps from where the
+  !> library's motion begins: it repeats; what the tooth forces give to the vibration, damping takes; and the power that the
+  !> pinion gives less that which the gear gets is what friction takes, the loss of the task.
+  subroutine energy(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: steps = 4000
+    type(pair_t) :: pair
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: accuracy
+    type(response_t) :: response
+    type(error_t), allocatable :: error
+    real(dp) :: state(7), slope(7, 4), width, duration, rim
+    integer :: i, k
+
+    pair = example(t, 1)
+    osc%mesh = even_mesh(pair)
+    osc%mesh%stiffness = polynomial(0.0_dp, pair%contact_ratio, [3.2e8_dp, 1e7_dp, -8e7_dp])
+    osc%mass = [0.5_dp, 0.9_dp]
+    osc%load = load
+    osc%damping_ratio = 0.08_dp
+    osc%friction = 0.06_dp
+    call make_oscillator(osc, error)
+    call check_no_error(t, 'oscillator', error)
+    accuracy%steady%tolerance = 1e-11_dp
+    call find_response(osc, speed*30/pi, accuracy, response)
+    call check_true(t, 'all pairs stay in contact', response%point%steady%status == status_ok .and. all(response%load > 0))
+    duration = mesh_period(osc%mesh%teeth(1), speed*30/pi)
+    rim = speed*pair%gear(1)%base_radius(drive)
+    state = 0
+    state(1:2) = response%point%steady%state/[1.0_dp, duration]
+    do i = 1, size(osc%intervals)
+      associate (interval => osc%intervals(i))
+        width = (interval%last - interval%first)/steps
+        do k = 0, steps - 1
+          slope(:, 1) = slopes(interval, interval%first + k*width, state)
+          slope(:, 2) = slopes(interval, interval%first + (k + 0.5_dp)*width, state + duration*width/2*slope(:, 1))
+          slope(:, 3) = slopes(interval, interval%first + (k + 0.5_dp)*width, state + duration*width/2*slope(:, 2))
+          slope(:, 4) = slopes(interval, interval%first + (k + 1)*width, state + duration*width*slope(:, 3))
+          state = state + duration*width/6*(slope(:, 1) + 2*slope(:, 2) + 2*slope(:, 3) + slope(:, 4))
+        end do
+      end associate
+    end do
+    call check_close(t, 'the motion repeats', state(1), response%point%steady%state(1), absolute=1e-8_dp*osc%static_deflection)
+    call check_true(t, 'damping takes power', state(3) > 0)
+    call check_close(t, 'work of the tooth forces and damping', state(4), -state(3), 1e-8_dp)
+    call check_close(t, 'friction takes what the gear gets less', state(5) - state(6), state(7), 1e-8_dp)
+    call check_close(t, 'the loss of the motion', osc%friction*load*rim*followed_loss_factor(pair, response%pair, response%s, &
+                     response%load, load), state(7)/duration, 1e-4_dp)
+
+  contains
+
+    !> Per time, of x and its rate, and of the energies: taken by damping, given by the tooth forces to the vibration, given by
+    !> the pinion, got by the gear, taken by friction at the speed of the gears.
+    function slopes(interval, phase, now) result(rate)
+      type(interval_t), intent(in) :: interval
+      real(dp), intent(in) :: phase, now(7)
+      real(dp) :: rate(7), reduced, damping_force
+      real(dp), dimension(interval%pairs) :: stiffness, error, force, share, s, sense
+      integer :: j
+
+      reduced = product(osc%mass)/sum(osc%mass)
+      call pairs_at(osc%mesh, interval, phase, stiffness, error)
+      s = interval%place(phase, [(j, j=1, interval%pairs)])
+      force = stiffness*(now(1) - error)
+      share = reduced*mobility(osc, s, interval%recess)
+      sense = merge(osc%friction, -osc%friction, interval%recess)
+      damping_force = reduced*2*osc%damping_ratio*sqrt(sum(stiffness*share)/reduced)*now(2)
+      rate(1) = now(2)
+      rate(2) = (osc%load - sum(force*share) - damping_force)/reduced
+      rate(3) = damping_force*now(2)
+      rate(4) = sum(force*share)*now(2)
+      rate(5) = rim*sum(force*(1 + sense*osc%mesh%curvature_ratio(1, s)))
+      rate(6) = rim*sum(force*(1 + sense*osc%mesh%curvature_ratio(2, s)))
+      rate(7) = osc%friction*sum(force*abs(sliding_ratio(pair, s)))*rim
+    end function slopes
+  end subroutine energy
 
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t
