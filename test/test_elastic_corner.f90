@@ -32,6 +32,7 @@ contains
     if (t%wants('punch')) call punch(t, material_t(young=70e9_dp, poisson=0.34_dp))
     if (t%wants('self_similar')) call self_similar(t)
     if (t%wants('beyond_the_path')) call beyond_the_path(t)
+    if (t%wants('stiff_corner')) call stiff_corner(t)
     if (t%wants('whole_case')) call whole_case(t)
     if (t%wants('root_share')) call root_share(t)
     if (t%wants('any_load')) call any_load(t)
@@ -177,6 +178,52 @@ contains
                       curve%value(-0.05_dp) > 0.8_dp*plain%value(0.0_dp), str(curve%value(-0.05_dp)/plain%value(0.0_dp)))
     end do
   end subroutine beyond_the_path
+
+  !> A tooth far stiffer than its mate has a stiff corner: at A, where the gear's touches, and at E, where the pinion's does, the
+  !> contact is that of a punch with an edge on the mate alone. What it yields beside Hertz's contact, cut nowhere, is the
+  !> difference of two logarithms (see `punch`). The other way round the corner yields and the mate does not, which is another.
+  subroutine stiff_corner(t)
+    type(tally_t), intent(inout) :: t
+    type(material_t), parameter :: diamond = material_t(young=206e15_dp)
+    integer, parameter :: points = 400
+    type(fe_options_t) :: options
+    type(pair_t) :: pair
+    type(piecewise_t) :: plain, curve
+    type(disc_t) :: disc
+    type(error_t), allocatable :: error
+    type(material_t) :: both(2)
+    real(dp) :: s, a, c, mean, weight, expected
+    integer :: i, end_of_path
+
+    pair = pair_of([25, 32])
+    options%section%elements_across = 8
+    do end_of_path = 1, 2
+      both = [steel, diamond]
+      s = -1e-9_dp
+      if (end_of_path == 2) both = [diamond, steel]
+      if (end_of_path == 2) s = pair%contact_ratio + 1e-9_dp
+      options%corner_contact = .false.
+      call fe_stiffness(pair, both, options, load, plain, disc, error)
+      options%corner_contact = .true.
+      call fe_stiffness(pair, both, options, load, curve, disc, error)
+      call check_no_error(t, 'a stiff member', error)
+      associate (sum_of => 1/pair%curvature(1, s) + 1/pair%curvature(2, s))
+        a = sqrt(4*load/(pi*modulus*sum_of))
+        c = sqrt(16*load/(3*pi*modulus*sum_of))
+      end associate
+      mean = 0
+      weight = 0
+      do i = 1, points
+        associate (u => pi/2*(i - 0.5_dp)/points)
+          mean = mean + cos(u)**2*(sin(u)**2 + 0.5_dp)*log(c*sin(u)**2)
+          weight = weight + cos(u)**2*(sin(u)**2 + 0.5_dp)
+        end associate
+      end do
+      expected = 2/(pi*modulus)*(log(a/2) - 0.5_dp - mean/weight)
+      call check_close(t, 'a stiff corner', pair%gear(1)%spec%face_width*(1/curve%value(s) - 1/plain%value(min( &
+                       pair%contact_ratio, max(0.0_dp, s)))), expected, absolute=2e-2_dp/modulus)
+    end do
+  end subroutine stiff_corner
 
   !> Dogan et al. 2021, case 1, as the program has it, against an independent model with the exact gap of the corner, whose
   !> corner was as stiff as A: transmission error, where contact begins, and the same with neighbours and Hertz by own load.
