@@ -23,7 +23,7 @@ from gearsweep.plots.gears import contact_path
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
-MAPS = ('stability', 'hysteresis', 'poincare', 'precision', 'flank')
+MAPS = ('stability', 'hysteresis', 'poincare', 'precision')
 MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
 ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
 ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
@@ -69,7 +69,7 @@ def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, static={'field_position': 0},
                                 flank={'rpm': [4000, 6000]},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank'))
 
 
 def all_plots():
@@ -414,6 +414,12 @@ def test_all_text_is_large_enough_whole_and_free(text, changes, monkeypatch):
 def test_text_of_the_maps_is_large_enough_whole_and_free(rattling, monkeypatch):
     case = rattling.changed(stability={'tongues': 12}, poincare={'kept_periods': 20})
     check_text(plots.figures(gearsweep.run(case, MAPS)), monkeypatch)
+
+
+@pytest.mark.parametrize('rpm', [4000, [4000, 6000, 8000]])
+def test_text_of_flanks_is_large_enough_whole_and_free(rpm, monkeypatch):
+    study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, flank={'rpm': rpm}), 'flank')
+    check_text(plots.figures(study, 'flank'), monkeypatch)
 
 
 def check_text(figures, monkeypatch):
