@@ -269,10 +269,10 @@ contains
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t
 
-    call refuse('&section teeth = 26', section_options_t(teeth=26))
-    call refuse('&section elements_across = 2', section_options_t(elements_across=2))
-    call refuse('&section rim_mm = -1', section_options_t(rim=-1e-3_dp))
-    call refuse('&section rim_mm = 40', section_options_t(rim=40e-3_dp))
+    call refuse('teeth of the section = 26', section_options_t(teeth=26))
+    call refuse('elements across a tooth = 2', section_options_t(elements_across=2))
+    call refuse('rim (mm) = -1', section_options_t(rim=-1e-3_dp))
+    call refuse('rim (mm) = 40', section_options_t(rim=40e-3_dp))
     call refuse('overlaps the next tooth', section_options_t(half_angle=0.6_dp))
     call refuse('teeth cut', section_options_t(half_angle=0.25_dp))
     call refuse('the section is not held', section_options_t(fixed_sides=.false., fixed_rim=.false.))
