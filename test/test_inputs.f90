@@ -481,25 +481,33 @@ contains
     mark = achar(0)
     value = 0
     last = 0
-    at = at + verify(text(at:)//'.', ' ') - 1
+    at = behind(text, at, ' ')
     if (at > len(text)) return
     mark = text(at:at)
     until = at
     from = at + merge(1, 0, mark == '-' .and. at < len(text))
     if (index(digits, text(from:from)) > 0) then
       mark = '0'
-      until = from + verify(text(from:)//' ', digits//'.') - 2
+      until = behind(text, from, digits//'.') - 1
       point = index(text(from:until), '.')
       if (point > 0) last = 10.0_dp**(from + point - 1 - until)
-      if (is_exponent(text(until + 1:))) then
-        until = until + 1 + verify(text(until + 3:)//' ', digits)
-      end if
+      if (is_exponent(text(until + 1:))) until = behind(text, until + 3, digits) - 1
       read (text(at:until), *, iostat=info) value
       if (info /= 0) value = 0
       if (scan(text(at:until), 'eE') > 0) last = 0
     end if
     at = until + 1
   end subroutine next_item
+
+  !> The first place from `at` on whose character is none of a set. Texts are long: none is copied.
+  pure integer function behind(text, at, set) result(place)
+    character(*), intent(in) :: text, set
+    integer, intent(in) :: at
+
+    do place = at, len(text)
+      if (index(set, text(place:place)) == 0) exit
+    end do
+  end function behind
 
   !> Does the text begin as `E+01`?
   pure logical function is_exponent(text)
