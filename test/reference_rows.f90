@@ -8,12 +8,12 @@ module reference_rows
   use gearsweep_stiffness, only: polynomial_stiffness
   implicit none
   private
-  public :: row_t, read_rows, oscillator_of, prescribed
+  public :: row_t, read_rows, oscillator_of, complete, prescribed
 
   type :: row_t
-    integer :: id, teeth(2), n_coef, shape, loss
-    real(dp) :: angle, contact_ratio, pitch_point, coef(5), mass(2), load, zeta, friction, backlash, relief(2), rpm
-    real(dp) :: dynamic_factor, multiplier, x, v
+    integer :: id = 0, teeth(2) = 0, n_coef = 0, shape = 0, loss = 0
+    real(dp) :: angle = 0, contact_ratio = 0, pitch_point = 0, coef(5) = 0, mass(2) = 0, load = 0, zeta = 0, friction = 0
+    real(dp) :: backlash = -1, relief(2) = 0, rpm = 0, dynamic_factor = 0, multiplier = 0, x = 0, v = 0
   end type row_t
 
 contains
@@ -42,9 +42,17 @@ contains
   subroutine oscillator_of(row, osc)
     type(row_t), intent(in) :: row
     type(oscillator_t), intent(out) :: osc
-    type(error_t), allocatable :: error
 
     call prescribed(row%contact_ratio, row%coef(:row%n_coef), row%relief, row%shape, osc)
+    call complete(row, osc)
+  end subroutine oscillator_of
+
+  !> What a row says beside stiffness and profile error.
+  subroutine complete(row, osc)
+    class(row_t), intent(in) :: row
+    type(oscillator_t), intent(inout) :: osc
+    type(error_t), allocatable :: error
+
     osc%mesh%teeth = row%teeth
     osc%mesh%pitch_point = row%pitch_point
     osc%mesh%tan_angle = tan(row%angle*pi/180)
@@ -56,7 +64,7 @@ contains
     osc%backlash = max(0.0_dp, row%backlash)*1e-6_dp
     call make_oscillator(osc, error)
     if (allocated(error)) error stop 'reference row'
-  end subroutine oscillator_of
+  end subroutine complete
 
   !> A prescribed mesh: coefficients in N/um, short reliefs in um; the rest to be set by the caller.
   subroutine prescribed(contact_ratio, coef, relief_um, shape, osc)

@@ -16,17 +16,17 @@ module test_beyond
   use gearsweep_stability, only: map_stability, stability_t
   use gearsweep_sweep, only: down, each, run_sweep, sweep_options_t, sweep_t, up
   use gearsweep_text, only: str
+  use reference_rows, only: complete, row_t
   use single_points, only: solve
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none
   private
   public :: run
 
-  type :: row_t
-    integer :: id, n_coef, teeth(2), events, beyond, apart
-    real(dp) :: contact_ratio, coef(5), soften, gap(2), reach(2), relief(2), shared, mass(2), load, zeta, friction, angle, &
-                pitch_point, backlash, rpm, dynamic_factor, state(2), difference
-  end type row_t
+  type, extends(row_t) :: corner_row_t
+    integer :: events = 0, beyond = 0, apart = 0
+    real(dp) :: soften = 0, gap(2) = 0, reach(2) = 0, shared = 0, state(2) = 0, difference = 0
+  end type corner_row_t
 
 contains
 
@@ -50,8 +50,8 @@ contains
   end subroutine run
 
   subroutine read_rows(rows)
-    type(row_t), allocatable, intent(out) :: rows(:)
-    type(row_t) :: r
+    type(corner_row_t), allocatable, intent(out) :: rows(:)
+    type(corner_row_t) :: r
     character(1000) :: line
     integer :: unit, stat
 
@@ -71,27 +71,16 @@ contains
 
   !> The oscillator of a row.
   subroutine make(r, osc)
-    type(row_t), intent(in) :: r
+    type(corner_row_t), intent(in) :: r
     type(oscillator_t), intent(out) :: osc
-    type(error_t), allocatable :: error
 
     call make_curves(r, osc)
-    osc%mesh%teeth = r%teeth
-    osc%mesh%pitch_point = r%pitch_point
-    osc%mesh%tan_angle = tan(r%angle*pi/180)
-    osc%mass = r%mass
-    osc%load = r%load
-    osc%damping_ratio = r%zeta
-    osc%friction = r%friction
-    osc%has_backlash = r%backlash >= 0
-    osc%backlash = max(0.0_dp, r%backlash)*1e-6_dp
-    call make_oscillator(osc, error)
-    if (allocated(error)) error stop 'row of test_beyond'
+    call complete(r, osc)
   end subroutine make
 
   !> Stiffness, with the shared compliance in it as a mesh has it, and profile error.
   subroutine make_curves(r, osc)
-    type(row_t), intent(in) :: r
+    type(corner_row_t), intent(in) :: r
     type(oscillator_t), intent(inout) :: osc
     type(error_t), allocatable :: error
     real(dp), parameter :: square(0:3) = [1, 2, 1, 0]/4.0_dp, cube(0:3) = [1, 3, 3, 1]/8.0_dp, mirror(0:3) = [1, -1, 1, -1]
@@ -164,7 +153,7 @@ contains
   subroutine quadratic_gap(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: ratio = 1.6_dp, load = 6000, stiffness = 4e8_dp, gap = 3e-3_dp
-    type(row_t) :: r
+    type(corner_row_t) :: r
     type(oscillator_t) :: osc
     type(harmonics_t) :: harmonics
     real(dp) :: d, at(4), kink(4), bend(4), mean
@@ -192,19 +181,19 @@ contains
     call check_true(t, 'error estimate', harmonics%error_estimate < 1e-12_dp*load/stiffness)
   end subroutine quadratic_gap
 
-  type(row_t) function constant_row(ratio, load, stiffness, gap) result(r)
+  type(corner_row_t) function constant_row(ratio, load, stiffness, gap) result(r)
     real(dp), intent(in) :: ratio, load, stiffness, gap
 
-    r = row_t(id=0, n_coef=1, teeth=25, events=2, beyond=1, apart=0, contact_ratio=ratio, coef=[stiffness, 0.0_dp, 0.0_dp, 0.0_dp, &
-              0.0_dp], soften=0, gap=[gap, 0.0_dp], reach=0.15_dp, relief=0, shared=0, mass=0.8_dp, load=load, zeta=0.1_dp, &
-              friction=0, angle=20, pitch_point=ratio/2, backlash=-1, rpm=5000, dynamic_factor=0, state=0, difference=0)
+    r = corner_row_t(n_coef=1, teeth=25, events=2, beyond=1, contact_ratio=ratio, coef=stiffness*[1, 0, 0, 0, 0], &
+                     gap=[gap, 0.0_dp], reach=0.15_dp, mass=0.8_dp, load=load, zeta=0.1_dp, angle=20.0_dp, pitch_point=ratio/2, &
+                     rpm=5000.0_dp)
   end function constant_row
 
   !> The same mesh: a pair before A carries 1/2 - K gap/(2 F) of the load, down to 0 where contact begins.
   subroutine begins_under_load(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: ratio = 1.6_dp, load = 6000, stiffness = 4e8_dp, gap = 3e-3_dp
-    type(row_t) :: r
+    type(corner_row_t) :: r
     type(oscillator_t) :: osc
     type(sharing_t) :: sharing
     real(dp) :: d, s
@@ -229,8 +218,8 @@ contains
   !> Beyond A and E the gap is larger than any deflection: all is as where contact ends there.
   subroutine out_of_reach(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
-    type(row_t) :: r
+    type(corner_row_t), allocatable :: rows(:)
+    type(corner_row_t) :: r
     type(oscillator_t) :: osc, plain
     type(accuracy_t) :: options
     type(point_t) :: point, same
@@ -266,7 +255,7 @@ contains
   !> reference changed its own by `difference`, of which a fifteenth is left.
   subroutine references(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
+    type(corner_row_t), allocatable :: rows(:)
     type(oscillator_t) :: osc
     type(accuracy_t) :: options
     type(point_t) :: point
@@ -297,7 +286,7 @@ contains
   !> Halving the steps from two for a radian of the natural motion, errors against a tolerance of 1e-12; mean of the rows.
   subroutine sixth_order(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
+    type(corner_row_t), allocatable :: rows(:)
     type(oscillator_t) :: osc
     type(accuracy_t) :: options, exact
     type(point_t) :: point, truth
@@ -326,7 +315,7 @@ contains
   !> classical Runge-Kutta steps of the literature, to what they claim.
   subroutine one_by_one_and_in_batches(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
+    type(corner_row_t), allocatable :: rows(:)
     type(oscillator_t) :: osc
     type(sweep_options_t) :: options
     type(sweep_t) :: one, two
@@ -363,7 +352,7 @@ contains
   !> load is the largest static one.
   subroutine graded_steps(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
+    type(corner_row_t), allocatable :: rows(:)
     type(oscillator_t) :: osc
     type(accuracy_t) :: options, equal
     type(point_t) :: point, same
@@ -390,8 +379,8 @@ contains
   !> The slower the motion, the nearer its largest load comes to the largest static one: by twice the speed, twice as far.
   subroutine slow_motion(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
-    type(row_t) :: r
+    type(corner_row_t), allocatable :: rows(:)
+    type(corner_row_t) :: r
     type(oscillator_t) :: osc
     type(accuracy_t) :: options
     type(point_t) :: point
@@ -416,7 +405,7 @@ contains
   !> Constant own stiffness: one pair in series with the compliance, or two.
   subroutine stiffness_in_series(t)
     type(tally_t), intent(inout) :: t
-    type(row_t) :: r
+    type(corner_row_t) :: r
     type(oscillator_t) :: osc
     real(dp), parameter :: k = 4e8_dp, c = 5e-10_dp
 
@@ -432,7 +421,7 @@ contains
   !> The loads of a pair along its path begin before A at 0, end behind E at 0, and their largest is the dynamic factor.
   subroutine path_of_a_pair(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
+    type(corner_row_t), allocatable :: rows(:)
     type(oscillator_t) :: osc
     type(accuracy_t) :: options
     type(response_t) :: response
@@ -461,7 +450,7 @@ contains
   !> the breaks, where contact changes within steps, in equal steps, and with constant coefficients.
   subroutine methods_of_the_literature(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
+    type(corner_row_t), allocatable :: rows(:)
     type(oscillator_t) :: osc
     type(accuracy_t) :: options
     type(point_t) :: point
@@ -488,8 +477,8 @@ contains
   !> disturbance of it; where contact beyond A and E is out of reach, they are those of the mesh without it.
   subroutine disturbances(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
-    type(row_t) :: r
+    type(corner_row_t), allocatable :: rows(:)
+    type(corner_row_t) :: r
     type(oscillator_t) :: osc, plain
     type(stability_t) :: map, same
     type(error_t), allocatable :: error
@@ -520,7 +509,7 @@ contains
   !> Where one motion exists, a sweep up and one down find it too.
   subroutine up_and_down(t)
     type(tally_t), intent(inout) :: t
-    type(row_t), allocatable :: rows(:)
+    type(corner_row_t), allocatable :: rows(:)
     type(oscillator_t) :: osc
     type(sweep_options_t) :: options
     type(sweep_t) :: one, other

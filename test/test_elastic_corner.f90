@@ -1,14 +1,14 @@
 !> The tip corner in contact: an edge on a half plane against closed forms, and the pair's stiffness beyond the path.
 module test_elastic_corner
+  use dogan_gears, only: dogan_pair
   use gearsweep_disc, only: disc_t
   use gearsweep_edge_contact, only: edge_compliance, edge_deflection, edge_t, make_edge
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_flattening, only: surface_to_depth
-  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
-  use gearsweep_pair, only: make_pair, pair_t
+  use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
@@ -131,18 +131,6 @@ contains
                      relative=3e-2_dp)
   end subroutine self_similar
 
-  type(pair_t) function pair_of(teeth) result(pair)
-    integer, intent(in) :: teeth(2)
-    type(gear_t) :: gear(2)
-    type(error_t), allocatable :: error
-    integer :: i
-
-    do i = 1, 2
-      call make_gear(gear_spec_t('pinion', teeth(i), 0.00318_dp, face_width=0.0254_dp), gear(i), error)
-    end do
-    call make_pair(gear(1), gear(2), sum(gear%reference_radius), pair, error)
-  end function pair_of
-
   !> Continuous at A and E, as without the corners within the path, alike at both ends of equal gears; softer beyond.
   subroutine beyond_the_path(t)
     type(tally_t), intent(inout) :: t
@@ -157,7 +145,7 @@ contains
 
     do k = 1, 2
       options%corner_contact = .false.
-      pair = pair_of(teeth(:, k))
+      pair = dogan_pair(teeth(:, k))
       call fe_stiffness(pair, [steel, steel], options, load, plain, disc, error)
       options%corner_contact = .true.
       call fe_stiffness(pair, [steel, steel], options, load, curve, disc, error)
@@ -195,7 +183,7 @@ contains
     real(dp) :: s, a, c, mean, weight, expected
     integer :: i, end_of_path
 
-    pair = pair_of([25, 32])
+    pair = dogan_pair([25, 32])
     options%section%elements_across = 8
     do end_of_path = 1, 2
       both = [steel, diamond]
@@ -296,7 +284,7 @@ contains
     real(dp) :: before
     integer :: i, k
 
-    pair = pair_of([25, 25])
+    pair = dogan_pair([25, 25])
     options%corner_contact = .true.
     options%section%elements_across = 8
     before = 0
@@ -322,7 +310,7 @@ contains
     type(error_t), allocatable :: error
     integer :: i
 
-    pair = pair_of([25, 25])
+    pair = dogan_pair([25, 25])
     options%corner_contact = .true.
     call fe_stiffness(pair, [steel, steel], options, load, usual, disc, error)
     options%section%elements_across = 32

@@ -1,12 +1,13 @@
 !> What a body yields under all its teeth: closed forms of an annulus,
 !> two teeth loaded at once, on whole gears and on sections, and that no share of the load changes it.
 module test_elastic_disc
+  use dogan_gears, only: dogan_gear
   use gearsweep_body, only: body_t, make_body
   use gearsweep_compliance, only: deflection_at_depth, flank_load
   use gearsweep_disc, only: disc_t, disc_compliance, turning
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive
+  use gearsweep_gear, only: gear_t, drive
   use gearsweep_grid, only: grid_t, make_grid
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_kinds, only: dp, pi
@@ -36,13 +37,6 @@ contains
     if (t%wants('sections_share')) call sections_share(t)
     if (t%wants('any_support')) call any_support(t)
   end subroutine run
-
-  type(gear_t) function dogan_gear(bore) result(gear)
-    real(dp), intent(in) :: bore
-    type(error_t), allocatable :: error
-
-    call make_gear(gear_spec_t('pinion', 25, 0.00318_dp, face_width=0.0254_dp, bore_radius=bore), gear, error)
-  end function dogan_gear
 
   !> An annulus held at its inner circle, under a couple M that pulls evenly along the outer one:
   !> u/r = M/(4 pi G t) (1/ri**2 - 1/r**2), whose mean over the moment of inertia has 2/(ro**2 + ri**2)
@@ -104,7 +98,7 @@ contains
     integer :: i
 
     do i = 1, size(bore)
-      call whole_gear(dogan_gear(bore(i)), 6, section, body, error)
+      call whole_gear(dogan_gear(25, bore(i)), 6, section, body, error)
       if (.not. allocated(error)) call disc_compliance(section, body, 0.006_dp, 0.020_dp, disc, error)
       call check_no_error(t, 'disc', error)
       outer = sqrt(section%grid%area()/pi + bore(i)**2)
@@ -141,7 +135,7 @@ contains
     integer :: i, k
 
     do i = 1, size(bore)
-      associate (gear => dogan_gear(bore(i)))
+      associate (gear => dogan_gear(25, bore(i)))
         call make_pair(gear, gear, 2*gear%reference_radius, pair, error)
         call whole_gear(gear, 8, section, body, error)
       end associate
@@ -203,7 +197,7 @@ contains
       type(pair_t) :: pair
       type(error_t), allocatable :: error
 
-      associate (gear => dogan_gear(bore))
+      associate (gear => dogan_gear(25, bore))
         call make_pair(gear, gear, 2*gear%reference_radius, pair, error)
       end associate
       mesh%contact_ratio = pair%contact_ratio
@@ -235,7 +229,7 @@ contains
     options%section%elements_across = 8
     do n = 1, size(teeth)
       options%section%teeth = teeth(n)
-      associate (gear => dogan_gear(0.0_dp))
+      associate (gear => dogan_gear(25))
         call make_pair(gear, gear, 2*gear%reference_radius, pair, error)
         call make_section(gear, options%section, section, error)
       end associate
@@ -288,7 +282,7 @@ contains
     integer :: n
 
     do n = 1, size(teeth)
-      associate (gear => dogan_gear(0.0_dp))
+      associate (gear => dogan_gear(25))
         call make_pair(gear, gear, 2*gear%reference_radius, pair, error)
       end associate
       options%section%teeth = teeth(n)

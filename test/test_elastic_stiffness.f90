@@ -1,6 +1,7 @@
 !> Tooth compliance and pair stiffness: convergence with the grid, the depth
 !> that must not matter, supports, equal and unequal gears.
 module test_elastic_stiffness
+  use dogan_gears, only: dogan_pair
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
@@ -33,24 +34,6 @@ contains
     if (t%wants('two_materials')) call two_materials(t)
     if (t%wants('refusals')) call refusals(t)
   end subroutine run
-
-  type(pair_t) function dogan_pair(teeth, bore, angles) result(pair)
-    integer, intent(in) :: teeth(2)
-    real(dp), intent(in) :: bore
-    real(dp), intent(in), optional :: angles(2)
-    type(gear_t) :: gear(2)
-    type(gear_spec_t) :: spec
-    type(error_t), allocatable :: error
-    integer :: i
-
-    do i = 1, 2
-      spec = gear_spec_t('pinion', teeth(i), 0.00318_dp, face_width=0.0254_dp, bore_radius=bore)
-      if (present(angles)) spec%pressure_angle = angles*pi/180
-      if (present(angles)) spec%rack_tip_radius = 0.1_dp
-      call make_gear(spec, gear(i), error)
-    end do
-    call make_pair(gear(1), gear(2), gear(1)%reference_radius + gear(2)%reference_radius, pair, error)
-  end function dogan_pair
 
   !> Largest relative difference of two curves over the path.
   real(dp) function apart(a, b, last) result(most)
@@ -91,7 +74,7 @@ contains
     type(disc_t) :: disc
     type(error_t), allocatable :: error
 
-    pair = dogan_pair([25, 25], 0.0_dp)
+    pair = dogan_pair([25, 25])
     call fe_stiffness(pair, [material_t(), material_t()], options, load, usual, disc, error)
     call check_no_error(t, 'fe stiffness', error)
     options%section%elements_across = 7
@@ -155,7 +138,7 @@ contains
     type(disc_t) :: disc
     type(error_t), allocatable :: error
 
-    pair = dogan_pair([25, 25], 0.0_dp)
+    pair = dogan_pair([25, 25])
     options%section%elements_across = 24
     options%depth = 0.25_dp
     call fe_stiffness(pair, [material_t(), material_t()], options, load, near, disc, error)
@@ -176,7 +159,7 @@ contains
     real(dp) :: last, now
     integer :: i
 
-    pair = dogan_pair([25, 25], 0.0_dp)
+    pair = dogan_pair([25, 25])
     options%section%elements_across = 8
     last = huge(last)
     do i = 1, size(teeth)
@@ -208,18 +191,18 @@ contains
     integer :: i
 
     options%section%elements_across = 8
-    pair = dogan_pair([25, 40], 0.0_dp)
+    pair = dogan_pair([25, 40])
     call fe_stiffness(pair, [material_t(), material_t()], options, load, one, disc, error)
     call check_no_error(t, 'unequal gears', error)
-    pair = dogan_pair([40, 25], 0.0_dp)
+    pair = dogan_pair([40, 25])
     call fe_stiffness(pair, [material_t(), material_t()], options, load, other, disc, error)
     do i = 0, 8
       call check_close(t, 'mirrored', one%value(pair%contact_ratio*i/8), other%value(pair%contact_ratio*(8 - i)/8), &
                        relative=1e-9_dp)
     end do
-    pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 30.0_dp])
+    pair = dogan_pair([25, 25], angles=[20.0_dp, 30.0_dp])
     call fe_stiffness(pair, [material_t(), material_t()], options, load, one, disc, error)
-    pair = dogan_pair([25, 25], 0.0_dp, [20.0_dp, 20.0_dp])
+    pair = dogan_pair([25, 25], angles=[20.0_dp, 20.0_dp])
     call fe_stiffness(pair, [material_t(), material_t()], options, load, other, disc, error)
     call check_true(t, 'a steeper coast flank stiffens', one%integral(0.0_dp, 1.0_dp) > 1.02_dp*other%integral(0.0_dp, 1.0_dp))
   end subroutine exchange
@@ -239,7 +222,7 @@ contains
     real(dp) :: middle, tooth
     integer :: i
 
-    pair = dogan_pair([25, 25], 0.0_dp)
+    pair = dogan_pair([25, 25])
     middle = pair%contact_ratio/2
     options%section%elements_across = 6
     do i = 1, 2
@@ -283,7 +266,7 @@ contains
     type(error_t), allocatable :: error
     type(pair_t) :: pair
 
-    pair = dogan_pair([25, 25], 0.0_dp)
+    pair = dogan_pair([25, 25])
     call fe_stiffness(pair, [material_t(), material_t()], options, 0.0_dp, curve, disc, error)
     call check_error(t, 'no load', error, 'line load (N/mm) = 0')
     call fe_stiffness(pair, [material_t(), material_t(poisson=0.5_dp)], options, load, curve, disc, error)

@@ -1,14 +1,14 @@
 !> Stiffness models and static load sharing.
 module test_mesh
+  use dogan_gears, only: dogan_pair
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_flattening, only: contact_half_width, load_dependence, surface_to_depth
-  use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_material, only: material_t
   use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: oscillator_t
-  use gearsweep_pair, only: pair_t, make_pair, free_centre_distance
+  use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_sharing, only: pair_load, sharing_t, share_load, static_deflection
   use gearsweep_stiffness, only: gear_blank_factor, iso_options_t, iso_stiffness, polynomial_stiffness, table_stiffness
@@ -36,24 +36,6 @@ contains
     if (t%wants('slow_relief')) call slow_relief(t)
     if (t%wants('discs')) call discs(t)
   end subroutine run
-
-  type(pair_t) function pair_of(teeth) result(pair)
-    integer, intent(in) :: teeth(2)
-    type(gear_spec_t) :: spec(2)
-    type(gear_t) :: gear(2)
-    type(error_t), allocatable :: error
-    integer :: i
-
-    do i = 1, 2
-      spec(i)%name = 'gear'
-      spec(i)%teeth = teeth(i)
-      spec(i)%module = 3.18e-3_dp
-      spec(i)%face_width = 25.4e-3_dp
-      call make_gear(spec(i), gear(i), error)
-    end do
-    call make_pair(gear(1), gear(2), free_centre_distance(gear(1), gear(2)), pair, error)
-    if (allocated(error)) error stop 'test pair'
-  end function pair_of
 
   !> Values, slopes and integrals of polynomials in closed form.
   subroutine piecewise_exactness(t)
@@ -101,13 +83,13 @@ contains
     type(error_t), allocatable :: error
     real(dp) :: width
 
-    pair = pair_of([25, 25])
+    pair = dogan_pair([25, 25])
     width = 25.4e-3_dp
     call iso_stiffness(pair, [steel, steel], 300e3_dp, curve, error)
     call check_close(t, 'c prime 25/25', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp, 3e-4_dp)
     call check_close(t, 'c gamma', curve%integral(0.0_dp, pair%contact_ratio)/curve%maximum(), &
                      0.75_dp*pair%contact_ratio + 0.25_dp, 1e-12_dp)
-    call iso_stiffness(pair_of([25, 116]), [steel, steel], 300e3_dp, curve, error)
+    call iso_stiffness(dogan_pair([25, 116]), [steel, steel], 300e3_dp, curve, error)
     call check_close(t, 'c prime 25/116', curve%maximum()/width, 17.96e9_dp*0.8_dp*0.975_dp, 3e-4_dp)
     call iso_stiffness(pair, [steel, steel], 50e3_dp, curve, error)
     call check_close(t, 'low load', curve%maximum()/width, 15.68e9_dp*0.8_dp*0.975_dp*(0.5_dp*cos(pi/9))**0.25_dp, &
@@ -126,7 +108,7 @@ contains
     type(iso_options_t) :: options
     real(dp), parameter :: width = 25.4e-3_dp, module = 3.18e-3_dp
 
-    pair = pair_of([25, 40])
+    pair = dogan_pair([25, 40])
     options%application_factor = 1.5_dp
     call iso_stiffness(pair, [steel, steel], 60e3_dp, plain, error)
     call iso_stiffness(pair, [steel, steel], 40e3_dp, changed, error, options)
@@ -156,13 +138,13 @@ contains
     integer :: i
 
     do i = 1, size(teeth, 2)
-      pair = pair_of(teeth(:, i))
+      pair = dogan_pair(teeth(:, i))
       call weber_stiffness(pair, [steel, steel], 300e3_dp, weber, error)
       call check_no_error(t, 'weber', error)
       call iso_stiffness(pair, [steel, steel], 300e3_dp, iso, error)
       call check_close(t, 'weber and c''th', weber%maximum(), iso%maximum()/(0.8_dp*0.975_dp), 0.05_dp)
     end do
-    pair = pair_of([25, 25])
+    pair = dogan_pair([25, 25])
     call weber_stiffness(pair, [steel, steel], 300e3_dp, weber, error)
     associate (c => pair%contact_ratio)
       call check_close(t, 'equal gears: symmetric path', weber%value(0.2_dp*c), weber%value(0.8_dp*c), 1e-12_dp)

@@ -6,6 +6,7 @@
 !> mate is a half plane in closed form. The pressure between them is found cell by cell, so that both surfaces fit where it
 !> presses, and there is none where they are apart.
 module gearsweep_edge_contact
+  use gearsweep_blas, only: begin_products, end_products
   use gearsweep_body, only: body_t, make_body
   use gearsweep_error, only: code_numerical, error_t, fail
   use gearsweep_flattening, only: surface_to_depth
@@ -39,6 +40,16 @@ module gearsweep_edge_contact
   integer, parameter :: rows = 8
   !> Contact is looked for so far from the edge, in half widths, and in depths at most.
   real(dp), parameter :: widest = 6, deepest = 0.8_dp
+
+  interface
+    !> LAPACK: solves a general linear system.
+    subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
+      import :: dp
+      integer, intent(in) :: n, nrhs, lda, ldb
+      real(dp), intent(inout) :: a(lda, n), b(ldb, nrhs)
+      integer, intent(out) :: ipiv(n), info
+    end subroutine dgesv
+  end interface
 
 contains
 
@@ -145,7 +156,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), dimension(size(edge%ends) - 1) :: gap, pressure
     real(dp) :: matrix(size(gap), size(gap)), along(2), approach
-    logical :: presses(size(gap))
+    logical :: presses(size(gap)), solved
     integer :: i, j
 
     compliance = 0
@@ -162,11 +173,11 @@ contains
     end associate
     presses = .true.
     do i = 1, size(gap)
-      call press(matrix, gap, line_load, presses, pressure, approach)
-      if (.not. any(presses .and. pressure < 0)) exit
+      call press(matrix, gap, line_load, presses, pressure, approach, solved)
+      if (.not. (solved .and. any(presses .and. pressure < 0))) exit
       presses = presses .and. pressure >= 0
     end do
-    if (.not. any(presses)) then
+    if (.not. (solved .and. any(presses))) then
       call fail(error, code_numerical, 'corner contact: the pressure at the tip corner is not found')
       return
     end if
@@ -191,45 +202,32 @@ contains
   end function mean_logarithm
 
   !> Loads (N/m) on the cells that press, so that there the surfaces fit at one approach (m), and together they are the load.
-  pure subroutine press(matrix, gap, line_load, presses, pressure, approach)
+  subroutine press(matrix, gap, line_load, presses, pressure, approach, solved)
     real(dp), intent(in) :: matrix(:, :), gap(:), line_load
     logical, intent(in) :: presses(:)
     real(dp), intent(out) :: pressure(:), approach
-    real(dp), allocatable :: a(:, :)
-    integer, allocatable :: list(:)
-    integer :: n, i
+    logical, intent(out) :: solved
+    real(dp), allocatable :: a(:, :), b(:)
+    integer, allocatable :: list(:), pivot(:)
+    integer :: n, i, info
 
     list = pack([(i, i=1, size(gap))], presses)
     n = size(list)
-    allocate (a(n + 1, n + 2), source=0.0_dp)
+    allocate (a(n + 1, n + 1), b(n + 1), pivot(n + 1))
     a(:n, :n) = matrix(list, list)
     a(:n, n + 1) = -1
     a(n + 1, :n) = 1
-    a(:n, n + 2) = -gap(list)
-    a(n + 1, n + 2) = line_load
-    call eliminate(a)
+    a(n + 1, n + 1) = 0
+    b(:n) = -gap(list)
+    b(n + 1) = line_load
+    call begin_products()
+    call dgesv(n + 1, 1, a, n + 1, pivot, b, n + 1, info)
+    call end_products()
+    solved = info == 0
     pressure = 0
-    pressure(list) = a(:n, n + 2)
-    approach = a(n + 1, n + 2)
+    pressure(list) = b(:n)
+    approach = b(n + 1)
   end subroutine press
-
-  !> Solves a linear system, the right side being its last column, by Gauss's elimination with the largest pivot of a column.
-  pure subroutine eliminate(a)
-    real(dp), intent(inout) :: a(:, :)
-    real(dp) :: row(size(a, 2))
-    integer :: n, i, k, pivot
-
-    n = size(a, 1)
-    do k = 1, n
-      pivot = k - 1 + maxloc(abs(a(k:, k)), 1)
-      row = a(pivot, :)
-      a(pivot, :) = a(k, :)
-      a(k, :) = row/row(k)
-      do i = 1, n
-        if (i /= k) a(i, :) = a(i, :) - a(i, k)*a(k, :)
-      end do
-    end do
-  end subroutine eliminate
 
   !> Displacement (m2/N) of the point at a `depth` (m) under a unit line load on the edge, both along the line with this `tilt`
   !> (rad) against the face's normal. Only differences of it count, as the grid is held far away.
