@@ -272,6 +272,18 @@ def faster(problems):
     return f'Another is faster: {"; ".join(found) or "nowhere"}.\n'
 
 
+def add_corners(report):
+    """With contact beyond A and E and without."""
+    rows = []
+    for label, (points, plain, steps, seconds, more) in zip(
+            ('each pair by itself', 'with what neighbouring teeth share'),
+            numbers(run(programs / 'dynamics', 'corners', BENCH / 'problems' / 'corners.nml', 1e-6))):
+        rows.append((label, micro(plain, points), f'{steps:.0f}', micro(seconds, points), f'{more:.0f}', f'{seconds / plain:.2f}'))
+    report.add('**Contact beyond A and E.** The same sweep with the pair stiffness from finite elements, the path from A to E and then with the\n'
+               'contact of the tip corners, which begins and ends under load in every period, so that every point has events; us a point.\n')
+    report.table(('', 'from A to E', 'steps', 'with corners', 'steps', 'times as long'), rows)
+
+
 def micro(seconds, points):
     return f'{1e6 * seconds / points:.3g}' if points else '-'
 
@@ -376,6 +388,7 @@ def write_report(problems):
     add_references(report, problems)
     add_sweep(report, problems[0])
     add_parts(report, problems[0])
+    add_corners(report)
     speeds = add_cost(report, problems[0])
     add_start(report, problems[0], next(seconds for n, seconds, *_ in speeds if n == len(problems[0].numbers.rpm)))
     add_points(report, problems[1:])

@@ -13,6 +13,9 @@
 !>         what so many speeds, or such damping, cost: bench_cost tells the numbers
 !>     dynamics threads FILE ERROR
 !>         seconds with one thread and with two, in turn
+!>     dynamics corners FILE ERROR
+!>         with each pair by itself and with what neighbouring teeth share a line: seconds and mean steps of a point
+!>         with the path from A to E, and the same with contact beyond it
 !>
 !> METHOD is the library's `shooting` or `marching` (STEPS = 0 are chosen
 !> for the ERROR), or of the literature: `rk4`, `rk4_aligned`, `rk4_shooting`,
@@ -33,6 +36,10 @@ program dynamics
   type(problem_t) :: problem
   integer :: i
 
+  if (word(1) == 'corners') then
+    call compare_corners(word(2), real_number(3))
+    stop
+  end if
   call read_problem(word(2), problem)
   if (word(1) == 'problem') then
     call write_problem(problem%osc, problem%rpm)
@@ -126,6 +133,38 @@ contains
     end do
     print numbers, median(taken(:, 1)), median(taken(:, 2))
   end subroutine compare_threads
+
+  !> What contact beyond A and E costs.
+  subroutine compare_corners(path, wanted)
+    character(*), intent(in) :: path
+    real(dp), intent(in) :: wanted
+    integer, parameter :: rounds = 51
+    type(problem_t) :: problems(4)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+    real(dp) :: taken(rounds, 4), steps(4), from
+    integer :: i, k
+
+    options%threads = 1
+    options%accuracy%steady%tolerance = wanted
+    do k = 1, 4
+      call read_problem(path, problems(k), corners=modulo(k, 2) == 0, coupling=k > 2)
+    end do
+    do i = 1, rounds
+      do k = 1, 4
+        options%direction = problems(k)%case%direction
+        from = seconds()
+        call run_sweep(problems(k)%osc, problems(k)%rpm, options, sweep, error)
+        taken(i, k) = seconds() - from
+        call check(error)
+        steps(k) = sum(sweep%steps)/real(size(sweep%steps), dp)
+      end do
+    end do
+    do k = 1, 3, 2
+      print numbers, size(sweep%steps), median(taken(:, k)), steps(k), median(taken(:, k + 1)), steps(k + 1)
+    end do
+  end subroutine compare_corners
 
   subroutine time_part(osc, wanted)
     type(oscillator_t), intent(in) :: osc(:)

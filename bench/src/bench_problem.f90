@@ -18,9 +18,11 @@ module bench_problem
 contains
 
   !> Builds the oscillators and solves nothing.
-  subroutine read_problem(path, problem)
+  subroutine read_problem(path, problem, corners, coupling)
     character(*), intent(in) :: path
     type(problem_t), intent(out) :: problem
+    !> In place of what the case says: contact beyond A and E; what neighbouring teeth share.
+    logical, intent(in), optional :: corners, coupling
     type(study_t) :: study
     type(error_t), allocatable :: error
     character(:), allocatable :: text
@@ -29,6 +31,8 @@ contains
     call check(error)
     call read_case(text, problem%case, error)
     call check(error)
+    if (present(corners)) problem%case%corner_contact = corners
+    if (present(coupling)) problem%case%tooth_coupling = coupling
     problem%rpm = speeds(problem%case)
     call problem%case%want(['mesh'])
     call run_study(problem%case, '', 1, study, error)
