@@ -12,7 +12,7 @@ module gearsweep_coefficients
   use gearsweep_mesh, only: interval_t
   use gearsweep_oscillator, only: oscillator_t, mobility
   use gearsweep_nodes, only: nodes, stiff_nodes
-  use gearsweep_shared_compliance, only: effective_pair, own_derivatives, reduce_sums
+  use gearsweep_shared_compliance, only: own_derivatives, reduce_sums, sum_pairs, touching_deflection
   implicit none
   private
   public :: resolution_t, coefficients_t, tabulate, graded_steps
@@ -55,7 +55,7 @@ module gearsweep_coefficients
     real(dp), allocatable :: rate(:, :, :)         !< k_j, 1/s^2; (contact, node, step)
     real(dp), allocatable :: profile_error(:, :, :)    !< e_j, m; (contact, node, step)
     real(dp), allocatable :: end_rate(:, :, :)     !< k_j, 1/s^2; (pair, end, step)
-    !> K_j (N/m) with its first and second derivative over the phase; (0:2, pair, end, step)
+    !> Own stiffness K_j (N/m) with its first and second derivative over the phase; (0:2, pair, end, step)
     real(dp), allocatable :: end_stiffness(:, :, :, :)
     !> e_j (m) with its first and second derivative over the phase; (0:2, contact, end, step)
     real(dp), allocatable :: end_profile_error(:, :, :, :)
@@ -64,9 +64,9 @@ module gearsweep_coefficients
     real(dp), allocatable :: upper_bound(:), lower_bound(:)
     !> Sums over the pairs of full contact: omega^2 (1/s^2), k e (m/s^2), omega (rad/s); (node, step)
     real(dp), allocatable :: omega_squared(:, :), forcing(:, :), omega(:, :)
-    !> Where pairs share a compliance, `end_stiffness` and `end_profile_error` are the effective ones in full contact, and
-    !> these their own; own stiffness (N/m) also at the nodes, (pair, node, step).
-    real(dp), allocatable :: own_stiffness(:, :, :, :), own_profile_error(:, :, :, :), node_stiffness(:, :, :)
+    !> Where pairs share a compliance, also their own stiffness at the nodes (N/m), (pair, node, step), and `sum_pairs` of full
+    !> contact at the ends: sums of K (N/m) and K e (N), with derivatives over the phase, (0:2, of K or K e, end, step).
+    real(dp), allocatable :: node_stiffness(:, :, :), end_sums(:, :, :, :)
   end type coefficients_t
 
 contains
@@ -185,7 +185,7 @@ contains
 
     if (allocated(table%interval)) then
       if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2) .and. &
-          (osc%shared > 0 .eqv. allocated(table%own_stiffness))) return
+          (osc%shared > 0 .eqv. allocated(table%node_stiffness))) return
       table = coefficients_t()
     end if
     fits = .true.
@@ -199,8 +199,7 @@ contains
       allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%end_rate(p, 2, steps))
       allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, m, 2, steps))
       allocate (table%omega_squared(3, steps), table%forcing(3, steps), table%omega(3, steps))
-      if (osc%shared > 0) allocate (table%own_stiffness(0:2, p, 2, steps), table%own_profile_error(0:2, p, 2, steps), &
-                                    table%node_stiffness(p, 3, steps))
+      if (osc%shared > 0) allocate (table%node_stiffness(p, 3, steps), table%end_sums(0:2, 2, 2, steps))
     end associate
   end subroutine allocate_table
 
@@ -209,10 +208,10 @@ contains
     type(oscillator_t), intent(in) :: osc
 
     step_bytes = 8*(60 + 14*osc%contacts + 6*osc%pairs)
-    if (osc%shared > 0) step_bytes = step_bytes + 8*15*osc%pairs
+    if (osc%shared > 0) step_bytes = step_bytes + 8*(3*osc%pairs + 12)
   end function step_bytes
 
-  !> Turns what was tabulated for pairs by themselves into what it is while they share a compliance.
+  !> Turns the sums over pairs by themselves into what they are while these share a compliance.
   pure subroutine share_compliance(osc, table)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(inout) :: table
@@ -220,51 +219,51 @@ contains
     integer :: i, j, k
 
     do i = 1, table%steps
-      associate (p => table%pairs(i), full => table%full(i))
-        do k = 1, 3
-          a = 0
-          b = 0
-          do j = 1, p
-            if (.not. btest(full, j - 1)) cycle
-            a = a + table%node_stiffness(j, k, i)
-            b = b + table%node_stiffness(j, k, i)*table%profile_error(j, k, i)
-          end do
-          call reduce_sums(osc%shared, a, b, table%omega_squared(k, i), table%forcing(k, i))
+      do k = 1, 3
+        a = 0
+        b = 0
+        do j = 1, table%pairs(i)
+          if (.not. btest(table%full(i), j - 1)) cycle
+          a = a + table%node_stiffness(j, k, i)
+          b = b + table%node_stiffness(j, k, i)*table%profile_error(j, k, i)
         end do
-        table%own_stiffness(:, :p, :, i) = table%end_stiffness(:, :p, :, i)
-        table%own_profile_error(:, :p, :, i) = table%end_profile_error(:, :p, :, i)
-        do k = 1, 2
-          do j = 1, p
-            call effective_pair(osc%shared, full, j, table%own_stiffness(:, :p, k, i), table%own_profile_error(:, :p, k, i), &
-                                table%end_stiffness(:, j, k, i), table%end_profile_error(:, j, k, i))
-          end do
-        end do
-      end associate
+        call reduce_sums(osc%shared, a, b, table%omega_squared(k, i), table%forcing(k, i))
+      end do
     end do
   end subroutine share_compliance
 
-  !> From the highest profile error of the pairs in full contact at the ends of each step, the lowest of the others, and
-  !> what their derivatives take from the motion's; not below the coast sides.
+  !> From the highest deflection at which a pair in full contact touches at the ends of each step, the lowest of the others,
+  !> and what their derivatives take from the motion's; not below the coast sides.
   pure subroutine find_bounds(osc, table)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(inout) :: table
-    real(dp) :: highest, lowest, steepness
-    integer :: i, j
+    real(dp) :: highest, lowest, steepness(2), touching(0:2)
+    integer :: end, i, j
 
     do i = 1, table%steps
       highest = -osc%backlash
       lowest = huge(lowest)
       steepness = 0
-      do j = 1, table%pairs(i)
-        if (btest(table%full(i), j - 1)) then
-          highest = max(highest, table%end_profile_error(0, j, 1, i), table%end_profile_error(0, j, 2, i))
-        else
-          lowest = min(lowest, table%end_profile_error(0, j, 1, i), table%end_profile_error(0, j, 2, i))
-        end if
-        steepness = max(steepness, abs(table%end_profile_error(1, j, 1, i)), abs(table%end_profile_error(1, j, 2, i)))
+      do end = 1, 2
+        associate (p => table%pairs(i), k => table%end_stiffness(:, :, end, i), e => table%end_profile_error(:, :, end, i))
+          if (osc%shared > 0) call sum_pairs(table%full(i), k(:, :p), e(:, :p), table%end_sums(:, 1, end, i), &
+                                             table%end_sums(:, 2, end, i))
+          do j = 1, p
+            touching = e(:, j)
+            if (osc%shared > 0) touching = touching_deflection(osc%shared, table%end_sums(:, 1, end, i), &
+                                                               table%end_sums(:, 2, end, i), e(:, j))
+            if (btest(table%full(i), j - 1)) then
+              highest = max(highest, touching(0))
+              steepness(1) = max(steepness(1), abs(touching(1)))
+            else
+              lowest = min(lowest, touching(0))
+              steepness(2) = max(steepness(2), abs(touching(1)))
+            end if
+          end do
+        end associate
       end do
-      table%upper_bound(i) = highest + steepness*table%width(i)/2
-      table%lower_bound(i) = lowest - steepness*table%width(i)/2
+      table%upper_bound(i) = highest + steepness(1)*table%width(i)/2
+      table%lower_bound(i) = lowest - steepness(2)*table%width(i)/2
     end do
   end subroutine find_bounds
 

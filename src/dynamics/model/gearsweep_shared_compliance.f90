@@ -3,14 +3,13 @@
 !> A load on one tooth moves its neighbours on the same body too, by C per load. With own stiffness K_j and profile error
 !> e_j of the pairs in contact, A = sum K_j and B = sum K_j e_j, the load of all of them under the deflection x is
 !>   S = (A x - B)/(1 + C A),
-!> and each pair works on what is left, F_j = K_j (x - C S - e_j). The same loads have pairs without shared compliance whose
-!> stiffness is K_j/(1 + C A) and whose profile error is e_j + C sum_i K_i (e_j - e_i): the effective ones. A pair that is
-!> open closes where x exceeds its effective profile error, so that contact needs no other unknown than x.
+!> and each pair works on what is left, its working deflection w = x - C S = (x + C B)/(1 + C A): F_j = K_j (w - e_j). A pair
+!> that is open closes where w exceeds its profile error, so that contact needs no other unknown than x.
 module gearsweep_shared_compliance
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: reduce_sums, effective_pair, closed_pairs, own_derivatives
+  public :: reduce_sums, sum_pairs, working_deflection, touching_deflection, closed_pairs, own_derivatives
 
 contains
 
@@ -25,36 +24,58 @@ contains
     omega_squared = omega_squared/(1 + shared*a)
   end subroutine reduce_sums
 
-  !> Effective stiffness and profile error of pair j while the pairs of a contact set are in contact, each with its first
-  !> and second derivative over whatever the arguments are derived by.
-  pure subroutine effective_pair(shared, contact_set, j, stiffness, profile_error, k, e)
-    real(dp), intent(in) :: shared               !< compliance C, m/N
-    integer, intent(in) :: contact_set           !< bit i - 1: pair i is in contact
-    integer, intent(in) :: j                     !< pair, in contact or not
+  !> Sums of K and K e over the pairs of a contact set, each with its first and second derivative over whatever the
+  !> arguments are derived by.
+  pure subroutine sum_pairs(contact_set, stiffness, profile_error, a, b)
+    integer, intent(in) :: contact_set           !< bit j - 1: pair j is in contact
     real(dp), intent(in) :: stiffness(0:, :)     !< own stiffness and its derivatives, N/m; (0:2, pair)
     real(dp), intent(in) :: profile_error(0:, :)  !< with its derivatives, m; (0:2, pair)
-    real(dp), intent(out) :: k(0:2), e(0:2)      !< N/m, m
-    real(dp) :: gap(0:2), soft(0:2)
-    integer :: i
+    real(dp), intent(out) :: a(0:2), b(0:2)      !< N/m, N
+    integer :: j
 
-    e = profile_error(:2, j)
-    soft = [1.0_dp, 0.0_dp, 0.0_dp]
-    do i = 1, size(stiffness, 2)
-      if (.not. btest(contact_set, i - 1)) cycle
-      soft = soft + shared*stiffness(:2, i)
-      if (i == j) cycle
-      gap = profile_error(:2, j) - profile_error(:2, i)
-      e(0) = e(0) + shared*stiffness(0, i)*gap(0)
-      e(1) = e(1) + shared*(stiffness(1, i)*gap(0) + stiffness(0, i)*gap(1))
-      e(2) = e(2) + shared*(stiffness(2, i)*gap(0) + 2*stiffness(1, i)*gap(1) + stiffness(0, i)*gap(2))
+    a = 0
+    b = 0
+    do j = 1, size(stiffness, 2)
+      if (.not. btest(contact_set, j - 1)) cycle
+      associate (k => stiffness(:, j), e => profile_error(:, j))
+        a = a + k
+        b(0) = b(0) + k(1)*e(1)
+        b(1) = b(1) + k(2)*e(1) + k(1)*e(2)
+        b(2) = b(2) + k(3)*e(1) + 2*k(2)*e(2) + k(1)*e(3)
+      end associate
     end do
-    k(0) = stiffness(0, j)/soft(0)
-    k(1) = (stiffness(1, j) - k(0)*soft(1))/soft(0)
-    k(2) = (stiffness(2, j) - 2*k(1)*soft(1) - k(0)*soft(2))/soft(0)
-  end subroutine effective_pair
+  end subroutine sum_pairs
 
-  !> The contact set at a deflection x: the pairs close one after the other, as each raises the effective profile errors of
-  !> those that are farther apart.
+  !> What the pairs in contact work on while all of them are deflected by x, with first and second derivatives.
+  pure function working_deflection(shared, a, b, x) result(w)
+    real(dp), intent(in) :: shared               !< compliance C, m/N
+    real(dp), intent(in) :: a(0:2), b(0:2)       !< of `sum_pairs`
+    real(dp), intent(in) :: x(0:2)               !< m
+    real(dp) :: w(0:2)
+
+    associate (soft => 1 + shared*a(0))
+      w(0) = (x(0) + shared*b(0))/soft
+      w(1) = (x(1) + shared*(b(1) - a(1)*w(0)))/soft
+      w(2) = (x(2) + shared*(b(2) - a(2)*w(0) - 2*a(1)*w(1)))/soft
+    end associate
+  end function working_deflection
+
+  !> The deflection x at which a pair of this profile error just touches, with first and second derivatives.
+  pure function touching_deflection(shared, a, b, profile_error) result(x)
+    real(dp), intent(in) :: shared               !< compliance C, m/N
+    real(dp), intent(in) :: a(0:2), b(0:2)       !< of `sum_pairs`
+    real(dp), intent(in) :: profile_error(0:2)   !< m
+    real(dp) :: x(0:2)
+
+    associate (e => profile_error)
+      x(0) = e(0)*(1 + shared*a(0)) - shared*b(0)
+      x(1) = e(1)*(1 + shared*a(0)) + shared*(e(0)*a(1) - b(1))
+      x(2) = e(2)*(1 + shared*a(0)) + shared*(2*e(1)*a(1) + e(0)*a(2) - b(2))
+    end associate
+  end function touching_deflection
+
+  !> The contact set at a deflection x: the pairs close one after the other, as each takes from what those that are farther
+  !> apart work on.
   pure integer function closed_pairs(shared, stiffness, profile_error, x) result(contact_set)
     real(dp), intent(in) :: shared               !< compliance C, m/N
     real(dp), intent(in) :: stiffness(:)         !< own stiffness, N/m; (pair)
@@ -70,7 +91,6 @@ contains
     b = 0
     do i = 1, size(stiffness)
       next = minloc(profile_error, 1, mask=apart)
-      ! (x + C B)/(1 + C A) is what the pairs work on.
       if (.not. x + shared*b > profile_error(next)*(1 + shared*a)) exit
       apart(next) = .false.
       contact_set = ibset(contact_set, next - 1)

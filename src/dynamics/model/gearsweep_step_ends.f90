@@ -3,33 +3,29 @@ module gearsweep_step_ends
   use gearsweep_coefficients, only: coefficients_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: acceleration, oscillator_t
-  use gearsweep_shared_compliance, only: effective_pair, reduce_sums
+  use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   implicit none
   private
-  public :: end_acceleration, pair_at_end
+  public :: contact_set_at_begin, end_acceleration, deflection_at_end
 
 contains
 
-  !> Stiffness and profile error of pair j at an end of a step, the effective ones where pairs share a compliance, each with
-  !> its first and second derivative over the phase.
-  pure subroutine pair_at_end(osc, table, step, end, contact_set, j, stiffness, profile_error)
+  !> What the pairs work on at an end of a step, with its derivatives over the phase: x, less what they share.
+  pure function deflection_at_end(osc, table, step, end, contact_set, x) result(w)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step, end           !< which step; 1 its begin, 2 its end
-    integer, intent(in) :: contact_set         !< bit i - 1: pair i is in contact
-    integer, intent(in) :: j                   !< pair
-    real(dp), intent(out) :: stiffness(0:2), profile_error(0:2)    !< N/m, m
+    integer, intent(in) :: contact_set         !< bit j - 1: pair j is in contact
+    real(dp), intent(in) :: x(0:2)             !< with its derivatives over the phase, m
+    real(dp) :: w(0:2), a(0:2), b(0:2)
 
-    if (osc%shared > 0 .and. contact_set /= table%full(step)) then
-      associate (p => table%pairs(step))
-        call effective_pair(osc%shared, contact_set, j, table%own_stiffness(:, :p, end, step), &
-                            table%own_profile_error(:, :p, end, step), stiffness, profile_error)
-      end associate
-    else
-      stiffness = table%end_stiffness(:, j, end, step)
-      profile_error = table%end_profile_error(:, j, end, step)
-    end if
-  end subroutine pair_at_end
+    w = x
+    if (.not. osc%shared > 0) return
+    associate (p => table%pairs(step))
+      call sum_pairs(contact_set, table%end_stiffness(:, :p, end, step), table%end_profile_error(:, :p, end, step), a, b)
+    end associate
+    w = working_deflection(osc%shared, a, b, x)
+  end function deflection_at_end
 
   !> Second derivative of x over the phase (m) at an end of a step. The coast sides count as apart, as this is
   !> asked for the load of a pair in contact.
@@ -45,26 +41,43 @@ contains
 
     omega_squared = 0
     forcing = 0
-    if (osc%shared > 0) then
-      a = 0
-      b = 0
-      do j = 1, osc%pairs
-        if (.not. btest(contact_set, j - 1)) cycle
-        associate (k => table%own_stiffness(0, j, end, step), e => table%own_profile_error(0, j, end, step))
-          a = a + k
-          b = b + k*e
-          omega_squared = omega_squared + table%end_rate(j, end, step)
-          forcing = forcing + table%end_rate(j, end, step)*e
-        end associate
-      end do
-      call reduce_sums(osc%shared, a, b, omega_squared, forcing)
-    else
-      do j = 1, osc%pairs
-        if (.not. btest(contact_set, j - 1)) cycle
+    a = 0
+    b = 0
+    do j = 1, table%pairs(step)
+      if (.not. btest(contact_set, j - 1)) cycle
+      associate (k => table%end_stiffness(0, j, end, step), e => table%end_profile_error(0, j, end, step))
+        a = a + k
+        b = b + k*e
         omega_squared = omega_squared + table%end_rate(j, end, step)
-        forcing = forcing + table%end_rate(j, end, step)*table%end_profile_error(0, j, end, step)
-      end do
-    end if
+        forcing = forcing + table%end_rate(j, end, step)*e
+      end associate
+    end do
+    call reduce_sums(osc%shared, a, b, omega_squared, forcing)
     end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
   end function end_acceleration
+
+  !> The contact set at the begin of a step; where it is held, that of full contact.
+  pure integer function contact_set_at_begin(osc, table, step, x, held) result(contact_set)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step                !< which
+    real(dp), intent(in) :: x                  !< m
+    logical, intent(in) :: held
+    real(dp) :: w
+    integer :: j
+
+    contact_set = table%full(step)
+    if (held) return
+    associate (p => table%pairs(step), k => table%end_stiffness(0, :, 1, step), e => table%end_profile_error(0, :, 1, step))
+      w = x
+      if (osc%shared > 0) w = (x + osc%shared*table%end_sums(0, 2, 1, step))/(1 + osc%shared*table%end_sums(0, 1, 1, step))
+      contact_set = 0
+      do j = 1, p
+        if (w > e(j)) contact_set = ibset(contact_set, j - 1)
+      end do
+      ! What pairs that share a compliance work on was that of full contact.
+      if (osc%shared > 0 .and. contact_set /= table%full(step)) contact_set = closed_pairs(osc%shared, k(:p), e(:p), x)
+    end associate
+    if (osc%has_backlash .and. x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
+  end function contact_set_at_begin
 end module gearsweep_step_ends

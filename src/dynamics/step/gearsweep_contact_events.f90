@@ -11,8 +11,8 @@ module gearsweep_contact_events
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
   use gearsweep_sub_step, only: event_t, sub_steps_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, &
-                                derivatives, second_derivatives, second_derivatives_of_motion, need_error, pair_at, &
-                                own_at_ends, effective_at_ends, last
+                                derivatives, second_derivatives, second_derivatives_of_motion, need_error, own_at_ends, &
+                                working_at_ends, last
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -184,8 +184,9 @@ contains
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period
     type(trace_t), intent(inout), optional :: trace
-    ! An event closer than this part of the length is reached by Taylor's series instead of another sub-step.
-    real(dp), parameter :: close = 1e-7_dp
+    ! An event closer than this part of the length is reached by Taylor's series instead of another sub-step: what that
+    ! leaves out grows with its square.
+    real(dp), parameter :: close = 1e-5_dp
     integer, parameter :: most_trials = 50
     real(dp) :: error, error_slope, overlap, slope, miss
 
@@ -268,33 +269,28 @@ contains
     integer, intent(in) :: l, contact_set
     type(sub_steps_t), intent(in) :: c
     real(dp), intent(inout) :: peak
-    real(dp) :: motion(0:1, 2), gap(0:1, 2), load(0:2, 2)
-    real(dp), dimension(0:2, 2) :: stiffness, error
+    real(dp), dimension(0:2, 2) :: w, gap, load
     real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e
+    logical :: bent
     integer :: j
 
-    motion(0, :) = c%x(l, :)
-    motion(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
-    if (map%osc%shared > 0) call own_at_ends(map, l, c, k, e)
+    call own_at_ends(map, l, c, contact_set, .false., k, e)
+    w = working_at_ends(map, l, c, contact_set, k, e, .false.)
+    bent = .false.
     do j = 1, map%table%pairs(c%step)
       if (.not. in_contact(contact_set, j)) cycle
-      if (map%osc%shared > 0) then
-        call effective_at_ends(map, c, contact_set, j, k, e, stiffness, error)
-      else
-        stiffness(:1, :) = derivatives(c, l, c%stiffness(:, j))
-        error(:1, :) = derivatives(c, l, c%profile_error(:, j))
-      end if
-      gap = motion - error(:1, :)
-      load(0, :) = stiffness(0, :)*gap(0, :)
-      load(1, :) = stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :)
+      gap = w - e(:, j, :)
+      load(0, :) = k(0, j, :)*gap(0, :)
+      load(1, :) = k(1, j, :)*gap(0, :) + k(0, j, :)*gap(1, :)
       peak = max(peak, load(0, 1), load(0, 2))
       if (.not. may_exceed(load, peak)) cycle
-      if (.not. map%osc%shared > 0) then
-        stiffness(2, :) = second_derivatives(c, l, c%stiffness(:, j))
-        error(2, :) = second_derivatives(c, l, c%profile_error(:, j))
+      if (.not. bent) then
+        bent = .true.
+        call own_at_ends(map, l, c, contact_set, bent, k, e)
+        w = working_at_ends(map, l, c, contact_set, k, e, bent)
       end if
-      load(2, :) = stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) &
-                   + stiffness(0, :)*(second_derivatives_of_motion(map, l, c) - error(2, :))
+      gap = w - e(:, j, :)
+      load(2, :) = k(2, j, :)*gap(0, :) + 2*k(1, j, :)*gap(1, :) + k(0, j, :)*gap(2, :)
       call raise_to_maximum(load, peak)
     end do
   end subroutine raise_peak
@@ -315,22 +311,19 @@ contains
     integer, intent(in) :: l, contact_set
     type(sub_steps_t), intent(in) :: c
     type(trace_t), intent(inout) :: trace
-    real(dp) :: load(map%osc%pairs, 2), ends(2)
-    real(dp), dimension(0:2) :: stiffness, error
-    integer :: j, k
+    real(dp) :: load(map%osc%pairs, 2), w(0:2, 2)
+    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e
+    integer :: j
 
-    ends = c%left(l) + [0.0_dp, c%width(l)]
+    call own_at_ends(map, l, c, contact_set, .false., k, e)
+    w = working_at_ends(map, l, c, contact_set, k, e, .false.)
     load = 0
     associate (table => map%table, i => c%step)
-      do k = 1, 2
-        do j = 1, table%pairs(i)
-          if (.not. in_contact(contact_set, j)) cycle
-          call pair_at(map, c, contact_set, j, ends(k), stiffness, error)
-          load(j, k) = stiffness(0)*max(0.0_dp, c%x(l, k) - error(0))
-        end do
+      do j = 1, table%pairs(i)
+        if (in_contact(contact_set, j)) load(j, :) = k(0, j, :)*max(0.0_dp, w(0, :) - e(0, j, :))
       end do
       call record(trace, table%pairs(i), spread(map%osc%intervals(table%interval(i))%offset, 1, 2), &
-                  table%left(i) + table%width(i)*ends, c%x(l, :), load)
+                  table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)]), c%x(l, :), load)
     end associate
   end subroutine record_sub_step
 end module gearsweep_contact_events

@@ -12,7 +12,7 @@ module gearsweep_literature_period
   use gearsweep_kinds, only: dp
   use gearsweep_literature_table, only: exact_step_t, literature_table_t
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping
-  use gearsweep_shared_compliance, only: closed_pairs, effective_pair, reduce_sums
+  use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   use gearsweep_trace, only: record, trace_t
   implicit none
   private
@@ -100,35 +100,36 @@ contains
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: place, step, contact_set
     real(dp), intent(in) :: x
-    real(dp) :: load(osc%pairs), k(0:1), e(0:1)
+    real(dp) :: load(osc%pairs), gap(0:1, osc%pairs)
     integer :: j
 
+    gap = gaps_at(osc, table, place, step, contact_set, [x, 0.0_dp])
     load = 0
     do j = 1, osc%pairs
-      if (.not. in_contact(contact_set, j)) cycle
-      call pair_at(osc, table, place, step, contact_set, j, k, e)
-      load(j) = k(0)*max(0.0_dp, x - e(0))
+      if (in_contact(contact_set, j)) load(j) = table%stiffness(0, j, place, step)*max(0.0_dp, gap(0, j))
     end do
   end function loads_at
 
-  !> Effective stiffness and profile error of pair j at a place of a step, with their derivatives over the phase.
-  pure subroutine pair_at(osc, table, place, step, contact_set, j, stiffness, error)
+  !> How far the pairs are pressed together at a place of a step, with its derivative over the phase; (0:1, pair).
+  pure function gaps_at(osc, table, place, step, contact_set, x) result(gap)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
-    integer, intent(in) :: place, step, contact_set, j
-    real(dp), intent(out) :: stiffness(0:1), error(0:1)
-    real(dp), dimension(0:2, osc%pairs) :: own, errors
-    real(dp), dimension(0:2) :: k, e
+    integer, intent(in) :: place, step, contact_set
+    real(dp), intent(in) :: x(0:1)               ! with its derivative over the phase, m
+    real(dp) :: gap(0:1, osc%pairs)
+    real(dp), dimension(0:2, osc%pairs) :: k, e
+    real(dp), dimension(0:2) :: a, b, w
 
-    own(:1, :) = table%stiffness(:, :, place, step)
-    own(2, :) = 0
-    errors(0, :) = table%profile_error(:osc%pairs, place, step)
-    errors(1, :) = table%profile_error_slope(:, place, step)
-    errors(2, :) = 0
-    call effective_pair(osc%shared, contact_set, j, own, errors, k, e)
-    stiffness = k(:1)
-    error = e(:1)
-  end subroutine pair_at
+    k(:1, :) = table%stiffness(:, :, place, step)
+    k(2, :) = 0
+    e(0, :) = table%profile_error(:osc%pairs, place, step)
+    e(1, :) = table%profile_error_slope(:, place, step)
+    e(2, :) = 0
+    call sum_pairs(contact_set, k, e, a, b)
+    w = working_deflection(osc%shared, a, b, [x, 0.0_dp])
+    gap(0, :) = w(0) - e(0, :)
+    gap(1, :) = w(1) - e(1, :)
+  end function gaps_at
 
   !> omega^2 and sum of k e of a contact set, with the coefficients of a place.
   pure subroutine sum_contacts(osc, table, place, step, contact_set, omega_squared, forcing)
@@ -248,18 +249,19 @@ contains
     integer, intent(in) :: contact_set(2)        ! at both ends
     real(dp), intent(in) :: before(2), state(2)
     real(dp), intent(inout) :: peak
-    real(dp), dimension(0:1, 2) :: k, e, gap, load
+    real(dp) :: gap(0:1, osc%pairs, 2)
+    real(dp), dimension(0:1, 2) :: k, load
     integer :: j
 
+    gap(:, :, 1) = gaps_at(osc, table, begins, step, contact_set(1), before)
+    gap(:, :, 2) = gaps_at(osc, table, ends, step, contact_set(2), state)
     do j = 1, osc%pairs
-      call pair_at(osc, table, begins, step, contact_set(1), j, k(:, 1), e(:, 1))
-      call pair_at(osc, table, ends, step, contact_set(2), j, k(:, 2), e(:, 2))
-      gap(0, :) = [before(1), state(1)] - e(0, :)
-      load(0, :) = k(0, :)*gap(0, :)
+      k(:, 1) = table%stiffness(:, j, begins, step)
+      k(:, 2) = table%stiffness(:, j, ends, step)
+      load(0, :) = k(0, :)*gap(0, j, :)
       peak = max(peak, load(0, 1), load(0, 2))
       if (table%scheme /= scheme_rk4) cycle
-      gap(1, :) = [before(2), state(2)] - e(1, :)
-      load(1, :) = table%width(step)*(k(1, :)*gap(0, :) + k(0, :)*gap(1, :))
+      load(1, :) = table%width(step)*(k(1, :)*gap(0, j, :) + k(0, :)*gap(1, j, :))
       if (load(1, 1) > 0 .and. load(1, 2) < 0) peak = max(peak, maximum_of_cubic(load))
     end do
   end subroutine raise_peak

@@ -7,7 +7,7 @@ module gearsweep_load_peaks
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_quintic, only: quintic, maximum_of, value_of
-  use gearsweep_step_ends, only: end_acceleration, pair_at_end
+  use gearsweep_step_ends, only: deflection_at_end, end_acceleration
   implicit none
   private
   public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum
@@ -78,28 +78,28 @@ contains
     real(dp), intent(inout) :: peak
     ! In steps of more rad of the natural motion the acceleration is a small difference of large forces.
     real(dp), parameter :: most = 3e3_dp
-    real(dp), dimension(0:2, 2) :: stiffness, error, gap, load
-    integer :: k
+    real(dp), dimension(0:2, 2) :: gap, load
+    real(dp) :: x(0:2)
+    logical :: bent
+    integer :: k, pass
 
-    associate (i => candidate%step, j => candidate%pair)
-      do k = 1, 2
-        call pair_at_end(osc, table, i, k, candidate%contact_set, j, stiffness(:, k), error(:, k))
-      end do
+    associate (stiffness => table%end_stiffness(:, candidate%pair, :, candidate%step), set => candidate%contact_set, &
+               error => table%end_profile_error(:, candidate%pair, :, candidate%step), i => candidate%step)
       associate (width => table%width(i))
-        gap(0, :) = candidate%x - error(0, :)
-        gap(1, :) = candidate%y - error(1, :)
-        load(0, :) = stiffness(0, :)*gap(0, :)
-        load(1, :) = width*(stiffness(1, :)*gap(0, :) + stiffness(0, :)*gap(1, :))
-        if (.not. may_exceed(load, peak)) return
-        if (duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most) then
+        bent = duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most
+        ! Most need no second derivative.
+        do pass = 1, 2
           do k = 1, 2
-            gap(2, k) = end_acceleration(osc, table, i, k, candidate%contact_set, duration, &
-                                         [candidate%x(k), candidate%y(k)]) - error(2, k)
+            x = [candidate%x(k), candidate%y(k), 0.0_dp]
+            if (pass == 2 .and. bent) x(2) = end_acceleration(osc, table, i, k, set, duration, x(:1))
+            gap(:, k) = deflection_at_end(osc, table, i, k, set, x) - error(:, k)
           end do
-        else
-          gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
-        end if
-        load(2, :) = width**2*(stiffness(2, :)*gap(0, :) + 2*stiffness(1, :)*gap(1, :) + stiffness(0, :)*gap(2, :))
+          if (pass == 2 .and. .not. bent) gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
+          load(0, :) = stiffness(1, :)*gap(0, :)
+          load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
+          load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
+          if (.not. may_exceed(load, peak)) return
+        end do
       end associate
     end associate
     call raise_to_maximum(load, peak)

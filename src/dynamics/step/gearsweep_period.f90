@@ -11,9 +11,8 @@ module gearsweep_period
   use gearsweep_load_peaks, only: add_candidate, candidate_t, settle_candidates
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
-  use gearsweep_shared_compliance, only: closed_pairs
   use gearsweep_trace, only: record, trace_t
-  use gearsweep_step_ends, only: pair_at_end
+  use gearsweep_step_ends, only: contact_set_at_begin, deflection_at_end
   implicit none
   private
   public :: run_period, run_batch
@@ -117,7 +116,7 @@ contains
 
     associate (osc => map%osc, table => map%table)
       do l = 1, batch_size
-        now(l) = contact_set_at(osc, table, step, state%x(l, state%from) + state%held(l), state%held(l) > 0)
+        now(l) = contact_set_at_begin(osc, table, step, state%x(l, state%from) + state%held(l), state%held(l) > 0)
       end do
       state%contact_set = 0
       do j = 1, osc%contacts
@@ -134,43 +133,18 @@ contains
     end associate
   end subroutine enter_interval
 
-  !> The contact set at the begin of a step.
-  pure integer function contact_set_at(osc, table, step, x, held) result(contact_set)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step
-    real(dp), intent(in) :: x
-    logical, intent(in) :: held
-    logical :: closed
-    integer :: j
-
-    contact_set = table%full(step)
-    if (held) return
-    contact_set = 0
-    do j = 1, table%pairs(step)
-      closed = x > table%end_profile_error(0, j, 1, step)
-      if (closed) contact_set = ibset(contact_set, j - 1)
-    end do
-    ! The effective profile errors are those of full contact.
-    if (osc%shared > 0 .and. contact_set /= table%full(step)) then
-      associate (p => table%pairs(step))
-        contact_set = closed_pairs(osc%shared, table%own_stiffness(0, :p, 1, step), table%own_profile_error(0, :p, 1, step), x)
-      end associate
-    end if
-    if (osc%has_backlash .and. x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
-  end function contact_set_at
-
   !> The loads where a step begins, after a break or a step of another width.
   pure subroutine begin_loads(osc, table, step, state)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp) :: bound(batch_size)
+    real(dp), dimension(batch_size) :: w, slope, bound
     integer :: j
 
+    call find_deflections(osc, table, step, 1, state, w, slope)
     do j = 1, table%pairs(step)
-      call move_load(osc, table, step, 1, j, state, bound)
+      call move_load(table, step, 1, j, w, slope, state, bound)
     end do
   end subroutine begin_loads
 
@@ -241,44 +215,74 @@ contains
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
     real(dp) :: lowest(batch_size), error(0:1, 2)
+    real(dp), dimension(batch_size) :: w, slope, w_next, slope_next
     integer :: j, l
 
     lowest = huge(lowest)
+    call find_deflections(map%osc, map%table, step, 1, state, w, slope)
+    call find_deflections(map%osc, map%table, step, 2, state, w_next, slope_next)
     do j = 1, map%osc%contacts
       if (j > map%table%pairs(step) .and. j <= map%osc%pairs) cycle
-      associate (x => state%x(:, state%from), y => state%y(:, state%from), x_next => state%x(:, state%to), &
-                 y_next => state%y(:, state%to), sense => state%contacts(j)%sense, width => map%table%width(step))
-        if (map%osc%shared > 0 .and. j <= map%osc%pairs .and. .not. state%full_contact) then
-          do l = 1, map%speeds
-            error = effective_errors(map, step, state%contact_set(l), j)
-            lowest(l) = min(lowest(l), least_overlap(sense(l)*(x(l) - error(0, 1)), sense(l)*(x_next(l) - error(0, 2)), &
-                                                     sense(l)*(y(l) - error(1, 1))*width, sense(l)*(y_next(l) - error(1, 2))*width))
-          end do
-        else
-          error = map%table%end_profile_error(:1, j, :, step)
-          do l = 1, batch_size
-            lowest(l) = min(lowest(l), least_overlap(sense(l)*(x(l) - error(0, 1)), sense(l)*(x_next(l) - error(0, 2)), &
-                                                     sense(l)*(y(l) - error(1, 1))*width, sense(l)*(y_next(l) - error(1, 2))*width))
-          end do
-        end if
+      if (j > map%osc%pairs) then                ! the coast sides share nothing with the pairs
+        w = state%x(:, state%from)
+        slope = state%y(:, state%from)
+        w_next = state%x(:, state%to)
+        slope_next = state%y(:, state%to)
+      end if
+      error = map%table%end_profile_error(:1, j, :, step)
+      associate (sense => state%contacts(j)%sense, width => map%table%width(step))
+        do l = 1, batch_size
+          lowest(l) = min(lowest(l), least_overlap(sense(l)*(w(l) - error(0, 1)), sense(l)*(w_next(l) - error(0, 2)), &
+                                                   sense(l)*(slope(l) - error(1, 1))*width, &
+                                                   sense(l)*(slope_next(l) - error(1, 2))*width))
+        end do
       end associate
     end do
     state%changes = lowest < 0 .and. .not. state%held > 0
   end subroutine find_changes
 
-  !> Effective profile error of pair j with its derivative over the phase at both ends of a step, (0:1, end).
-  pure function effective_errors(map, step, contact_set, j) result(error)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: step, contact_set, j
-    real(dp) :: error(0:1, 2)
-    real(dp), dimension(0:2) :: k, e
-    integer :: end
+  !> What the pairs work on at an end of a step, with its derivative over the phase: x, less what they share.
+  pure subroutine find_deflections(osc, table, step, end, state, w, slope)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, end
+    type(integrator_t), intent(in) :: state
+    real(dp), intent(out), dimension(batch_size) :: w, slope       ! m
+    ! Sums of K and K e over the pairs in contact, with their derivatives.
+    real(dp), dimension(batch_size) :: a, a_slope, b, b_slope
+    integer :: at, j, l
 
-    do end = 1, 2
-      call pair_at_end(map%osc, map%table, step, end, contact_set, j, k, e)
-      error(:, end) = e(:1)
+    at = merge(state%from, state%to, end == 1)
+    w = state%x(:, at)
+    slope = state%y(:, at)
+    if (.not. osc%shared > 0) return
+    if (state%full_contact) then
+      a = table%end_sums(0, 1, end, step)
+      a_slope = table%end_sums(1, 1, end, step)
+      b = table%end_sums(0, 2, end, step)
+      b_slope = table%end_sums(1, 2, end, step)
+    else
+      a = 0
+      a_slope = 0
+      b = 0
+      b_slope = 0
+    end if
+    do j = 1, merge(0, table%pairs(step), state%full_contact)
+      associate (k => table%end_stiffness(:1, j, end, step), e => table%end_profile_error(:1, j, end, step), &
+                 weight => state%contacts(j)%weight)
+        do l = 1, batch_size
+          a(l) = a(l) + weight(l)*k(1)
+          a_slope(l) = a_slope(l) + weight(l)*k(2)
+          b(l) = b(l) + weight(l)*(k(1)*e(1))
+          b_slope(l) = b_slope(l) + weight(l)*(k(2)*e(1) + k(1)*e(2))
+        end do
+      end associate
     end do
-  end function effective_errors
+    do l = 1, batch_size
+      w(l) = (w(l) + osc%shared*b(l))/(1 + osc%shared*a(l))
+      slope(l) = (slope(l) + osc%shared*(b_slope(l) - a_slope(l)*w(l)))/(1 + osc%shared*a(l))
+    end do
+  end subroutine find_deflections
 
   !> What an overlap, positive until the contact changes, stays above within a step: a convex curve stays above its
   !> tangents.
@@ -297,13 +301,14 @@ contains
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp) :: bound(batch_size)
+    real(dp), dimension(batch_size) :: w, slope, bound
     integer :: ends(2), j, l
 
     ends = [state%from, state%to]
     associate (table => map%table)
+      call find_deflections(map%osc, table, step, 2, state, w, slope)
       do j = 1, table%pairs(step)
-        call move_load(map%osc, table, step, 2, j, state, bound)
+        call move_load(table, step, 2, j, w, slope, state, bound)
         if (.not. any(bound > state%peak)) cycle
         do l = 1, map%speeds
           if (state%changes(l) .or. bound(l) <= state%peak(l)) cycle
@@ -316,33 +321,24 @@ contains
 
   !> Moves the load of pair j to an end of a step: raises the largest, and tells the bound that the load stays below on the
   !> way, as a concave curve stays below its tangents.
-  pure subroutine move_load(osc, table, step, end, j, state, bound)
-    type(oscillator_t), intent(in) :: osc
+  pure subroutine move_load(table, step, end, j, w, slope, state, bound)
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step, end, j
+    real(dp), intent(in), dimension(batch_size) :: w, slope        ! of `find_deflections` at that end
     type(integrator_t), intent(inout) :: state
     real(dp), intent(out) :: bound(batch_size)
     real(dp), dimension(batch_size) :: load, load_slope
     real(dp) :: k(0:2), e(0:2), gap, rise, fall
-    integer :: at, l
+    integer :: l
 
-    at = merge(state%from, state%to, end == 1)
     k = table%end_stiffness(:, j, end, step)
     e = table%end_profile_error(:, j, end, step)
-    associate (pair => state%contacts(j), x => state%x(:, at), y => state%y(:, at), peak => state%peak, width => table%width(step))
-      if (osc%shared > 0 .and. .not. state%full_contact) then
-        do l = 1, batch_size
-          call pair_at_end(osc, table, step, end, state%contact_set(l), j, k, e)
-          load(l) = pair%weight(l)*k(0)*(x(l) - e(0))
-          load_slope(l) = pair%weight(l)*width*(k(1)*(x(l) - e(0)) + k(0)*(y(l) - e(1)))
-        end do
-      else
-        do l = 1, batch_size
-          gap = x(l) - e(0)
-          load(l) = pair%weight(l)*k(0)*gap
-          load_slope(l) = pair%weight(l)*width*(k(1)*gap + k(0)*(y(l) - e(1)))
-        end do
-      end if
+    associate (pair => state%contacts(j), peak => state%peak, width => table%width(step))
+      do l = 1, batch_size
+        gap = w(l) - e(0)
+        load(l) = pair%weight(l)*k(0)*gap
+        load_slope(l) = pair%weight(l)*width*(k(1)*gap + k(0)*(slope(l) - e(1)))
+      end do
       do l = 1, batch_size
         rise = max(0.0_dp, pair%load_slope(l))
         fall = max(0.0_dp, -load_slope(l))
@@ -359,17 +355,16 @@ contains
     integer, intent(in) :: step, contact_set
     real(dp), intent(in) :: x(2)
     type(trace_t), intent(inout) :: trace
-    real(dp), dimension(0:2) :: k, e
-    real(dp) :: load(map%osc%pairs, 2)
+    real(dp) :: load(map%osc%pairs, 2), w(0:2)
     integer :: end, j
 
     load = 0
     associate (table => map%table)
       do end = 1, 2
+        w = deflection_at_end(map%osc, table, step, end, contact_set, [x(end), 0.0_dp, 0.0_dp])
         do j = 1, table%pairs(step)
           if (.not. in_contact(contact_set, j)) cycle
-          call pair_at_end(map%osc, table, step, end, contact_set, j, k, e)
-          load(j, end) = k(0)*max(0.0_dp, x(end) - e(0))
+          load(j, end) = table%end_stiffness(0, j, end, step)*max(0.0_dp, w(0) - table%end_profile_error(0, j, end, step))
         end do
       end do
       call record(trace, table%pairs(step), spread(map%osc%intervals(table%interval(step))%offset, 1, 2), &

@@ -5,7 +5,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, derivative_of, second_derivative_of, evaluate, maximum_of, first_zero, may_cross_zero
+  public :: quintic, value_of, derivative_of, evaluate, maximum_of, first_zero, may_cross_zero
 
 contains
 
@@ -48,14 +48,6 @@ contains
     value = value_of(c, t)
     derivative = derivative_of(c, t)
   end subroutine evaluate
-
-  !> Second derivative at t.
-  pure real(dp) function second_derivative_of(c, t)
-    real(dp), intent(in) :: c(0:5)     !< coefficients
-    real(dp), intent(in) :: t          !< place, 0 to 1
-
-    second_derivative_of = ((20*c(5)*t + 12*c(4))*t + 6*c(3))*t + 2*c(2)
-  end function second_derivative_of
 
   !> Coefficients of the first derivative.
   pure function differentiated(c) result(d)

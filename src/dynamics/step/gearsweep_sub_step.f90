@@ -7,13 +7,12 @@ module gearsweep_sub_step
   use gearsweep_nodes, only: nodes
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping, mobility
   use gearsweep_period_map, only: period_map_t
-  use gearsweep_quintic, only: quintic, evaluate, second_derivative_of
-  use gearsweep_shared_compliance, only: effective_pair, reduce_sums
-  use gearsweep_step_ends, only: pair_at_end
+  use gearsweep_quintic, only: quintic
+  use gearsweep_shared_compliance, only: reduce_sums, sum_pairs, touching_deflection, working_deflection
   implicit none
   private
   public :: sub_steps_t, event_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, derivatives, &
-            second_derivatives, second_derivatives_of_motion, need_error, pair_at, own_at_ends, effective_at_ends, last
+            second_derivatives, second_derivatives_of_motion, need_error, own_at_ends, working_at_ends, last
 
   !> Places in a sub-step at which its coefficients are known: both ends, and the nodes of the integration between.
   real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
@@ -39,8 +38,8 @@ module gearsweep_sub_step
   type :: sub_steps_t
     integer :: step = 0
     real(dp), allocatable :: stiffness(:, :), profile_error(:, :), mobility(:, :)
-    !> The profile error that decides on contact, a quintic too, (0:5, contact): where pairs share a compliance, the
-    !> effective one of `need_error` while these others are in contact, as a contact set, (pair).
+    !> The deflection x that decides on contact, a quintic too, (0:5, contact): the profile error or, where pairs share a
+    !> compliance, what `need_error` makes of it while these others are in contact, as a contact set, (pair).
     real(dp), allocatable :: error(:, :)
     integer, allocatable :: others(:)
     real(dp), dimension(batch_size) :: longest = 1                     !< sub-step that is allowed, part of the step
@@ -76,11 +75,7 @@ contains
     associate (osc => map%osc, table => map%table)
       scale = [1.0_dp, table%width(step), table%width(step)**2]
       do j = 1, table%pairs(step)
-        if (osc%shared > 0) then
-          c%stiffness(:, j) = quintic(scale*table%own_stiffness(:, j, 1, step), scale*table%own_stiffness(:, j, 2, step))
-        else
-          c%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, step), scale*table%end_stiffness(:, j, 2, step))
-        end if
+        c%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, step), scale*table%end_stiffness(:, j, 2, step))
         associate (left => osc%intervals(table%interval(step))%place(table%left(step), j), &
                    recess => osc%intervals(table%interval(step))%recess(j))
           c%mobility(0, j) = mobility(osc, left, recess)
@@ -90,13 +85,8 @@ contains
       do j = 1, osc%contacts
         c%profile_error(:, j) = 0
         if (j > table%pairs(step) .and. j <= osc%pairs) cycle
-        if (osc%shared > 0 .and. j <= osc%pairs) then
-          c%profile_error(:, j) = quintic(scale*table%own_profile_error(:, j, 1, step), &
-                                          scale*table%own_profile_error(:, j, 2, step))
-        else
-          c%profile_error(:, j) = quintic(scale*table%end_profile_error(:, j, 1, step), &
-                                          scale*table%end_profile_error(:, j, 2, step))
-        end if
+        c%profile_error(:, j) = quintic(scale*table%end_profile_error(:, j, 1, step), &
+                                        scale*table%end_profile_error(:, j, 2, step))
       end do
       c%error(:, :) = c%profile_error
       c%others(:) = none_yet
@@ -312,14 +302,14 @@ contains
     f = (((20*q(5)*t + 12*q(4))*t + 6*q(3))*t + 2*q(2))*c%width(l)**2
   end function second_derivatives
 
-  !> Makes `error` of pair j the effective one under a contact set, unless it is. Whether the pair itself is in contact does
-  !> not matter.
+  !> Makes `error` of pair j the deflection at which it touches under a contact set, unless it is. Whether the pair itself is in
+  !> contact does not matter.
   pure subroutine need_error(map, contact_set, j, c)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: contact_set           !< of the motion
     integer, intent(in) :: j
     type(sub_steps_t), intent(inout) :: c
-    real(dp), dimension(0:2) :: stiffness, scale
+    real(dp), dimension(0:2) :: a, b, scale
     real(dp) :: error(0:2, 2)
     integer :: others, end
 
@@ -331,63 +321,60 @@ contains
       scale = [1.0_dp, width, width**2]
     end associate
     do end = 1, 2
-      call pair_at_end(map%osc, map%table, c%step, end, others, j, stiffness, error(:, end))
+      associate (p => map%table%pairs(c%step), k => map%table%end_stiffness(:, :, end, c%step), &
+                 e => map%table%end_profile_error(:, :, end, c%step))
+        call sum_pairs(others, k(:, :p), e(:, :p), a, b)
+        error(:, end) = touching_deflection(map%osc%shared, a, b, e(:, j))
+      end associate
     end do
     c%error(:, j) = quintic(scale*error(:, 1), scale*error(:, 2))
   end subroutine need_error
 
-  !> Effective stiffness and profile error of pair j at a place of the step, with their derivatives over the step.
-  pure subroutine pair_at(map, c, contact_set, j, place, stiffness, profile_error)
-    type(period_map_t), intent(in) :: map
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: contact_set           !< of the motion
-    integer, intent(in) :: j
-    real(dp), intent(in) :: place                !< 0 to 1
-    real(dp), intent(out) :: stiffness(0:2), profile_error(0:2)    !< N/m, m
-    real(dp), dimension(0:2, map%table%pairs(c%step)) :: k, e
-    integer :: i
-
-    do i = 1, size(k, 2)
-      call evaluate(c%stiffness(:, i), place, k(0, i), k(1, i))
-      call evaluate(c%profile_error(:, i), place, e(0, i), e(1, i))
-      k(2, i) = second_derivative_of(c%stiffness(:, i), place)
-      e(2, i) = second_derivative_of(c%profile_error(:, i), place)
-    end do
-    call effective_pair(map%osc%shared, contact_set, j, k, e, stiffness, profile_error)
-  end subroutine pair_at
-
-  !> Own stiffness and profile error of all pairs at both ends of the sub-step of motion l, with their derivatives over the
-  !> sub-step; (0:2, pair, end).
-  pure subroutine own_at_ends(map, l, c, stiffness, profile_error)
+  !> Own stiffness and profile error of the pairs in contact at both ends of the sub-step of motion l, with their derivatives
+  !> over the sub-step; (0:2, pair, end). The second ones only where the path is wanted `bent`.
+  pure subroutine own_at_ends(map, l, c, contact_set, bent, stiffness, profile_error)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l                     !< which speed of the batch
     type(sub_steps_t), intent(in) :: c
-    real(dp), intent(out), dimension(0:2, map%osc%pairs, 2) :: stiffness, profile_error    !< N/m, m
+    integer, intent(in) :: contact_set           !< of the motion
+    logical, intent(in) :: bent
+    real(dp), intent(inout), dimension(0:2, map%osc%pairs, 2) :: stiffness, profile_error    !< N/m, m; of others as they were
     integer :: j
 
     do j = 1, map%table%pairs(c%step)
+      if (.not. btest(contact_set, j - 1)) cycle
       stiffness(:1, j, :) = derivatives(c, l, c%stiffness(:, j))
-      stiffness(2, j, :) = second_derivatives(c, l, c%stiffness(:, j))
       profile_error(:1, j, :) = derivatives(c, l, c%profile_error(:, j))
+      stiffness(2, j, :) = 0
+      profile_error(2, j, :) = 0
+      if (.not. bent) cycle
+      stiffness(2, j, :) = second_derivatives(c, l, c%stiffness(:, j))
       profile_error(2, j, :) = second_derivatives(c, l, c%profile_error(:, j))
     end do
   end subroutine own_at_ends
 
-  !> The effective ones of pair j, from the own ones of all; (0:2, end).
-  pure subroutine effective_at_ends(map, c, contact_set, j, own, own_error, stiffness, profile_error)
+  !> What the pairs work on at both ends of the sub-step of motion l (m), with its derivatives over the sub-step: x, less what
+  !> they share; (0:2, end). The second derivative only where the path is wanted `bent`.
+  pure function working_at_ends(map, l, c, contact_set, own, own_error, bent) result(w)
     type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l                     !< which speed of the batch
     type(sub_steps_t), intent(in) :: c
     integer, intent(in) :: contact_set           !< of the motion
-    integer, intent(in) :: j
     real(dp), intent(in), dimension(0:2, map%osc%pairs, 2) :: own, own_error   !< of `own_at_ends`
-    real(dp), intent(out), dimension(0:2, 2) :: stiffness, profile_error       !< N/m, m
+    logical, intent(in) :: bent
+    real(dp) :: w(0:2, 2), a(0:2), b(0:2)
     integer :: end
 
+    w(0, :) = c%x(l, :)
+    w(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
+    w(2, :) = 0
+    if (bent) w(2, :) = second_derivatives_of_motion(map, l, c)
+    if (.not. map%osc%shared > 0) return
     associate (p => map%table%pairs(c%step))
       do end = 1, 2
-        call effective_pair(map%osc%shared, contact_set, j, own(:, :p, end), own_error(:, :p, end), stiffness(:, end), &
-                            profile_error(:, end))
+        call sum_pairs(contact_set, own(:, :p, end), own_error(:, :p, end), a, b)
+        w(:, end) = working_deflection(map%osc%shared, a, b, w(:, end))
       end do
     end associate
-  end subroutine effective_at_ends
+  end function working_at_ends
 end module gearsweep_sub_step
