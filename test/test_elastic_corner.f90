@@ -1,6 +1,7 @@
 !> The tip corner in contact: an edge on a half plane against closed forms, and the pair's stiffness beyond the path.
 module test_elastic_corner
   use dogan_gears, only: dogan_pair
+  use gearsweep_corner, only: corner_contact, corner_t
   use gearsweep_disc, only: disc_t
   use gearsweep_edge_contact, only: edge_compliance, edge_deflection, edge_t, make_edge
   use gearsweep_error, only: error_t
@@ -221,6 +222,7 @@ contains
       '&pinion teeth=25 / &gear teeth=25 / &load line_load_n_mm=276 / &relief amount_um=0, 10 / &mesh model=''fe'''
     character(*), parameter :: alone = ' tooth_coupling=.false. nonlinear_contact=.false.'
     type(answer_t) :: answer
+    type(corner_t), allocatable :: corner(:)
     real(dp), allocatable :: peak(:), length(:), s(:), share(:), touched(:)
 
     call ask(t, text//alone//' /', answer)
@@ -233,6 +235,9 @@ contains
     s = answer%all_of('mesh.s')
     share = answer%all_of('mesh.load_share')
     touched = answer%all_of('mesh.pinion_radius_mm')
+    corner = corner_contact(dogan_pair([25, 25]), pack(s, s < 0))
+    call check_true(t, 'a short lever arm where there is load', maxval(pack(share, s < 0)*(1 - corner%lever)) < 0.01_dp, &
+                    str(maxval(pack(share, s < 0)*(1 - corner%lever))))
     call check_true(t, 'load at the tip corner', maxval(share, mask=s < -0.03_dp) > 0.02_dp .and. all(share >= 0))
     ! A radius of 37.836 mm.
     call check_true(t, 'the corner meets the pinion above A', minval(touched, mask=s < -1e-3_dp) > 37.84_dp)
