@@ -155,6 +155,7 @@ begin() {
     s/rpm_last =/rpm_last = 6000/
     s/rpm_step =/rpm_step = 500/
     s/load_rpm =/load_rpm = 5500/
+    s/ rpm =/ rpm = 5500/
   }'
 }
 tasks=$("$program" --describe tasks | sed -n 's/^  {"name": "\([a-z]*\)".*/\1/p')
