@@ -1,14 +1,14 @@
 !> Pair stiffness from finite elements: both gears' sections, loaded along the
 !> path of contact, with Hertz's flattening.
 module gearsweep_fe_stiffness
-  use gearsweep_kinds, only: dp
+  use gearsweep_kinds, only: dp, pi
   use gearsweep_corner, only: corner_reach
   use gearsweep_corner_stiffness, only: corner_compliance, edge_share, edge_zone
   use gearsweep_disc, only: disc_t
   use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_hub, only: felt_twist
-  use gearsweep_interpolation, only: joined
+  use gearsweep_interpolation, only: interpolated, joined
   use gearsweep_material, only: material_t
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t, spline
@@ -106,21 +106,28 @@ contains
       end do
       total = total + (there(corner_knots, 1) - total(1))*edge_share(s, zone(1)) &
               + (there(1, 2) - total(size(s)))*edge_share(pair%contact_ratio - s, zone(2))
-      curve = joined(joined(spline(beyond(:, 1), width/there(:, 1)), spline(s, width/total)), &
-                     spline(beyond(:, 2), width/there(:, 2)))
+      ! Where an edge is felt the stiffness falls within less than a step of the motion: one polynomial, at whose end steps end,
+      ! too, costs fewer of them than a spline.
+      associate (n => zone_knots, last => size(s), stiffness => width/total)
+        curve = joined(interpolated(s(1), s(n + 1), stiffness(:n + 1)), spline(s(n + 1:last - n), stiffness(n + 1:last - n)))
+        curve = joined(curve, interpolated(s(last - n), s(last), stiffness(last - n:)))
+      end associate
+      curve = joined(joined(spline(beyond(:, 1), width/there(:, 1)), curve), spline(beyond(:, 2), width/there(:, 2)))
     end subroutine find_with_corners
   end subroutine fe_stiffness
 
-  !> Path coordinates from A to E in equal steps, but for shorter ones in the zones (base pitches) at both ends.
+  !> Path coordinates from A to E in equal steps, but in the zones (base pitches) at both ends those of `interpolated`.
   pure function path_knots(contact_ratio, zone) result(s)
     real(dp), intent(in) :: contact_ratio, zone(2)
     real(dp), allocatable :: s(:)
+    real(dp) :: ascent(0:zone_knots)
     integer :: i
 
     s = [(contact_ratio*i/(fe_knots - 1), i=0, fe_knots - 1)]
     if (.not. any(zone > 0)) return
-    s = [(zone(1)*i/zone_knots, i=0, zone_knots - 1), zone(1) + (contact_ratio - sum(zone))*s/contact_ratio, &
-         (contact_ratio - zone(2)*(zone_knots - i)/zone_knots, i=1, zone_knots)]
+    ascent = [((1 - cos(pi*i/zone_knots))/2, i=0, zone_knots)]
+    s = [zone(1)*ascent(0:zone_knots - 1), zone(1) + (contact_ratio - sum(zone))*s/contact_ratio, &
+         contact_ratio - zone(2)*ascent(zone_knots - 1:0:-1)]
   end function path_knots
 
   pure function values(curve, x) result(f)
