@@ -35,6 +35,8 @@ module gearsweep
   use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: sharing_t, share_load
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
+  use gearsweep_attractor_search, only: attractor_options_t
+  use gearsweep_attractors, only: attractor_t, attractors_t, find_attractors
   use gearsweep_continuation, only: branch_t, change_t, branch_options_t, follow_branch
   use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_optimum, only: optimum_t, peak_t, find_optimum, find_resonances

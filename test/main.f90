@@ -6,6 +6,7 @@ program check
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
   use extreme_table, only: print_limits
   use test_sparse, only: run_sparse => run
+  use test_attractors, only: run_attractors => run
   use test_beyond, only: run_beyond => run
   use test_branches, only: run_branches => run
   use test_calls, only: run_calls => run
@@ -89,6 +90,7 @@ program check
     & suite_t('resume', run_resume), &
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
+    & suite_t('attractors', run_attractors), &
     & suite_t('estimates', run_estimates), &
     & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &

@@ -8,7 +8,7 @@ module reference_rows
   use gearsweep_stiffness, only: polynomial_stiffness
   implicit none
   private
-  public :: row_t, read_rows, oscillator_of, complete, prescribed
+  public :: row_t, read_rows, row_of, oscillator_of, complete, prescribed
 
   type :: row_t
     integer :: id = 0, teeth(2) = 0, n_coef = 0, shape = 0, loss = 0
@@ -38,6 +38,14 @@ contains
     end do
     close (unit)
   end subroutine read_rows
+
+  !> The columns from id to rpm.
+  type(row_t) function row_of(line) result(row)
+    character(*), intent(in) :: line
+
+    read (line, *) row%id, row%teeth, row%angle, row%contact_ratio, row%pitch_point, row%n_coef, row%coef, &
+      row%mass, row%load, row%zeta, row%friction, row%backlash, row%relief, row%shape, row%rpm
+  end function row_of
 
   subroutine oscillator_of(row, osc)
     type(row_t), intent(in) :: row

@@ -19,16 +19,17 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(11) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(12) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
-    'stability: ', 'hysteresis: ', 'poincare: ', 'flank: ']
+    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'flank: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
 
   !> What is computed for the sake of these tasks shall not take long.
   character(*), parameter :: few = 'stability damping_count 4;stability tongues 2;poincare settling_periods 20;'// &
-                                   'poincare kept_periods 10;hysteresis closeness 1e-2;precision most_steps 50;'// &
+                                   'poincare kept_periods 10;hysteresis closeness 1e-2;attractors starts 2;'// &
+                                   'precision most_steps 50;'// &
                                    'precision most_samples 64;precision rpm 18000'
 
   !> A value that a case gives to a key; a blank one takes the key out.
@@ -213,6 +214,12 @@ contains
     call add('poincare relief_um', '5')
     call add('poincare settling_periods', '30')
     call add('poincare kept_periods', '12')
+    call add('attractors rpm', '17000, 21000')
+    call add('attractors relief_um', '5')
+    call add('attractors starts', '3')
+    call add('attractors span', '3')
+    call add('attractors most_periods', '1')
+    call add('attractors followed_periods', '1')
     call add('precision rpm', '17000, 21000')
     call add('precision relief_um', '5')
     call add('precision most_steps', '60')

@@ -819,7 +819,7 @@ waits 'Not used           for modal, precision, flank or a mass that is not stat
 waits 'Not used           for static, modal, precision, flank or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
 waits 'Not used           for modal, precision, flank or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
 waits 'Not used           for load: &sweep load_rpm' "s/tasks = .*/tasks = 'mesh', 'sweep'/"
-waits '                   for sweep, optimum, stability, hysteresis or poincare: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
+waits '                   for sweep, optimum, stability, hysteresis, poincare or attractors: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
 waits "Not used           for section, static, modal, precision or a stiffness by elements: &section teeth" "s/&sweep/\\&section teeth = 5 \\/ \\&sweep/"
 waits 'for section, static, modal or precision: &section member' "s/&sweep/\\&section member = 'gear' \\/ \\&sweep/"
 waits 'for static: &static positions' "s/&sweep/\\&static positions = 5 \\/ \\&sweep/"

@@ -43,9 +43,10 @@ contains
     if (t%wants('whole_again march')) then
       call whole_again(t, 'each', '''sweep''', '&numerics steady_state = ''march'' tolerance = 1e-4 /', 1)
     end if
-    if (t%wants('whole_again tasks')) call whole_again(t, 'up', '''stability'', ''hysteresis'', ''poincare'', ''load''', &
+    if (t%wants('whole_again tasks')) call whole_again(t, 'up', &
+      '''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''load''', &
       '&stability damping_count = 3 tongues = 1 / &hysteresis rpm = 6700, 6800, 6900 closeness = 1e-2 /'// &
-      '&poincare rpm = 6800, 7000 settling_periods = 20 kept_periods = 9 /', 2)
+      '&poincare rpm = 6800, 7000 settling_periods = 20 kept_periods = 9 / &attractors rpm = 6800, 7000 starts = 2 /', 2)
     if (t%wants('refused')) call refused(t)
     if (t%wants('ended_at_once')) call ended_at_once(t)
     call remove_folder(folder)

@@ -45,6 +45,8 @@ for _one in (Code, Error, PartialWarning, UnusedWarning, Study, Table, Case):
 
 #: In `gearsweep.plots`, which is loaded with the first of them.
 _PLOTS = (
+    'plot_attractors',
+    'plot_basins',
     'plot_flank',
     'plot_geometry',
     'plot_harmonics',

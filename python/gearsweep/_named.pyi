@@ -557,6 +557,74 @@ class LyapunovTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats; 0: it does not"""
 
+class AttractorsTable(Table):
+    """attracting motions at each speed, the one to which most starts lead first"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    motion: NDArray[int64]
+    """which of the motions at this speed"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
+    error_estimate: NDArray[float64]
+    """estimated error of DF; NaN where there is no answer or it is not known"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    contact: NDArray[str_]
+    """full; partial: a pair was apart for a while; lost: all were; coast: the coast sides touched"""
+    floquet_modulus: NDArray[float64]
+    """largest modulus of the Floquet multipliers"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    starts: NDArray[int64]
+    """how many starts lead to it"""
+    share: NDArray[float64]
+    """the same as a share of all starts"""
+    dte_um: NDArray[float64]
+    """um: dynamic transmission error as a new pair enters"""
+    dte_rate_mm_s: NDArray[float64]
+    """mm/s: rate of the dynamic transmission error as a new pair enters: the motion can be continued from both"""
+
+class AttractorPointsTable(Table):
+    """how many motions attract, and what a sweep of single speeds shows of them"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    motions: NDArray[int64]
+    """how many attracting motions are known"""
+    largest_dynamic_factor: NDArray[float64]
+    """largest DF of all of them; NaN where none is known"""
+    each_dynamic_factor: NDArray[float64]
+    """DF that a sweep with direction = 'each' shows; NaN where it has no answer"""
+    each_motion: NDArray[int64]
+    """which of the motions that is; 0: none of them"""
+    each_share: NDArray[float64]
+    """share of the starts that lead to it"""
+    unsettled_share: NDArray[float64]
+    """share of the starts that nothing captured within followed_periods"""
+    status: NDArray[str_]
+    """ok; unresolved: the speed is too low to be searched"""
+
+class BasinsTable(Table):
+    """starts, and the motion that each leads to"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    start: NDArray[int64]
+    """which start: the displacement varies fastest"""
+    dte_um: NDArray[float64]
+    """um: dynamic transmission error at the start, as a new pair enters"""
+    dte_rate_mm_s: NDArray[float64]
+    """mm/s: its rate there"""
+    motion: NDArray[int64]
+    """the motion of the table attractors that it leads to; 0: none within followed_periods"""
+
 class PrecisionTable(Table):
     """results at several resolutions, with their errors and run times"""
 
@@ -854,6 +922,12 @@ class Named:
     def poincare(self) -> PoincareTable: ...
     @property
     def lyapunov(self) -> LyapunovTable: ...
+    @property
+    def attractors(self) -> AttractorsTable: ...
+    @property
+    def attractor_points(self) -> AttractorPointsTable: ...
+    @property
+    def basins(self) -> BasinsTable: ...
     @property
     def precision(self) -> PrecisionTable: ...
     @property

@@ -52,8 +52,8 @@ GRID = Case(GEARED).changed(section={'elements_across': 60})
 
 @pytest.mark.parametrize(
     ('case', 'task'),
-    [(LONG, 'sweep'), (LONG, 'optimum'), (MARCHED, 'sweep'), (LONG, 'hysteresis'), (LONG, 'poincare'), (GRID, 'modal'), (GRID, 'mesh')],
-    ids=['sweep', 'optimum', 'march', 'hysteresis', 'poincare', 'modes', 'stiffness'],
+    [(LONG, 'sweep'), (LONG, 'optimum'), (MARCHED, 'sweep'), (LONG, 'hysteresis'), (LONG, 'poincare'), (LONG, 'attractors'), (GRID, 'modal'), (GRID, 'mesh')],
+    ids=['sweep', 'optimum', 'march', 'hysteresis', 'poincare', 'attractors', 'modes', 'stiffness'],
 )
 def test_ctrl_c_ends_within_a_second(case, task):
     timer, sent = interrupt_after(0.5)

@@ -23,7 +23,7 @@ from gearsweep.plots.gears import contact_path
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
-MAPS = ('stability', 'hysteresis', 'poincare', 'precision')
+MAPS = ('stability', 'hysteresis', 'poincare', 'attractors', 'precision')
 MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
 ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
 ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
@@ -66,8 +66,8 @@ def both(rattling):
 
 @pytest.fixture(scope='module')
 def everything():
-    case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, static={'field_position': 0},
-                                flank={'rpm': [4000, 6000]},
+    case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, attractors={'starts': 4},
+                                static={'field_position': 0}, flank={'rpm': [4000, 6000]},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
     return gearsweep.run(case, (*case.tasks, *MAPS, 'flank'))
 
@@ -379,7 +379,7 @@ def test_flank_shows_the_columns_of_its_table_at_one_speed():
 
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare', 'precision', 'flank')  # fmt: skip
+             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'precision', 'flank')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

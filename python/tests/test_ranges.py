@@ -9,7 +9,9 @@ from conftest import ROOT
 import gearsweep
 
 GROUPS = {
-    'case': {'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'precision', 'flank'"},
+    'case': {
+        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank'"
+    },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
     'gear': {'teeth': 34, 'effective_mass_kg': 0.9},
@@ -26,6 +28,7 @@ GROUPS = {
     'stability': {},
     'hysteresis': {},
     'poincare': {},
+    'attractors': {},
     'precision': {},
     'flank': {'rpm': 3000},
 }

@@ -1,6 +1,7 @@
 !> All tasks. A new one is one line in `list_tasks`.
 module gearsweep_tasks
   use gearsweep_task, only: task_info_t, task_length, task_t
+  use gearsweep_task_attractors, only: attractors_task_t
   use gearsweep_task_flank, only: flank_task_t
   use gearsweep_task_geometry, only: geometry_task_t
   use gearsweep_task_hysteresis, only: hysteresis_task_t
@@ -50,6 +51,7 @@ contains
     call add(stability_task_t())
     call add(hysteresis_task_t())
     call add(poincare_task_t())
+    call add(attractors_task_t())
     call add(precision_task_t())
     call add(flank_task_t())
     allocate (slots(n))

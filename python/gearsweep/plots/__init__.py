@@ -20,6 +20,7 @@ except ImportError as error:
     raise ImportError("gearsweep's pictures need matplotlib, which is not installed: pip install matplotlib") from error
 
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .files import draw_all, figures, save
 from .flank import plot_flank
@@ -33,6 +34,8 @@ from .stress import plot_stress
 __all__ = [
     'draw_all',
     'figures',
+    'plot_attractors',
+    'plot_basins',
     'plot_flank',
     'plot_geometry',
     'plot_harmonics',

@@ -16,6 +16,7 @@ from matplotlib.legend import Legend
 from .._files import replacing
 from ..study import Study
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .flank import plot_flank
 from .gears import plot_geometry
@@ -75,6 +76,8 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'stability': _single(plot_stability, 80, PAGE),
         'hysteresis': _reliefs('hysteresis', plot_hysteresis),
         'poincare': _reliefs('lyapunov', plot_poincare),
+        'attractors': _reliefs('attractor_points', plot_attractors),
+        'basins': _reliefs('basins', plot_basins),
         'precision': _precision,
         'flank': _flank,
     }

@@ -1,0 +1,122 @@
+"""All attracting motions: over the speed, and the starts that lead to each."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.lines import Line2D
+
+from ..study import Study
+from ..table import Table
+from .look import FAINT, GREY, HOLLOW, INK, MM, PAGE, canvas, legends_above
+from .stability import KINDS
+
+#: The motions at one speed, the one with most starts first; further ones are grey.
+HUES = ('#1f5f8b', '#e0a458', '#3f8f5f', '#c9503c', '#8c6bb1', '#7fb7d4', '#8c2d55', '#b5bd61')
+
+
+def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
+    """Dynamic factors of all attracting motions over speed, for one relief.
+
+    A point for each motion, the larger the more starts lead to it, in the colour of the mesh periods after which it
+    repeats. Where the motion that a sweep by single speeds shows is among them, the point has an outline.
+
+    Parameters
+    ----------
+    attractors : Study or Table
+        A study, or its table `attractors`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    relief_um : float, optional
+        The relief; otherwise the first.
+
+    Returns
+    -------
+    Axes
+    """
+    study = attractors if isinstance(attractors, Study) else attractors.study
+    found = study.attractors
+    relief_um = study.attractor_points.relief_um[0] if relief_um is None else relief_um
+    points = study.attractor_points.at(relief_um=relief_um)
+    shown = dict(zip(np.atleast_1d(points.rpm), np.atleast_1d(points.each_motion)))
+    here = found.relief_um == relief_um
+    with canvas(ax, height=80 * MM, width=PAGE) as ax:
+        entries = []
+        for kind, color in KINDS.items():
+            if isinstance(kind, str):
+                continue
+            mine = here & (np.minimum(found.mesh_periods, 3) == kind)
+            if not mine.any():
+                continue
+            drawn = [found.motion[i] == shown[found.rpm[i]] for i in np.flatnonzero(mine)]
+            edges = [INK if one else 'none' for one in drawn]
+            sizes = 2 + 25 * found.share[mine]
+            ax.scatter(found.rpm[mine], found.dynamic_factor[mine], sizes, color, edgecolors=edges, linewidths=0.6)
+            periods = found.mesh_periods[mine]
+            label = {1: 'repeats with the mesh', 2: 'after 2 periods', 3: f'after 3 to {max(3, periods.max())} periods'}[kind]
+            entries.append(Line2D([], [], linestyle='', marker='o', color=color, label=label))
+        outline: dict[str, Any] = {'marker': 'o', 'color': 'none', 'markeredgecolor': INK, 'markeredgewidth': 0.6}
+        entries.append(Line2D([], [], linestyle='', label='shown by a sweep', **outline))
+        legends_above(ax, ('', entries))
+        if not here.any():
+            ax.set_xlim(np.min(points.rpm), np.max(points.rpm) + 1)
+        ax.set_xlabel('Speed of the pinion (1/min)')
+        ax.set_ylabel('Dynamic factor (–)')
+    return ax
+
+
+def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, relief_um: float | None = None) -> Axes:
+    """The starts that lead to each attracting motion at one speed and relief, in a colour for each motion.
+
+    Marks are the motions themselves, as a new pair enters, where they lie among the starts. Light grey: no motion
+    captured the start.
+
+    Parameters
+    ----------
+    basins : Study or Table
+        A study, or its table `basins`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    rpm : float, optional
+        The speed of the pinion; otherwise the first of those with most motions.
+    relief_um : float, optional
+        The relief; otherwise the first.
+
+    Returns
+    -------
+    Axes
+    """
+    study = basins if isinstance(basins, Study) else basins.study
+    relief_um = study.basins.relief_um[0] if relief_um is None else relief_um
+    points = study.attractor_points.at(relief_um=relief_um)
+    rpm = points.rpm[np.argmax(points.motions)] if rpm is None else rpm
+    starts, found = study.basins.at(relief_um=relief_um, rpm=rpm), study.attractors
+    here = np.flatnonzero((found.relief_um == relief_um) & (found.rpm == rpm))
+    across = round(np.sqrt(starts.motion.size))
+    grid = starts.dte_um.reshape(across, across), starts.dte_rate_mm_s.reshape(across, across)
+    most = len(HUES)
+    with canvas(ax, height=95 * MM) as ax:
+        shades = ListedColormap([FAINT, *HUES, GREY])
+        norm = BoundaryNorm(np.arange(-0.5, most + 2), most + 2)
+        motion = np.minimum(starts.motion, most + 1).reshape(across, across)
+        ax.pcolormesh(*grid, motion, cmap=shades, norm=norm, shading='nearest', rasterized=True)
+        for limits, values in ((ax.set_xlim, grid[0]), (ax.set_ylim, grid[1])):
+            half = (values.max() - values.min()) / max(1, across - 1) / 2
+            limits(values.min() - half, values.max() + half)
+        entries = []
+        for i in here:
+            color = HUES[found.motion[i] - 1] if found.motion[i] <= most else GREY
+            mark: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markerfacecolor': color, 'markeredgecolor': INK}
+            ax.plot(found.dte_um[i], found.dte_rate_mm_s[i], **mark)
+            if found.motion[i] <= most:
+                label = f'DF {found.dynamic_factor[i]:.3f}, {100 * found.share[i]:.0f} %'
+                if found.mesh_periods[i] > 1:
+                    label += f', {found.mesh_periods[i]} periods'
+                entries.append(Line2D([], [], label=label, **mark))
+        legends_above(ax, ('', entries))
+        ax.set_xlabel('Transmission error as a pair enters (µm)')
+        ax.set_ylabel('Its rate (mm/s)')
+    return ax
