@@ -165,11 +165,11 @@ def report(points, known, given, checked):
                 estimates[decade, 'low'] += 1
         total = known[number][-1][2]
         for orbit in orbits:
-            if orbit[7] <= 0.01 * total or orbit[0] > MOST_PERIODS:
+            if orbit[6] <= 0.01 * total or orbit[0] > MOST_PERIODS:
                 continue
             large += 1
             if not is_listed(orbit, found):
-                missed.append((number, orbit[0], round(orbit[1], 6), orbit[7] / total, zeta))
+                missed.append((number, orbit[0], round(orbit[1], 6), orbit[6] / total, zeta))
         several += len(found) > 1
         if answered and found:
             more += max(motion[1] for motion in found) > 1.02 * mine['factor']
