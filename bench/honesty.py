@@ -16,7 +16,8 @@ MESHES, SPEEDS = 80, 12
 ROUNDING = 1e-12    # true errors below it are left to rounding
 COLUMNS = ('mesh', 'contact_ratio', 'relief', 'damping_ratio', 'frequency_ratio', 'tolerance', 'status', 'contact', 'periods',
            'dynamic_factor', 'estimate', 'compared')
-STATUS = ('ok', 'marginal', 'subharmonic', 'inexact', 'unstable', 'aperiodic', 'unresolved', 'chatter')
+STATUS = ('ok', 'marginal', 'subharmonic', 'inexact', 'unstable', 'aperiodic', 'unresolved', 'chatter',
+          'chaotic', 'transient', 'unbounded', 'stopped')
 CONTACT = ('full', 'partial', 'lost')
 
 programs = pathlib.Path(sys.argv[1])

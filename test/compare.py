@@ -188,7 +188,7 @@ def undecided(one, case):
     """How many points have no steady motion that repeats, and so no number to compare: their word is compared."""
     path = one / f'{case}.sweep.csv'
     status = table(path)['status'] if path.exists() else ()
-    return sum(word in ('aperiodic', 'chaotic') for word in status)
+    return sum(word in ('aperiodic', 'chaotic', 'transient') for word in status)
 
 
 def main():
@@ -199,7 +199,7 @@ def main():
     result.same('exit code', (one / f'{case}.code').read_text(), (other / f'{case}.code').read_text())
     print(f'{case:<10}{result.values:>9}{result.differ:>9}{result.worst:>12.1e}   {result.place}')
     if count := undecided(one, case):
-        print(f'  {count} points are chaotic or aperiodic: rounding decides where they are, so only the word is compared')
+        print(f'  {count} points are chaotic or do not settle: rounding decides where they are, so only the word is compared')
     for place, examples in result.broken.items():
         print(f'  FAILED {place}: {len(examples)} differ, as {examples[0]}')
     if result.values < 100:

@@ -41,6 +41,7 @@ module extreme_cases
     real(dp) :: value = 0, error = 0             !< error: estimated, relative
     real(dp) :: work = 0                         !< steps that the point took, by itself
     real(dp) :: alone = 0                        !< the dynamic factor without a batch, where it must be the same
+    real(dp) :: alone_error = 0                  !< estimated, relative
     real(dp) :: seconds = 0
   end type outcome_t
 
@@ -235,6 +236,7 @@ contains
         outcome%error = accuracy%steady%tolerance
       else if (study%case%direction == each) then
         outcome%alone = point%dynamic_factor
+        if (outcome%alone > 0) outcome%alone_error = point%estimate/outcome%alone
       end if
     end associate
   end subroutine take_point

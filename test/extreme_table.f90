@@ -116,6 +116,10 @@ contains
       text = text//', no DF: contact opens and closes without end'
     case ('chaotic')
       text = text//', no DF: no periodic motion, disturbances grow'
+    case ('transient')
+      text = text//', no DF: the motion had not settled when the march ended'
+    case ('unbounded')
+      text = text//', no DF: the motion grows without bound'
     case default
       error stop 'a status that the table has no words for'
     end select

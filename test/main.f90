@@ -31,6 +31,7 @@ program check
   use test_estimates, only: run_estimates => run
   use test_extremes, only: run_extremes => run
   use test_flank, only: run_flank => run
+  use test_found, only: run_found => run
   use test_geometry, only: run_geometry => run
   use test_grading, only: run_grading => run
   use test_honesty, only: run_honesty => run
@@ -79,6 +80,7 @@ program check
     & suite_t('harmonics', run_harmonics), &
     & suite_t('beyond', run_beyond), &
     & suite_t('motion', run_motion), &
+    & suite_t('found', run_found), &
     & suite_t('oscillator', run_oscillator), &
     & suite_t('grading', run_grading), &
     & suite_t('methods', run_methods), &

@@ -12,9 +12,8 @@ module test_estimates
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period, only: run_batch, run_period
   use gearsweep_period_map, only: discretise, set_durations, period_map_t
-  use gearsweep_periodic_orbit, only: shoot, steady_t
+  use gearsweep_periodic_orbit, only: shoot, solve_full_contact, steady_t
   use gearsweep_poincare, only: sample_section, section_points_t
-  use gearsweep_steady, only: solve_full_contact
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
   use gearsweep_text, only: str
   use random_numbers, only: random_t

@@ -98,6 +98,6 @@ contains
     if (row%base == 'prescribed' .or. index(row%expected, '=') /= 1) allowed = allowed + 2*outcome%error
     call check_close(t, row%title, outcome%value, expected, allowed)
     if (outcome%alone > 0) call check_close(t, row%title//': alone', outcome%alone, outcome%value, &
-                                            4*outcome%error + 1e-13_dp)
+                                            2*(outcome%error + outcome%alone_error) + 1e-13_dp)
   end subroutine check_value
 end module test_extremes

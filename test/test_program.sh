@@ -585,7 +585,7 @@ check 'no answer: exit code' exits 4
 check 'no answer: said' says stdout unresolved
 check 'no answer: NaN in the table' says partial/case.sweep.csv ',NaN,NaN,unresolved,'
 check 'no answer: the others are computed' says partial/case.sweep.csv ,inexact,
-awk_nan() { rows "$1" | awk -F, '($3 == "NaN") != ($5 ~ /^(unstable|aperiodic|unresolved|chatter|chaotic)$/) { exit 1 }'; }
+awk_nan() { rows "$1" | awk -F, '($3 == "NaN") != ($5 ~ /^(unstable|aperiodic|unresolved|chatter|chaotic|transient|unbounded)$/) { exit 1 }'; }
 check 'no answer: NaN exactly where the status says so' awk_nan partial/case.sweep.csv
 # The same holds for the other tasks that follow the motion.
 for task in load optimum; do

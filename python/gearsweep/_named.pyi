@@ -348,6 +348,8 @@ class SweepTable(Table):
     """steps in a mesh period"""
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
+    branch_lost: NDArray[int64]
+    """with direction up or down, 1: the motion at the speed before led to none here, and this point was solved by itself; else 0"""
     frequency_ratio: NDArray[float64]
     """mesh frequency over the natural frequency of the mean mesh stiffness"""
 
@@ -405,13 +407,17 @@ class SweepSummaryTable(Table):
     points_unstable: int
     """the periodic motion repels, and no steady motion was reached"""
     points_aperiodic: int
-    """no periodic motion was found"""
+    """nothing is damped, and no periodic motion was found"""
     points_unresolved: int
     """the speed is too low for the steps given or allowed"""
     points_chatter: int
     """contact changes without end"""
     points_chaotic: int
     """no periodic motion was found, and disturbances keep growing"""
+    points_transient: int
+    """the motion had not settled when the march ended"""
+    points_unbounded: int
+    """the motion grows without bound"""
     points_stopped: int
     """not computed, as the run was interrupted"""
 
@@ -553,7 +559,7 @@ class LyapunovTable(Table):
     lyapunov_exponent: NDArray[float64]
     """largest Lyapunov exponent, of a mesh period: the mean logarithm by which a disturbance grows, below 0 where the motion repeats and above 0 where it is chaotic"""
     status: NDArray[str_]
-    """ok, subharmonic, chaotic; aperiodic: neither repeats nor is surely chaotic within what was kept; unresolved, chatter"""
+    """ok, subharmonic, chaotic; transient, without damping aperiodic: neither repeats nor is surely chaotic within what was kept; unbounded, unresolved, chatter"""
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats; 0: it does not"""
 

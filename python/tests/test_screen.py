@@ -169,7 +169,8 @@ def test_counts_and_errors(runs, name):
     assert counts == expected | ({'with': lost} if lost else {})
     # Each says what it means.
     for state, part in {'inexact': 'error exceeds the tolerance', 'unresolved': 'too low', 'subharmonic': 'several mesh periods',
-                        'aperiodic': 'no periodic motion', 'chaotic': 'disturbances keep growing'}.items():
+                        'aperiodic': 'no periodic motion', 'chaotic': 'disturbances keep growing', 'transient': 'had not settled',
+                        'unbounded': 'grows without bound'}.items():
         assert part in words.get(state, part)
 
 

@@ -7,7 +7,7 @@ module gearsweep_task_poincare
   use gearsweep_memory, only: claim_memory
   use gearsweep_poincare, only: sample_section, section_points_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_status, only: status_chaotic, status_chatter, status_name, status_stopped, status_unresolved
+  use gearsweep_status, only: status_chaotic, status_chatter, status_name, status_stopped, status_unbounded, status_unresolved
   use gearsweep_table, only: each, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
   use gearsweep_text, only: str
@@ -85,7 +85,8 @@ contains
       end associate
       if (section(i)%lacks) call fail(error, code_memory, '&poincare: the memory does not hold the motions')
       if (allocated(error) .or. any(section(i)%status == status_stopped)) return
-      self%failed = self%failed + count(section(i)%status == status_unresolved .or. section(i)%status == status_chatter)
+      self%failed = self%failed + count(section(i)%status == status_unresolved .or. section(i)%status == status_chatter .or. &
+                                         section(i)%status == status_unbounded)
       call stages%running%tell(size(rpm), stages%accuracy%steady%stop)
     end do
     call fill_points(rpm, relief, section, self%tables(self%place('poincare')), error)
@@ -150,8 +151,8 @@ contains
     call table%add('lyapunov_exponent', '', 'largest Lyapunov exponent, of a mesh period: the mean logarithm by which a '// &
                    'disturbance grows, below 0 where the motion repeats and above 0 where it is chaotic', &
                    exponent)
-    call table%add_words('status', 'ok, subharmonic, chaotic; aperiodic: neither repeats nor is surely chaotic within what '// &
-                         'was kept; unresolved, chatter', status)
+    call table%add_words('status', 'ok, subharmonic, chaotic; transient, without damping aperiodic: neither repeats nor is '// &
+                         'surely chaotic within what was kept; unbounded, unresolved, chatter', status)
     call table%add('mesh_periods', '', 'mesh periods until the motion repeats; 0: it does not', periods)
   end subroutine fill_exponents
 

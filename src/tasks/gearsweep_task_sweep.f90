@@ -97,6 +97,8 @@ contains
     call table%add('residual', '', 'by how much the motion fails to repeat, in static deflections', [sweep%residual])
     call table%add('steps', '', 'steps in a mesh period', [sweep%steps])
     call table%add('mesh_periods', '', of_periods, [sweep%periods])
+    call table%add('branch_lost', '', 'with direction up or down, 1: the motion at the speed before led to none here, and this '// &
+                   'point was solved by itself; else 0', merge(1, 0, [sweep%branch_lost]))
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
                    over_and_over(frequency_ratio(stages%motion(1), sweep%rpm), m))
   end subroutine fill_sweep
@@ -151,7 +153,7 @@ contains
     type(peak_t) :: best
     integer :: i, least
 
-    call table%begin('the points of the sweep, and the best of the listed reliefs', 1, 20, error)
+    call table%begin('the points of the sweep, and the best of the listed reliefs', 1, 22, error)
     if (allocated(error)) return
     estimate = no_number()
     known = has_result(sweep%status) .and. .not. ieee_is_nan(sweep%estimate)

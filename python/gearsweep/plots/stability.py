@@ -221,7 +221,7 @@ def plot_poincare(poincare: Study | Table, ax: Axes | None = None, *, relief_um:
     seen, motion = study.poincare.at(relief_um=relief_um), study.lyapunov.at(relief_um=relief_um)
     kind = np.minimum(motion.mesh_periods, 3).astype(object)
     kind[motion.status == 'chaotic'] = 'chaotic'
-    kind[motion.status == 'aperiodic'] = 'undecided'
+    kind[np.isin(motion.status, ['transient', 'aperiodic'])] = 'undecided'
     size = 1.2 if seen.rpm.size > 150 else 2.5
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         entries = []

@@ -10,9 +10,8 @@ module gearsweep_attractor_search
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_batch
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: distance, largest_multiplier, newton_step, run_periods, shoot, steady_t
+  use gearsweep_periodic_orbit, only: distance, largest_multiplier, newton_step, run_periods, shoot, solve_full_contact, steady_t
   use gearsweep_status, only: has_result, status_ok, status_stopped, status_unresolved, status_unstable
-  use gearsweep_steady, only: solve_full_contact
   use gearsweep_stop, only: wants_stop
   implicit none
   private

@@ -8,7 +8,7 @@ module gearsweep_continuation
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_poincare, only: sample_section, section_points_t
   use gearsweep_refinement, only: levels_t
-  use gearsweep_status, only: has_result, status_chatter, status_stopped, status_unresolved
+  use gearsweep_status, only: has_result, status_chatter, status_stopped, status_unbounded, status_unresolved
   use gearsweep_stop, only: wants_stop
   implicit none
   private
@@ -135,7 +135,7 @@ contains
     here = beyond
   end subroutine accept_change
 
-  !> The motion at `rpm` that the one at hand leads to; the first, from rest.
+  !> The motion at `rpm` that the one at hand leads to; the first, by itself.
   pure subroutine move_to(osc, rpm, options, levels, here)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm
@@ -159,11 +159,12 @@ contains
     here%state = start
     if (section%lacks) levels%lacks = .true.
     if (section%lacks) return
-    if (section%status(1) /= status_unresolved .and. section%status(1) /= status_chatter) &
+    if (all(section%status(1) /= [status_unresolved, status_chatter, status_unbounded])) &
       here%state = [section%x(1, 1), section%v(1, 1)*duration]
   end subroutine move_to
 
-  !> The steady motion that the one at a neighbouring speed leads to; where that has no result, as from rest. While all
+  !> The steady motion that the one at a neighbouring speed leads to; where that has no result, that of the speed by itself. While
+  !> all
   !> pairs stay in contact there is one periodic motion, and nothing to follow.
   pure subroutine continue_to(osc, rpm, options, levels, neighbour, rpm_there, point)
     type(oscillator_t), intent(in) :: osc

@@ -146,8 +146,11 @@ contains
       low = optimum%amount(max(1, optimum%best - 1))
       high = optimum%amount(min(size(optimum%amount), optimum%best + 1))
       call add_reliefs([(low + (high - low)*i/(inner + 1.0_dp), i=1, inner)], 1 + round)
-      optimum%resolution = (high - low)/(inner + 1)
     end do
+    associate (amount => optimum%amount, best => optimum%best)
+      if (best > 0) optimum%resolution = max(amount(best) - amount(max(1, best - 1)), &
+                                             amount(min(size(amount), best + 1)) - amount(best))
+    end associate
 
   contains
 

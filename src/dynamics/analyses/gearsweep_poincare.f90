@@ -11,8 +11,9 @@ module gearsweep_poincare
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period, only: run_period
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
+  use gearsweep_periodic_orbit, only: is_bounded
   use gearsweep_status, only: status_aperiodic, status_chaotic, status_chatter, status_ok, status_stopped, &
-    status_subharmonic, status_unresolved
+    status_subharmonic, status_transient, status_unbounded, status_unresolved
   use gearsweep_stop, only: wants_stop
   use gearsweep_transient, only: sure_growth
   implicit none
@@ -26,8 +27,8 @@ module gearsweep_poincare
     !> Largest Lyapunov exponent, per mesh period: the mean logarithm by which a disturbance grows. Below 0 where the
     !> motion repeats, above 0 where it is chaotic; (speed)
     real(dp), allocatable :: exponent(:)
-    !> ok, subharmonic, chaotic; aperiodic: neither repeats nor is surely chaotic, as far as it was followed;
-    !> unresolved, chatter. (speed)
+    !> ok, subharmonic, chaotic; transient, without damping aperiodic: neither repeats nor is surely chaotic, as far as it
+    !> was followed; unbounded, unresolved, chatter. (speed)
     integer, allocatable :: status(:)
     integer, allocatable :: periods(:)           !< mesh periods until the motion repeats; 0: it does not; (speed)
     logical :: lacks = .false.                   !< the memory does not hold it: nothing was followed
@@ -73,8 +74,8 @@ contains
     end do
   end subroutine sample_section
 
-  !> The samples at speed i; `state` (m, m/s) goes from its begin to its end, unless the steps are too many (unresolved)
-  !> or contact changes without end (chatter).
+  !> The samples at speed i; `state` (m, m/s) goes from its begin to its end, unless the steps are too many (unresolved),
+  !> contact changes without end (chatter), or the motion grows without bound.
   pure subroutine follow(osc, rpm, transient, i, state, section)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm
@@ -103,6 +104,12 @@ contains
       call run_period(map, from, run)
       if (run%failed) return
       from = run%state
+      if (.not. is_bounded(osc, duration, from)) then
+        section%status(i) = status_unbounded
+        section%x(:, i) = ieee_value(1.0_dp, ieee_quiet_nan)
+        section%v(:, i) = section%x(:, i)
+        return
+      end if
       disturbance = matmul(run%monodromy, disturbance*[1.0_dp, unit])/[1.0_dp, unit]
       if (k > 0) then
         section%x(k, i) = from(1)
@@ -113,7 +120,7 @@ contains
     end do
     state = from/[1.0_dp, duration]
     section%exponent(i) = growth/size(section%x, 1)
-    section%status(i) = status_aperiodic
+    section%status(i) = merge(status_transient, status_aperiodic, osc%damping_ratio > 0)
   end subroutine follow
 
   !> The status at speed i of a motion that was followed to the end, and after how many mesh periods it repeats, by the
@@ -129,7 +136,7 @@ contains
 
     associate (x => section%x(:, i), v => section%v(:, i))
       section%periods(i) = 0
-      if (section%status(i) /= status_aperiodic) return
+      if (section%status(i) /= status_transient .and. section%status(i) /= status_aperiodic) return
       unit = duration/max(1.0_dp, osc%natural_frequency*duration)
       last = size(x)
       do n = 1, last/4

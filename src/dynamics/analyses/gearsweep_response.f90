@@ -10,10 +10,9 @@ module gearsweep_response
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period, only: run_period
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: distance, near, shoot, steady_t
+  use gearsweep_periodic_orbit, only: distance, near, shoot, solve_full_contact, steady_t
   use gearsweep_refinement, only: levels_t
   use gearsweep_status, only: has_result
-  use gearsweep_steady, only: solve_full_contact
   use gearsweep_trace, only: trace_t, pair_paths
   use gearsweep_transient, only: by_marching
   implicit none

@@ -31,6 +31,8 @@ module gearsweep_sweep
     integer, allocatable :: contact(:, :)        !< contact_full ... below
     integer, allocatable :: steps(:, :)          !< of a period
     integer, allocatable :: periods(:, :)        !< mesh periods until the motion repeats
+    !> Up or down: the motion at the speed before led to none, and this one was found without it.
+    logical, allocatable :: branch_lost(:, :)
     type(point_t), allocatable :: kept(:, :)     !< at the speeds to keep
   end type sweep_t
 
@@ -176,7 +178,7 @@ contains
     n = size(rpm)
     allocate (sweep%dynamic_factor(n, reliefs), sweep%estimate(n, reliefs), sweep%multiplier(n, reliefs), &
               sweep%residual(n, reliefs), sweep%status(n, reliefs), sweep%contact(n, reliefs), &
-              sweep%steps(n, reliefs), sweep%periods(n, reliefs))
+              sweep%steps(n, reliefs), sweep%periods(n, reliefs), sweep%branch_lost(n, reliefs))
     sweep%rpm = rpm
   end subroutine allocate_sweep
 
@@ -199,6 +201,7 @@ contains
       sweep%status(:, relief) = merge(steady%status, status_stopped, final)
       sweep%steps(:, relief) = merge(points%steps, 0, final)
       sweep%periods(:, relief) = merge(steady%periods, 0, final)
+      sweep%branch_lost(:, relief) = final .and. points%branch_lost
       sweep%contact(:, relief) = merge(contact_of(steady), contact_full, final)
     end associate
   end subroutine store

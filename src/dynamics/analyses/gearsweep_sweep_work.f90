@@ -10,7 +10,7 @@ module gearsweep_sweep_work
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_periodic_orbit, only: distance
   use gearsweep_refinement, only: levels_t
-  use gearsweep_status, only: has_result, status_stopped
+  use gearsweep_status, only: has_result, status_stopped, status_unbounded
   use gearsweep_sweep_state, only: block_t, counter_t, down, each, is_stopped, sweep_options_t, sweep_state_t, up
   use gearsweep_transient, only: by_shooting
   implicit none
@@ -82,7 +82,8 @@ contains
   end subroutine solve_group
 
   !> Goes through the speeds of a relief, up or down, and solves what is left, or lies on another branch than the speed
-  !> before.
+  !> before. Where that branch leads to no motion, the speed is solved by itself, unless its motion grows without bound:
+  !> then there is none to come back to.
   subroutine continue_sweep(osc, rpm, options, relief, counter, levels, state)
     type(oscillator_t), intent(in) :: osc            !< of the relief
     real(dp), intent(in) :: rpm(:)                   !< speeds of the pinion, ascending, 1/min
@@ -91,6 +92,7 @@ contains
     type(counter_t), intent(inout) :: counter
     type(levels_t), intent(inout) :: levels          !< of this oscillator
     type(sweep_state_t), intent(inout) :: state
+    type(point_t) :: alone
     integer :: k, last
 
     associate (points => state%points(:, relief), solved => state%solved(:, relief), followed => state%followed(relief))
@@ -103,11 +105,19 @@ contains
           if (.not. solved(k)) &
             call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm(k)), options%accuracy, levels, points(k))
         else
-          if (solved(k)) solved(k) = is_beside(osc, points(last), rpm(last), points(k), rpm(k))
-          if (.not. solved(k)) &
-            call continue_to(osc, rpm(k), options%accuracy, levels, points(last), rpm(last), points(k))
+          alone = points(k)
+          if (.not. solved(k)) then
+            call continue_sweep_to(osc, rpm(k), options, levels, points(last), rpm(last), points(k))
+          else if (.not. is_beside(osc, points(last), rpm(last), points(k), rpm(k))) then
+            call continue_sweep_to(osc, rpm(k), options, levels, points(last), rpm(last), points(k), alone)
+          end if
+          if (.not. has_result(points(last)%steady%status)) points(k)%branch_lost = .true.
         end if
-        if (points(k)%steady%status == status_stopped) return
+        if (points(k)%steady%status == status_stopped) then
+          ! Another call goes on from here.
+          if (solved(k)) points(k) = alone
+          return
+        end if
         solved(k) = .true.
         followed = followed + 1
         state%pace(relief) = levels%steps_per_second
@@ -115,6 +125,30 @@ contains
       end do
     end associate
   end subroutine continue_sweep
+
+  !> The motion that the one of the speed before leads to, else that of the speed by itself.
+  subroutine continue_sweep_to(osc, rpm, options, levels, last, rpm_last, point, known)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm, rpm_last            !< 1/min
+    type(sweep_options_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels
+    type(point_t), intent(in) :: last                !< of the speed before
+    type(point_t), intent(out) :: point
+    type(point_t), intent(in), optional :: known     !< by itself
+    type(point_t) :: alone
+
+    call continue_to(osc, rpm, options%accuracy, levels, last, rpm_last, point)
+    if (has_result(point%steady%status) .or. .not. has_result(last%steady%status)) return
+    if (point%steady%status == status_stopped .or. point%steady%status == status_unbounded) return
+    if (present(known)) then
+      alone = known
+    else
+      call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm), options%accuracy, levels, alone)
+    end if
+    if (.not. (has_result(alone%steady%status) .or. alone%steady%status == status_stopped)) return
+    point = alone
+    point%branch_lost = .true.
+  end subroutine continue_sweep_to
 
   !> Do these motions of neighbouring speeds lie on one branch? So they do where all pairs stay in contact, and where
   !> nothing is known of one.
@@ -158,7 +192,7 @@ contains
       if (before == 0) then
         call solve_point(osc, mesh_period(osc%mesh%teeth(1), options%keep(i)), options%accuracy, levels, kept(i))
       else if (final(before)) then
-        call continue_to(osc, options%keep(i), options%accuracy, levels, points(before), rpm(before), kept(i))
+        call continue_sweep_to(osc, options%keep(i), options, levels, points(before), rpm(before), kept(i))
       end if
     end do
   end subroutine keep_points

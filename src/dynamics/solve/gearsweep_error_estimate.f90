@@ -32,6 +32,8 @@ module gearsweep_error_estimate
     real(dp) :: work = 0                         !< steps in all, at every level tried; not counted in batches
     integer :: steps = 0                         !< of the period
     type(resolution_t) :: resolution             !< that has them
+    !> In a sweep up or down: the motion at the speed before led to none, and this one was found without it.
+    logical :: branch_lost = .false.
   end type point_t
 
 contains

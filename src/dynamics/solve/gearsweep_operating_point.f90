@@ -8,15 +8,21 @@ module gearsweep_operating_point
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period_map, only: period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: distance, near, settled, shoot, steady_t
+  use gearsweep_periodic_orbit, only: distance, near, settled, shoot, solve_full_contact, steady_t
   use gearsweep_refinement, only: first_level, given_resolution, given_steps, last_level, level_steps, levels_t, need_given, &
-                                  need_level, next_level, per_doubling, resolution_of
+                                  need_level, next_level, per_doubling, resolution_of, search_level
   use gearsweep_status, only: has_result, status_unresolved
-  use gearsweep_steady, only: find_batch, find_steady
+  use gearsweep_steady, only: find_batch, find_beside, find_settled, find_steady, is_one_branch
   use gearsweep_transient, only: by_shooting, steady_options_t
   implicit none
   private
   public :: solve_point, solve_batch
+
+  !> What was found on the level on which motions are looked for.
+  type :: search_t
+    logical :: done = .false.
+    type(steady_t) :: motion
+  end type search_t
 
 contains
 
@@ -29,6 +35,7 @@ contains
     type(point_t), intent(out) :: point
     real(dp), intent(in), optional :: start(2)   !< state, m; without it, see `find_steady`
     type(resolution_t) :: graded
+    type(search_t) :: search
     integer :: level, last, trial
     logical :: done
 
@@ -48,17 +55,108 @@ contains
     if (level_steps(last) < 2*resolving_steps(osc, duration)) return
     level = min(last, first_level(osc, duration, options, levels))
     do trial = 1, most_trials
-      call need_level(osc, level, levels)
-      if (levels%lacks) exit
-      call solve_twice(levels%level(level)%map, levels%level(level - per_doubling)%map, duration, options, point, start)
+      call solve_on_level(osc, level, duration, options, levels, search, point, start)
+      if (levels%lacks .or. .not. has_result(point%steady%status)) exit
       point%resolution = resolution_of(level)
-      if (.not. has_result(point%steady%status)) exit
+      call compare_with_half(levels%level(level - per_doubling)%map, duration, options, point)
       call next_level(osc, options, point%step_error, duration, levels, level, done)
       if (done) exit
     end do
     if (levels%lacks) point%steady%status = status_unresolved
     call mark_inexact(options, point)
   end subroutine solve_point
+
+  !> The motion in the steps of a level. Where it is not in full contact, or beside `start`, it is looked for on a level of
+  !> its own, once for all levels; from what is found there Newton's method goes on.
+  pure subroutine solve_on_level(osc, level, duration, options, levels, search, point, start)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: level
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels
+    type(search_t), intent(inout) :: search
+    type(point_t), intent(inout) :: point
+    real(dp), intent(in), optional :: start(2)
+    logical :: found
+
+    call need_level(osc, level, levels)
+    if (levels%lacks) return
+    found = .false.
+    if (options%steady%method == by_shooting .and. .not. search%done) then
+      call try_at_once(levels%level(level)%map, duration, options, point, found, start)
+      if (.not. found) call look_for(osc, duration, options, levels, search, start)
+      if (.not. (found .or. levels%lacks)) call need_level(osc, level, levels)
+      if (levels%lacks) return
+      point%work = point%work + search%motion%work
+    end if
+    associate (fine => levels%level(level)%map)
+      if (.not. found .and. search%done) call go_on(fine, duration, options, search%motion, point, found)
+      if (.not. found) then
+        call set_durations(fine, [duration])
+        call find_steady(fine, options%steady, point%steady, start)
+        point%work = point%work + point%steady%work
+      end if
+      point%steps = fine%steps
+    end associate
+  end subroutine solve_on_level
+
+  !> The motion in full contact, or the one beside `start`.
+  pure subroutine try_at_once(map, duration, options, point, found, start)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(point_t), intent(inout) :: point
+    logical, intent(out) :: found
+    real(dp), intent(in), optional :: start(2)
+
+    call set_durations(map, [duration])
+    if (present(start)) then
+      call find_beside(map, options%steady, start, point%steady)
+      found = has_result(point%steady%status)
+    else
+      call find_settled(map, options%steady%tolerance, point%steady)
+      found = settled(point%steady) .and. (.not. point%steady%departs .or. is_one_branch(map%osc, point%steady%partial))
+    end if
+    point%work = point%work + point%steady%work
+  end subroutine try_at_once
+
+  pure subroutine look_for(osc, duration, options, levels, search, start)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels
+    type(search_t), intent(inout) :: search
+    real(dp), intent(in), optional :: start(2)
+    type(steady_options_t) :: alike
+    integer :: level
+
+    level = search_level(osc, duration, options)
+    call need_level(osc, level, levels)
+    if (levels%lacks) return
+    alike = options%steady
+    alike%tolerance = 1e-6_dp
+    call set_durations(levels%level(level)%map, [duration])
+    call find_steady(levels%level(level)%map, alike, search%motion, start)
+    search%done = .true.
+  end subroutine look_for
+
+  !> From the motion that a search found to the same one in other steps; also where none was found.
+  pure subroutine go_on(map, duration, options, motion, point, found)
+    type(period_map_t), intent(inout) :: map
+    real(dp), intent(in) :: duration
+    type(accuracy_t), intent(in) :: options
+    type(steady_t), intent(in) :: motion
+    type(point_t), intent(inout) :: point
+    logical, intent(out) :: found
+
+    found = .not. has_result(motion%status)
+    point%steady = motion
+    if (found) return
+    call set_durations(map, [duration])
+    call shoot(map, options%steady%tolerance, motion%periods, motion%state, point%steady)
+    point%work = point%work + point%steady%work
+    found = has_result(point%steady%status) .and. distance(map%osc, duration, point%steady%state - motion%state) < near
+  end subroutine go_on
 
   !> The operating points at all speeds of a batch, as far as Newton's method settles. The number of steps is chosen.
   pure subroutine solve_batch(osc, duration, options, levels, points, solved)
@@ -125,63 +223,46 @@ contains
     call need_given(osc, options, levels)
     if (levels%lacks) return
     point%resolution = given_resolution(options)
-    call solve_twice(levels%given(1)%map, levels%given(2)%map, duration, options, point, start)
+    associate (fine => levels%given(1)%map)
+      call set_durations(fine, [duration])
+      call find_steady(fine, options%steady, point%steady, start)
+      point%steps = fine%steps
+      point%work = point%work + point%steady%work
+    end associate
+    if (.not. has_result(point%steady%status)) return
+    if (is_estimated(options%scheme)) then
+      call compare_with_half(levels%given(2)%map, duration, options, point)
+    else
+      call leave_unknown(osc, point)
+    end if
     call mark_inexact(options, point)
   end subroutine solve_with_steps
 
-  !> Solves with some number of steps and with half of it, and compares.
-  pure subroutine solve_twice(fine, coarse, duration, options, point, start)
-    type(period_map_t), intent(inout) :: fine, coarse
+  !> Solves with half the steps, and compares.
+  pure subroutine compare_with_half(coarse, duration, options, point)
+    type(period_map_t), intent(inout) :: coarse
     real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
-    type(point_t), intent(inout) :: point
-    real(dp), intent(in), optional :: start(2)
+    type(point_t), intent(inout) :: point        !< with a result
     type(steady_options_t) :: alike
     type(steady_t) :: half
+    real(dp) :: linear(2), work
 
-    call set_durations(fine, [duration])
-    call follow_or_find(fine, options, point%steady, start)
-    point%steps = fine%steps
-    point%work = point%work + point%steady%work
-    if (.not. has_result(point%steady%status)) return
-    if (.not. is_estimated(options%scheme)) then
-      call leave_unknown(fine%osc, point)
-      return
-    end if
     call set_durations(coarse, [duration])
-    alike = options%steady
-    alike%method = by_shooting
-    if (.not. point%steady%departs) then
-      call find_steady(coarse, alike, half)
-    else
+    if (.not. point%steady%departs) call solve_full_contact(coarse, linear, half)
+    work = half%work
+    if (.not. settled(half)) then
       call shoot(coarse, options%steady%tolerance, point%steady%periods, point%steady%state, half)
+      work = work + half%work
       ! Where changes of contact are not located the map has jumps, so that Newton's method may not settle.
-      if (options%scheme /= scheme_collocation .and. .not. has_result(half%status)) &
+      if (options%scheme /= scheme_collocation .and. .not. has_result(half%status)) then
+        alike = options%steady
+        alike%method = by_shooting
         call find_steady(coarse, alike, half, point%steady%state)
+        work = work + half%work
+      end if
     end if
-    point%work = point%work + half%work
-    call compare(fine%osc, duration, half, point)
-  end subroutine solve_twice
-
-  !> The motion `steady` is known from fewer steps, or not yet. Where the search was long, Newton's method goes on from
-  !> what it found.
-  pure subroutine follow_or_find(map, options, steady, start)
-    type(period_map_t), intent(inout) :: map
-    type(accuracy_t), intent(in) :: options
-    type(steady_t), intent(inout) :: steady
-    real(dp), intent(in), optional :: start(2)
-    real(dp), parameter :: long = 40
-    type(steady_t) :: before
-    real(dp) :: work
-
-    work = 0
-    if (has_result(steady%status) .and. steady%work > long*map%steps .and. options%steady%method == by_shooting) then
-      before = steady
-      call shoot(map, options%steady%tolerance, before%periods, before%state, steady)
-      if (has_result(steady%status) .and. distance(map%osc, map%duration(1), steady%state - before%state) < near) return
-      work = steady%work
-    end if
-    call find_steady(map, options%steady, steady, start)
-    steady%work = steady%work + work
-  end subroutine follow_or_find
+    point%work = point%work + work
+    call compare(coarse%osc, duration, half, point)
+  end subroutine compare_with_half
 end module gearsweep_operating_point

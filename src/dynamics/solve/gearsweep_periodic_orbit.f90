@@ -5,15 +5,16 @@ module gearsweep_periodic_orbit
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_period
-  use gearsweep_period_map, only: period_map_t
-  use gearsweep_status, only: status_aperiodic, status_chatter, status_marginal, status_ok, status_subharmonic, status_unstable
+  use gearsweep_period_map, only: period_map_t, run_full_contact
+  use gearsweep_status, only: status_chatter, status_marginal, status_ok, status_subharmonic, status_transient, status_unstable
   implicit none
   private
-  public :: steady_t, settled, adopt
-  public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, largest_multiplier
+  public :: steady_t, settled, adopt, solve_full_contact
+  public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, is_bounded, largest_multiplier
+  public :: most_negative_direction
 
   type :: steady_t
-    integer :: status = status_aperiodic         !< of gearsweep_status
+    integer :: status = status_transient         !< of gearsweep_status
     real(dp) :: state(2) = 0                     !< at the begin of the mesh period, m
     real(dp) :: peak = 0                         !< largest load on one pair, N
     real(dp) :: checksum = 0                     !< sum of x where smooth intervals begin, mean of the periods, m
@@ -170,6 +171,29 @@ contains
     end associate
   end subroutine shoot
 
+  !> The motion in full contact. Its period map is affine: one period gives the periodic state, a second one checks that
+  !> no pair separates, and finds the largest load.
+  pure subroutine solve_full_contact(map, state, steady)
+    type(period_map_t), intent(inout) :: map         !< with the duration of one speed
+    real(dp), intent(out) :: state(2)                !< periodic if no pair separates, m
+    type(steady_t), intent(out) :: steady            !< without a result where a pair separates
+    type(period_t) :: run(1)
+    real(dp) :: step(2)
+    logical :: solved
+
+    call run_full_contact(map, reshape([0.0_dp, 0.0_dp], [2, 1]), run)
+    call newton_step(run(1)%monodromy, run(1)%state, step, solved)
+    state = merge(step, [map%osc%mean_deflection, 0.0_dp], solved)
+    steady%work = map%steps
+    if (.not. solved) return
+    call run_period(map, state, run(1))
+    associate (osc => map%osc, duration => map%duration(1))
+      if (.not. (run(1)%departs .or. run(1)%failed)) &
+        call judge(osc, duration, state, run(1), closure_of(osc, duration, state, run(1)), 1, steady)
+    end associate
+    steady%work = 2*map%steps
+  end subroutine solve_full_contact
+
   !> Is what the residual leaves far below the tolerance, or rounding? A small residual alone proves little: far above
   !> resonance any state hardly moves in a period.
   pure logical function is_closed(closure, tolerance)
@@ -189,6 +213,18 @@ contains
                /osc%static_deflection
     if (.not. distance < 1e50_dp) distance = huge(distance)
   end function distance
+
+  !> Is the motion within what any bounded one reaches? Far beyond, where only the stiffness of either flank matters, the
+  !> motion is as large as it likes.
+  pure logical function is_bounded(osc, duration, state)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp), intent(in) :: state(2)             !< m
+    real(dp), parameter :: most = 1e6_dp
+
+    is_bounded = distance(osc, duration, state) < &
+                 most*(1 + (osc%backlash + abs(osc%mean_deflection))/osc%static_deflection)
+  end function is_bounded
 
   !> Fills in a converged motion, and whether it attracts.
   pure subroutine judge(osc, duration, state, run, closure, periods, steady)
@@ -254,4 +290,25 @@ contains
       modulus = abs(half_trace) + sqrt(square)
     end if
   end function largest_multiplier
+
+  !> The direction in which a motion repels whose lowest multiplier is real and below -1, as where its period doubles.
+  pure subroutine most_negative_direction(osc, duration, monodromy, direction, doubles)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp), intent(in) :: monodromy(2, 2)
+    real(dp), intent(out) :: direction(2)        !< one static deflection long, m
+    logical, intent(out) :: doubles              !< there is such a multiplier
+    real(dp) :: square, multiplier, other(2)
+
+    direction = 0
+    square = ((monodromy(1, 1) - monodromy(2, 2))/2)**2 + monodromy(1, 2)*monodromy(2, 1)
+    multiplier = (monodromy(1, 1) + monodromy(2, 2))/2 - sqrt(max(0.0_dp, square))
+    doubles = square >= 0 .and. multiplier < -1
+    if (.not. doubles) return
+    direction = [monodromy(1, 2), multiplier - monodromy(1, 1)]
+    other = [multiplier - monodromy(2, 2), monodromy(2, 1)]
+    if (distance(osc, duration, other) > distance(osc, duration, direction)) direction = other
+    doubles = distance(osc, duration, direction) > 0
+    if (doubles) direction = direction/distance(osc, duration, direction)
+  end subroutine most_negative_direction
 end module gearsweep_periodic_orbit

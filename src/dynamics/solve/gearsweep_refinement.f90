@@ -9,7 +9,8 @@ module gearsweep_refinement
   use gearsweep_period_map, only: discretise, period_map_t
   implicit none
   private
-  public :: levels_t, forget_levels, resolution_of, level_steps, level_for, first_level, last_level, need_level, next_level
+  public :: levels_t, forget_levels, resolution_of, level_steps, level_for, first_level, last_level, search_level
+  public :: need_level, next_level
   public :: first_guess, root, need_given, given_resolution, given_steps
 
   real(dp), parameter :: root = 1.0_dp/order
@@ -74,6 +75,18 @@ contains
 
     level = level_for(max(2*resolving_steps(osc, duration), first_guess(osc, duration, options, levels)))
   end function first_level
+
+  !> The level on which motions are looked for. It follows from the oscillator and the speed alone, so that which motion
+  !> is found depends neither on the tolerance nor on what else is solved.
+  pure integer function search_level(osc, duration, options) result(level)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(accuracy_t), intent(in) :: options
+    real(dp), parameter :: per_radian = 1.5_dp, fewest = 24
+
+    level = level_for(max(fewest, per_radian*osc%natural_frequency*duration, 2*resolving_steps(osc, duration)))
+    level = min(level, last_level(osc, options))
+  end function search_level
 
   !> The highest level that the options and the memory allow.
   pure integer function last_level(osc, options) result(level)

@@ -12,24 +12,28 @@ module gearsweep_status
     status_subharmonic = 2, &  !< stable and periodic with several mesh periods
     status_inexact = 3, &      !< the error estimate stays above the tolerance
     status_unstable = 4, &     !< the periodic motion repels; no steady motion was reached
-    status_aperiodic = 5, &    !< no periodic motion was found
+    status_aperiodic = 5, &    !< without damping, no periodic motion was found
     status_unresolved = 6, &   !< the motion needs more steps than given or allowed
     status_chatter = 7, &      !< contact changes without end
-    status_chaotic = 8, &      !< no periodic motion was found, and disturbances keep growing
-    status_stopped = 9         !< not computed: the caller ended the call before
+    status_chaotic = 8, &      !< no periodic motion was found; the motion stays bounded, and disturbances keep growing
+    status_transient = 9, &    !< no periodic motion was found before the march ended, though disturbances do not grow
+    status_unbounded = 10, &   !< the motion grows without bound
+    status_stopped = 11        !< not computed: the caller ended the call before
 
-  character(*), parameter :: names(0:9) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', &
-                                           'unstable', 'aperiodic', 'unresolved', 'chatter', 'chaotic', 'stopped']
-  character(*), parameter :: meanings(0:9) = [character(60) :: &
+  character(*), parameter :: names(0:11) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', 'unstable', &
+                                            'aperiodic', 'unresolved', 'chatter', 'chaotic', 'transient', 'unbounded', 'stopped']
+  character(*), parameter :: meanings(0:11) = [character(60) :: &
     'steady, stable and periodic with the mesh', &
     'periodic, but transients do not die out', &
     'the motion repeats only after several mesh periods', &
     'the estimated error exceeds the tolerance', &
     'the periodic motion repels, and no steady motion was reached', &
-    'no periodic motion was found', &
+    'nothing is damped, and no periodic motion was found', &
     'the speed is too low for the steps given or allowed', &
     'contact changes without end', &
     'no periodic motion was found, and disturbances keep growing', &
+    'the motion had not settled when the march ended', &
+    'the motion grows without bound', &
     'not computed, as the run was interrupted']
 
 contains

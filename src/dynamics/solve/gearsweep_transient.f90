@@ -6,12 +6,13 @@ module gearsweep_transient
   use gearsweep_period, only: run_period
   use gearsweep_period_map, only: period_map_t
   use gearsweep_periodic_orbit, only: steady_t, near, most_work, adopt, shoot, newton_step, closure_of, run_periods, judge, &
-                                      distance, largest_multiplier
-  use gearsweep_status, only: has_result, status_aperiodic, status_chaotic, status_chatter, status_stopped, status_unstable
+                                      distance, is_bounded, largest_multiplier
+  use gearsweep_status, only: has_result, status_aperiodic, status_chaotic, status_chatter, status_stopped, status_transient, &
+                              status_unbounded, status_unstable
   use gearsweep_stop, only: wants_stop
   implicit none
   private
-  public :: march, steady_choice_t, steady_options_t, sure_growth
+  public :: march, shorten, steady_choice_t, steady_options_t, sure_growth
 
   integer, parameter, public :: by_shooting = 1, by_marching = 2
 
@@ -60,7 +61,10 @@ contains
 
     if (steady%status /= status_unstable) steady = steady_t(work=steady%work)
     ! Without damping nothing settles.
-    if (.not. map%osc%damping_ratio > 0) return
+    if (.not. map%osc%damping_ratio > 0) then
+      if (steady%status /= status_unstable) steady%status = status_aperiodic
+      return
+    end if
     call begin(history, options%most_periods, start)
     next_shot = 1
     before = steady%work
@@ -73,7 +77,8 @@ contains
       call run_period(map, history%state(:, 0), run)
       steady%work = steady%work + run%work
       if (run%failed) steady%status = status_chatter
-      if (run%failed .or. .not. distance(map%osc, map%duration(1), run%state) < huge(1.0_dp)) return
+      if (.not. (run%failed .or. is_bounded(map%osc, map%duration(1), run%state))) steady%status = status_unbounded
+      if (run%failed .or. steady%status == status_unbounded) return
       call append(history, run, max(1.0_dp, map%osc%natural_frequency*map%duration(1)))
       if (history%length >= next_shot) then
         call try_to_end(map, options, history, periods, trial)
@@ -166,7 +171,7 @@ contains
       else
         call shoot(map, options%tolerance, periods, history%state(:, periods) + step, found)
         if (has_result(found%status) .and. distance(osc, duration, found%state - history%state(:, 0)) > near) &
-          found%status = status_aperiodic
+          found%status = status_transient
       end if
     end associate
   end subroutine try_to_end

@@ -1,0 +1,190 @@
+!> Which motion is found where pairs part: known ones from elsewhere, the same at every tolerance, speed by speed as in
+!> batches, and the words for what is none.
+module test_found
+  use gearsweep_error, only: error_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_status, only: has_result, status_marginal, status_name, status_unbounded
+  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t, up
+  use gearsweep_text, only: str
+  use gearsweep_transient, only: by_marching
+  use random_numbers, only: random_t
+  use reference_rows, only: prescribed
+  use single_points, only: solve
+  use testing, only: tally_t, check_close, check_equal, check_no_error, check_true
+  implicit none
+  private
+  public :: run
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    if (t%wants('known_motions')) call known_motions(t)
+    if (t%wants('any_tolerance')) call any_tolerance(t)
+    if (t%wants('batches')) call batches(t)
+    if (t%wants('lost_branches')) call lost_branches(t)
+    if (t%wants('unbounded')) call unbounded(t)
+  end subroutine run
+
+  !> Two equal members of 1 kg under 3000 N, pairs of 300 N/um all along the path, without relief.
+  type(oscillator_t) function mesh_of(ratio, zeta, backlash) result(osc)
+    real(dp), intent(in) :: ratio, zeta
+    real(dp), intent(in), optional :: backlash   ! m
+    type(error_t), allocatable :: error
+
+    call prescribed(ratio, [300.0_dp], [0.0_dp, 0.0_dp], 1, osc)
+    osc%mesh%teeth = 25
+    osc%mass = 1
+    osc%load = 3000
+    osc%damping_ratio = zeta
+    osc%has_backlash = present(backlash)
+    if (present(backlash)) osc%backlash = backlash
+    call make_oscillator(osc, error)
+    if (allocated(error)) error stop 'test mesh'
+  end function mesh_of
+
+  !> Speed at which the mesh frequency is so many times the natural one, 1/min.
+  real(dp) function speed_at(osc, ratio)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: ratio
+
+    speed_at = mesh_period(osc%mesh%teeth(1), 2*pi/(ratio*osc%natural_frequency))
+  end function speed_at
+
+  !> Values by test/reference/make_light.py, in closed form between the changes of contact.
+  subroutine known_motions(t)
+    type(tally_t), intent(inout) :: t
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    type(oscillator_t) :: osc
+    integer :: k
+
+    options%steady%tolerance = 1e-9_dp
+    call solve(mesh_of(1.6_dp, 1e-3_dp), 8000.0_dp, options, point)
+    call check_equal(t, 'little damping', status_name(point%steady%status), 'ok')
+    call check_close(t, 'its dynamic factor', point%dynamic_factor, 1.0172745066539_dp, absolute=1e-8_dp)
+    call check_close(t, 'its multiplier', point%steady%multiplier, 0.991039102_dp, absolute=1e-7_dp)
+    call solve(mesh_of(1.6_dp, 0.0_dp), 8000.0_dp, options, point)
+    call check_equal(t, 'no damping', point%steady%status, status_marginal)
+    call check_close(t, 'dynamic factor of the neutral motion', point%dynamic_factor, 1.0172048534605_dp, absolute=1e-8_dp)
+    osc = mesh_of(1.6_dp, 0.01_dp)
+    do k = 4, 8
+      options%steady%tolerance = 0.1_dp**k
+      call solve(osc, speed_at(osc, 0.5_dp), options, point)
+      call check_equal(t, 'the one motion that attracts, tolerance 1e-'//str(k), status_name(point%steady%status), 'ok')
+      call check_close(t, 'its dynamic factor', point%dynamic_factor, 3.232340375_dp, absolute=max(0.1_dp**k, 1e-8_dp))
+    end do
+  end subroutine known_motions
+
+  !> The tolerance decides how exact a motion is, not which it is.
+  subroutine any_tolerance(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: points = 60
+    type(random_t) :: random
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point(3)
+    real(dp) :: rpm
+    integer :: i, k, parted
+
+    random%seed = 14
+    parted = 0
+    do i = 1, points
+      osc = mesh_of(random%between(1.05_dp, 2.9_dp), random%power(1e-3_dp, 3e-2_dp))
+      rpm = speed_at(osc, random%power(0.1_dp, 1.1_dp))
+      do k = 1, 3
+        options%steady%tolerance = 0.01_dp**(k + 1)
+        call solve(osc, rpm, options, point(k))
+      end do
+      if (point(3)%steady%partial .and. has_result(point(3)%steady%status)) parted = parted + 1
+      do k = 1, 2
+        call check_equal(t, 'status, point '//str(i), status_name(point(k)%steady%status), status_name(point(3)%steady%status))
+        if (.not. has_result(point(k)%steady%status)) cycle
+        call check_close(t, 'dynamic factor, point '//str(i), point(k)%dynamic_factor, point(3)%dynamic_factor, &
+                         absolute=2*(point(k)%estimate + point(3)%estimate))
+      end do
+    end do
+    call check_true(t, 'many with parted pairs', parted > points/4, str(parted))
+  end subroutine any_tolerance
+
+  !> A speed among others has the motion that it has alone.
+  subroutine batches(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: speeds = 60
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(point_t) :: point
+    type(error_t), allocatable :: error
+    real(dp), parameter :: zeta(3) = [0.1_dp, 0.03_dp, 0.01_dp]
+    integer :: i, k
+
+    options%direction = each
+    do i = 1, size(zeta)
+      osc = mesh_of(1.4_dp, zeta(i))
+      call run_sweep([osc], speed_at(osc, 0.3_dp) + (speed_at(osc, 2.5_dp) - speed_at(osc, 0.3_dp))/speeds*[(k, k=1, speeds)], &
+                     options, sweep, error)
+      call check_no_error(t, 'the sweep', error)
+      do k = 1, speeds
+        call solve(osc, sweep%rpm(k), options%accuracy, point)
+        call check_equal(t, 'status at '//str(sweep%rpm(k)), status_name(sweep%status(k, 1)), status_name(point%steady%status))
+        if (has_result(point%steady%status)) &
+          call check_close(t, 'dynamic factor at '//str(sweep%rpm(k)), sweep%dynamic_factor(k, 1), point%dynamic_factor, &
+                           absolute=2*(point%estimate + sweep%estimate(k, 1)))
+      end do
+    end do
+  end subroutine batches
+
+  !> A sweep up has no point without a motion where the speed by itself has one, unless the motion at hand grows without bound;
+  !> where the branch was lost, it is that of the speed by itself.
+  subroutine lost_branches(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: speeds = 120
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options
+    type(sweep_t) :: alone, followed
+    type(error_t), allocatable :: error
+    integer :: k
+
+    osc = mesh_of(1.6_dp, 0.01_dp)
+    options%direction = each
+    call run_sweep([osc], speed_at(osc, 0.3_dp) + speed_at(osc, 2.0_dp)/speeds*[(k, k=1, speeds)], options, alone, error)
+    call check_no_error(t, 'each', error)
+    options%direction = up
+    call run_sweep([osc], alone%rpm, options, followed, error)
+    call check_no_error(t, 'up', error)
+    call check_true(t, 'each loses none', .not. any(alone%branch_lost))
+    call check_true(t, 'up loses some', any(followed%branch_lost), str(count(followed%branch_lost)))
+    do k = 1, speeds
+      if (followed%status(k, 1) == status_unbounded .or. .not. has_result(alone%status(k, 1))) cycle
+      call check_true(t, 'has a motion at '//str(alone%rpm(k)), has_result(followed%status(k, 1)))
+      if (followed%branch_lost(k, 1)) &
+        call check_close(t, 'that by itself at '//str(alone%rpm(k)), followed%dynamic_factor(k, 1), alone%dynamic_factor(k, 1), &
+                         absolute=2*(followed%estimate(k, 1) + alone%estimate(k, 1)))
+    end do
+  end subroutine lost_branches
+
+  !> Where both flanks touch, a large motion is that of the mesh without load or backlash: it grows without bound in the tongue of
+  !> parametric resonance, here about 20 000 1/min, and decays outside. From rest it gets there where damping is small.
+  subroutine unbounded(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: backlash = 12e-6_dp
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+
+    osc = mesh_of(1.3_dp, 0.03_dp, backlash)
+    call solve(osc, 20000.0_dp, options, point, [100*osc%static_deflection, 0.0_dp])
+    call check_equal(t, 'in the tongue', point%steady%status, status_unbounded)
+    call solve(osc, 18000.0_dp, options, point, [100*osc%static_deflection, 0.0_dp])
+    call check_true(t, 'beside it', has_result(point%steady%status), status_name(point%steady%status))
+    osc = mesh_of(1.3_dp, 0.005_dp, backlash)
+    options%steady%method = by_marching
+    call solve(osc, 20000.0_dp, options, point)
+    call check_equal(t, 'from rest', point%steady%status, status_unbounded)
+    call check_true(t, 'no number', .not. has_result(point%steady%status))
+  end subroutine unbounded
+end module test_found
