@@ -38,6 +38,7 @@ program check
   use test_harmonics, only: run_harmonics => run
   use test_hub, only: run_hub => run
   use test_inputs, only: run_inputs => run
+  use test_iso_rating, only: run_iso_rating => run
   use test_measures, only: run_measures => run
   use test_mesh, only: run_mesh => run
   use test_methods, only: run_methods => run
@@ -98,6 +99,7 @@ program check
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
     & suite_t('flank', run_flank), &
+    & suite_t('iso_rating', run_iso_rating), &
     & suite_t('closed_stress', run_closed_stress), &
     & suite_t('closed_estimates', run_closed_estimates), &
     & suite_t('closed_limits', run_closed_limits), &

@@ -19,9 +19,9 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(12) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(13) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
-    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'flank: ']
+    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'flank: ', 'rating: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -83,7 +83,7 @@ contains
     end do
     do k = 1, size(tasks)
       ! These need a gear.
-      if (any(tasks(k) == [character(8) :: 'geometry', 'section', 'static', 'modal', 'flank'])) cycle
+      if (any(tasks(k) == [character(8) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', changes)
     end do
     if (t%wants('walk')) call walk(t, prescribed('table', 'mesh'), 'p', changes)
@@ -242,6 +242,18 @@ contains
     call add('flank specific_heat_j_kgk', '460', 'g')
     call add('flank specific_heat_j_kgk', '484, 460', 'g')
     call add('dynamics damping_ratio', '0.03', 'g', 'flank dynamic_load .false.')
+    call add('rating rpm', '17000, 19000', 'g')
+    call add('rating accuracy_grade', '7', 'g')
+    call add('rating pitch_deviation_um', '9', 'g')
+    call add('rating profile_deviation_um', '9', 'g')
+    call add('rating accuracy_grade', '7', 'g', 'rating pitch_deviation_um 9;rating profile_deviation_um 8')
+    call add('rating running_in', '0.2', 'g')
+    call add('rating face_load_factor', '1.2', 'g')
+    call add('rating transverse_load_factor', '1.1', 'g')
+    call add('rating contact_limit_mpa', '1400', 'g')
+    call add('rating contact_limit_mpa', '1400, 1500', 'g', 'rating contact_limit_mpa 1400')
+    call add('rating root_limit_mpa', '800', 'g')
+    call add('rating root_limit_mpa', '800, 700', 'g', 'rating root_limit_mpa 800')
     call add('dynamics friction', '0.05', 'g', 'flank dynamic_load .false.')
     call add('numerics tolerance', '1e-10', 'g', 'flank dynamic_load .false.')
     call add('material young_gpa', '200', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
@@ -309,7 +321,7 @@ contains
     call set(settings, 'case tasks '''//task//''';pair module_mm 3;pair face_width_mm 20;pinion teeth 21;gear teeth 34;'// &
              'load normal_force_n 4000;relief amount_um 0, 5;relief gear_fraction 0.4;mesh model '''//model//''';'// &
              'section teeth 1;section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
-             'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;'//few)
+             'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;rating rpm 20000;'//few)
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
     select case (model)

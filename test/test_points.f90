@@ -1,4 +1,4 @@
-!> One operating point has one answer in one run: what the tasks load and sweep say of it is the same.
+!> One operating point has one answer in one run: what the tasks load, flank, rating and sweep say of it is the same.
 module test_points
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
@@ -28,6 +28,7 @@ contains
     if (t%wants('random_points')) call random_points(t)
     if (t%wants('between_the_speeds')) call between_the_speeds(t)
     if (t%wants('alone')) call alone(t)
+    if (t%wants('of_all_tasks')) call of_all_tasks(t)
   end subroutine run
 
   !> A prescribed mesh over a resonance, where motions with and without loss of contact exist side by side.
@@ -199,4 +200,47 @@ contains
     call check_true(t, 'one speed', transfer(at(column_of(load, 'load_points', 'dynamic_factor'), 1), 0_int64) == &
                     transfer(at(column_of(sweep, 'sweep', 'dynamic_factor'), 1), 0_int64))
   end subroutine alone
+
+  !> Gears, lightly damped over a resonance, and speeds that each task has in an order of its own.
+  subroutine of_all_tasks(t)
+    type(tally_t), intent(inout) :: t
+    type(study_t) :: study
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    type(table_t) :: sweep, flank, rating
+    integer :: i
+
+    call read_case('&case tasks = ''sweep'', ''load'', ''flank'', ''rating'' / &pair module_mm = 3 face_width_mm = 20 /'// &
+                   '&pinion teeth = 21 / &gear teeth = 34 / &load normal_force_n = 4000 / &relief amount_um = 5 /'// &
+                   '&mesh model = ''polynomial'' coefficients = 400, 0, -60 / &dynamics damping_ratio = 0.01 /'// &
+                   '&sweep rpm_first = 14000 rpm_last = 24000 rpm_step = 500 load_rpm = 17000 /'// &
+                   '&flank rpm = 21000, 16500, 19000 / &rating rpm = 19000, 15000, 21000, 16500 /', case, error)
+    call check_no_error(t, 'gears: the case', error)
+    call run_study(case, '', 1, study, error)
+    call check_no_error(t, 'gears: the study', error)
+    call make_table(study, 'sweep', sweep, error)
+    call make_table(study, 'flank_losses', flank, error)
+    call make_table(study, 'dynamic_factors', rating, error)
+    call check_no_error(t, 'gears: the tables', error)
+    do i = 1, flank%rows
+      if (flank%word('loading', i) == 'dynamic') call same_factor(t, 'flank', sweep, flank, i)
+    end do
+    do i = 1, rating%rows
+      call same_factor(t, 'rating', sweep, rating, i)
+    end do
+    call check_true(t, 'gears: contact is lost somewhere', any([(sweep%word('contact', i) == 'lost', i=1, sweep%rows)]))
+  end subroutine of_all_tasks
+
+  !> Row `i` of another task's table has the sweep's dynamic factor, bit for bit.
+  subroutine same_factor(t, name, sweep, table, i)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: name
+    type(table_t), intent(in) :: sweep, table
+    integer, intent(in) :: i
+    integer :: k
+
+    k = findloc(abs(sweep%numbers('rpm') - table%number('rpm', i)) < 1e-9_dp, .true., 1)
+    call check_true(t, name//' at '//str(table%number('rpm', i))//' rpm: as the sweep', &
+                    transfer(table%number('dynamic_factor', i), 0_int64) == transfer(sweep%number('dynamic_factor', k), 0_int64))
+  end subroutine same_factor
 end module test_points

@@ -56,6 +56,7 @@ _PLOTS = (
     'plot_optimum',
     'plot_poincare',
     'plot_precision',
+    'plot_rating',
     'plot_section',
     'plot_sharing',
     'plot_stability',

@@ -761,6 +761,98 @@ class FlankLossesTable(Table):
     status: NDArray[str_]
     """how the operating point ended, in a word"""
 
+class RatingTable(Table):
+    """contact stress and tooth root stress by ISO 6336, and their safety factors"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    member: NDArray[str_]
+    """pinion or gear"""
+    contact_stress_mpa: NDArray[float64]
+    """MPa: contact stress sigma_H with K_v by Method A"""
+    contact_safety: NDArray[float64]
+    """S_H with K_v by Method A; NaN without contact_limit_mpa"""
+    root_stress_mpa: NDArray[float64]
+    """MPa: tooth root stress sigma_F with K_v by Method A"""
+    root_safety: NDArray[float64]
+    """S_F with K_v by Method A; NaN without root_limit_mpa"""
+    contact_stress_b_mpa: NDArray[float64]
+    """MPa: contact stress sigma_H with K_v by Method B"""
+    contact_safety_b: NDArray[float64]
+    """S_H with K_v by Method B; NaN without contact_limit_mpa"""
+    root_stress_b_mpa: NDArray[float64]
+    """MPa: tooth root stress sigma_F with K_v by Method B"""
+    root_safety_b: NDArray[float64]
+    """S_F with K_v by Method B; NaN without root_limit_mpa"""
+
+class RatingFactorsTable(Table):
+    """factors of ISO 6336:2006 that do not depend on the speed"""
+
+    member: NDArray[str_]
+    """pinion or gear"""
+    tangential_load_n: NDArray[float64]
+    """N: nominal load F_t on the reference circle"""
+    application_factor: NDArray[float64]
+    """K_A, of the case"""
+    face_load_factor: NDArray[float64]
+    """K_H_beta, of the case"""
+    root_face_load_factor: NDArray[float64]
+    """K_F_beta, ISO 6336-1, clause 7"""
+    transverse_load_factor: NDArray[float64]
+    """K_H_alpha and K_F_alpha, of the case"""
+    zone_factor: NDArray[float64]
+    """Z_H, ISO 6336-2, clause 6"""
+    single_pair_factor: NDArray[float64]
+    """Z_B of the pinion, Z_D of the gear, ISO 6336-2, clause 6"""
+    elasticity_factor_sqrt_mpa: NDArray[float64]
+    """sqrt(MPa): Z_E, ISO 6336-2, clause 7"""
+    contact_ratio_factor: NDArray[float64]
+    """Z_eps, ISO 6336-2, clause 8"""
+    nominal_contact_mpa: NDArray[float64]
+    """MPa: nominal contact stress sigma_H0, ISO 6336-2, clause 5"""
+    form_factor: NDArray[float64]
+    """Y_F, ISO 6336-3, clause 6"""
+    stress_correction: NDArray[float64]
+    """Y_S, ISO 6336-3, clause 7"""
+    rim_factor: NDArray[float64]
+    """Y_B, ISO 6336-3, clause 9"""
+    nominal_root_mpa: NDArray[float64]
+    """MPa: nominal tooth root stress sigma_F0, ISO 6336-3, clause 5"""
+    single_stiffness_n_mm_um: NDArray[float64]
+    """N/(mm um): c', ISO 6336-1, clause 9"""
+    mesh_stiffness_n_mm_um: NDArray[float64]
+    """N/(mm um): c_gamma_alpha, ISO 6336-1, clause 9"""
+    reduced_mass_kg_mm: NDArray[float64]
+    """kg/mm: m_red of a unit of face width, from the effective masses of the case"""
+    resonance_rpm: NDArray[float64]
+    """1/min: resonance running speed n_E1 of the pinion, ISO 6336-1, 6.5.3"""
+    pitch_deviation_um: NDArray[float64]
+    """um: f_pb after running in"""
+    profile_deviation_um: NDArray[float64]
+    """um: f_f_alpha after running in"""
+    equal_flanks: NDArray[int64]
+    """1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0"""
+
+class DynamicFactorsTable(Table):
+    """dynamic factor K_v by Method A, which is that of the motion, and by Method B"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
+    error_estimate: NDArray[float64]
+    """estimated error of DF; NaN where there is no answer or it is not known"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    dynamic_factor_b: NDArray[float64]
+    """K_v by ISO 6336-1, Method B"""
+    resonance_ratio: NDArray[float64]
+    """N: speed over the resonance running speed of Method B"""
+
 class MotionTable(Table):
     """load, masses and stiffness of the mesh, and its natural frequency"""
 
@@ -942,6 +1034,12 @@ class Named:
     def flank(self) -> FlankTable: ...
     @property
     def flank_losses(self) -> FlankLossesTable: ...
+    @property
+    def rating(self) -> RatingTable: ...
+    @property
+    def rating_factors(self) -> RatingFactorsTable: ...
+    @property
+    def dynamic_factors(self) -> DynamicFactorsTable: ...
     @property
     def motion(self) -> MotionTable: ...
     @property

@@ -67,9 +67,9 @@ def both(rattling):
 @pytest.fixture(scope='module')
 def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, attractors={'starts': 4},
-                                static={'field_position': 0}, flank={'rpm': [4000, 6000]},
+                                static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank'))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating'))
 
 
 def all_plots():
@@ -377,9 +377,20 @@ def test_flank_shows_the_columns_of_its_table_at_one_speed():
         plots.plot_flank(study, quantity='heat')
 
 
+def test_rating_shows_the_dynamic_factor_by_both_methods():
+    study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, rating={'rpm': [3000, 4000, 6000]}), 'rating')
+    ax = plots.plot_rating(study, Figure().subplots())
+    drawn = {tuple(line.get_ydata()) for line in ax.lines}
+    for relief in range(2):
+        assert tuple(study.dynamic_factors.dynamic_factor[relief]) in drawn
+        assert tuple(study.dynamic_factors.dynamic_factor_b[relief]) in drawn
+    labels = [text.get_text() for legend in ax.findobj(Legend) for text in legend.get_texts()]
+    assert {'Method A: motion', 'Method B', '0', '10'} == set(labels)
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'precision', 'flank')  # fmt: skip
+             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'precision', 'flank', 'dynamic_factors')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

@@ -10,7 +10,7 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
@@ -31,6 +31,7 @@ GROUPS = {
     'attractors': {},
     'precision': {},
     'flank': {'rpm': 3000},
+    'rating': {'rpm': 3000},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

@@ -29,6 +29,7 @@ PLACES = {
     'Optimum relief': 'optimum',
     'Precision at': 'precision precision_finest',
     'Flanks': 'flank_losses',
+    'Rating by': 'rating dynamic_factors',
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.

@@ -44,7 +44,7 @@ module gearsweep_case
     real(dp) :: shared_compliance = 0            !< m/N
     real(dp), allocatable :: coefficients(:)
     real(dp) :: contact_ratio = 0, base_pitch = 0
-    type(iso_options_t) :: iso                   !< for the model iso6336; its keys stand with load and gears
+    type(iso_options_t) :: iso                   !< K_A and the gears' blanks; its keys stand with load and gears
     real(dp) :: pitch_point = -1                 !< below 0: half the contact ratio
     logical :: tooth_coupling = .true., corner_contact = .true., nonlinear_contact = .true.
     ! &dynamics
@@ -129,12 +129,13 @@ contains
     what = unless(case%needs(stage), trim(case%tasks_for(stage)))
   end function for_stage
 
-  !> What a key of ISO 6336-1's stiffness waits for.
+  !> What a key of ISO 6336 waits for.
   pure function for_iso(case) result(what)
     type(case_t), intent(in) :: case
     character(sentence_length) :: what
 
-    what = unless(case%needs('mesh') .and. case%model == 'iso6336', 'a stiffness by iso6336')
+    what = unless(case%needs('blanks') .or. case%needs('mesh') .and. case%model == 'iso6336', &
+                  trim(case%tasks_for('blanks'))//' or a stiffness by iso6336')
   end function for_iso
 
   !> Does a task need both members' stiffness by finite elements?

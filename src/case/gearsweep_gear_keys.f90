@@ -196,7 +196,8 @@ contains
                     meaning='thickness of the web b_s, for C_R of a stiffness by iso6336')
     call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(member), error, unit='mm', given=given(2), &
                     waits=waits, refused=geared, above=0.0_dp, otherwise='a solid disc', &
-                    meaning='thickness of the rim s_R below the root circle, for C_R of a stiffness by iso6336')
+                    meaning='thickness of the rim s_R below the root circle, for C_R of a stiffness by iso6336 and Y_B of '// &
+                    'the task rating')
     if (given(1) .neqv. given(2)) call fail(error, code_input, '&'//group//' '//trim(merge('rim_thickness_mm', &
       'web_thickness_mm', given(1)))//': missing; C_R of ISO 6336-1 needs web_thickness_mm and rim_thickness_mm')
   end subroutine read_web

@@ -23,8 +23,8 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length), parameter :: users(*) = [character(sentence_length) :: &
-      'modal, precision, flank or a stiffness that is computed', &
-      'static, modal, precision, flank or a stiffness that depends on it', &
+      'modal, precision, flank, rating or a stiffness that is computed', &
+      'static, modal, precision, flank, rating or a stiffness that depends on it', &
       'modal, precision, flank or a mass that is not stated']
     logical :: counts(3, 2), own(3, 2)
     character(sentence_length) :: geared, waits(3)
@@ -63,10 +63,10 @@ contains
     ! Printed values may be a tooth's as a beam.
     vibrates = case%asks('modal') .or. case%asks('precision') .or. allocated(case%published)
     vibrates = vibrates .and. member == case%member
-    touches = case%needs('material')
+    touches = case%needs('elasticity')
     uses(young) = yields .or. vibrates .or. touches
     uses(poisson) = (yields .and. case%model /= 'iso6336') .or. (case%needs('body') .and. member == case%member) .or. touches
-    uses(density) = case%weighs(member) .or. vibrates .or. touches
+    uses(density) = case%weighs(member) .or. vibrates .or. case%needs('density')
   end function uses_of
 
   !> The keys of one group; for a single gear without defaults.

@@ -9,7 +9,6 @@ module gearsweep_study
   use gearsweep_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
   use gearsweep_key_names, only: name_key
   use gearsweep_kinds, only: dp
-  use gearsweep_material, only: material_t
   use gearsweep_memory, only: claim_memory, settle_memory
   use gearsweep_mesh_stage, only: mesh_and_motion
   use gearsweep_products, only: record_t, study_t
@@ -57,6 +56,7 @@ contains
     study%tasks = case%tasks
     study%amount = case%amount
     study%material = case%material
+    study%iso = case%iso
     study%member = case%member
     study%direction = case%direction
     study%accuracy = case%accuracy
@@ -198,8 +198,7 @@ contains
     associate (slot => study%tasks(i), before => earlier%tasks(i))
       known = before%is_wanted .and. (slot%takes('mesh') .or. slot%takes('body')) .and. before%given == slot%given
       if (known) known = before%task%is_done .and. .not. before%task%is_stopped
-      if (known .and. slot%takes('body')) known = same(study%body_inputs, earlier%body_inputs)
-      if (known .and. slot%takes('material')) known = same_materials(study%material, earlier%material)
+      if (known) known = same_gears(study, earlier, slot)
       if (known .and. slot%takes('mesh')) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs)
       if (known .and. slot%takes('reliefs')) known = same(maxval(study%amount), maxval(earlier%amount))
       if (known .and. slot%takes('amounts')) known = same(study%amount, earlier%amount)
@@ -210,11 +209,22 @@ contains
     end associate
   end function is_known
 
-  pure logical function same_materials(a, b)
-    type(material_t), intent(in) :: a(2), b(2)
+  !> Are the gears the same, as far as the task in this slot takes something of them beside the mesh?
+  pure logical function same_gears(study, earlier, slot) result(known)
+    type(study_t), intent(in) :: study, earlier
+    type(task_slot_t), intent(in) :: slot
 
-    same_materials = same([a%young, a%poisson, a%density], [b%young, b%poisson, b%density])
-  end function same_materials
+    known = .true.
+    if (slot%takes('body')) known = same(study%body_inputs, earlier%body_inputs)
+    associate (a => study%material, b => earlier%material)
+      if (known .and. slot%takes('elasticity')) known = same([a%young, a%poisson], [b%young, b%poisson])
+      if (known .and. slot%takes('density')) known = same(a%density, b%density)
+    end associate
+    associate (a => study%iso, b => earlier%iso)
+      if (known .and. slot%takes('blanks')) known = same([a%application_factor, a%web_thickness, a%rim_thickness], &
+                                                         [b%application_factor, b%web_thickness, b%rim_thickness])
+    end associate
+  end function same_gears
 
   !> What the results at a speed depend on beside the oscillator.
   pure type(choice_t) function choice_of(study)

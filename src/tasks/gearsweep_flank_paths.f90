@@ -1,16 +1,16 @@
 !> The load of a pair of teeth along its path of contact, static or of the motion, as the task `flank` takes it.
 module gearsweep_flank_paths
   use gearsweep_error, only: code_memory, error_t, fail
-  use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_flank, only: contact_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_mesh_losses, only: followed_loss_factor, static_loss_factor
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_pair, only: pair_t
-  use gearsweep_response, only: find_response, response_t
+  use gearsweep_response, only: response_t
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_table, only: no_number
+  use gearsweep_task, only: stages_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -61,16 +61,15 @@ contains
     path%estimate = no_number()
   end subroutine follow_static
 
-  !> The load of the motion at the path's speed. `error`: the memory does not hold the motion.
-  subroutine follow_motion(pair, motion, accuracy, path, error)
-    type(pair_t), intent(in) :: pair
-    type(oscillator_t), intent(in) :: motion
-    type(accuracy_t), intent(in) :: accuracy
+  !> The load of the motion with relief number `relief` at the path's speed. `error`: the memory does not hold the motion.
+  subroutine follow_motion(stages, relief, path, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: relief
     type(path_t), intent(inout) :: path
     type(error_t), allocatable, intent(inout) :: error
     type(response_t) :: response
 
-    call find_response(motion, path%rpm, accuracy, response)
+    call stages%find_motion(relief, path%rpm, response)
     if (response%lacks) call fail(error, code_memory, '&flank rpm = '//str(path%rpm)//': the memory does not hold the motion')
     if (allocated(error)) return
     path%is_dynamic = .true.
@@ -80,7 +79,7 @@ contains
     path%load = response%load
     path%loss_factor = no_number()
     if (.not. has_result(path%status)) return
-    path%loss_factor = followed_loss_factor(pair, path%pair, path%s, path%load, motion%load)
+    path%loss_factor = followed_loss_factor(stages%pair, path%pair, path%s, path%load, stages%load)
     path%dynamic_factor = response%point%dynamic_factor
     path%estimate = response%point%estimate
   end subroutine follow_motion

@@ -18,8 +18,10 @@ module gearsweep_task
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_pair, only: pair_t
   use gearsweep_reader, only: reader_t
+  use gearsweep_response, only: find_response, response_t
   use gearsweep_section_body, only: make_two_grids, section_body_t
   use gearsweep_sweep_state, only: counter_t, progress_of_sweep, sweep_options_t, sweep_state_t, up
+  use gearsweep_stiffness, only: iso_options_t
   use gearsweep_table, only: table_t
   use gearsweep_text, only: str
   implicit none
@@ -47,6 +49,7 @@ module gearsweep_task
   type :: stages_t
     type(pair_t), allocatable :: pair            !< none for a prescribed mesh
     type(material_t) :: material(2)              !< of pinion and gear
+    type(iso_options_t) :: iso                   !< application factor and the gears' blanks
     integer :: member = 1                        !< the gear whose body is looked at: 1 pinion, 2 gear
     type(body_inputs_t) :: body_inputs           !< of that body
     type(elements_inputs_t), allocatable :: elements_inputs  !< of the pair stiffness, where that is by finite elements
@@ -64,14 +67,16 @@ module gearsweep_task
     type(accuracy_t) :: accuracy                 !< with the flag that ends the run
     type(running_t), pointer :: running => null()
   contains
-    procedure :: sweep_options
+    procedure :: sweep_options, find_motion
   end type stages_t
 
   !> What is said of a task. `needs` names stages, blanks between them:
   !>   geometry  gears, which a prescribed mesh has not
   !>   section   the section of one gear
   !>   body      the same held and factored, by finite elements
-  !>   material  the materials, whatever the mesh takes of them
+  !>   elasticity  the moduli and Poisson's ratios of the materials, whatever the mesh takes of them
+  !>   density   their densities
+  !>   blanks    application factor and the gears' blanks, whatever the mesh takes of them
   !>   mesh      load, masses and stiffness
   !>   reliefs   the result depends on the relief
   !>   amounts   there is one result for each amount of relief
@@ -312,6 +317,24 @@ contains
     options%done_before = self%running%done
     options%all_points = self%running%all_points
   end function sweep_options
+
+  !> The motion with relief number `relief` at a speed (1/min). Where a sweep of this run kept it, it is the sweep's, so that
+  !> one operating point has one answer in a run.
+  subroutine find_motion(self, relief, rpm, response)
+    class(stages_t), intent(in) :: self
+    integer, intent(in) :: relief
+    real(dp), intent(in) :: rpm
+    type(response_t), intent(out) :: response
+    integer :: k
+
+    k = 0
+    if (allocated(self%running%kept)) k = findloc(abs(self%keep - rpm) <= 0, .true., 1)
+    if (k > 0) then
+      call find_response(self%motion(relief), rpm, self%accuracy, response, self%running%kept(k, relief))
+    else
+      call find_response(self%motion(relief), rpm, self%accuracy, response)
+    end if
+  end subroutine find_motion
 
   !> A line of the log.
   subroutine note(self, line)

@@ -35,7 +35,7 @@ module gearsweep_task_flank
   end type flank_task_t
 
   character(*), parameter :: group = 'flank'
-  character(*), parameter :: stages_needed = 'geometry material mesh reliefs amounts motion losses accuracy'
+  character(*), parameter :: stages_needed = 'geometry elasticity density mesh reliefs amounts motion losses accuracy kept'
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, mega = 1e-6_dp
   character(*), parameter :: loadings(2) = [character(7) :: 'static', 'dynamic']
   character(*), parameter :: of_loading = 'static: as stiffness and relief share the load; dynamic: that of the motion'
@@ -55,7 +55,7 @@ contains
     character(*), intent(in) :: stage
 
     uses = includes(stages_needed, stage)
-    if (any(stage == [character(8) :: 'motion', 'losses', 'accuracy'])) uses = uses .and. self%dynamic_load
+    if (any(stage == [character(8) :: 'motion', 'losses', 'accuracy', 'kept'])) uses = uses .and. self%dynamic_load
   end function uses
 
   subroutine read_keys(self, reader, error)
@@ -71,6 +71,7 @@ contains
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'dynamic_load', self%dynamic_load, error, tasks=group, refused=geared, &
                     meaning='beside the static load, which stiffness and relief share, also that of the motion at each speed')
+    if (self%dynamic_load .and. allocated(self%own_rpm)) self%keep = self%own_rpm
     call self%read_friction(reader, geared, error)
     call self%read_surfaces(reader, geared, error)
   end subroutine read_keys
@@ -195,7 +196,7 @@ contains
           if (.not. self%dynamic_load) cycle
           n = n + 1
           found(n) = static
-          call follow_motion(stages%pair, motion, stages%accuracy, found(n), error)
+          call follow_motion(stages, which(i), found(n), error)
           if (allocated(error)) return
           call stages%running%tell(1, stages%accuracy%steady%stop)
         end do

@@ -8,7 +8,7 @@ module gearsweep_task_load
   use gearsweep_memory, only: claim_memory
   use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, status_length, words_of
   use gearsweep_reader, only: reader_t
-  use gearsweep_response, only: find_response, response_t
+  use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_name, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, no_number, over_and_over, table_t
@@ -58,7 +58,6 @@ contains
       '&sweep load_rpm: with '//str(size(amount))//' reliefs more than '//str(most_paths)//' paths')
   end subroutine check
 
-  !> One operating point has one answer: what a sweep of this run found, or follows from there, is taken over.
   subroutine run(self, stages, error)
     class(load_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
@@ -73,11 +72,7 @@ contains
       do k = 1, size(rpm)
         do i = 1, size(motion)
           if (wants_stop(accuracy%steady%stop)) return
-          if (allocated(stages%running%kept)) then
-            call find_response(motion(i), rpm(k), accuracy, response(i, k), stages%running%kept(k, i))
-          else
-            call find_response(motion(i), rpm(k), accuracy, response(i, k))
-          end if
+          call stages%find_motion(i, rpm(k), response(i, k))
           if (response(i, k)%lacks) call fail(error, code_memory, &
             '&sweep load_rpm = '//str(rpm(k))//': the memory does not hold the motion')
           if (allocated(error)) return

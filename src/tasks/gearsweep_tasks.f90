@@ -11,6 +11,7 @@ module gearsweep_tasks
   use gearsweep_task_optimum, only: optimum_task_t
   use gearsweep_task_poincare, only: poincare_task_t
   use gearsweep_task_precision, only: precision_task_t
+  use gearsweep_task_rating, only: rating_task_t
   use gearsweep_task_section, only: section_task_t
   use gearsweep_task_stability, only: stability_task_t
   use gearsweep_task_static, only: static_task_t
@@ -54,6 +55,7 @@ contains
     call add(attractors_task_t())
     call add(precision_task_t())
     call add(flank_task_t())
+    call add(rating_task_t())
     allocate (slots(n))
     do i = 1, n
       slots(i)%info = room(i)%info

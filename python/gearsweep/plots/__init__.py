@@ -28,6 +28,7 @@ from .gears import plot_geometry
 from .look import style
 from .over_speed import plot_optimum, plot_sweep
 from .precision import plot_precision
+from .rating import plot_rating
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 
@@ -45,6 +46,7 @@ __all__ = [
     'plot_optimum',
     'plot_poincare',
     'plot_precision',
+    'plot_rating',
     'plot_section',
     'plot_sharing',
     'plot_stability',

@@ -23,6 +23,7 @@ from .gears import plot_geometry
 from .look import COLUMN, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
 from .precision import PANELS, plot_precision
+from .rating import plot_rating
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 
@@ -80,6 +81,7 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'basins': _reliefs('basins', plot_basins),
         'precision': _precision,
         'flank': _flank,
+        'dynamic_factors': _single(plot_rating, 65),
     }
     for name, draw in drawings.items():
         if name in study and (not names or name in names):

@@ -1,0 +1,395 @@
+!> The task `rating`: contact and tooth root stress of both gears by ISO 6336 with every factor, the dynamic factor by Method A,
+!> which is that of the motion, beside Method B, and the safety factors for stated limits.
+module gearsweep_task_rating
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_decimal, only: in_um
+  use gearsweep_dynamic_factor, only: deviations_of, dynamic_factor_b, method_b_t, resonance_ratio
+  use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
+  use gearsweep_form, only: iso_form, iso_form_t
+  use gearsweep_gear, only: coast, drive
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_load_factors, only: contact_stress, load_factors_t, rim_factor, root_face_load_factor, tooth_root_stress
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_points, only: of_estimate, of_factor, of_relief, of_speed, of_status, words_of
+  use gearsweep_reader, only: reader_t
+  use gearsweep_response, only: response_t
+  use gearsweep_root_rating, only: outer_point
+  use gearsweep_status, only: has_result, status_stopped
+  use gearsweep_stiffness, only: iso_stiffness
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_stop, only: wants_stop
+  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_task, only: members, stages_t, task_info_t, task_t
+  use gearsweep_text, only: fixed, str
+  use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  implicit none
+  private
+  public :: rating_task_t
+
+  type, extends(task_t) :: rating_task_t
+    integer :: grade = 5
+    real(dp) :: deviation(2) = 0                 !< f_pb and f_f_alpha, m; 0: by the grade
+    real(dp) :: running_in = 0.075_dp            !< what it takes of the deviations
+    type(load_factors_t) :: factors              !< K_A is that of &load
+    real(dp), allocatable :: contact_limit(:), root_limit(:)    !< Pa; (1 or 2 members); not allocated: not stated
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, add_report
+    procedure, private :: read_accuracy, read_limits, need_method_b
+  end type rating_task_t
+
+  !> The nominal stresses of both gears, and what they were made from.
+  type :: nominal_t
+    real(dp) :: load = 0                         !< F_t on the reference circle, N
+    type(flank_factors_t) :: flank
+    real(dp) :: contact = 0                      !< sigma_H0, Pa
+    type(iso_form_t) :: form(2)
+    real(dp) :: rim(2) = 1                       !< Y_B
+    real(dp) :: root(2) = 0                      !< sigma_F0, Pa
+    real(dp) :: root_face_load = 1               !< K_F_beta
+  end type nominal_t
+
+  character(*), parameter :: group = 'rating'
+  real(dp), parameter :: micro = 1e6_dp, mega = 1e-6_dp
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t(group, needs='geometry elasticity blanks mesh reliefs amounts motion losses accuracy kept', &
+                       tables='rating rating_factors dynamic_factors', fields='', &
+                       gives='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
+  end subroutine describe
+
+  subroutine read_keys(self, reader, error)
+    class(rating_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+    character(sentence_length) :: geared
+
+    call reader%add_group(group, 'The task rating: contact and tooth root stress by ISO 6336.')
+    geared = unless(.not. is_prescribed(reader), needs_gears)
+    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion')
+    if (allocated(self%own_rpm)) self%keep = self%own_rpm
+    call self%read_accuracy(reader, geared, error)
+    call reader%get(group, 'face_load_factor', self%factors%face_load, error, tasks=group, refused=geared, at_least=1.0_dp, &
+                    at_most=100.0_dp, meaning='K_H_beta: largest load of a unit of face width over the mean one')
+    call reader%get(group, 'transverse_load_factor', self%factors%transverse, error, tasks=group, refused=geared, &
+                    at_least=1.0_dp, at_most=100.0_dp, &
+                    meaning='K_H_alpha and K_F_alpha, for deviations that let the pairs share the load unevenly')
+    call self%read_limits(reader, geared, error)
+  end subroutine read_keys
+
+  subroutine read_accuracy(self, reader, geared, error)
+    class(rating_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: geared
+    type(error_t), allocatable, intent(inout) :: error
+    logical :: stated(2)
+
+    call reader%get(group, 'pitch_deviation_um', self%deviation(1), error, unit='um', given=stated(1), tasks=group, &
+                    refused=geared, at_least=0.0_dp, at_most=1e4_dp, otherwise='what accuracy_grade allows', &
+                    meaning='transverse base pitch deviation f_pb before running in, for K_v by Method B')
+    call reader%get(group, 'profile_deviation_um', self%deviation(2), error, unit='um', given=stated(2), tasks=group, &
+                    refused=geared, at_least=0.0_dp, at_most=1e4_dp, otherwise='what accuracy_grade allows', &
+                    meaning='profile form deviation f_f_alpha before running in, for K_v by Method B')
+    call reader%get(group, 'accuracy_grade', self%grade, error, tasks=group, at_least=0, at_most=12, &
+                    refused=first_of(geared, unless(.not. all(stated), 'both deviations are given; remove it')), &
+                    meaning='accuracy grade of ISO 1328-1, for K_v by Method B')
+    call reader%get(group, 'running_in', self%running_in, error, tasks=group, refused=geared, at_least=0.0_dp, &
+                    at_most=1.0_dp, meaning='fraction of the deviations that running in takes: 0.075 for case-hardened and '// &
+                    'nitrided gears')
+    where (.not. stated) self%deviation = -1
+  end subroutine read_accuracy
+
+  subroutine read_limits(self, reader, geared, error)
+    class(rating_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: geared
+    type(error_t), allocatable, intent(inout) :: error
+
+    call reader%get(group, 'contact_limit_mpa', self%contact_limit, error, unit='MPa', tasks=group, refused=geared, &
+                    above=0.0_dp, at_most=1e6_dp, max_size=2, otherwise='no safety factor', &
+                    meaning='contact stress sigma_HG that both gears, or pinion and gear, bear: sigma_Hlim with its factors of '// &
+                    'life, lubrication and size')
+    call reader%get(group, 'root_limit_mpa', self%root_limit, error, unit='MPa', tasks=group, refused=geared, &
+                    above=0.0_dp, at_most=1e6_dp, max_size=2, otherwise='no safety factor', &
+                    meaning='tooth root stress sigma_FG that they bear: sigma_FE with its factors of life, notch and size')
+  end subroutine read_limits
+
+  subroutine run(self, stages, error)
+    class(rating_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    type(response_t), allocatable :: response(:, :)        ! (speed, relief)
+    type(method_b_t), allocatable :: of(:)                 ! of each relief
+    type(nominal_t) :: nominal
+
+    if (allocated(error)) return
+    self%factors%application = stages%iso%application_factor
+    call self%need_method_b(stages, of, error)
+    call follow(self%own_rpm, stages, response, error)
+    if (allocated(error) .or. .not. allocated(response)) return
+    nominal = nominal_of(stages, self%factors)
+    call fill_dynamic(stages%amount, self%own_rpm, of, response, self%tables(self%place('dynamic_factors')), error)
+    call fill_factors(stages, self%factors, nominal, of(1), self%tables(self%place('rating_factors')), error)
+    call fill_rating(self, nominal, stages%amount, self%tables(self%place('rating')), error)
+    self%is_done = .true.
+    associate (status => response%point%steady%status)
+      self%is_stopped = any(status == status_stopped)
+      self%failed = count(.not. has_result(status))
+    end associate
+    self%log = 'rating: '//str(size(response))//' operating points rated'
+  end subroutine run
+
+  !> What Method B needs, for each relief. Relief counts by its amount at the tips.
+  subroutine need_method_b(self, stages, of, error)
+    class(rating_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    type(method_b_t), allocatable, intent(out) :: of(:)
+    type(error_t), allocatable, intent(inout) :: error
+    type(piecewise_t) :: stiffness
+    type(method_b_t) :: one
+    real(dp) :: deviation(2)
+    integer :: i
+
+    associate (pair => stages%pair, spec => stages%pair%gear%spec, width => minval(stages%pair%gear%spec%face_width))
+      call iso_stiffness(pair, stages%material, stages%load/width, stiffness, error, stages%iso)
+      if (allocated(error)) return
+      deviation = max(deviations_of(self%grade, spec(1)%module, 2*pair%gear(1)%reference_radius, spec(1)%pressure_angle(drive)), &
+                      deviations_of(self%grade, spec(2)%module, 2*pair%gear(2)%reference_radius, spec(2)%pressure_angle(drive)))
+      deviation = merge(self%deviation, deviation, self%deviation >= 0)*(1 - self%running_in)
+      one = method_b_t(spec(1)%teeth, pair%contact_ratio, single_stiffness=stiffness%maximum()/width, &
+                       mass=product(stages%mass)/sum(stages%mass)/width, pitch_deviation=deviation(1), &
+                       profile_deviation=deviation(2))
+      one%mesh_stiffness = one%single_stiffness*(0.75_dp*pair%contact_ratio + 0.25_dp)
+      one%line_load = tangential(stages)*stages%iso%application_factor/width
+    end associate
+    allocate (of(size(stages%amount)), source=one)
+    do i = 1, size(of)
+      of(i)%relief = stages%amount(i)*stages%motions_inputs%motion%relief%fraction
+    end do
+  end subroutine need_method_b
+
+  !> F_t on the reference circle (N).
+  pure real(dp) function tangential(stages) result(load)
+    type(stages_t), intent(in) :: stages
+
+    load = stages%load*cos(stages%pair%gear(1)%spec%pressure_angle(drive))
+  end function tangential
+
+  !> The motions at all speeds; not allocated where the run was interrupted.
+  subroutine follow(rpm, stages, response, error)
+    real(dp), intent(in) :: rpm(:)
+    type(stages_t), intent(in) :: stages
+    type(response_t), allocatable, intent(out) :: response(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+    type(response_t), allocatable :: found(:, :)
+    integer :: i, k
+
+    if (allocated(error)) return
+    call claim_memory(1000.0_dp*size(stages%motion)*size(rpm), '&rating rpm: '//str(size(stages%motion)*size(rpm))// &
+                      ' motions', error)
+    if (allocated(error)) return
+    allocate (found(size(rpm), size(stages%motion)))
+    do i = 1, size(stages%motion)
+      do k = 1, size(rpm)
+        if (wants_stop(stages%accuracy%steady%stop)) return
+        call stages%find_motion(i, rpm(k), found(k, i))
+        if (found(k, i)%lacks) call fail(error, code_memory, '&rating rpm = '//str(rpm(k))// &
+                                         ': the memory does not hold the motion')
+        if (allocated(error)) return
+        call stages%running%tell(1, stages%accuracy%steady%stop)
+      end do
+    end do
+    call move_alloc(found, response)
+  end subroutine follow
+
+  pure type(nominal_t) function nominal_of(stages, factors) result(nominal)
+    type(stages_t), intent(in) :: stages
+    type(load_factors_t), intent(in) :: factors
+    integer :: i
+
+    associate (pair => stages%pair)
+      nominal%load = tangential(stages)
+      nominal%flank = flank_factors(pair, stages%material%young, stages%material%poisson)
+      nominal%contact = nominal_flank_stress(pair, nominal%flank, nominal%load)
+      nominal%root_face_load = root_face_load_factor(pair, factors%face_load)
+      do i = 1, 2
+        associate (gear => pair%gear(i))
+          nominal%form(i) = iso_form(gear, outer_point(pair, i))
+          nominal%rim(i) = rim_factor(stages%iso%rim_thickness(i), gear%tip_radius - gear%root_radius)
+          nominal%root(i) = nominal%load/(gear%spec%module*minval(pair%gear%spec%face_width)) &
+                            *nominal%form(i)%form_factor*nominal%form(i)%correction*nominal%rim(i)
+        end associate
+      end do
+    end associate
+  end function nominal_of
+
+  !> K_v by both methods.
+  pure subroutine fill_dynamic(amount, rpm, of, response, table, error)
+    real(dp), intent(in) :: amount(:), rpm(:)
+    type(method_b_t), intent(in) :: of(:)
+    type(response_t), intent(in) :: response(:, :)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: factor(:), estimate(:)
+    integer :: i, m, n
+
+    m = size(amount)
+    n = size(rpm)
+    call table%begin('dynamic factor K_v by Method A, which is that of the motion, and by Method B', m*n, 8, error, extent=[m, n])
+    if (allocated(error)) return
+    associate (point => response%point)
+      factor = reshape(point%dynamic_factor, [m*n])
+      estimate = reshape(point%estimate, [m*n])
+      where (.not. has_result(reshape(point%steady%status, [m*n])))
+        factor = no_number()
+        estimate = no_number()
+      end where
+      call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
+      call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
+      call table%add('dynamic_factor', '', of_factor, factor)
+      call table%add('error_estimate', '', of_estimate, estimate)
+      call table%add_words('status', of_status, words_of(reshape(point%steady%status, [m*n])))
+    end associate
+    call table%add('dynamic_factor_b', '', 'K_v by ISO 6336-1, Method B', [(dynamic_factor_b(of(i), rpm), i=1, m)])
+    call table%add('resonance_ratio', '', 'N: speed over the resonance running speed of Method B', &
+                   [(resonance_ratio(of(i), rpm), i=1, m)])
+  end subroutine fill_dynamic
+
+  !> What does not depend on the speed.
+  subroutine fill_factors(stages, factors, nominal, of, table, error)
+    type(stages_t), intent(in) :: stages
+    type(load_factors_t), intent(in) :: factors
+    type(nominal_t), intent(in) :: nominal
+    type(method_b_t), intent(in) :: of
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: angle(2)
+
+    call table%begin('factors of ISO 6336:2006 that do not depend on the speed', 2, 24, error, extent=[2])
+    if (allocated(error)) return
+    call table%add_index('member', '', 'pinion or gear', members)
+    call both('tangential_load_n', 'N', 'nominal load F_t on the reference circle', nominal%load)
+    call both('application_factor', '', 'K_A, of the case', factors%application)
+    call both('face_load_factor', '', 'K_H_beta, of the case', factors%face_load)
+    call both('root_face_load_factor', '', 'K_F_beta, ISO 6336-1, clause 7', nominal%root_face_load)
+    call both('transverse_load_factor', '', 'K_H_alpha and K_F_alpha, of the case', factors%transverse)
+    call both('zone_factor', '', 'Z_H, ISO 6336-2, clause 6', nominal%flank%zone)
+    call table%add('single_pair_factor', '', 'Z_B of the pinion, Z_D of the gear, ISO 6336-2, clause 6', nominal%flank%single_pair)
+    call both('elasticity_factor_sqrt_mpa', 'sqrt(MPa)', 'Z_E, ISO 6336-2, clause 7', 1e-3_dp*nominal%flank%elasticity)
+    call both('contact_ratio_factor', '', 'Z_eps, ISO 6336-2, clause 8', nominal%flank%contact_ratio)
+    call both('nominal_contact_mpa', 'MPa', 'nominal contact stress sigma_H0, ISO 6336-2, clause 5', mega*nominal%contact)
+    call table%add('form_factor', '', 'Y_F, ISO 6336-3, clause 6', nominal%form%form_factor)
+    call table%add('stress_correction', '', 'Y_S, ISO 6336-3, clause 7', nominal%form%correction)
+    call table%add('rim_factor', '', 'Y_B, ISO 6336-3, clause 9', nominal%rim)
+    call table%add('nominal_root_mpa', 'MPa', 'nominal tooth root stress sigma_F0, ISO 6336-3, clause 5', mega*nominal%root)
+    call both('single_stiffness_n_mm_um', 'N/(mm um)', 'c'', ISO 6336-1, clause 9', 1e-9_dp*of%single_stiffness)
+    call both('mesh_stiffness_n_mm_um', 'N/(mm um)', 'c_gamma_alpha, ISO 6336-1, clause 9', 1e-9_dp*of%mesh_stiffness)
+    call both('reduced_mass_kg_mm', 'kg/mm', 'm_red of a unit of face width, from the effective masses of the case', &
+              1e-3_dp*of%mass)
+    call both('resonance_rpm', '1/min', 'resonance running speed n_E1 of the pinion, ISO 6336-1, 6.5.3', &
+              1/resonance_ratio(of, 1.0_dp))
+    call both('pitch_deviation_um', 'um', 'f_pb after running in', micro*of%pitch_deviation)
+    call both('profile_deviation_um', 'um', 'f_f_alpha after running in', micro*of%profile_deviation)
+    angle = stages%pair%gear(1)%spec%pressure_angle
+    call table%add('equal_flanks', '', '1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0', &
+                   spread(merge(0, 1, abs(angle(coast) - angle(drive)) > 0), 1, 2))
+
+  contains
+
+    subroutine both(name, unit, meaning, value)
+      character(*), intent(in) :: name, unit, meaning
+      real(dp), intent(in) :: value
+
+      call table%add(name, unit, meaning, [value, value])
+    end subroutine both
+  end subroutine fill_factors
+
+  !> Stresses and safety factors, from the dynamic factors of the other table.
+  subroutine fill_rating(self, nominal, amount, table, error)
+    class(rating_task_t), intent(in) :: self
+    type(nominal_t), intent(in) :: nominal
+    real(dp), intent(in) :: amount(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: a(:), b(:), contact(:), root(:)
+    integer, allocatable :: member(:)
+    integer :: i, m, n
+
+    m = size(amount)
+    n = size(self%own_rpm)
+    call table%begin('contact stress and tooth root stress by ISO 6336, and their safety factors', 2*m*n, 12, error, &
+                     extent=[m, n, 2])
+    if (allocated(error)) return
+    associate (dynamic => self%tables(self%place('dynamic_factors')))
+      a = each([(dynamic%number('dynamic_factor', i), i=1, m*n)], 2)
+      b = each([(dynamic%number('dynamic_factor_b', i), i=1, m*n)], 2)
+    end associate
+    member = over_and_over([1, 2], m*n)
+    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), 2*n))
+    call table%add_index('rpm', '1/min', of_speed, over_and_over(each(self%own_rpm, 2), m))
+    call table%add_index('member', '', 'pinion or gear', members(member))
+    call add(a, '', 'with K_v by Method A')
+    call add(b, '_b', 'with K_v by Method B')
+
+  contains
+
+    subroutine add(dynamic, suffix, by)
+      real(dp), intent(in) :: dynamic(:)
+      character(*), intent(in) :: suffix, by
+
+      contact = contact_stress(nominal%contact, nominal%flank%single_pair(member), self%factors, dynamic)
+      root = tooth_root_stress(nominal%root(member), self%factors, nominal%root_face_load, dynamic)
+      call table%add('contact_stress'//suffix//'_mpa', 'MPa', 'contact stress sigma_H '//by, mega*contact)
+      call table%add('contact_safety'//suffix, '', 'S_H '//by//'; NaN without contact_limit_mpa', &
+                     limit_of(self%contact_limit, member)/contact)
+      call table%add('root_stress'//suffix//'_mpa', 'MPa', 'tooth root stress sigma_F '//by, mega*root)
+      call table%add('root_safety'//suffix, '', 'S_F '//by//'; NaN without root_limit_mpa', limit_of(self%root_limit, member)/root)
+    end subroutine add
+  end subroutine fill_rating
+
+  !> What each member bears (Pa).
+  pure function limit_of(limit, member) result(values)
+    real(dp), allocatable, intent(in) :: limit(:)
+    integer, intent(in) :: member(:)
+    real(dp) :: values(size(member))
+
+    values = no_number()
+    if (allocated(limit)) values = limit(min(member, size(limit)))
+  end function limit_of
+
+  pure subroutine add_report(self, lines)
+    class(rating_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer :: i
+
+    call lines%add('')
+    call lines%add('Rating by ISO 6336, stresses with K_v by Method A')
+    associate (rating => self%tables(self%place('rating')), dynamic => self%tables(self%place('dynamic_factors')))
+      call lines%add('   relief um         rpm   member   K_v A   K_v B   sigma_H MPa     S_H   sigma_F MPa     S_F')
+      do i = 1, rating%rows
+        call lines%put(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
+                       left(trim(rating%word('member', i)), 6))
+        call lines%put(right(shown(dynamic%number('dynamic_factor', (i + 1)/2)), 8)// &
+                       right(shown(dynamic%number('dynamic_factor_b', (i + 1)/2)), 8))
+        call lines%put(right(str(rating%number('contact_stress_mpa', i), 5), 14)// &
+                       right(shown(rating%number('contact_safety', i)), 8))
+        call lines%add(right(str(rating%number('root_stress_mpa', i), 5), 14)//right(shown(rating%number('root_safety', i)), 8))
+      end do
+    end associate
+  end subroutine add_report
+
+  pure function shown(value) result(text)
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+
+    text = '-'
+    if (.not. ieee_is_nan(value)) text = fixed(value, 3)
+  end function shown
+end module gearsweep_task_rating
