@@ -63,32 +63,35 @@ contains
   !> names none stays as it is.
   pure subroutine name_key(error)
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: rest
+    character(:), allocatable :: rest, part, text
     integer :: n
 
     if (.not. allocated(error)) return
     rest = error%message
-    error%message = ''
+    text = ''
     do
       n = index(rest, '; ')
       if (n == 0) exit
-      error%message = error%message//named(rest(:n - 1))//'; '
+      part = rest(:n - 1)
+      call name_part(part)
+      text = text//part//'; '
       rest = rest(n + 2:)
     end do
-    error%message = error%message//named(rest)
+    call name_part(rest)
+    error%message = text//rest
   end subroutine name_key
 
-  !> A part of a message with the key in place of the quantity that it begins with.
-  pure function named(part) result(text)
-    character(*), intent(in) :: part
-    character(:), allocatable :: text
+  !> Puts the key in place of the quantity that a part of a message begins with.
+  pure subroutine name_part(part)
+    character(:), allocatable, intent(inout) :: part
+    character(:), allocatable :: said
     integer :: n
 
-    text = part
-    n = index(part, ' ')
-    if (part(:n) == 'pinion ' .or. part(:n) == 'gear ') call put_key(member_key_names, '&'//part(:n), part(n + 1:), text)
-    call put_key(key_names, '', part, text)
-  end function named
+    said = part
+    n = index(said, ' ')
+    if (said(:n) == 'pinion ' .or. said(:n) == 'gear ') call put_key(member_key_names, '&'//said(:n), said(n + 1:), part)
+    call put_key(key_names, '', said, part)
+  end subroutine name_part
 
   !> The text of a part that begins with one of these quantities; else it stays as it is.
   pure subroutine put_key(keys, before, part, text)

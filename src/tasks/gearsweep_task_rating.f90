@@ -376,20 +376,21 @@ contains
       do i = 1, rating%rows
         call lines%put(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
                        left(trim(rating%word('member', i)), 6))
-        call lines%put(right(shown(dynamic%number('dynamic_factor', (i + 1)/2)), 8)// &
-                       right(shown(dynamic%number('dynamic_factor_b', (i + 1)/2)), 8))
+        call lines%put(shown(dynamic%number('dynamic_factor', (i + 1)/2))// &
+                       shown(dynamic%number('dynamic_factor_b', (i + 1)/2)))
         call lines%put(right(str(rating%number('contact_stress_mpa', i), 5), 14)// &
-                       right(shown(rating%number('contact_safety', i)), 8))
-        call lines%add(right(str(rating%number('root_stress_mpa', i), 5), 14)//right(shown(rating%number('root_safety', i)), 8))
+                       shown(rating%number('contact_safety', i)))
+        call lines%add(right(str(rating%number('root_stress_mpa', i), 5), 14)//shown(rating%number('root_safety', i)))
       end do
     end associate
   end subroutine add_report
 
+  !> A factor for the screen.
   pure function shown(value) result(text)
     real(dp), intent(in) :: value
-    character(:), allocatable :: text
+    character(8) :: text
 
-    text = '-'
-    if (.not. ieee_is_nan(value)) text = fixed(value, 3)
+    text = right('-', 8)
+    if (.not. ieee_is_nan(value)) text = right(fixed(value, 3), 8)
   end function shown
 end module gearsweep_task_rating
