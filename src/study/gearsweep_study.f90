@@ -218,7 +218,7 @@ contains
     if (slot%takes('body')) known = same(study%body_inputs, earlier%body_inputs)
     associate (a => study%material, b => earlier%material)
       if (known .and. slot%takes('elasticity')) known = same([a%young, a%poisson], [b%young, b%poisson])
-      if (known .and. slot%takes('density')) known = same(a%density, b%density)
+      if (known .and. slot%takes('density')) known = same([a%density], [b%density])
     end associate
     associate (a => study%iso, b => earlier%iso)
       if (known .and. slot%takes('blanks')) known = same([a%application_factor, a%web_thickness, a%rim_thickness], &

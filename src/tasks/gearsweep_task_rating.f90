@@ -216,7 +216,7 @@ contains
 
     associate (pair => stages%pair)
       nominal%load = tangential(stages)
-      nominal%flank = flank_factors(pair, stages%material%young, stages%material%poisson)
+      nominal%flank = flank_factors(pair, [stages%material%young], [stages%material%poisson])
       nominal%contact = nominal_flank_stress(pair, nominal%flank, nominal%load)
       nominal%root_face_load = root_face_load_factor(pair, factors%face_load)
       do i = 1, 2
@@ -238,6 +238,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: factor(:), estimate(:)
+    integer, allocatable :: status(:)
     integer :: i, m, n
 
     m = size(amount)
@@ -245,9 +246,10 @@ contains
     call table%begin('dynamic factor K_v by Method A, which is that of the motion, and by Method B', m*n, 8, error, extent=[m, n])
     if (allocated(error)) return
     associate (point => response%point)
-      factor = reshape(point%dynamic_factor, [m*n])
-      estimate = reshape(point%estimate, [m*n])
-      where (.not. has_result(reshape(point%steady%status, [m*n])))
+      factor = [point%dynamic_factor]
+      estimate = [point%estimate]
+      status = [point%steady%status]
+      where (.not. has_result(status))
         factor = no_number()
         estimate = no_number()
       end where
@@ -255,7 +257,7 @@ contains
       call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
       call table%add('dynamic_factor', '', of_factor, factor)
       call table%add('error_estimate', '', of_estimate, estimate)
-      call table%add_words('status', of_status, words_of(reshape(point%steady%status, [m*n])))
+      call table%add_words('status', of_status, words_of(status))
     end associate
     call table%add('dynamic_factor_b', '', 'K_v by ISO 6336-1, Method B', [(dynamic_factor_b(of(i), rpm), i=1, m)])
     call table%add('resonance_ratio', '', 'N: speed over the resonance running speed of Method B', &
@@ -285,8 +287,8 @@ contains
     call both('elasticity_factor_sqrt_mpa', 'sqrt(MPa)', 'Z_E, ISO 6336-2, clause 7', 1e-3_dp*nominal%flank%elasticity)
     call both('contact_ratio_factor', '', 'Z_eps, ISO 6336-2, clause 8', nominal%flank%contact_ratio)
     call both('nominal_contact_mpa', 'MPa', 'nominal contact stress sigma_H0, ISO 6336-2, clause 5', mega*nominal%contact)
-    call table%add('form_factor', '', 'Y_F, ISO 6336-3, clause 6', nominal%form%form_factor)
-    call table%add('stress_correction', '', 'Y_S, ISO 6336-3, clause 7', nominal%form%correction)
+    call table%add('form_factor', '', 'Y_F, ISO 6336-3, clause 6', [nominal%form%form_factor])
+    call table%add('stress_correction', '', 'Y_S, ISO 6336-3, clause 7', [nominal%form%correction])
     call table%add('rim_factor', '', 'Y_B, ISO 6336-3, clause 9', nominal%rim)
     call table%add('nominal_root_mpa', 'MPa', 'nominal tooth root stress sigma_F0, ISO 6336-3, clause 5', mega*nominal%root)
     call both('single_stiffness_n_mm_um', 'N/(mm um)', 'c'', ISO 6336-1, clause 9', 1e-9_dp*of%single_stiffness)
