@@ -11,7 +11,7 @@ module gearsweep_memory
   use gearsweep_text, only: str
   implicit none
   private
-  public :: claim_memory, has_memory, settle_memory, team_of
+  public :: claim_memory, has_memory, settle_memory, team
 
   interface
     pure subroutine c_claim(bytes, used, blas, lacks, need, left) bind(c, name='gearsweep_claim')
@@ -74,10 +74,14 @@ contains
     yes = lacks == 0
   end subroutine has_memory
 
-  !> See `c_team`.
-  integer function team_of(wanted)
-    integer, intent(in) :: wanted
+  !> How many threads share the work: no more than it has parts, and than there can be (see `c_team`).
+  integer function team(threads, parts)
+    !$ use omp_lib, only: omp_get_max_threads
+    integer, intent(in) :: threads               !< wanted; 0: as many as the machine has
+    integer, intent(in) :: parts
 
-    team_of = c_team(int(wanted, c_int))
-  end function team_of
+    team = threads
+    !$ if (team <= 0) team = omp_get_max_threads()
+    team = c_team(int(max(1, min(team, parts)), c_int))
+  end function team
 end module gearsweep_memory

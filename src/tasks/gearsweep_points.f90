@@ -1,12 +1,15 @@
 !> Words and numbers that the tables of several tasks share: of operating points, and of the largest dynamic factors.
 module gearsweep_points
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: right
   use gearsweep_optimum, only: peak_t
   use gearsweep_status, only: status_name
   use gearsweep_table, only: no_number
+  use gearsweep_text, only: fixed
   implicit none
   private
-  public :: factor_of, speed_of, words_of
+  public :: factor_in, factor_of, speed_of, words_of
 
   character(*), parameter, public :: of_relief = 'amount of relief', of_speed = 'speed of the pinion'
   character(*), parameter, public :: of_factor = 'dynamic factor DF: largest load of a pair over the static load; NaN '// &
@@ -31,6 +34,14 @@ contains
     speed_of = no_number()
     if (peak%rpm > 0) speed_of = peak%rpm
   end function speed_of
+
+  !> A dynamic factor on the screen, or that there is none.
+  pure character(10) function factor_in(factor)
+    real(dp), intent(in) :: factor
+
+    factor_in = right('none', 10)
+    if (.not. ieee_is_nan(factor)) factor_in = right(fixed(factor, 4), 10)
+  end function factor_in
 
   !> Names of statuses, padded to one length.
   elemental character(status_length) function words_of(status)

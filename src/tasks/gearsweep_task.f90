@@ -15,9 +15,11 @@ module gearsweep_task
   use gearsweep_lines, only: lines_t
   use gearsweep_material, only: material_t
   use gearsweep_mesh, only: mesh_t
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_operating_point, only: solve_point
+  use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_pair, only: pair_t
   use gearsweep_reader, only: reader_t
+  use gearsweep_refinement, only: levels_t
   use gearsweep_response, only: find_response, response_t
   use gearsweep_section_body, only: make_two_grids, section_body_t
   use gearsweep_sweep_state, only: counter_t, progress_of_sweep, sweep_options_t, sweep_state_t, up
@@ -67,7 +69,7 @@ module gearsweep_task
     type(accuracy_t) :: accuracy                 !< with the flag that ends the run
     type(running_t), pointer :: running => null()
   contains
-    procedure :: sweep_options, find_motion
+    procedure :: sweep_options, find_point, find_motion
   end type stages_t
 
   !> What is said of a task. `needs` names stages, blanks between them:
@@ -318,22 +320,41 @@ contains
     options%all_points = self%running%all_points
   end function sweep_options
 
-  !> The motion with relief number `relief` at a speed (1/min). Where a sweep of this run kept it, it is the sweep's, so that
-  !> one operating point has one answer in a run.
+  !> The operating point with relief number `relief` at a speed (1/min). Where a sweep of this run kept it, it is the
+  !> sweep's, so that one operating point has one answer in a run.
+  subroutine find_point(self, relief, rpm, point, lacks)
+    class(stages_t), intent(in) :: self
+    integer, intent(in) :: relief
+    real(dp), intent(in) :: rpm
+    type(point_t), intent(out) :: point
+    logical, intent(out) :: lacks                !< the memory does not hold it
+    type(levels_t), allocatable :: levels
+    integer :: k
+
+    lacks = .false.
+    k = 0
+    if (allocated(self%running%kept)) k = findloc(abs(self%keep - rpm) <= 0, .true., 1)
+    if (k > 0) then
+      point = self%running%kept(k, relief)
+    else
+      allocate (levels)
+      call solve_point(self%motion(relief), mesh_period(self%motion(relief)%mesh%teeth(1), rpm), self%accuracy, levels, point)
+      lacks = levels%lacks
+    end if
+  end subroutine find_point
+
+  !> The same, followed over the path of contact.
   subroutine find_motion(self, relief, rpm, response)
     class(stages_t), intent(in) :: self
     integer, intent(in) :: relief
     real(dp), intent(in) :: rpm
     type(response_t), intent(out) :: response
-    integer :: k
+    type(point_t) :: point
+    logical :: lacks
 
-    k = 0
-    if (allocated(self%running%kept)) k = findloc(abs(self%keep - rpm) <= 0, .true., 1)
-    if (k > 0) then
-      call find_response(self%motion(relief), rpm, self%accuracy, response, self%running%kept(k, relief))
-    else
-      call find_response(self%motion(relief), rpm, self%accuracy, response)
-    end if
+    call self%find_point(relief, rpm, point, lacks)
+    if (.not. lacks) call find_response(self%motion(relief), rpm, self%accuracy, response, point)
+    response%lacks = response%lacks .or. lacks
   end subroutine find_motion
 
   !> A line of the log.

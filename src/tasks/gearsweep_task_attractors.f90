@@ -10,7 +10,7 @@ module gearsweep_task_attractors
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
-  use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
+  use gearsweep_points, only: factor_in, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: has_result, status_ok, status_stopped
   use gearsweep_sweep, only: contact_name, contact_of
@@ -261,12 +261,4 @@ contains
       if (i > 0) call lines%add(left('', 19)//'at '//str(i)//' the speed is too low to be searched')
     end associate
   end subroutine add_report
-
-  !> A dynamic factor, if there is any.
-  pure character(10) function factor_in(factor)
-    real(dp), intent(in) :: factor
-
-    factor_in = right('none', 10)
-    if (.not. ieee_is_nan(factor)) factor_in = right(fixed(factor, 4), 10)
-  end function factor_in
 end module gearsweep_task_attractors

@@ -6,14 +6,15 @@ module gearsweep_task_load
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
-  use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, status_length, words_of
+  use gearsweep_points, only: factor_in, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, status_length, &
+    words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_name, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, no_number, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
-  use gearsweep_text, only: fixed, str
+  use gearsweep_text, only: str
   implicit none
   private
   public :: load_task_t
@@ -178,12 +179,12 @@ contains
       do k = 1, points%extent(2)
         do i = 1, points%extent(1)
           row = (i - 1)*points%extent(2) + k
-          call lines%put(right(str(points%number('relief_um', row)), 12)//right(str(points%number('rpm', row)), 12))
+          call lines%put(right(str(points%number('relief_um', row)), 12)//right(str(points%number('rpm', row)), 12)// &
+                         factor_in(points%number('dynamic_factor', row)))
           if (.not. ieee_is_nan(points%number('dynamic_factor', row))) then
-            call lines%put(right(fixed(points%number('dynamic_factor', row), 4), 10)// &
-                           right(str(points%number('error_estimate', row), 2), 15))
+            call lines%put(right(str(points%number('error_estimate', row), 2), 15))
           else
-            call lines%put(right('none', 10)//right('-', 15))
+            call lines%put(right('-', 15))
           end if
           call lines%add('   '//trim(points%word('status', row)))
         end do

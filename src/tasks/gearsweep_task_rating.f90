@@ -5,6 +5,7 @@ module gearsweep_task_rating
   use gearsweep_decimal, only: in_um
   use gearsweep_dynamic_factor, only: deviations_of, dynamic_factor_b, method_b_t, resonance_ratio
   use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_error_estimate, only: point_t
   use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
   use gearsweep_form, only: iso_form, iso_form_t
   use gearsweep_gear, only: coast, drive
@@ -14,7 +15,6 @@ module gearsweep_task_rating
   use gearsweep_memory, only: claim_memory
   use gearsweep_points, only: of_estimate, of_factor, of_relief, of_speed, of_status, words_of
   use gearsweep_reader, only: reader_t
-  use gearsweep_response, only: response_t
   use gearsweep_root_rating, only: outer_point
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stiffness, only: iso_stiffness
@@ -125,25 +125,25 @@ contains
     class(rating_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
-    type(response_t), allocatable :: response(:, :)        ! (speed, relief)
+    type(point_t), allocatable :: point(:, :)    ! (speed, relief)
     type(method_b_t), allocatable :: of(:)                 ! of each relief
     type(nominal_t) :: nominal
 
     if (allocated(error)) return
     self%factors%application = stages%iso%application_factor
     call self%need_method_b(stages, of, error)
-    call follow(self%own_rpm, stages, response, error)
-    if (allocated(error) .or. .not. allocated(response)) return
+    call find_points(self%own_rpm, stages, point, error)
+    if (allocated(error) .or. .not. allocated(point)) return
     nominal = nominal_of(stages, self%factors)
-    call fill_dynamic(stages%amount, self%own_rpm, of, response, self%tables(self%place('dynamic_factors')), error)
+    call fill_dynamic(stages%amount, self%own_rpm, of, point, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self%factors, nominal, of(1), self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, self%tables(self%place('rating')), error)
     self%is_done = .true.
-    associate (status => response%point%steady%status)
+    associate (status => point%steady%status)
       self%is_stopped = any(status == status_stopped)
       self%failed = count(.not. has_result(status))
     end associate
-    self%log = 'rating: '//str(size(response))//' operating points rated'
+    self%log = 'rating: '//str(size(point))//' operating points rated'
   end subroutine run
 
   !> What Method B needs, for each relief. Relief counts by its amount at the tips.
@@ -182,13 +182,14 @@ contains
     load = stages%load*cos(stages%pair%gear(1)%spec%pressure_angle(drive))
   end function tangential
 
-  !> The motions at all speeds; not allocated where the run was interrupted.
-  subroutine follow(rpm, stages, response, error)
+  !> The operating points at all speeds; not allocated where the run was interrupted.
+  subroutine find_points(rpm, stages, point, error)
     real(dp), intent(in) :: rpm(:)
     type(stages_t), intent(in) :: stages
-    type(response_t), allocatable, intent(out) :: response(:, :)
+    type(point_t), allocatable, intent(out) :: point(:, :)
     type(error_t), allocatable, intent(inout) :: error
-    type(response_t), allocatable :: found(:, :)
+    type(point_t), allocatable :: found(:, :)
+    logical :: lacks
     integer :: i, k
 
     if (allocated(error)) return
@@ -199,15 +200,14 @@ contains
     do i = 1, size(stages%motion)
       do k = 1, size(rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
-        call stages%find_motion(i, rpm(k), found(k, i))
-        if (found(k, i)%lacks) call fail(error, code_memory, '&rating rpm = '//str(rpm(k))// &
-                                         ': the memory does not hold the motion')
+        call stages%find_point(i, rpm(k), found(k, i), lacks)
+        if (lacks) call fail(error, code_memory, '&rating rpm = '//str(rpm(k))//': the memory does not hold the motion')
         if (allocated(error)) return
         call stages%running%tell(1, stages%accuracy%steady%stop)
       end do
     end do
-    call move_alloc(found, response)
-  end subroutine follow
+    call move_alloc(found, point)
+  end subroutine find_points
 
   pure type(nominal_t) function nominal_of(stages, factors) result(nominal)
     type(stages_t), intent(in) :: stages
@@ -231,10 +231,10 @@ contains
   end function nominal_of
 
   !> K_v by both methods.
-  pure subroutine fill_dynamic(amount, rpm, of, response, table, error)
+  pure subroutine fill_dynamic(amount, rpm, of, point, table, error)
     real(dp), intent(in) :: amount(:), rpm(:)
     type(method_b_t), intent(in) :: of(:)
-    type(response_t), intent(in) :: response(:, :)
+    type(point_t), intent(in) :: point(:, :)     ! (speed, relief)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: factor(:), estimate(:)
@@ -245,20 +245,18 @@ contains
     n = size(rpm)
     call table%begin('dynamic factor K_v by Method A, which is that of the motion, and by Method B', m*n, 8, error, extent=[m, n])
     if (allocated(error)) return
-    associate (point => response%point)
-      factor = [point%dynamic_factor]
-      estimate = [point%estimate]
-      status = [point%steady%status]
-      where (.not. has_result(status))
-        factor = no_number()
-        estimate = no_number()
-      end where
-      call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
-      call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
-      call table%add('dynamic_factor', '', of_factor, factor)
-      call table%add('error_estimate', '', of_estimate, estimate)
-      call table%add_words('status', of_status, words_of(status))
-    end associate
+    factor = [point%dynamic_factor]
+    estimate = [point%estimate]
+    status = [point%steady%status]
+    where (.not. has_result(status))
+      factor = no_number()
+      estimate = no_number()
+    end where
+    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
+    call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
+    call table%add('dynamic_factor', '', of_factor, factor)
+    call table%add('error_estimate', '', of_estimate, estimate)
+    call table%add_words('status', of_status, words_of(status))
     call table%add('dynamic_factor_b', '', 'K_v by ISO 6336-1, Method B', [(dynamic_factor_b(of(i), rpm), i=1, m)])
     call table%add('resonance_ratio', '', 'N: speed over the resonance running speed of Method B', &
                    [(resonance_ratio(of(i), rpm), i=1, m)])

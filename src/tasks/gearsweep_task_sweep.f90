@@ -7,7 +7,7 @@ module gearsweep_task_sweep
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_optimum, only: find_resonances, peak_t, worst_of
   use gearsweep_oscillator, only: frequency_ratio
-  use gearsweep_points, only: factor_of, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, of_worst, &
+  use gearsweep_points, only: factor_in, factor_of, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, of_worst, &
     speed_of, words_of
   use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
   use gearsweep_sweep, only: contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
@@ -239,14 +239,6 @@ contains
       call add_quality(all_points, lines)
     end associate
   end subroutine add_report
-
-  !> A dynamic factor, if there is any.
-  pure character(10) function factor_in(factor)
-    real(dp), intent(in) :: factor
-
-    factor_in = right('none', 10)
-    if (.not. ieee_is_nan(factor)) factor_in = right(fixed(factor, 4), 10)
-  end function factor_in
 
   !> How exact, and what failed.
   pure subroutine add_quality(all_points, lines)

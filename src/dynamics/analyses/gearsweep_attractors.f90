@@ -7,7 +7,7 @@ module gearsweep_attractors
   use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t
   use gearsweep_kinds, only: dp
   use gearsweep_known_motion, only: known_t
-  use gearsweep_memory, only: settle_memory, team_of
+  use gearsweep_memory, only: settle_memory, team
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period_map, only: set_durations
@@ -60,15 +60,6 @@ contains
     call share_traps(traps, 0)
     !$omp end parallel
   end subroutine find_attractors
-
-  integer function team(threads, points)
-    !$ use omp_lib, only: omp_get_max_threads
-    integer, intent(in) :: threads, points
-
-    team = threads
-    !$ if (team <= 0) team = omp_get_max_threads()
-    team = team_of(max(1, min(team, points)))
-  end function team
 
   !> All motions at one speed.
   pure subroutine attractors_at(osc, duration, options, found)

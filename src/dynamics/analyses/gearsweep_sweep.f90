@@ -13,7 +13,7 @@ module gearsweep_sweep
   use gearsweep_sweep_state, only: begin_state, counter_t, down, each, find_final, fits, progress_of_sweep, sweep_options_t, &
                                    sweep_state_t, units_done, up
   use gearsweep_sweep_work, only: continue_sweep, keep_points, solve_block
-  use gearsweep_memory, only: claim_memory, settle_memory, team_of
+  use gearsweep_memory, only: claim_memory, settle_memory, team
   use gearsweep_text, only: str
   use gearsweep_traps, only: leader_traps, share_traps
   implicit none
@@ -144,15 +144,6 @@ contains
     call store(state%points(:, relief), final, relief, sweep)
     call keep_points(osc, rpm, options, levels, state%points(:, relief), final, sweep%kept(:, relief))
   end subroutine finish_relief
-
-  integer function team(threads, blocks)
-    !$ use omp_lib, only: omp_get_max_threads
-    integer, intent(in) :: threads, blocks
-
-    team = threads
-    !$ if (team <= 0) team = omp_get_max_threads()
-    team = team_of(max(1, min(team, blocks)))
-  end function team
 
   !> Refuses more points than anyone reads, or than the memory holds.
   subroutine claim_points(speeds, reliefs, kept, error)
