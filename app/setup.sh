@@ -94,9 +94,14 @@ install_missing() {
     say "please install these Debian packages, or what they are called here: $missing"
     return 1
   fi
-  quietly "looking for packages, about 5 s" $as_root apt-get update -q || say "going on with the old package lists"
-  quietly "installing $missing, about 30 s" $as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -q -y --no-install-recommends $missing
+  # One at a time: the package manager refuses a second caller. Its log is its own, as a build may be at work beside it.
+  (
+    if command -v flock >/dev/null; then flock 8; fi
+    log=$run_dir/packages.log
+    quietly "looking for packages, about 5 s" $as_root apt-get update -q || say "going on with the old package lists"
+    quietly "installing $missing, about 30 s" $as_root env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends $missing
+  ) 8>"$run_dir/packages.lock"
 }
 
 # For test/matrix.sh only: flang, with OpenMP.

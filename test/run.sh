@@ -9,7 +9,9 @@ cd "$root" || exit
 passed=0
 failed=0
 beside=
-trap '[ -z "$beside" ] || kill "$beside" 2>/dev/null; exit 1' HUP INT TERM
+doing=
+stop='kill $beside $doing 2>/dev/null; exit 1'
+trap "$stop" HUP INT TERM
 
 say() { printf 'gearsweep: %s\n' "$*"; }
 
@@ -42,40 +44,43 @@ add_counts() {
   failed=$((failed + ${line##* }))
 }
 
-# suites BUILD ARGUMENTS...: the suites of one build, their checks in a list.
-suites() {
-  build=$1
+# run_part NAME COMMAND...: what it says goes to NAME.said, its code to NAME.code.
+run_part() {
+  part=$1
   shift
-  { GEARSWEEP_CHECKS=$work/$build.list "$run_dir/check-$build" "$@" 2>&1; echo $? >"$work/$build.code"; } </dev/null |
-    tee "$work/$build.said" | tell "$build"
+  trap "$stop" HUP INT TERM                      # anew in a subshell
+  mkfifo "$work/$part.pipe" || exit
+  tee "$work/$part.said" <"$work/$part.pipe" | tell "$part" &
+  telling=$!
+  "$@" </dev/null >"$work/$part.pipe" 2>&1 &
+  doing=$!
+  wait "$doing"
+  echo $? >"$work/$part.code"
+  doing=
+  wait "$telling"
 }
 
 # --- the suites, in both builds at the same time ---------------------------------
 
 started=$(date +%s)
-[ $# -gt 0 ] || say 'the suites, in two builds at the same time, take about 3 min, everything about 10'
+[ $# -gt 0 ] || say 'the suites, in two builds at the same time, take about 4 min, everything about 10'
 if build_check_debug; then
   say 'suites with run-time checks (debug)'
-  mkfifo "$work/debug.pipe" || exit
-  tee "$work/debug.said" <"$work/debug.pipe" | tell debug &
-  telling=$!
-  GEARSWEEP_CHECKS=$work/debug.list "$run_dir/check-debug" "$@" </dev/null >"$work/debug.pipe" 2>&1 &
+  run_part debug env GEARSWEEP_CHECKS="$work/debug.list" "$run_dir/check-debug" "$@" &
   beside=$!
 else
   broke debug 1 ': it cannot be built'
 fi
 if build_check_release; then
   say 'suites as released (release)'
-  suites release "$@"
+  run_part release env GEARSWEEP_CHECKS="$work/release.list" "$run_dir/check-release" "$@"
   counts release
 else
   broke release 1 ': it cannot be built'
 fi
 if [ -n "$beside" ]; then
   wait "$beside"
-  echo $? >"$work/debug.code"
   beside=
-  wait "$telling"
   counts debug
   title='debug: no temporary copies of arrays that gfortran tells of, which fpm test and fpm run would print'
   if grep -q 'array temporary' "$work/debug.said"; then fails "$title"; else pass; fi
@@ -87,21 +92,41 @@ passed=$((passed + ${line%% *}))
 line=${line% failed}
 failed=$((failed + ${line##* }))
 
-# --- further kinds of tests: scripts that find the program as $1 -------------------
+# --- further kinds of tests: scripts that find the program as $1, two at a time ---------
 
-if [ $# = 0 ]; then
+# The longest first, so that both lanes end at about the same time.
+list_scripts() {
   for script in test/test_*.sh; do
-    # Not `name`, which building sets.
+    printf '%s %s\n' "$(sed -n 's/^# Takes about \([0-9]* [ms]\).*/\1/p' "$script")" "$script"
+  done | sort -k 2,2 -k 1,1nr -k 3 | cut -d ' ' -f 3
+}
+
+# lane: takes the next script that nobody has taken, until there is none.
+lane() {
+  for script in $scripts; do
     part=$(basename "$script" .sh)
     part=${part#test_}
+    mkdir "$work/$part.taken" 2>/dev/null || continue
     say "$part: $(sed -n 's/^# Takes \(about .*\)\.$/\1/p' "$script")"
-    if build_program; then
-      { sh "$script" "$run_dir/gearsweep" 2>&1; echo $? >"$work/$part.code"; } </dev/null | tee "$work/$part.said" | tell "$part"
-      add_counts "$part"
-    else
-      broke "$part" 1 ': the program cannot be built'
-    fi
+    run_part "$part" sh "$script" "$run_dir/gearsweep"
   done
+}
+
+if [ $# = 0 ]; then
+  if build_program; then
+    scripts=$(list_scripts)
+    lane &
+    beside=$!
+    lane
+    wait "$beside"
+    beside=
+    for script in $scripts; do
+      part=$(basename "$script" .sh)
+      add_counts "${part#test_}"
+    done
+  else
+    broke program 1 ': it cannot be built'
+  fi
 fi
 
 say "took $(($(date +%s) - started)) s"
