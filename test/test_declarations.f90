@@ -102,6 +102,9 @@ contains
                      '{"group": "dynamics", "name": "damping_ratio", "unit": "", "kind": "number", "list": false, '// &
                      '"required": false, "one_of": false, "default": "0.17", "otherwise": "", "allowed": "0 to 1000", '// &
                      '"low": 0, "low_is_allowed": true, "high": 1000, "high_is_allowed": true, "words": []')
+    call describe('key mesh model', text, error)
+    call check_no_error(t, 'a key with words in JSON', error)
+    call check_true(t, 'its words have their digits', index(text, '"words": ["fe", "weber", "iso6336", "polynomial", "table"]') > 0)
     call describe('taks', text, error)
     call check_error(t, 'what cannot be described', error, 'taks: cannot be described (did you mean tasks?)')
   end subroutine descriptions

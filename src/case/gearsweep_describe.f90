@@ -91,7 +91,7 @@ contains
   subroutine put_words(list, lines)
     character(*), intent(in) :: list
     type(lines_t), intent(inout) :: lines
-    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz_'
+    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz_0123456789'
     integer :: from, length, n
 
     call lines%put('[')
