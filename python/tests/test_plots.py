@@ -18,8 +18,8 @@ from matplotlib.text import Text
 
 import gearsweep
 from gearsweep import Case, plots
+from gearsweep._outline import contact_path
 from gearsweep.plots.along_path import contact_points
-from gearsweep.plots.gears import contact_path
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 
+from .._outline import contact_path, first_tooth, rotated, turn_to, whole
 from ..study import Study
 from ..table import Table
 from .look import ACCENT, GREY, HALO, INK, MM, canvas, in_mm
@@ -45,40 +46,12 @@ def plot_geometry(study: Study | Table, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def contact_path(study: Study, s: Reals) -> Reals:
-    """Points x, y (mm) of the path of contact from the pinion's centre, the gear's centre straight above it."""
-    angle = np.radians(study.geometry.working_angle_deg)
-    along = (s - study.contact_points.at(point='P').s) * study.geometry.base_pitch_mm
-    pitch = study.gears.at(member='pinion').base_diameter_mm / 2 / np.cos(angle)
-    return np.column_stack((along * np.cos(angle), pitch + along * np.sin(angle)))
-
-
-def flank_angle(study: Study, member: str, radius: float) -> float:
-    """From the axis of the first tooth to its drive flank at this radius (mm), off the outline; rad."""
-    outline, points = _outline(study, member)
-    radii, angles = np.hypot(*outline[:points].T), np.arctan2(*outline[:points].T)
-    flank = slice(np.flatnonzero(radii > radii.max() * (1 - 1e-9))[-1], None)  # from the tip downwards
-    return np.interp(radius, radii[flank][::-1], angles[flank][::-1])
-
-
-def _outline(study: Study, member: str) -> tuple[Reals, int]:
-    """The outline, and how many of its points are of the first tooth and the space behind it."""
-    points = study.outline.at(member=member)
-    outline = np.column_stack((points.x_mm, points.y_mm))
-    return outline, len(outline) // study.case.get(member, 'teeth') or len(outline)
-
-
 def _turned(study: Study, member: str, touch: Reals) -> Reals:
     """The outline about its centre, turned until the first tooth's drive flank goes through the point `touch`."""
-    outline, points = _outline(study, member)
-    turn = np.arctan2(*touch) - flank_angle(study, member, np.hypot(*touch))
-    if points < len(outline):
-        return _rotated(outline, turn)
+    outline = whole(study, member)
+    turn = turn_to(study, member, touch)
+    if len(first_tooth(study, member)) < len(outline):
+        return rotated(outline, turn)
     pitch = 2 * np.pi / study.case.get(member, 'teeth')
-    some = np.concatenate([_rotated(outline, turn + k * pitch) for k in range(-4, 5)])
+    some = np.concatenate([rotated(outline, turn + k * pitch) for k in range(-4, 5)])
     return np.vstack((0.9 * some[0], some, 0.9 * some[-1]))
-
-
-def _rotated(points: Reals, clockwise: float) -> Reals:
-    cos, sin = np.cos(clockwise), np.sin(clockwise)
-    return points @ np.array([[cos, -sin], [sin, cos]])

@@ -8,10 +8,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
+from .._outline import flank_angle
 from ..study import Study
 from ..table import Table
 from .body import edges, grid_of
-from .gears import flank_angle
 from .look import INK, MM, canvas, in_mm
 from .reliefs import Reals, table_of
 
