@@ -10,6 +10,8 @@ venv=$root/.venv
 build_tools='meson-python>=0.16 meson>=1.1 ninja numpy>=2.0'
 # What checks the sources without running them.
 lint_tools='ruff==0.17.6 mypy==2.4.1 fortitude-lint==0.10.0'
+# What drives a browser, for test/panel.sh.
+browser_driver=playwright==1.65.2
 # What makes pages for a browser of doc and of the comments of src.
 site_tools='mkdocs==1.6.1 mkdocs-material==9.7.7 ford==7.0.13'
 debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe-uninitialized -fbacktrace -fcheck=all -ffpe-trap=invalid,zero,overflow'
@@ -174,7 +176,7 @@ build() {
 # The Python package with all that its tests load, in .venv.
 build_package() {
   target=$run_dir/python-gearsweep
-  now=$(fingerprint "pyproject.toml meson.build src python/gearsweep" "$build_tools")
+  now=$(fingerprint "pyproject.toml meson.build src python/gearsweep data" "$build_tools")
   is_current "$target" "$now" && return
   mkdir -p "$run_dir" || return
   (
@@ -204,6 +206,12 @@ install_python() {
     quietly "fetching $what, about 15 s" "$venv/bin/python" -m pip install --disable-pip-version-check "$@" || exit
     echo "$*" >"$run_dir/$what.stamp"
   ) 9>"$run_dir/lock"
+}
+# For test/panel.sh only: a browser, and what drives it.
+install_browser() {
+  missing=
+  command -v chromium >/dev/null || missing=chromium
+  install_missing && install_python browser-driver "$browser_driver"
 }
 install_lint() { install_python linters $lint_tools; }
 install_site() { install_python page-tools $site_tools; }

@@ -26,7 +26,7 @@ done
 # One after the other, as files in two folders have the same name.
 # The package's folders go together.
 check 'mypy: python' "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" python/gearsweep
-for folder in python/tests python/tools validation bench test/mutation test/reference doc doc/site; do
+for folder in python/tests python/tools validation bench test/mutation test/panel test/reference doc doc/site; do
   check "mypy: $folder" "$venv/bin/mypy" --no-error-summary --cache-dir "$run_dir/mypy" "$folder"/*.py
 done
 for folder in src app test examples; do

@@ -1,9 +1,14 @@
 #!/bin/sh
 # Runs every test, or only the suites named: sh test/run.sh [SUITE | SUITE:TEST ...]
 # SUITE:TEST stands for the suite's tests whose names contain TEST; where there is none, the names are listed.
+#                or the front panel's tests in a browser, which are no part of the whole: sh test/run.sh --panel
 # Sets up and builds first where needed. The last line is `N passed, N failed`. A check counts once, however often
 # it is looked at: in a loop, or with run-time checks and as released; it fails if it failed once.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
+if [ "${1-}" = --panel ]; then
+  shift
+  exec sh "$root/test/panel.sh" "$@"
+fi
 . "$root/test/checks.sh"
 cd "$root" || exit
 passed=0

@@ -1,4 +1,4 @@
-"""`python -m gearsweep CASE.nml`: what the program gearsweep does, and pictures."""
+"""`python -m gearsweep CASE.nml`: what the program gearsweep does, and pictures; `gearsweep panel`: the front panel."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from .study import attempt
 HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
 
 usage: python -m gearsweep CASE.nml [options]      (- reads the case from standard input)
+       python -m gearsweep panel [CASE.nml]        the front panel in the browser (panel --help)
 
   --out FOLDER    where the tables and pictures go (results); it is made if missing
   --name NAME     how they are called (as the case; stdin for -)
@@ -51,6 +52,10 @@ def main(words: list[str] | None = None) -> int:
     """Runs the command line `words`; the exit code."""
     words = sys.argv[1:] if words is None else words
     try:
+        if words[:1] == ['panel']:
+            from .panel import main as panel
+
+            return panel(words[1:])
         if {'--help', '-h'} & set(words):
             say(HELP)
         elif '--version' in words:
@@ -227,6 +232,11 @@ def draw(results: Study, wanted: Arguments, name: str) -> None:
             say(f'Wrote              {path}')
 
 
+def command() -> int:
+    """What the shell calls; SIGTERM is as Ctrl-C."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    return main()
+
+
 if __name__ == '__main__':
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C
-    sys.exit(main())
+    sys.exit(command())

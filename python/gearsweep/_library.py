@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import enum
 import os
+import threading
 import weakref
 from collections.abc import Callable
 from operator import index
@@ -113,11 +114,11 @@ class Handle:
 
 def run(
     text: str, folder: str, threads: int, earlier: Handle | None, progress: Callable[[int, int], object] | None,
-    resume: str, keep: str,
+    resume: str, keep: str, stop: threading.Event | None = None,
 ) -> tuple[Handle | None, Error | None, BaseException | None]:  # fmt: skip
     """The study, if there is one, the error that the run ended with, and what ended it from outside.
 
-    That is an exception that came up meanwhile, such as KeyboardInterrupt or one of `progress`.
+    That is an exception that came up meanwhile, such as KeyboardInterrupt, one of `progress`, or `Stopped` after `stop`.
     """
     words = [_bytes(word) for word in (text, folder)]
     files = [_bytes(word) for word in (resume, keep)]
@@ -127,7 +128,7 @@ def run(
         # Refers to the earlier study, which so lives as long as the call, also one that nobody waits for.
         return _flat.gs_run(*words, team, earlier.address if earlier else 0, watch, *files)
 
-    (address, info, message), cause = watched(call, progress, lambda found: _free(found[0]), waits=bool(keep))
+    (address, info, message), cause = watched(call, progress, lambda found: _free(found[0]), waits=bool(keep), stop=stop)
     error = Error(_str(message).rstrip(), Code(info)) if info else None
     return Handle(address) if address else None, error, cause
 

@@ -56,21 +56,26 @@ class _Worker(threading.Thread):
         return self.result
 
 
+class Stopped(Exception):
+    """Another thread told the run to stop."""
+
+
 def watched(
     call: Callable[[np.ndarray], Any],
     progress: Callable[[int, int], object] | None,
     drop: Callable[[Any], object],
     waits: bool = False,
+    stop: threading.Event | None = None,
 ) -> tuple[Any, BaseException | None]:
     """The results of `call(watch)`, and the exception that ended it, if any.
 
-    `watch` is stop, points done and of how many; `progress` is told the last two by the calling thread. After an
-    exception the call is told to stop. Where it is in a part that does not look, nobody waits for it: the exception
+    `watch` is stop, points done and of how many; `progress` is told the last two by the calling thread. Where another
+    thread sets `stop`, that is as an exception `Stopped`. After an exception the call is told to stop. Where it is in a part that does not look, nobody waits for it: the exception
     comes out, the call ends in the background, and `drop` gets its results. With `waits`, points that are under way
     are waited for, as what is done by then is to be kept.
     """
     watch = np.zeros(3, dtype=np.intc)
-    if progress is None and threading.current_thread() is not threading.main_thread():
+    if progress is None and stop is None and threading.current_thread() is not threading.main_thread():
         return call(watch), None
     worker = _Worker(lambda: call(watch), drop)
     try:
@@ -80,7 +85,9 @@ def watched(
     cause = None
     told = 0
     try:
-        while not worker.done.wait(_INTERVAL if progress else None):
+        while not worker.done.wait(_INTERVAL if progress or stop else None):
+            if stop and stop.is_set():
+                raise Stopped
             if progress and watch[1] > told:
                 told = int(watch[1])
                 progress(told, int(watch[2]))

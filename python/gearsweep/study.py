@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -239,13 +240,13 @@ def run(
 
 def attempt(
     case: Case, threads: int = 0, earlier: Study | None = None, progress: Callable[[int, int], object] | None = None,
-    resume: str | os.PathLike = '', keep: str | os.PathLike = '',
+    resume: str | os.PathLike = '', keep: str | os.PathLike = '', stop: threading.Event | None = None,
 ) -> tuple[Study | None, Error | None, BaseException | None]:  # fmt: skip
     """The study as far as there is one, the error that the run ended with, and the exception that ended it."""
     if earlier is not None and not isinstance(earlier, Study):
         raise TypeError(f'earlier: must be a gearsweep.Study, not {type(earlier).__name__}')
     before = None if earlier is None else earlier._live('to start others from it')
-    found, error, cause = _library.run(case.text, case.folder, threads, before, progress, os.fspath(resume), os.fspath(keep))
+    found, error, cause = _library.run(case.text, case.folder, threads, before, progress, os.fspath(resume), os.fspath(keep), stop)
     study = Study(case, _VERSION, error is None, json.loads(found.text('tables')), found) if found else None
     return study, error, cause
 

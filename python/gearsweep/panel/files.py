@@ -1,0 +1,69 @@
+"""Files that a page hands to whoever uses it: a table as CSV, everything as an archive, a report."""
+
+from __future__ import annotations
+
+import io
+import os
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from .._library import Error
+from ..study import Study
+from .report import drawings, report
+
+
+@dataclass
+class File:
+    name: str
+    kind: str
+    content: bytes
+
+
+def made(desk: Any, what: str, asked: dict[str, str]) -> File:
+    """The file `what` of the study and under the name that are asked for.
+
+    Raises
+    ------
+    Error
+        There is none, or it cannot be made.
+    """
+    study = desk.study(asked.get('study', ''))
+    name = ''.join(letter if letter.isalnum() or letter in '-_.' else '_' for letter in asked.get('name') or 'gearsweep')
+    name = name.encode('ascii', 'replace').decode().replace('?', '_').lstrip('.')
+    if what == 'table':
+        table = asked.get('table', '')
+        for path, content in written(study, name):
+            if path == f'{name}.{table}.csv':
+                return File(path, 'text/csv; charset=utf-8', content)
+        raise Error(f'{table}: this study has no such file')
+    if what == 'report':
+        return File(f'{name}.html', 'text/html; charset=utf-8', report(study, drawings(study, 'svg')).encode('utf-8', 'replace'))
+    if what == 'all':
+        return File(f'{name}.zip', 'application/zip', archive(study, name))
+    raise Error(f'{what}: there is no such file')
+
+
+def written(study: Study, name: str) -> Iterator[tuple[str, bytes]]:
+    """Name and content of each file that the program writes for a study."""
+    with tempfile.TemporaryDirectory(prefix='gearsweep-') as folder:
+        for path in study.write(folder, name):
+            with open(path, 'rb') as file:
+                yield os.path.basename(path), file.read()
+
+
+def archive(study: Study, name: str) -> bytes:
+    """Case, answer, report, tables and pictures, the latter where matplotlib is installed."""
+    buffer, pictures = io.BytesIO(), drawings(study, 'png', 'svg')
+    with zipfile.ZipFile(buffer, 'w', zipfile.ZIP_DEFLATED) as file:
+        file.writestr(f'{name}/{name}.nml', study.case.text.encode('utf-8', 'surrogateescape'))
+        file.writestr(f'{name}/{name}.txt', study.report().encode('utf-8', 'surrogateescape'))
+        file.writestr(f'{name}/{name}.html', report(study, pictures).encode('utf-8', 'replace'))
+        for path, content in written(study, name):
+            file.writestr(f'{name}/{path}', content)
+        for table, files in pictures.items():
+            for ending, content in files.items():
+                file.writestr(f'{name}/{name}.{table}.{ending}', content)
+    return buffer.getvalue()

@@ -1,0 +1,29 @@
+"""What stands in a case's text for each key, as it was typed, also where the case is not usable."""
+
+from __future__ import annotations
+
+import re
+
+#: A remark, a quoted text, the beginning and end of a group, a key, and anything else.
+_PART = re.compile(r"""(![^\n]*)|('(?:[^']|'')*'|"(?:[^"]|"")*")|&\s*(\w+)|(/)|(\w+)\s*=(?!=)|([^\s!'"/&]+)""")
+
+
+def given(text: str) -> dict[str, dict[str, str]]:
+    """The words that stand for each key that the text gives, by group and key.
+
+    >>> given("&pinion teeth = 25 / ! small\\n&relief amount_um = 0, 5 shape = 'linear' /")
+    {'pinion': {'teeth': '25'}, 'relief': {'amount_um': '0, 5', 'shape': "'linear'"}}
+    """
+    found: dict[str, dict[str, str]] = {}
+    group = key = ''
+    for remark, quoted, begun, ended, name, other in _PART.findall(text):
+        if remark:
+            continue
+        if begun or ended:
+            group, key = begun.lower(), ''
+        elif name and group:
+            key = name.lower()
+            found.setdefault(group, {})[key] = ''
+        elif group and key:
+            found[group][key] = f'{found[group][key]} {quoted or other}'.replace(' ,', ',').strip()
+    return found

@@ -1,0 +1,60 @@
+"""The tooth pair as the page draws and turns it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .._library import Error
+from .._outline import contact_path, first_tooth, rotated, turn_to
+from ..case import Case
+from ..study import Study, run
+
+#: Points of a tooth that are enough on a screen.
+_ENOUGH = 80
+
+
+def scene(case: Case) -> dict[str, Any] | None:
+    """Outlines, path of contact and how both gears turn with it; None where a case has no teeth.
+
+    Lengths in mm from the pinion's centre, the gear's centre straight above it at `centre`. `tooth` is one tooth with the space
+    behind it, as it stands when contact begins at A (s = 0). While s grows by 1, the pinion turns by `turn` clockwise, the
+    gear by its own the other way.
+    """
+    try:
+        # The outline does not hang on the grid, and the least grid is the quickest.
+        study = run(case.changed(section={'elements_across': 3}), 'section')
+    except Error:
+        return None
+    geometry = study.geometry
+    centre = np.array([0, geometry.centre_distance_mm])
+    path = contact_path(study, study.contact_points.s)
+    start = contact_path(study, np.array([0.0]))[0]
+    return {
+        'centre': float(geometry.centre_distance_mm),
+        'angle': float(np.radians(geometry.working_angle_deg)),
+        'base_pitch': float(geometry.base_pitch_mm),
+        'contact_ratio': float(geometry.contact_ratio),
+        'module': float(geometry.module_mm),
+        'start': start.tolist(),
+        'points': [
+            {'name': str(name), 's': float(s), 'place': place.tolist()}
+            for name, s, place in zip(study.contact_points.point, study.contact_points.s, path)
+        ],
+        'pinion': _gear(study, 'pinion', start, False),
+        'gear': _gear(study, 'gear', centre - start, True),
+    }
+
+
+def _gear(study: Study, member: str, touch: np.ndarray, is_above: bool) -> dict[str, Any]:
+    """One gear about its own centre; the one above is its own picture turned by half a turn."""
+    tooth = rotated(first_tooth(study, member), turn_to(study, member, touch))
+    tooth = tooth[:: max(1, len(tooth) // _ENOUGH)]
+    radius = study.gears.at(member=member).base_diameter_mm / 2
+    return {
+        'tooth': np.round(-tooth if is_above else tooth, 6).tolist(),
+        'teeth': int(study.case.get(member, 'teeth')),
+        'turn': float(study.geometry.base_pitch_mm / radius),
+        'working_radius': float(radius / np.cos(np.radians(study.geometry.working_angle_deg))),
+    }

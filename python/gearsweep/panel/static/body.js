@@ -1,0 +1,120 @@
+// The section of a gear: its grid, the stress all over it, and its modes as they move.
+import { color, el, isDark, shown } from './util.js';
+
+let frame = 0;
+export function stopBody() { cancelAnimationFrame(frame); }
+
+const TRIANGLES = [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 7], [5, 6, 7]];
+const AROUND = [0, 4, 1, 5, 2, 6, 3, 7];
+
+export async function bodyOf(place, bar, one, state, need, save) {
+  stopBody();
+  const study = state.study, columns = { nodes: ['x_mm', 'y_mm'], elements: Array.from({ length: 8 }, (_, i) => `node_${i + 1}`) };
+  if (one.kind === 'stress') Object.assign(columns, { stress: ['sigma_x_mpa', 'sigma_y_mpa', 'tau_xy_mpa'], stress_load: null, root_stress: null });
+  if (one.kind === 'modes') Object.assign(columns, { mode_shapes: ['mode', 'shape_x', 'shape_y'], modal: ['mode', 'frequency_hz'] });
+  const data = await need(study, columns);
+  if (study !== state.study) return;
+  const elements = data.elements.node_1.map((_, e) => Array.from({ length: 8 }, (_, i) => data.elements[`node_${i + 1}`][e] - 1));
+  const board = el('canvas', { className: 'bodyboard', role: 'img', 'aria-label': one.title });
+  const note = el('p', { className: 'readout', role: 'status' });
+  const shape = { x: data.nodes.x_mm, y: data.nodes.y_mm, elements };
+  const buttons = [el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('png', board, `${state.name}.${one.id}`) }, 'PNG')];
+  place.replaceChildren(bar, board, note);
+  size(board, place);
+  if (one.kind === 'modes') modes(bar, board, note, shape, data, buttons);
+  else {
+    bar.append(...buttons);
+    if (one.kind === 'stress') stress(board, note, shape, data);
+    else { grid(board, shape, shape.x, shape.y); note.textContent = `${shown(elements.length)} elements, ${shown(shape.x.length)} nodes.`; }
+  }
+}
+
+function size(board, place) {
+  const ratio = window.devicePixelRatio || 1, wide = Math.max(300, place.clientWidth - 2);
+  const tall = Math.max(280, Math.min(520, wide * 0.6, window.innerHeight - place.getBoundingClientRect().top - 90));
+  board.style.height = `${tall}px`;
+  board.width = Math.round(wide * ratio);
+  board.height = Math.round(tall * ratio);
+}
+
+/** A pen in mm, with the whole section in sight. */
+function pen(board, shape) {
+  const draw = board.getContext('2d'), wide = board.width, tall = board.height;
+  draw.setTransform(1, 0, 0, 1, 0, 0);
+  draw.fillStyle = color('sheet');
+  draw.fillRect(0, 0, wide, tall);
+  const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  for (const [i, list] of [shape.x, shape.y].entries()) for (const value of list) { low[i] = Math.min(low[i], value); high[i] = Math.max(high[i], value); }
+  const zoom = 0.88 * Math.min(wide / (high[0] - low[0]), tall / (high[1] - low[1]));
+  draw.translate(wide / 2, tall / 2);
+  draw.scale(zoom, -zoom);
+  draw.translate(-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2);
+  draw.lineWidth = 0.8 * (window.devicePixelRatio || 1) / zoom;
+  return draw;
+}
+
+function trace(draw, elements, x, y) {
+  draw.beginPath();
+  for (const nodes of elements) {
+    AROUND.forEach((k, i) => draw[i ? 'lineTo' : 'moveTo'](x[nodes[k]], y[nodes[k]]));
+    draw.closePath();
+  }
+}
+
+function grid(board, shape, x, y) {
+  const draw = pen(board, shape);
+  trace(draw, shape.elements, x, y);
+  draw.fillStyle = color('pinion');
+  draw.strokeStyle = color('muted');
+  draw.fill();
+  draw.stroke();
+}
+
+/** Red is tension, blue compression, as pale as they are small; the colours are told apart by people who see no red from green. */
+function warm(part) {
+  const t = Math.max(-1, Math.min(1, part)), dark = isDark(), mix = (a, b, f) => a.map((value, i) => Math.round(value + f * (b[i] - value)));
+  const none = dark ? [52, 58, 63] : [246, 246, 244];
+  return `rgb(${(t >= 0 ? mix(none, dark ? [255, 122, 84] : [178, 24, 43], t) : mix(none, dark ? [96, 170, 255] : [33, 102, 172], -t)).join(',')})`;
+}
+
+function stress(board, note, shape, data) {
+  const s = data.stress, larger = s.sigma_x_mpa.map((sx, i) => {
+    const middle = (sx + s.sigma_y_mpa[i]) / 2, radius = Math.hypot((sx - s.sigma_y_mpa[i]) / 2, s.tau_xy_mpa[i]);
+    return Math.abs(middle + radius) >= Math.abs(middle - radius) ? middle + radius : middle - radius;
+  });
+  const sorted = larger.map(Math.abs).sort((a, b) => a - b);
+  // Under the load itself the stress of a node has no bound.
+  const most = sorted[Math.floor(0.998 * (sorted.length - 1))] || 1;
+  const draw = pen(board, shape);
+  for (const nodes of shape.elements) for (const triangle of TRIANGLES) {
+    const corners = triangle.map((k) => nodes[k]);
+    draw.beginPath();
+    corners.forEach((node, i) => draw[i ? 'lineTo' : 'moveTo'](shape.x[node], shape.y[node]));
+    draw.closePath();
+    draw.fillStyle = draw.strokeStyle = warm(corners.reduce((sum, node) => sum + larger[node], 0) / 3 / most);
+    draw.fill();
+    draw.stroke();
+  }
+  const load = data.stress_load;
+  note.textContent = `The larger principal stress: red is tension, blue compression, full colour from ${shown(most, 3)} MPa on. Load at s = ${shown(load.s[0], 3)}, relief ${shown(load.relief_um[0])} µm, with ${shown(100 * load.load_share[0], 3)} % of the whole.`;
+}
+
+function modes(bar, board, note, shape, data, buttons) {
+  const n = data.modal.mode.length, all = shape.x.length;
+  const select = el('select', {}, ...data.modal.mode.map((mode, i) => el('option', { value: i }, `${mode}: ${shown(data.modal.frequency_hz[i], 5)} Hz`)));
+  bar.append(el('label', {}, 'Mode ', select), ...buttons);
+  const extent = Math.max(...shape.x) - Math.min(...shape.x);
+  const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+  const step = (now) => {
+    const at = Number(select.value) * all, shift = still ? 1 : Math.sin(now / 350);
+    const dx = data.mode_shapes.shape_x.slice(at, at + all), dy = data.mode_shapes.shape_y.slice(at, at + all);
+    const most = Math.max(...dx.map((value, i) => Math.hypot(value, dy[i])));
+    const scale = 0.06 * extent / most * shift;
+    const x = shape.x.map((value, i) => value + scale * dx[i]), y = shape.y.map((value, i) => value + scale * dy[i]);
+    grid(board, shape, x, y);
+    if (!still && document.contains(board)) frame = requestAnimationFrame(step);
+  };
+  select.addEventListener('change', () => { if (still) step(0); });
+  note.textContent = `${n} modes; the deformation has no scale.`;
+  frame = requestAnimationFrame(step);
+}

@@ -1,0 +1,223 @@
+// Curves, points, bars and maps over two axes, as SVG.
+import { color, isDark, shown, svg } from './util.js';
+
+const LEFT = 62, RIGHT = 14, TOP = 10, BOTTOM = 44;
+const DASHES = ['', '7 3', '7 3 1.5 3', '1.5 3', '12 4'];
+// From dark to light on a light ground and the other way on a dark one, in even steps of lightness: told apart in grey, too.
+const RAMP = [[68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [110, 206, 88], [181, 222, 43], [253, 231, 37]];
+
+/** The ramp's colour at a place from 0 to 1. */
+export function ramp(place) {
+  const at = Math.min(Math.max(place, 0), 1) * (RAMP.length - 1);
+  const i = Math.min(Math.floor(at), RAMP.length - 2);
+  return `rgb(${RAMP[i].map((value, k) => Math.round(value + (at - i) * (RAMP[i + 1][k] - value))).join(',')})`;
+}
+
+/** Colour and dashes of curve i of n. */
+export function style(i, n) {
+  const dark = isDark();
+  if (n === 1) return { color: color('accent'), dash: '' };
+  const place = i / (n - 1);
+  return { color: ramp(dark ? 1 - 0.6 * place : 0.76 * place), dash: DASHES[i % DASHES.length] };
+}
+
+function ticks(low, high, most, isLog) {
+  if (isLog) {
+    const found = [];
+    const from = Math.ceil(Math.log10(low) - 1e-9), to = Math.floor(Math.log10(high) + 1e-9);
+    const each = Math.max(1, Math.ceil((to - from + 1) / most));
+    for (let power = from; power <= to; power += each) found.push(10 ** power);
+    if (found.length > 1) return found;
+  }
+  const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 2.5, 5, 10].map((m) => m * power).find((s) => s >= raw * 0.999);
+  const found = [];
+  for (let value = Math.ceil(low / step - 1e-9) * step; value <= high + step * 1e-9; value += step) found.push(Math.abs(value) < step * 1e-6 ? 0 : value);
+  return found;
+}
+
+function tickWord(value) {
+  if (value !== 0 && (Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3)) return value.toExponential().replace(/(\.\d{2})\d+/, '$1').replace('e+', 'e').replace('-', '−');
+  return String(Number(value.toPrecision(8))).replace('-', '−');
+}
+
+/** Least and largest of all numbers, with room around them. */
+function extent(lists, isLog, room) {
+  let low = Infinity, high = -Infinity;
+  for (const list of lists) for (const value of list) {
+    if (value === null || (isLog && value <= 0)) continue;
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  if (low > high) return isLog ? [0.1, 1] : [0, 1];
+  if (isLog) return [low / 1.15, high * 1.15];
+  const span = high - low || Math.abs(high) * 0.02 || 1;
+  return [low - room * span, high + room * span];
+}
+
+function scale([low, high], from, to, isLog) {
+  const f = isLog ? Math.log10 : (value) => value;
+  const a = f(low), b = f(high);
+  const place = (value) => from + (to - from) * (f(value) - a) / (b - a);
+  place.back = (at) => { const value = a + (b - a) * (at - from) / (to - from); return isLog ? 10 ** value : value; };
+  return place;
+}
+
+function axes(drawing, spec, width, height, x, y, ranges) {
+  const grid = svg('g', { class: 'axes' });
+  const right = width - RIGHT - (spec.map ? 78 : 0), bottom = height - BOTTOM;
+  for (const value of ticks(...ranges.x, Math.max(2, Math.floor((right - LEFT) / 90)), spec.xlog)) {
+    grid.append(svg('line', { x1: x(value), x2: x(value), y1: TOP, y2: bottom, class: 'grid' }),
+      text(x(value), bottom + 16, tickWord(value), 'middle'));
+  }
+  for (const value of ticks(...ranges.y, Math.max(2, Math.floor((bottom - TOP) / 50)), spec.ylog)) {
+    grid.append(svg('line', { x1: LEFT, x2: right, y1: y(value), y2: y(value), class: 'grid' }),
+      text(LEFT - 7, y(value) + 4, tickWord(value), 'end'));
+  }
+  grid.append(svg('path', { d: `M${LEFT} ${TOP}V${bottom}H${right}`, class: 'frame' }),
+    text((LEFT + right) / 2, height - 8, spec.xlabel, 'middle', 'name'));
+  const name = text(0, 0, spec.ylabel, 'middle', 'name');
+  name.setAttribute('transform', `translate(14 ${(TOP + bottom) / 2}) rotate(-90)`);
+  grid.append(name);
+  drawing.append(grid);
+}
+
+function text(x, y, words, anchor, kind) {
+  const node = svg('text', { x, y, 'text-anchor': anchor, class: kind });
+  node.textContent = words;
+  return node;
+}
+
+function curve(series, x, y, spec) {
+  let path = '', isOpen = false;
+  for (let i = 0; i < series.x.length; i++) {
+    const a = series.x[i], b = series.y[i];
+    if (a === null || b === null || (spec.ylog && b <= 0) || (spec.xlog && a <= 0)) { isOpen = false; continue; }
+    path += `${isOpen ? 'L' : 'M'}${x(a).toFixed(1)} ${y(b).toFixed(1)}`;
+    isOpen = true;
+  }
+  return path;
+}
+
+const MARKS = [
+  (r) => `m${-r} 0a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`,
+  (r) => `m${-r} ${-r}h${2 * r}v${2 * r}h${-2 * r}z`,
+  (r) => `m0 ${-1.3 * r}l${1.2 * r} ${2 * r}h${-2.4 * r}z`,
+  (r) => `m0 ${-1.4 * r}l${1.4 * r} ${1.4 * r}l${-1.4 * r} ${1.4 * r}l${-1.4 * r} ${-1.4 * r}z`,
+];
+
+/** Marks at the points, or at some of them where they only tell a curve from others. */
+function marks(series, x, y, spec, radius, most = Infinity) {
+  const shape = MARKS[(series.mark ?? 0) % MARKS.length](radius);
+  const each = Math.max(1, Math.ceil(series.x.length / most));
+  let path = '';
+  for (let i = Math.floor(each / 2) % each; i < series.x.length; i += each) {
+    const a = series.x[i], b = series.y[i];
+    if (a === null || b === null || (spec.ylog && b <= 0)) continue;
+    path += `M${x(a).toFixed(1)} ${y(b).toFixed(1)}${shape}`;
+  }
+  return path;
+}
+
+function drawSeries(drawing, spec, x, y) {
+  const body = svg('g', { class: 'body' });
+  const bottom = spec.kind === 'bars' ? y(0) : 0;
+  const n = spec.series.length;
+  spec.series.forEach((series, i) => {
+    if (spec.kind === 'bars') {
+      const wide = Math.max(2, 0.8 * Math.abs(x(1) - x(0)) / n);
+      series.x.forEach((value, k) => {
+        if (series.y[k] === null) return;
+        const top = y(series.y[k]);
+        body.append(svg('rect', { x: x(value) - wide * (n / 2 - i), width: wide * 0.9, y: Math.min(top, bottom), height: Math.abs(bottom - top), fill: series.color }));
+      });
+    } else if (spec.kind === 'points') {
+      body.append(svg('path', { d: marks(series, x, y, spec, 1.8), fill: series.color, stroke: series.color, 'stroke-width': 0.6 }));
+    } else {
+      body.append(svg('path', { d: curve(series, x, y, spec), stroke: series.color, 'stroke-dasharray': series.dash, 'stroke-width': series.width ?? 1.8, class: 'curve' }));
+      if (series.mark !== undefined) body.append(svg('path', { d: marks(series, x, y, spec, 3.2, 12), fill: color('ground'), stroke: series.color }));
+      if (series.x.length < 40 && series.mark === undefined) body.append(svg('path', { d: marks(series, x, y, spec, 2.2, 40), fill: series.color }));
+    }
+  });
+  for (const mark of spec.lines ?? []) {
+    body.append(svg('line', { x1: x(mark.x), x2: x(mark.x), y1: TOP, y2: y.floor, class: 'aside' }), text(x(mark.x) + 3, TOP + 11, mark.name, 'start', 'asidename'));
+  }
+  drawing.append(body);
+}
+
+function drawMap(drawing, spec, x, y, width, height) {
+  const { xs, ys, z } = spec.map;
+  const known = z.flat().filter((value) => value !== null);
+  let low = spec.map.low ?? Math.min(...known), high = spec.map.high ?? Math.max(...known);
+  if (!(high > low)) high = low + (Math.abs(low) || 1) * 1e-6;
+  const edge = (list, i) => i === 0 ? list[0] - (list.length > 1 ? (list[1] - list[0]) / 2 : 0.5)
+    : i === list.length ? list[i - 1] + (list.length > 1 ? (list[i - 1] - list[i - 2]) / 2 : 0.5) : (list[i - 1] + list[i]) / 2;
+  const body = svg('g', { class: 'body', 'shape-rendering': 'crispEdges' });
+  for (let i = 0; i < xs.length; i++) for (let j = 0; j < ys.length; j++) {
+    const value = z[j][i];
+    if (value === null || value === undefined) continue;
+    const a = x(edge(xs, i)), b = x(edge(xs, i + 1)), c = y(edge(ys, j + 1)), d = y(edge(ys, j));
+    body.append(svg('rect', { x: a.toFixed(1), y: c.toFixed(1), width: Math.max(0.5, b - a).toFixed(1), height: Math.max(0.5, d - c).toFixed(1), fill: ramp((value - low) / (high - low)) }));
+  }
+  drawing.append(body);
+  const right = width - 70, bar = svg('g', { class: 'axes' });
+  for (let k = 0; k < 40; k++) bar.append(svg('rect', { x: right, width: 12, y: y.floor - (k + 1) * (y.floor - TOP) / 40, height: (y.floor - TOP) / 40 + 0.5, fill: ramp(k / 39) }));
+  const at = scale([low, high], y.floor, TOP, false);
+  for (const value of ticks(low, high, 5, false)) bar.append(text(right + 17, at(value) + 4, tickWord(value), 'start'));
+  const name = text(0, 0, spec.map.label, 'middle', 'name');
+  name.setAttribute('transform', `translate(${width - 4} ${(TOP + y.floor) / 2}) rotate(-90)`);
+  bar.append(name);
+  drawing.append(bar);
+}
+
+function ranges(spec) {
+  if (spec.map) {
+    const around = (list) => { const half = list.length > 1 ? (list[1] - list[0]) / 2 : 0.5; return [list[0] - half, list[list.length - 1] + half]; };
+    return { x: around(spec.map.xs), y: around(spec.map.ys) };
+  }
+  const found = { x: extent(spec.series.map((one) => one.x), spec.xlog, spec.kind === 'bars' ? 0.08 : 0.01), y: extent(spec.series.map((one) => one.y), spec.ylog, 0.05) };
+  if (spec.kind === 'bars' || spec.fromZero) found.y[0] = Math.min(0, found.y[0]);
+  return found;
+}
+
+/** Draws into an element that has a width; the drawing, which a reader may hover and walk along by the arrow keys. */
+export function chart(spec, width, height) {
+  const drawing = svg('svg', { width, height, viewBox: `0 0 ${width} ${height}`, class: 'chart', role: 'img', tabindex: 0 });
+  const name = svg('title');
+  name.textContent = `${spec.title}: ${spec.ylabel} over ${spec.xlabel}`;
+  drawing.append(name);
+  const range = ranges(spec);
+  const x = scale(range.x, LEFT, width - RIGHT - (spec.map ? 78 : 0), spec.xlog);
+  const y = scale(range.y, height - BOTTOM, TOP, spec.ylog);
+  y.floor = height - BOTTOM;
+  if (spec.map) drawMap(drawing, spec, x, y, width, height);
+  axes(drawing, spec, width, height, x, y, range);
+  if (!spec.map) drawSeries(drawing, spec, x, y);
+  drawing.places = { x, y, spec, width, height };
+  return drawing;
+}
+
+/** What stands at a place of a drawing: the nearest point, or the cell of a map. */
+export function nearest(drawing, px, py) {
+  const { x, y, spec } = drawing.places;
+  if (spec.map) {
+    const close = (list, value) => list.reduce((best, one, i) => Math.abs(one - value) < Math.abs(list[best] - value) ? i : best, 0);
+    const i = close(spec.map.xs, x.back(px)), j = close(spec.map.ys, y.back(py));
+    return { x: spec.map.xs[i], y: spec.map.ys[j], z: spec.map.z[j][i], px: x(spec.map.xs[i]), py: y(spec.map.ys[j]) };
+  }
+  let best = null, least = Infinity;
+  spec.series.forEach((series, s) => series.x.forEach((a, i) => {
+    const b = series.y[i];
+    if (a === null || b === null || (spec.ylog && b <= 0)) return;
+    const far = (x(a) - px) ** 2 + 0.3 * (y(b) - py) ** 2;
+    if (far < least) { least = far; best = { x: a, y: b, s, i, label: series.label, px: x(a), py: y(b) }; }
+  }));
+  return best;
+}
+
+/** A point in words. */
+export function told(spec, at) {
+  if (!at) return '';
+  if (spec.map) return `${spec.xlabel} ${shown(at.x)}, ${spec.ylabel} ${shown(at.y)}: ${shown(at.z)}`;
+  return `${at.label ? at.label + ': ' : ''}${spec.ylabel} ${shown(at.y)} at ${spec.xlabel} ${shown(at.x)}`;
+}

@@ -1,0 +1,134 @@
+// Which pictures there are, and how a table becomes one. What is not listed can be drawn as any column over another.
+import { labelled, shown, title, unit } from './util.js';
+import { style } from './chart.js';
+
+const ALONG = { needs: { contact_points: ['point', 's'] }, marks: 'points' };
+const SPEED = { needs: { motion: ['resonance_rpm'] }, marks: 'resonance' };
+
+/** Kind (curves where none is given), table, columns, and what else is fetched. */
+export const PICTURES = [
+  { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', ...SPEED },
+  { id: 'sweep_map', title: 'Dynamic factor over speed and relief', table: 'sweep', kind: 'map', x: 'rpm', y: 'relief_um', z: 'dynamic_factor' },
+  { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', needs: { optimum: ['relief_um'] }, marks: 'optimum' },
+  { id: 'load', title: 'Load of one pair in motion', table: 'load', x: 's', y: 'pair_load_n', fromZero: true, ...ALONG },
+  { id: 'dte', title: 'Dynamic transmission error', table: 'load', x: 's', y: 'dte_um', ...ALONG },
+  { id: 'share', title: 'Static load share of one pair', table: 'mesh', x: 's', y: 'load_share', ...ALONG },
+  { id: 'ste', title: 'Static transmission error', table: 'mesh', x: 's', y: 'ste_um', ...ALONG },
+  { id: 'stiffness', title: 'Mesh stiffness', table: 'mesh', x: 's', y: 'mesh_stiffness_n_um', fromZero: true, ...ALONG },
+  { id: 'pair_stiffness', title: 'Stiffness of one pair', table: 'mesh', x: 's', y: 'pair_stiffness_n_um', fromZero: true, ...ALONG },
+  { id: 'profile_error', title: 'Profile error of a pair', table: 'mesh', x: 's', y: 'profile_error_um', ...ALONG },
+  { id: 'harmonics', title: 'Harmonics of the static transmission error', table: 'harmonics', kind: 'bars', x: 'harmonic', y: 'amplitude_um', from: 1 },
+  { id: 'root', title: 'Root stress over the path of contact', table: 'static', x: 's', y: 'sigma_mpa', ...ALONG },
+  { id: 'stress', title: 'Stress on the tooth', table: 'stress', task: 'static', kind: 'stress', set: ['static', 'field_position', '16'] },
+  { id: 'modes', title: 'Natural modes, moving', table: 'mode_shapes', task: 'modal', kind: 'modes' },
+  { id: 'section', title: 'Finite-element grid', table: 'section', task: 'section', kind: 'grid' },
+  { id: 'stability', title: 'Stability over speed and damping', table: 'stability', kind: 'map', x: 'rpm', y: 'damping_ratio', z: 'floquet_modulus', low: 0, high: 2 },
+  { id: 'tongues', title: 'Tongues of instability', table: 'tongue_edges', task: 'stability', y: 'damping_ratio', x: ['lower_rpm', 'upper_rpm'] },
+  { id: 'hysteresis', title: 'Dynamic factor, run up and run down', table: 'hysteresis', x: 'rpm', y: 'dynamic_factor', first: 'direction', ...SPEED },
+  { id: 'poincare', title: 'Poincaré section over speed', table: 'poincare', kind: 'points', x: 'rpm', y: 'dte_um', without: ['period'] },
+  { id: 'section_plane', title: 'Poincaré section, displacement and velocity', table: 'poincare', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', without: ['period'], first: 'rpm' },
+  { id: 'lyapunov', title: 'Lyapunov exponent over speed', table: 'lyapunov', task: 'poincare', x: 'rpm', y: 'lyapunov_exponent' },
+  { id: 'attractors', title: 'All motions that attract', table: 'attractors', kind: 'points', x: 'rpm', y: 'dynamic_factor', first: 'motion' },
+  { id: 'basins', title: 'Which start leads to which motion', table: 'basins', task: 'attractors', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', group: 'motion', without: ['start'] },
+  { id: 'precision', title: 'Error over run time', table: 'precision', x: 'seconds', y: 'error', xlog: true, ylog: true },
+  { id: 'pressure', title: 'Contact pressure', table: 'flank', x: 's', y: 'pressure_mpa', fromZero: true, ...ALONG },
+  { id: 'sliding', title: 'Sliding speed', table: 'flank', x: 's', y: 'sliding_m_s', ...ALONG },
+  { id: 'flash', title: 'Flash temperature', table: 'flank', x: 's', y: 'flash_temperature_k', fromZero: true, ...ALONG },
+  { id: 'film', title: 'Oil film', table: 'flank', x: 's', y: 'film_thickness_um', fromZero: true, ...ALONG },
+  { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor', 'dynamic_factor_b'] },
+];
+
+/** The picture of any columns of any table. */
+export const own = (table, x, y) => ({ id: 'own', title: `${title(y)} over ${title(x)}`, table, x, y, task: null });
+
+export const byName = (id) => PICTURES.find((one) => one.id === id);
+const list = (one) => [one].flat();
+
+/** The columns of each table that a picture is drawn from. */
+export function columnsOf(picture, about) {
+  const table = about[picture.table];
+  if (!table || picture.kind === 'stress' || picture.kind === 'modes' || picture.kind === 'grid') return {};
+  const index = table.columns.filter((one) => one.index).map((one) => one.name);
+  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? [])]);
+  const there = table.columns.map((one) => one.name);
+  const found = { [picture.table]: [...wanted].filter((name) => there.includes(name)) };
+  for (const [name, columns] of Object.entries(picture.needs ?? {})) if (about[name]) found[name] = columns;
+  return found;
+}
+
+/** Index columns that tell curves apart, the one in front first: the others are chosen from. */
+export function families(picture, about, columns) {
+  if (picture.group) return [];
+  const used = [...list(picture.x), ...list(picture.y), ...(picture.without ?? [])];
+  const found = about[picture.table].columns.filter((one) => one.index && !used.includes(one.name))
+    .map((one) => ({ ...one, values: [...new Set(columns[picture.table][one.name])] })).filter((one) => one.values.length > 1);
+  return found.sort((a, b) => (b.name === picture.first) - (a.name === picture.first));
+}
+
+const word = (column, value) => `${title(column.name, column.unit)} ${shown(value)}${column.unit ? ' ' + unit(column.unit) : ''}`;
+
+/** The rows that hold these values of index columns. */
+function rowsWhere(columns, where) {
+  const n = Object.values(columns)[0].length, found = [];
+  const tests = Object.entries(where).filter(([name]) => name in columns);
+  for (let i = 0; i < n; i++) if (tests.every(([name, value]) => columns[name][i] === value)) found.push(i);
+  return found;
+}
+
+function marked(picture, data) {
+  if (picture.marks === 'points' && data.contact_points) return data.contact_points.s.map((x, i) => ({ x, name: data.contact_points.point[i] }));
+  if (picture.marks === 'resonance' && data.motion) return [{ x: data.motion.resonance_rpm[0], name: 'resonance' }];
+  if (picture.marks === 'optimum' && data.optimum) return [{ x: data.optimum.relief_um[0], name: 'optimum' }];
+  return [];
+}
+
+/** What the chart draws, of one study: `chosen` says which value of each further index column is shown. */
+export function drawn(picture, about, data, chosen) {
+  const table = about[picture.table], columns = data[picture.table];
+  const column = (name) => table.columns.find((one) => one.name === name);
+  const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog, fromZero: picture.fromZero,
+    xlabel: labelled(column(list(picture.x)[0])), ylabel: labelled(column(list(picture.y)[0])) };
+  if (picture.kind === 'map') {
+    const where = Object.fromEntries(families(picture, about, data).map((one) => [one.name, chosen[one.name] ?? one.values[0]]));
+    const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
+    const z = ys.map(() => xs.map(() => null));
+    for (const i of rowsWhere(columns, where)) z[ys.indexOf(columns[picture.y][i])][xs.indexOf(columns[picture.x][i])] = columns[picture.z][i];
+    return { ...spec, map: { xs, ys, z, label: labelled(column(picture.z)), low: picture.low, high: picture.high }, series: [] };
+  }
+  const [first, ...further] = picture.group ? [{ ...column(picture.group), values: [...new Set(columns[picture.group])].sort((a, b) => a - b) }] : families(picture, about, data);
+  const where = Object.fromEntries(further.map((one) => [one.name, chosen[one.name] ?? one.values[0]]));
+  const groups = first ? first.values.map((value) => ({ label: word(first, value), where: { ...where, [first.name]: value } })) : [{ label: '', where }];
+  const ys = list(picture.y), xs = list(picture.x);
+  let series = [];
+  groups.forEach((group, g) => {
+    const rows = rowsWhere(columns, group.where).filter((i) => picture.from === undefined || columns[picture.x][i] >= picture.from);
+    for (const yname of ys) for (const xname of xs) {
+      const more = ys.length > 1 ? title(yname, column(yname).unit) : '';
+      series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => columns[yname][i]), group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
+        label: xname === xs[0] ? [group.label, more].filter(Boolean).join(', ') : '' });
+    }
+  });
+  series = merged(series, first);
+  const n = groups.length;
+  for (const one of series) Object.assign(one, style(one.group, n), ys.length > 1 && one.part ? { dash: '2 3' } : {});
+  if (spec.kind === 'points') series.forEach((one, i) => { one.mark = i; });
+  return { ...spec, series, lines: marked(picture, data), families: further, ylabel: ys.length > 1 ? 'Dynamic factor' : spec.ylabel };
+}
+
+/** Curves that are the same for all of the family are one. */
+function merged(series, first) {
+  if (!first || series.length < 2) return series;
+  const [one] = series;
+  const same = series.every((other) => other.y.length === one.y.length && other.y.every((value, i) => value === one.y[i] && other.x[i] === one.x[i]));
+  return same ? [{ ...one, label: `any ${title(first.name, first.unit)}` }] : series;
+}
+
+/** Curves of kept results beside the present ones: thinner, with marks of their own. */
+export function beside(spec, others) {
+  if (spec.map || spec.kind === 'bars' || others.length === 0) return spec;
+  const series = [...spec.series];
+  others.forEach(({ name, spec: other }, k) => {
+    for (const one of other.series) series.push({ ...one, label: [name, one.label].filter(Boolean).join(': '), width: 1, mark: k, kept: true });
+  });
+  return { ...spec, series };
+}

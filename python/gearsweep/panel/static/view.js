@@ -1,0 +1,245 @@
+// The right side: numbers at a glance, and tabs for pictures, tables, the answer, comparisons and the case's text.
+import { byId, download, el, labelled, shown, title, unit } from './util.js';
+import { chart, nearest, told } from './chart.js';
+import { PICTURES, beside, byName, columnsOf, drawn, own } from './pictures.js';
+import { bodyOf, stopBody } from './body.js';
+import { remember, state, tablesOf } from './state.js';
+import { need } from './work.js';
+import { compare } from './compare.js';
+import { tables } from './tables.js';
+import { save } from './export.js';
+import { goTo } from './form.js';
+
+const TABS = [['pictures', 'Pictures'], ['tables', 'Tables'], ['answer', 'Answer'], ['compare', 'Compare'], ['text', 'Case']];
+let about = null, does = null;
+
+/** `does` has what the view asks for: `change` of a key, `show` of a case, `told` of failures. */
+export function begin(description, found) {
+  about = description;
+  does = found;
+  byId('tabs').append(...TABS.map(([id, name]) => el('button', { type: 'button', role: 'tab', id: `tab.${id}`, 'aria-controls': 'view', onclick: () => go(id) }, name)));
+  byId('tabs').addEventListener('keydown', (event) => {
+    const at = TABS.findIndex(([id]) => id === state.tab), by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!by) return;
+    go(TABS[(at + by + TABS.length) % TABS.length][0]);
+    byId(`tab.${state.tab}`).focus();
+  });
+  let wide = 0;
+  new ResizeObserver(() => { const now = byId('view').clientWidth; if (Math.abs(now - wide) > 2) { wide = now; if (state.tab === 'pictures') refresh(); } }).observe(byId('view'));
+}
+
+export function go(tab) {
+  state.tab = tab;
+  remember();
+  refresh();
+}
+
+/** The picture that is looked at; null where another tab is open. */
+export const picture = () => (state.tab === 'pictures' ? present() : null);
+
+function present() {
+  if (state.picture !== 'own') return byName(state.picture) ?? PICTURES[0];
+  return own(state.own.table, state.own.x, state.own.y);
+}
+
+/** Draws anew what is open. */
+export function refresh(isSliding = false) {
+  for (const [id] of TABS) {
+    const tab = byId(`tab.${id}`), isOpen = id === state.tab;
+    tab.setAttribute('aria-selected', String(isOpen));
+    tab.tabIndex = isOpen ? 0 : -1;
+  }
+  byId('view').setAttribute('aria-labelledby', `tab.${state.tab}`);
+  if (state.tab !== 'pictures') stopBody();
+  numbers();
+  const place = byId('view');
+  if (!state.study) {
+    place.replaceChildren(state.tab === 'text' ? textTab() : el('p', { className: 'empty' }, 'There are no results yet.'));
+    return Promise.resolve();
+  }
+  const shows = { pictures: () => pictureTab(isSliding), tables: () => tables(place, state, does.told), answer: answerTab, compare: () => compare(place, state, about, does, refresh), text: () => place.replaceChildren(textTab()) };
+  return Promise.resolve(shows[state.tab]()).catch(does.told);
+}
+
+function numbers() {
+  const data = state.study?.columns ?? {}, found = [];
+  const say = (name, value, more = '') => { if (value !== undefined && value !== null) found.push(el('div', {}, el('dt', {}, name), el('dd', {}, el('b', {}, value), more ? el('small', {}, more) : null))); };
+  const one = (table, column) => data[table]?.[column]?.[0];
+  if (data.geometry) say('Contact ratio', shown(one('geometry', 'contact_ratio'), 4), `centre distance ${shown(one('geometry', 'centre_distance_mm'))} mm`);
+  if (data.motion) say('Resonance', `${shown(one('motion', 'resonance_rpm'), 5)} 1/min`, `natural frequency ${shown(one('motion', 'natural_frequency_hz'), 5)} Hz`);
+  if (data.transmission_error?.relief_um?.length) {
+    const te = data.transmission_error, at = te.peak_to_peak_um.indexOf(Math.min(...te.peak_to_peak_um));
+    say('Transmission error', `${shown(te.peak_to_peak_um[at], 4)} µm`, `peak to peak, relief ${shown(te.relief_um[at])} µm`);
+  }
+  if (data.sweep_summary) say('Best of the list', `${shown(one('sweep_summary', 'best_relief_um'))} µm`, `largest DF ${shown(one('sweep_summary', 'worst_dynamic_factor'), 5)}`);
+  if (data.optimum) say('Optimum relief', `${shown(one('optimum', 'relief_um'), 4)} µm`, `largest DF ${shown(one('optimum', 'worst_dynamic_factor'), 5)} at ${shown(one('optimum', 'rpm'))} 1/min`);
+  byId('numbers').replaceChildren(...found);
+}
+
+// --- pictures -------------------------------------------------------------------
+
+const taskOf = (one) => one.task ?? about.tasks.find((task) => task.tables.includes(one.table))?.name;
+
+function picker(there) {
+  const options = PICTURES.map((one) => el('option', { value: one.id }, one.table in there ? one.title : `${one.title} (task ${taskOf(one)})`));
+  const here = options.filter((one) => byName(one.value).table in there), elsewhere = options.filter((one) => !(byName(one.value).table in there));
+  const select = el('select', { id: 'picture', 'aria-label': 'Picture' }, el('optgroup', { label: 'Of these results' }, ...here, el('option', { value: 'own' }, 'Any column over another …')),
+    elsewhere.length ? el('optgroup', { label: 'With another task' }, ...elsewhere) : null);
+  select.value = state.picture;
+  select.addEventListener('change', () => {
+    state.picture = select.value;
+    state.chosen = {};
+    if (state.picture === 'own' && !state.own.table) state.own = firstOwn(there);
+    remember();
+    refresh().then(() => byId('picture')?.focus());
+  });
+  return select;
+}
+
+function firstOwn(there) {
+  const table = Object.values(there).find((one) => one.rows > 1 && one.columns.filter((column) => column.kind !== 'text').length > 1);
+  return axesOf(table);
+}
+
+function axesOf(table) {
+  const numbers = table.columns.filter((one) => one.kind !== 'text');
+  const index = numbers.filter((one) => one.index), values = numbers.filter((one) => !one.index);
+  return { table: table.name, x: (index[index.length - 1] ?? numbers[0]).name, y: (values[0] ?? numbers[numbers.length - 1]).name };
+}
+
+function ownPicker(there) {
+  const select = (name, options, value, onchange) => {
+    const node = el('select', { onchange: () => { onchange(node.value); remember(); refresh(); } }, ...options.map(([id, words]) => el('option', { value: id }, words)));
+    node.value = value;
+    return el('label', {}, `${name} `, node);
+  };
+  const table = there[state.own.table], columns = table.columns.filter((one) => one.kind !== 'text').map((one) => [one.name, labelled(one)]);
+  return [
+    select('Table', Object.values(there).filter((one) => one.rows > 1).map((one) => [one.name, one.name]), table.name, (value) => { state.own = axesOf(there[value]); state.chosen = {}; }),
+    select('over', columns, state.own.x, (value) => { state.own.x = value; }),
+    select('is drawn', columns, state.own.y, (value) => { state.own.y = value; }),
+  ];
+}
+
+async function pictureTab(isSliding) {
+  const place = byId('view'), there = tablesOf(state.study);
+  if (state.picture === 'own' && !(state.own.table in there)) state.own = firstOwn(there);
+  const one = present(), bar = el('div', { className: 'bar' }, picker(there), ...(state.picture === 'own' ? ownPicker(there) : []));
+  if (!(one.table in there)) {
+    stopBody();
+    const task = taskOf(one);
+    const asked = (state.values.case?.tasks ?? '').match(/\w+/g) ?? [];
+    const add = el('button', { type: 'button', onclick: () => addTask(one, task, asked) }, asked.includes(task) ? 'Compute it' : `Compute ${task}, too`);
+    place.replaceChildren(bar, el('p', { className: 'empty' }, `This picture is of the task ${task}: ${about.tasks.find((found) => found.name === task)?.meaning ?? ''}.`), add);
+    return;
+  }
+  if (['stress', 'modes', 'grid'].includes(one.kind)) {
+    await bodyOf(place, bar, one, state, need, save);
+    return;
+  }
+  stopBody();
+  const study = state.study, data = await need(study, columnsOf(one, there));
+  if (study !== state.study) return;
+  if (there[one.table].rows === 0) { place.replaceChildren(bar, el('p', { className: 'empty' }, 'This table has no rows: there is nothing to draw.')); return; }
+  let spec = drawn(one, there, data, state.chosen);
+  if (!isSliding || state.kept.some((kept) => kept.isShown)) spec = beside(spec, await others(one));
+  show(place, bar, spec, one);
+}
+
+/** The same picture of each kept result that is shown and has its table. */
+async function others(one) {
+  const found = [];
+  for (const kept of state.kept.filter((item) => item.isShown && item.study)) {
+    const there = tablesOf(kept.study);
+    if (!(one.table in there)) continue;
+    const data = await need(kept.study, columnsOf(one, there));
+    try { found.push({ name: kept.name, spec: drawn(one, there, data, state.chosen) }); } catch { /* another shape of table */ }
+  }
+  return found;
+}
+
+async function addTask(one, task, asked) {
+  if (one.set && !state.given[one.set[0]]?.[one.set[1]]) await does.change(...one.set);
+  if (!asked.includes(task)) await does.change('case', 'tasks', [...asked, task].map((word) => `'${word}'`).join(', '));
+  if (state.error?.key) goTo(state.error.group, state.error.key);
+  else if (state.isStale && !state.error) await does.calculate();
+}
+
+function show(place, bar, spec, one) {
+  const wide = Math.max(300, place.clientWidth - 2), tall = Math.max(260, Math.min(460, Math.round(wide * 0.5), window.innerHeight - place.getBoundingClientRect().top - 110));
+  const drawing = chart(spec, wide, tall);
+  for (const family of spec.families ?? []) {
+    const select = el('select', { onchange: () => { state.chosen[family.name] = family.values[select.selectedIndex]; refresh(); } },
+      ...family.values.map((value) => el('option', {}, `${shown(value)}${family.unit ? ' ' + unit(family.unit) : ''}`)));
+    select.selectedIndex = Math.max(0, family.values.indexOf(state.chosen[family.name] ?? family.values[0]));
+    bar.append(el('label', {}, `${title(family.name, family.unit)} `, select));
+  }
+  bar.append(el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('svg', drawing, name(one)) }, 'SVG'), el('button', { type: 'button', onclick: () => save('png', drawing, name(one)) }, 'PNG'));
+  const readout = el('p', { className: 'readout', role: 'status', 'aria-live': 'polite' }, 'Point at a curve, or walk along it by the arrow keys.');
+  place.replaceChildren(bar, legend(spec), drawing, readout);
+  follow(drawing, readout);
+}
+
+const name = (one) => `${state.name}.${one.id}`;
+
+function legend(spec) {
+  const entries = spec.series.filter((one) => one.label).map((one) => {
+    const key = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+    key.setAttribute('width', 30);
+    key.setAttribute('height', 10);
+    key.innerHTML = spec.kind === 'bars' ? '<rect x="8" y="0" width="14" height="10"/>' : spec.kind === 'points' ? '<circle cx="15" cy="5" r="3.5"/>' : `<line x1="0" x2="30" y1="5" y2="5" stroke-dasharray="${one.dash}" stroke-width="${one.width ?? 2}"/>${one.kept ? '<circle cx="15" cy="5" r="3"/>' : ''}`;
+    key.style.stroke = key.style.fill = one.color;
+    return el('li', {}, key, one.label);
+  });
+  return el('ul', { className: 'legend' }, ...entries);
+}
+
+/** Says what is under the pointer, or under the place that the arrow keys lead to. */
+function follow(drawing, readout) {
+  const { spec } = drawing.places;
+  const ring = document.createElementNS('http://www.w3.org/2000/svg', 'circle');
+  ring.setAttribute('r', 5);
+  ring.setAttribute('class', 'ring');
+  ring.setAttribute('visibility', 'hidden');
+  drawing.append(ring);
+  let at = null;
+  const mark = (found) => {
+    at = found;
+    if (!found) return;
+    readout.textContent = told(spec, found);
+    ring.setAttribute('cx', found.px);
+    ring.setAttribute('cy', found.py);
+    ring.setAttribute('visibility', 'visible');
+  };
+  drawing.addEventListener('pointermove', (event) => { const box = drawing.getBoundingClientRect(); mark(nearest(drawing, event.clientX - box.left, event.clientY - box.top)); });
+  drawing.addEventListener('keydown', (event) => {
+    const step = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    if (spec.map || !at) { const { width, height } = drawing.places; mark(nearest(drawing, (at?.px ?? width / 2) + 12 * step[0], (at?.py ?? height / 2) + 12 * step[1])); return; }
+    const n = spec.series.length, s = (at.s + step[1] + n) % n, series = spec.series[s];
+    const i = Math.min(series.x.length - 1, Math.max(0, at.i + step[0]));
+    if (series.y[i] === null || series.x[i] === null) { at = { ...at, s, i }; readout.textContent = `${series.label || spec.ylabel}: no answer at ${spec.xlabel} ${shown(series.x[i])}`; return; }
+    mark({ x: series.x[i], y: series.y[i], s, i, label: series.label, px: drawing.places.x(series.x[i]), py: drawing.places.y(series.y[i]) });
+  });
+}
+
+// --- answer and text --------------------------------------------------------------
+
+function answerTab() {
+  const file = (what) => () => { window.location.href = `/file/${what}?study=${encodeURIComponent(state.study.study)}&name=${encodeURIComponent(state.name)}`; };
+  byId('view').replaceChildren(
+    el('div', { className: 'bar' }, el('button', { type: 'button', onclick: () => download(`${state.name}.txt`, state.study.report) }, 'Text'),
+      el('button', { type: 'button', onclick: file('report'), title: 'One page with the answer, pictures, small tables and the case' }, 'Report (HTML)'),
+      el('button', { type: 'button', onclick: file('all'), title: 'Case, answer, report, all tables as CSV and pictures as PNG and SVG' }, 'Everything (ZIP)')),
+    state.study.partial ? el('p', { className: 'note' }, state.study.partial) : '',
+    el('pre', { id: 'answer', tabIndex: 0 }, state.study.report));
+}
+
+function textTab() {
+  const area = el('textarea', { id: 'text', spellcheck: false, 'aria-label': 'The case as text', value: state.text });
+  const take = () => does.show(area.value, state.place, state.name).catch(does.told);
+  const unused = state.unused.length ? el('p', { className: 'note' }, `Given, but not used: ${state.unused.join('; ')}.`) : null;
+  return el('div', {}, el('div', { className: 'bar' }, el('button', { type: 'button', onclick: take }, 'Take this text'), el('button', { type: 'button', onclick: () => download(`${state.name}.nml`, area.value) }, 'Save')),
+    el('p', { className: 'hint shown' }, 'The same text as everywhere: for the program, Python and Fortran.'), unused, area);
+}

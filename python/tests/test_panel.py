@@ -1,0 +1,380 @@
+"""The front panel without a browser: what it answers, to whom, and which files it reads. What pages show is tested by test/panel.sh."""
+
+import http.client
+import io
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import GEARED, PARTIAL, PRESCRIBED
+
+import gearsweep
+from gearsweep import Case, Code, Error
+from gearsweep import panel as front
+from gearsweep._outline import contact_path
+from gearsweep.panel.desk import Desk, Gone
+from gearsweep.panel.given import given
+from gearsweep.panel.places import DATA, Places, description, file_keys
+from gearsweep.panel.server import Server
+
+ROOT = Path(__file__).parents[2]
+CASES = sorted(path.name for path in (ROOT / 'data').glob('*.nml'))
+# Far more points than are done before it is stopped.
+LONG = Case(PRESCRIBED).changed(case={'tasks': 'poincare'}, poincare={'settling_periods': 10_000_000}).text
+
+
+@pytest.fixture
+def desk(tmp_path):
+    return Desk(Places(tmp_path), {'place': 'data', 'name': 'case1.nml'})
+
+
+@pytest.fixture
+def server(desk):
+    one = Server(desk, 0)
+    thread = threading.Thread(target=one.serve_forever, daemon=True)
+    thread.start()
+    yield one
+    one.shutdown()
+    one.server_close()
+
+
+def ask(server, method, path, words=None, **headers):
+    """Status and body; the headers of a page of this server, but for those given."""
+    connection = http.client.HTTPConnection('127.0.0.1', server.server_port, timeout=60)
+    usual = {'Origin': server.address.rstrip('/'), 'Content_Type': 'application/json'} if method == 'POST' else {}
+    connection.request(method, path, None if words is None else json.dumps(words),
+                       {name.replace('_', '-'): value for name, value in {**usual, **headers}.items() if value is not None})  # fmt: skip
+    answer = connection.getresponse()
+    body = answer.read()
+    connection.close()
+    return answer.status, body
+
+
+def same(values, column):
+    """Does JSON hold this column: NaN as null, all else to the last bit?"""
+    return [None if value != value else value for value in np.asarray(column).ravel().tolist()] == values
+
+
+# --- loaded only when asked for ---------------------------------------------------
+
+
+def test_nothing_of_it_is_loaded_without_it():
+    code = 'import gearsweep, sys; gearsweep.Case("").changed(pinion={"teeth": 20}); import gearsweep.__main__; print(*sys.modules)'
+    loaded = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True).stdout.split()
+    assert 'gearsweep.case' in loaded
+    assert not [name for name in loaded if name.startswith('gearsweep.panel') or name in ('http.server', 'webbrowser', 'matplotlib')]
+
+
+def test_it_needs_nothing_but_what_the_package_needs():
+    code = 'import gearsweep.panel, sys; print(*(name.partition(".")[0] for name in sys.modules))'
+    loaded = set(subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True).stdout.split())
+    assert loaded - set(sys.stdlib_module_names) - {'numpy', 'gearsweep', '__main__'} == {
+        name for name in loaded if name.startswith(('_distutils_hack', 'sitecustomize', 'usercustomize', '__mp', '_cython', 'cython'))
+    }
+
+
+# --- cases ------------------------------------------------------------------------
+
+
+def test_the_papers_cases_are_those_of_the_sources():
+    assert sorted(path.name for path in DATA.glob('*.nml')) == CASES
+    for name in CASES:
+        assert (DATA / name).read_bytes() == (ROOT / 'data' / name).read_bytes()
+
+
+@pytest.mark.parametrize('name', CASES)
+def test_fields_show_what_the_library_reads(name, desk):
+    """Each value that the text gives is the one in effect, where that is of one kind with it."""
+    answer = desk.open('data', name)
+    assert answer['error'] is None and answer['given']
+    for group, keys in answer['given'].items():
+        for key, words in keys.items():
+            if key in answer['values'].get(group, {}):
+                raw, in_effect = words.replace(' ', ''), answer['values'][group][key].replace(' ', '')
+                assert raw == in_effect or plain(raw) == plain(in_effect), (group, key)
+
+
+def plain(words):
+    """The values of a list, with repeats written out."""
+    found = []
+    for word in words.split(','):
+        count, _, value = word.rpartition('*')
+        found += [float(value)] * int(count or 1) if value.replace('.', '').replace('-', '').replace('e', '').isdigit() else [value]
+    return found
+
+
+def test_what_is_typed_is_shown_as_it_is_typed_whatever_it_is():
+    assert given("&pinion teeth = 2x5 ! teeth = 7\n addendum= 1, / gear teeth = 3 &gear teeth=4, 5 tip_diameter_mm =1e2/") == {
+        'pinion': {'teeth': '2x5', 'addendum': '1,'}, 'gear': {'teeth': '4, 5', 'tip_diameter_mm': '1e2'}}  # fmt: skip
+    assert given("&case title = 'it''s / & !a = 3' /") == {'case': {'title': "'it''s / & !a = 3'"}}
+    assert given('no group a = 3') == {} == given('')
+
+
+def test_a_change_is_that_of_the_library(desk):
+    text = desk.open('data', 'case1.nml')['text']
+    assert desk.change(text, 'data', 'pinion', 'teeth', '31')['text'] == Case(text).changed(pinion={'teeth': 31}).text
+    assert desk.change(text, 'data', 'relief', 'amount_um', '0, 7.5')['given']['relief']['amount_um'] == '0, 7.5'
+    assert desk.change(text, 'data', 'case', 'title', "the mill's")['text'] == Case(text).changed(case={'title': "the mill's"}).text
+    assert 'damping_ratio' not in desk.change(text, 'data', 'dynamics', 'damping_ratio', None)['given']['dynamics']
+    assert desk.change(text, 'data', 'mesh', 'model', 'weber')['given']['mesh']['model'] == "'weber'"
+
+
+@pytest.mark.parametrize('value', ['3', 'abc', '25 30', '1e99', '/', '25 ! x', '25\n&gear', "'"])
+def test_bad_values_get_the_librarys_message_beside_their_key(value, desk):
+    text = desk.open('data', 'case1.nml')['text']
+    answer = desk.change(text, 'data', 'pinion', 'teeth', value)
+    assert (answer['error']['group'], answer['error']['key']) == ('pinion', 'teeth')
+    assert answer['error']['message'].startswith('&pinion teeth = ')
+    if answer.get('unchanged'):
+        assert answer['text'] == text
+    else:
+        with pytest.raises(Error) as expected:
+            Case(answer['text']).complete()
+        assert answer['error']['message'] == str(expected.value)
+
+
+def test_all_keys_are_described():
+    about = json.loads(gearsweep._library.describe('keys'))
+    assert description()['keys'] == about and len(about) > 100
+
+
+# --- runs -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('text', [GEARED, PRESCRIBED, PARTIAL])
+def test_numbers_are_those_of_the_package(text, desk):
+    study = desk.study(desk.run(text, '')['study'])
+    answer = desk.run(text, '', columns=dict.fromkeys(study.tables), earlier='none')
+    for table in gearsweep.run(Case(text)) if text is not PARTIAL else study:
+        if not all(table.is_reproducible.values()):
+            continue
+        for column in table:
+            assert same(answer['columns'][table.name][column], table._read(column)), (table.name, column)
+    assert answer['report'] == study.report()
+    assert bool(answer['partial']) == (text is PARTIAL)
+
+
+def test_a_run_from_the_last_gives_the_same_bits_and_takes_its_place(desk):
+    text = Case(GEARED).changed(dynamics={'damping_ratio': 0.2}).text
+    first = desk.run(GEARED, '')
+    again = desk.run(text, '', ['sweep'], earlier=first['study'], drop=first['study'], columns={'sweep': ['dynamic_factor', 'none']})
+    assert list(again['columns']['sweep']) == ['dynamic_factor']
+    assert same(again['columns']['sweep']['dynamic_factor'], gearsweep.run(Case(text), 'sweep').sweep.dynamic_factor)
+    assert 'taken over' in desk.study(again['study']).log
+    with pytest.raises(Gone):
+        desk.table(first['study'], 'sweep')
+
+
+def test_studies_have_names_that_no_other_window_knows(desk):
+    names = {desk.run(PRESCRIBED, '', ['mesh'])['study'] for _ in range(3)}
+    assert len(names) == 3 and all(len(name) >= 16 for name in names)
+    with pytest.raises(Gone):
+        desk.table('x', 'sweep')
+
+
+def test_a_run_is_stopped_from_another_thread(desk):
+    ended = []
+
+    def run():
+        try:
+            desk.run(LONG, '', run='it')
+        except Error as error:
+            ended.append(error.code)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    deadline = time.monotonic() + 60
+    while not desk.stop('it'):  # until it has begun
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    thread.join(60)
+    assert ended == [Code.INTERRUPTED] and not desk.stop('it')
+
+
+@pytest.mark.parametrize('changes', [{}, {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}, {'gear': {'teeth': 900}}])
+def test_drawn_teeth_touch_on_the_path_of_contact_in_every_phase(changes, desk):
+    """Flank and path are known apart: the outline turns, and must go through the points of the line of action."""
+    case = Case(GEARED).changed(**changes)
+    study, scene = gearsweep.run(case, 'section'), desk.run(case.text, '', ['mesh'], teeth=True)['scene']
+    size = 0.002 * scene['module']  # the chords lie off the flank by less
+    for s in (0.05, 0.4, 0.9, scene['contact_ratio'] - 0.05):
+        touch = contact_path(study, np.array([s]))[0]
+        for member, way, centre in (('pinion', 1, 0.0), ('gear', -1, scene['centre'])):
+            about = scene[member]
+            angle = way * about['turn'] * s
+            cos, sin = np.cos(angle), np.sin(angle)
+            tooth = np.array(about['tooth']) @ np.array([[cos, -sin], [sin, cos]]) + [0, centre]
+            assert distance(touch, tooth) < size, (member, s)
+    assert scene['pinion']['turn'] == pytest.approx(2 * np.pi / 21, rel=1e-12)  # a mesh period is a pitch
+
+
+def distance(point, line):
+    """Of a point from a line of chords."""
+    start, side = line[:-1], np.diff(line, axis=0)
+    length = (side**2).sum(axis=1)
+    part = np.clip(((point - start) * side).sum(axis=1) / np.where(length > 0, length, 1), 0, 1)
+    return np.hypot(*(start + part[:, None] * side - point).T).min()
+
+
+def test_a_prescribed_mesh_has_no_teeth(desk):
+    assert desk.run(PRESCRIBED, '', ['mesh'], teeth=True)['scene'] is None
+
+
+# --- files that a case names ------------------------------------------------------
+
+TABLE = Case(PRESCRIBED).changed(mesh={'coefficients': None, 'model': 'table'})
+CONTENT = '0 400\n0.8 500\n1.6 400\n'
+
+
+def test_files_are_read_in_the_cases_folder(tmp_path, desk):
+    (tmp_path / 'table.txt').write_text(CONTENT)
+    text = TABLE.changed(mesh={'file': 'table.txt'}).text
+    answer = desk.run(text, 'folder', ['mesh'], columns={'mesh': None})
+    assert max(answer['columns']['mesh']['pair_stiffness_n_um']) == pytest.approx(500)
+
+
+@pytest.mark.parametrize('name', ['{outside}/table.txt', '../outside/table.txt', 'sub/../../outside/table.txt', 'link.txt', 'linked/table.txt'])
+def test_files_elsewhere_are_refused(name, tmp_path):
+    (tmp_path / 'outside').mkdir()
+    (tmp_path / 'outside/table.txt').write_text(CONTENT)
+    folder = tmp_path / 'cases'
+    (folder / 'sub').mkdir(parents=True)
+    (folder / 'link.txt').symlink_to(tmp_path / 'outside/table.txt')
+    (folder / 'linked').symlink_to(tmp_path / 'outside')
+    text = TABLE.changed(mesh={'file': name.format(outside=tmp_path / 'outside')}).text
+    gearsweep.run(Case(text, str(folder)), 'mesh')  # the library itself would read it
+    with pytest.raises(Error, match=r'&mesh file = .*: must lie in the folder of the case'):
+        Desk(Places(folder), {}).run(text, 'folder', ['mesh'])
+
+
+def test_a_case_from_the_browser_names_no_files(tmp_path, desk, monkeypatch):
+    (tmp_path / 'table.txt').write_text(CONTENT)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(Error, match='this case has no folder'):
+        desk.run(TABLE.changed(mesh={'file': 'table.txt'}).text, '', ['mesh'])
+
+
+def test_every_key_that_says_that_it_names_a_file_is_watched():
+    saying = {(key['group'], key['name']) for key in description()['keys'] if key['meaning'].startswith('file ')}
+    assert saying and saying <= set(file_keys())
+
+
+def test_only_cases_in_the_folder_are_opened(tmp_path):
+    folder = tmp_path / 'cases'
+    folder.mkdir()
+    (tmp_path / 'other.nml').write_text(PRESCRIBED)
+    (folder / 'mine.nml').write_text(PRESCRIBED)
+    (folder / 'link.nml').symlink_to(tmp_path / 'other.nml')
+    (folder / 'notes.txt').write_text('x')
+    desk = Desk(Places(folder), {})
+    assert [one['name'] for one in desk.about()['cases'] if one['place'] == 'folder'] == ['mine.nml']
+    assert desk.open('folder', 'mine.nml')['text'] == PRESCRIBED
+    for name in ('../other.nml', str(tmp_path / 'other.nml'), 'link.nml', 'notes.txt', 'none.nml'):
+        with pytest.raises(Error):
+            desk.open('folder', name)
+
+
+# --- the server -------------------------------------------------------------------
+
+
+def test_it_listens_to_this_machine_alone(server):
+    assert server.server_address[0] == '127.0.0.1'
+
+
+@pytest.mark.parametrize('headers', [
+    {'Host': 'example.org'}, {'Host': '127.0.0.1:80'}, {'Origin': 'http://example.org'}, {'Origin': 'null'},
+    {'Sec_Fetch_Site': 'cross-site'}, {'Content_Type': 'text/plain'}, {'Content_Type': None},
+])  # fmt: skip
+def test_pages_of_others_are_refused(headers, server):
+    assert ask(server, 'POST', '/call/check', {'text': '', 'place': ''}, **headers)[0] == 403
+    if not headers.keys() & {'Content_Type', 'Origin'}:
+        assert ask(server, 'GET', '/', **headers)[0] == 403
+    assert ask(server, 'POST', '/call/check', {'text': '', 'place': ''})[0] == 200
+
+
+def test_only_the_pages_own_files_are_served(server):
+    for path in ('/', '/static/app.js', '/static/style.css', '/static/icon.svg'):
+        assert ask(server, 'GET', path)[0] == 200
+    for path in ('/static/../desk.py', '/static/%2e%2e/desk.py', '/static/', '/static/none.js', '/desk.py', '/call/about', '/file/none'):
+        assert ask(server, 'GET', path)[0] in (400, 404, 410)
+    for path in ('/call/_keep', '/call/study', '/about', '/call/'):
+        assert ask(server, 'POST', path, {})[0] == 404
+
+
+def test_requests_that_are_none_are_refused(server):
+    assert ask(server, 'POST', '/call/check', [1])[0] == 400
+    assert ask(server, 'POST', '/call/check', {'nothing': 1})[0] == 400
+    assert ask(server, 'POST', '/call/check', {'text': 5, 'place': ''})[0] == 400
+    assert ask(server, 'POST', '/call/check', {}, Content_Length='999999999999')[0] == 400
+
+
+def test_a_run_comes_line_by_line_and_its_files_are_the_programs(server, tmp_path):
+    case = Case(PRESCRIBED).changed(case={'tasks': 'sweep'})
+    status, body = ask(server, 'POST', '/call/run', {'text': case.text, 'place': ''})
+    lines = [json.loads(line) for line in body.splitlines()]
+    assert status == 200 and all(set(line) == {'done', 'of'} for line in lines[:-1])
+    study = lines[-1]['result']['study']
+    gearsweep.run(case).write(tmp_path, 'pair')
+    status, table = ask(server, 'GET', f'/file/table?study={study}&table=sweep&name=pair')
+    assert status == 200 and table == (tmp_path / 'pair.sweep.csv').read_bytes()
+    status, everything = ask(server, 'GET', f'/file/all?study={study}&name=..%2Fpair')
+    names = {os.path.basename(name): name for name in zipfile.ZipFile(io.BytesIO(everything)).namelist()}
+    assert {'_pair.sweep.csv', '_pair.sweep.svg', '_pair.sweep.png', '_pair.html', '_pair.nml'} <= set(names)
+    assert not any('/..' in name or name.startswith(('/', '../')) for name in names.values())
+    assert ask(server, 'GET', '/file/table?study=none&table=sweep')[0] == 410
+
+
+def test_a_bad_case_is_an_error_line(server):
+    body = ask(server, 'POST', '/call/run', {'text': '&pinion teeth = 3 /', 'place': ''})[1]
+    assert json.loads(body)['error']['code'] == 'INPUT'
+
+
+def test_the_report_stands_alone_and_has_the_answer(desk):
+    from gearsweep.panel.report import drawings, report
+
+    study = gearsweep.run(Case(GEARED).changed(case={'title': '<script>alert(1)</script> & co'}), 'optimum')
+    page = report(study, drawings(study, 'svg'))
+    assert '<script' not in page and '&lt;script&gt;alert(1)&lt;/script&gt; &amp; co' in page
+    assert 'http' not in page.replace('http://www.w3.org', '').replace('https://www.w3.org', '').replace('http://purl.org', '').replace('http://creativecommons.org', '').replace('https://matplotlib.org', '')
+    assert page.count('<svg') == len(list(gearsweep.plots.figures(study)))
+    assert f'{study.optimum.relief_um:.6g}' in page
+
+
+# --- the command ------------------------------------------------------------------
+
+
+def test_its_command_line(tmp_path):
+    assert front.arguments([]) == ('', None, True)
+    assert front.arguments(['x.nml', '--port', '0', '--no-browser']) == ('x.nml', 0, False)
+    for words in (['--port'], ['--port', '70000'], ['--port', 'x'], ['--none'], ['a', 'b']):
+        with pytest.raises(Error) as error:
+            front.arguments(words)
+        assert error.value.code == Code.USAGE
+    with pytest.raises(Error):
+        front.desk_of(str(tmp_path / 'none.nml'))
+    (tmp_path / 'mine.nml').write_text(PRESCRIBED)
+    assert front.desk_of(str(tmp_path / 'mine.nml')).about()['start'] == {'place': 'folder', 'name': 'mine.nml'}
+
+
+def test_a_port_that_is_taken_is_told_or_replaced(server):
+    with pytest.raises(Error, match=f'--port {server.server_port}: '):
+        front.listen(server.desk, server.server_port)
+
+
+def test_it_ends_with_ctrl_c(tmp_path):
+    words = [sys.executable, '-m', 'gearsweep', 'panel', '--no-browser', '--port', '0']
+    process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout.readline().startswith('The panel is at http://127.0.0.1:')
+        process.send_signal(2)
+        assert process.wait(30) == 0 and process.stderr.read() == ''
+    finally:
+        process.kill()
+        process.communicate()

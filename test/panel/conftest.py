@@ -1,0 +1,168 @@
+"""A panel's server in a folder of its own, and pages of it in a browser without a window."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+import gearsweep
+
+ROOT = Path(__file__).parents[2]
+SMALL = """! A small pair on a coarse grid.
+&case title = 'Small pair' tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 /  ! the driving one
+&gear teeth = 34 /
+&load torque_nm = 100 /
+&relief amount_um = 0, 10 /
+&mesh model = 'fe' /
+&section elements_across = 4 /
+&sweep rpm_first = 3000 rpm_last = 9000 rpm_step = 500 load_rpm = 4000 /
+"""
+LONG = """&case tasks = 'poincare' /
+&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
+&load normal_force_n = 6858 / &relief amount_um = 0 /
+&mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
+&sweep rpm_first = 2000 rpm_last = 16000 rpm_step = 10 /
+&poincare settling_periods = 1000000 /
+"""
+
+
+class Front:
+    """The command `gearsweep panel` in a folder."""
+
+    def __init__(self, folder, port=0):
+        words = [sys.executable, '-m', 'gearsweep', 'panel', str(folder), '--no-browser', '--port', str(port)]
+        self.process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        self.address = re.search(r'http\S+', self.process.stdout.readline())[0]
+        self.port = int(self.address.rstrip('/').rpartition(':')[2])
+
+    def end(self):
+        self.process.kill()
+        self.process.communicate()
+
+
+@pytest.fixture(scope='session')
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp('cases')
+    (path / 'small.nml').write_text(SMALL)
+    (path / 'long.nml').write_text(LONG)
+    return path
+
+
+@pytest.fixture(scope='session')
+def front(folder):
+    one = Front(folder)
+    yield one
+    one.end()
+
+
+@pytest.fixture(scope='session')
+def browser():
+    path = shutil.which('chromium')
+    if path is None:
+        pytest.fail('there is no chromium; sh test/run.sh --panel installs it')
+    with sync_playwright() as driver:
+        one = driver.chromium.launch(executable_path=path, args=['--no-sandbox'])
+        yield one
+        one.close()
+
+
+class Window:
+    """A page of the panel, and what people do with it."""
+
+    def __init__(self, browser, address, **options):
+        self.context = browser.new_context(**{'viewport': {'width': 1280, 'height': 900}, 'accept_downloads': True} | options)
+        self.context.set_default_timeout(60000)
+        self.page = self.context.new_page()
+        self.said, self.asked = [], []
+        self.page.on('console', lambda message: self.said.append(message.text) if message.type in ('error', 'warning') else None)
+        self.page.on('pageerror', lambda error: self.said.append(str(error)))
+        self.page.on('request', lambda request: self.asked.append(request.url))
+        self.address = address
+        self.page.goto(address)
+        self.ready()
+
+    def ready(self):
+        """Waits until no run is under way and the state tells so."""
+        self.page.locator('#state', has_text=re.compile('Done in|must|missing|refused|Stopped|needs')).wait_for()
+        self.page.locator('#cancel').wait_for(state='hidden')
+        return self
+
+    def open(self, name, place='folder'):
+        self.page.select_option('#cases', f'{place}/{name}')
+        self.until(lambda: self.page.title().startswith(f'{name.removesuffix(".nml")} '))
+        return self.settled()
+
+    def settled(self):
+        """Waits until the results are those of the case: nothing is stale, or an error is told."""
+        self.page.locator('#results:not(.stale), #state.error').first.wait_for()
+        return self.ready()
+
+    def field(self, group, key):
+        return self.page.locator(f'#{group}\\.{key}')
+
+    def type(self, group, key, words):
+        """Types into a field, and waits for what follows from it."""
+        before = self.text()
+        field = self.field(group, key)
+        field.fill(words)
+        field.dispatch_event('change')
+        self.until(lambda: self.text() != before)
+        return self.settled()
+
+    def text(self):
+        """The case's text as this window keeps it."""
+        return self.page.evaluate("() => JSON.parse(sessionStorage.getItem('gearsweep')).text")
+
+    def until(self, what):
+        for _ in range(600):
+            if what():
+                return
+            self.page.wait_for_timeout(50)
+        raise AssertionError('it did not come about')
+
+    def tab(self, name):
+        self.page.click(f'#tab\\.{name}')
+        return self
+
+    def number(self, name):
+        """What the numbers at a glance say."""
+        return self.page.locator('#numbers > div', has_text=name).locator('b').inner_text()
+
+    def shoot(self, name):
+        """A picture for whoever wants to look."""
+        if os.environ.get('GEARSWEEP_SHOTS'):
+            Path(os.environ['GEARSWEEP_SHOTS']).mkdir(exist_ok=True, parents=True)
+            self.page.screenshot(path=f'{os.environ["GEARSWEEP_SHOTS"]}/{name}.png')
+
+    def close(self):
+        self.context.close()
+
+
+@pytest.fixture
+def window(browser, front):
+    """A new window with the small pair."""
+    one = Window(browser, front.address)
+    one.open('small.nml')
+    yield one
+    assert one.said == [], 'the browser complained'
+    one.close()
+
+
+@pytest.fixture(scope='session')
+def small():
+    """What the library itself says of the small pair."""
+    return gearsweep.run(gearsweep.Case(SMALL))
+
+
+def shown(value, digits=5):
+    """A number as the page writes it."""
+    if float(value).is_integer() and abs(value) < 1e7:
+        return str(int(value))
+    return repr(float(f'{value:.{digits}g}')).removesuffix('.0')

@@ -1,0 +1,287 @@
+"""The panel as people use it: inputs, results, comparisons, files, several windows, a lost server."""
+
+import io
+import re
+import zipfile
+
+import pytest
+from conftest import LONG, SMALL, Front, Window, shown
+
+import gearsweep
+
+CASE = gearsweep.Case(SMALL)
+
+
+def cells(window):
+    return [row.inner_text().split('\t') for row in window.page.locator('#view tbody tr').all()]
+
+
+# --- answers ------------------------------------------------------------------------
+
+
+def test_it_opens_with_an_answer_and_no_help_from_outside(browser, front):
+    window = Window(browser, front.address)
+    case = gearsweep.Case(window.text())
+    assert case.get('case', 'title') == 'Dogan, Kalay, Karpat 2021, case 1'
+    study = gearsweep.run(case)
+    assert window.number('Optimum relief') == f'{shown(study.optimum.relief_um, 4)} µm'
+    assert window.number('Contact ratio') == shown(study.geometry.contact_ratio, 4)
+    assert window.page.locator('#view svg.chart').is_visible()
+    assert all(url.startswith((front.address, 'data:', 'blob:')) for url in window.asked)
+    assert window.said == []
+    window.close()
+
+
+def test_its_numbers_are_the_librarys(window, small):
+    assert window.number('Resonance') == f'{shown(small.motion.resonance_rpm)} 1/min'
+    assert window.number('Best of the list') == f'{shown(small.sweep_summary.best_relief_um)} µm'
+    window.tab('tables').page.select_option('#table', 'sweep_worst')
+    window.page.locator('th', has_text='Worst dynamic factor').wait_for()
+    table = small.sweep_worst
+    expected = [[shown(a), shown(b, 6), shown(c, 6)] for a, b, c in zip(table.relief_um, table.worst_dynamic_factor, table.rpm)]
+    assert cells(window) == expected
+    assert window.tab('answer').page.locator('#answer').inner_text().rstrip() == small.report().rstrip()
+
+
+def test_a_change_gives_what_the_library_gives(window):
+    window.type('pinion', 'teeth', '25')
+    study = gearsweep.run(CASE.changed(pinion={'teeth': 25}))
+    assert window.text() == CASE.changed(pinion={'teeth': 25}).text
+    assert window.number('Contact ratio') == shown(study.geometry.contact_ratio, 4)
+    assert window.number('Optimum relief') == f'{shown(study.optimum.relief_um, 4)} µm'
+
+
+def test_the_readout_tells_points_of_the_sweep(window, small):
+    chart = window.page.locator('#view svg.chart')
+    chart.focus()
+    chart.press('ArrowRight')
+    said = window.page.locator('.readout').inner_text()
+    found = re.fullmatch(r'relief (\S+) µm: Dynamic factor (\S+) at Speed \(1/min\) (\S+)', said)
+    point = small.sweep.at(relief_um=float(found[1]), rpm=float(found[3]))
+    assert found[2] == shown(point.dynamic_factor)
+    chart.press('ArrowRight')
+    assert window.page.locator('.readout').inner_text() != said
+
+
+def test_a_slider_moves_the_number_at_the_caret_and_the_curves_follow(window):
+    field = window.field('relief', 'amount_um')
+    field.click()
+    field.press('End')
+    slider = window.page.locator('#field\\.relief\\.amount_um input[type=range]')
+    before = window.page.locator('#view svg.chart .curve').nth(1).get_attribute('d')
+    slider.evaluate("(one) => { one.value = 6; one.dispatchEvent(new Event('input', { bubbles: true })); }")
+    window.until(lambda: window.page.locator('#view svg.chart .curve').nth(1).get_attribute('d') != before)
+    slider.evaluate("(one) => one.dispatchEvent(new Event('change', { bubbles: true }))")
+    window.settled()
+    amounts = gearsweep.Case(window.text()).get('relief', 'amount_um')
+    assert amounts[0] == 0 and amounts[1] == pytest.approx(6, abs=0.1)
+    study = gearsweep.run(gearsweep.Case(window.text()))
+    assert window.number('Best of the list') == f'{shown(study.sweep_summary.best_relief_um)} µm'
+    window.page.click('#undo')  # of the whole way of the slider
+    window.until(lambda: window.text() == SMALL)
+
+
+@pytest.mark.parametrize('name', [f'{one}.nml' for one in ('case1', 'case2', 'fzg_c40', 'hassan', 'precision', 'stplus_kst_e', 'thamba')])
+def test_every_papers_case_is_one_click_away(name, browser, front):
+    window = Window(browser, front.address).open(name, 'data')
+    assert 'Done in' in window.page.locator('#state').inner_text()
+    assert window.page.locator('#teeth').is_visible()
+    window.shoot(f'case_{name}')
+    assert window.said == []
+    window.close()
+
+
+# --- inputs -------------------------------------------------------------------------
+
+
+def test_every_key_has_a_field_that_is_found(window):
+    import json
+
+    keys = json.loads(gearsweep._library.describe('keys'))
+    for key in keys:
+        assert window.page.locator(f'#field\\.{key["group"]}\\.{key["name"]}').count() == 1, key['name']
+    for group, key in (('rating', 'running_in'), ('numerics', 'tolerance'), ('pinion', 'protuberance_mm')):
+        window.page.fill('#find', f'{group} {key}')
+        assert window.page.locator(f'#field\\.{group}\\.{key}').is_visible()
+    window.page.fill('#find', '')
+
+
+@pytest.mark.parametrize('group, key, words', [('pinion', 'teeth', '3'), ('pinion', 'teeth', 'many'), ('relief', 'amount_um', '0, -4'), ('pair', 'centre_distance_mm', '10')])
+def test_bad_input_gets_the_librarys_message_beside_its_field(group, key, words, window):
+    with pytest.raises(gearsweep.Error) as expected:
+        text = gearsweep._library.edit('change', SMALL, group, key, words)
+        gearsweep.run(gearsweep.Case(text))
+    window.type(group, key, words)
+    message = window.page.locator(f'#error\\.{group}\\.{key}')
+    message.wait_for()
+    assert message.inner_text() == str(expected.value)
+    assert window.field(group, key).get_attribute('aria-invalid') == 'true'
+    assert 'stale' in window.page.locator('#results').get_attribute('class')
+    window.shoot(f'bad_{key}')
+    window.page.click('#undo')
+    window.until(lambda: window.text() == SMALL)
+    window.settled()
+    assert message.is_hidden()
+
+
+def test_what_cannot_stand_in_a_case_leaves_it_alone(window):
+    window.field('pinion', 'teeth').fill('2 / &gear')
+    window.page.locator('#error\\.pinion\\.teeth').wait_for()
+    assert window.text() == SMALL
+
+
+def test_undo_and_redo(window):
+    window.type('pinion', 'teeth', '23')
+    window.type('load', 'torque_nm', '150')
+    window.page.click('#undo')
+    window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 23}).text)
+    window.settled()
+    assert window.field('load', 'torque_nm').input_value() == '100'
+    window.page.keyboard.press('Control+z')
+    window.until(lambda: window.text() == SMALL)
+    window.page.keyboard.press('Control+Shift+Z')
+    window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 23}).text)
+
+
+def test_a_task_is_added_where_a_picture_needs_it(window):
+    window.page.select_option('#picture', 'stability')
+    window.page.locator('#view button', has_text='Compute stability').click()
+    window.until(lambda: 'stability' in gearsweep.Case(window.text()).tasks)
+    window.page.locator('#view svg.chart').wait_for()
+    window.shoot('stability')
+
+
+# --- runs ---------------------------------------------------------------------------
+
+
+def test_a_long_run_shows_its_progress_and_is_cancelled(window):
+    window.page.select_option('#cases', 'folder/long.nml')
+    window.page.locator('#state', has_text=re.compile(r'of \d+ points|calculating')).wait_for()
+    window.page.locator('#progress').wait_for()
+    window.shoot('running')
+    window.page.click('#cancel')
+    window.page.locator('#state', has_text='Stopped').wait_for()
+    assert window.page.locator('#progress').is_hidden()
+    assert window.text() == LONG
+    window.open('small.nml')
+    assert 'Done in' in window.page.locator('#state').inner_text()
+
+
+def test_without_at_once_it_waits_for_the_button(window):
+    window.page.uncheck('#auto')
+    before = window.number('Contact ratio')
+    window.field('pinion', 'teeth').fill('25')
+    window.until(lambda: 'stale' in (window.page.locator('#results').get_attribute('class') or ''))
+    window.page.wait_for_timeout(300)
+    assert window.number('Contact ratio') == before
+    window.page.keyboard.press('Control+Enter')
+    window.settled()
+    assert window.number('Contact ratio') == shown(gearsweep.run(CASE.changed(pinion={'teeth': 25}), 'geometry').geometry.contact_ratio, 4)
+
+
+# --- comparisons and files ----------------------------------------------------------
+
+
+def test_results_are_kept_by_name_and_compared(window, small):
+    window.tab('compare')
+    window.page.fill('#keepname', 'before')
+    window.page.click('#view button[type=submit]')
+    window.page.locator('.kept', has_text='before').wait_for()
+    window.type('dynamics', 'damping_ratio', '0.3')
+    row = window.page.locator('tr', has_text='&dynamics damping_ratio')
+    row.wait_for()
+    assert row.inner_text().split('\t')[1:] == ['0.3', '(default)']
+    now = gearsweep.run(CASE.changed(dynamics={'damping_ratio': 0.3}))
+    row = window.page.locator('tr', has_text='Worst dynamic factor').filter(has_text='optimum').first
+    assert row.inner_text().split('\t')[1:] == [shown(now.optimum.worst_dynamic_factor), shown(small.optimum.worst_dynamic_factor)]
+    window.shoot('compare')
+    window.tab('pictures')
+    window.page.locator('.legend', has_text='before: relief 10 µm').wait_for()
+    assert window.page.locator('#view svg.chart .curve').count() == 4
+    window.shoot('beside')
+
+
+def saved(window, click):
+    with window.page.expect_download() as found:
+        click()
+    return found.value.suggested_filename, found.value.path().read_bytes()
+
+
+def test_the_case_is_saved_and_opened_as_the_same_text(window, tmp_path):
+    name, content = saved(window, lambda: window.page.click('#save'))
+    assert (name, content.decode()) == ('small.nml', SMALL)
+    other = tmp_path / 'other.nml'
+    other.write_text(CASE.changed(pinion={'teeth': 30}).text)
+    window.page.set_input_files('#file', str(other))
+    window.until(lambda: window.text() == other.read_text())
+    window.settled()
+    assert window.field('pinion', 'teeth').input_value() == '30'
+
+
+def test_tables_pictures_and_reports_are_files(window, small, tmp_path):
+    small.write(tmp_path, 'small')
+    window.tab('tables').page.select_option('#table', 'sweep')
+    window.page.locator('th', has_text='Floquet').wait_for()
+    name, content = saved(window, lambda: window.page.click('text=CSV'))
+    assert name == 'small.sweep.csv' and content == (tmp_path / name).read_bytes()
+    window.tab('pictures').page.locator('#view svg.chart').wait_for()
+    name, content = saved(window, lambda: window.page.click('#view button:text-is("SVG")'))
+    assert name == 'small.sweep.svg' and content.startswith(b'<svg') and b'relief 10' in content and b'class=' not in content
+    name, content = saved(window, lambda: window.page.click('#view button:text-is("PNG")'))
+    assert name == 'small.sweep.png' and content.startswith(b'\x89PNG') and len(content) > 20000
+    window.tab('answer')
+    name, content = saved(window, lambda: window.page.click('text=Report (HTML)'))
+    assert name == 'small.html' and small.report().splitlines()[0].encode() in content
+    name, content = saved(window, lambda: window.page.click('text=Everything (ZIP)'))
+    assert {'small/small.sweep.csv', 'small/small.sweep.png', 'small/small.nml'} <= set(zipfile.ZipFile(io.BytesIO(content)).namelist())
+
+
+# --- windows ------------------------------------------------------------------------
+
+
+def test_two_windows_know_nothing_of_each_other(window, browser, front):
+    other = Window(browser, front.address).open('small.nml')
+    twin = window.context.new_page()  # of the same browser profile
+    twin.goto(front.address)
+    twin.locator('#state', has_text='Done in').wait_for()
+    window.type('pinion', 'teeth', '27')
+    window.tab('compare')
+    window.page.click('#view button[type=submit]')
+    assert other.text() == SMALL and other.field('pinion', 'teeth').input_value() == '21'
+    assert 'case1' in twin.title() and twin.input_value('#pinion\\.teeth') == '25'
+    other.tab('compare')
+    assert other.page.locator('.kept').count() == 0
+    twin.close()
+    other.close()
+
+
+def test_a_reload_brings_everything_back(window):
+    window.type('pinion', 'teeth', '27')
+    window.tab('compare')
+    window.page.fill('#keepname', 'mine')
+    window.page.click('#view button[type=submit]')
+    window.page.locator('.kept', has_text='mine').wait_for()
+    before = window.text(), window.number('Contact ratio')
+    window.page.reload()
+    window.ready()
+    assert (window.text(), window.number('Contact ratio')) == before
+    window.page.locator('.kept', has_text='mine').wait_for()
+    window.page.click('#undo')
+    window.until(lambda: window.text() == SMALL)
+
+
+def test_a_lost_server_is_told_and_comes_back(browser, folder):
+    front = Front(folder)
+    window = Window(browser, front.address).open('small.nml')
+    front.end()
+    window.field('pinion', 'teeth').fill('26')
+    window.page.locator('#lost', has_text='does not answer').wait_for()
+    window.shoot('lost')
+    again = Front(folder, front.port)
+    window.page.locator('#lost').wait_for(state='hidden')
+    window.field('pinion', 'teeth').fill('27')
+    window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 27}).text)
+    window.settled()
+    assert window.number('Contact ratio') == shown(gearsweep.run(CASE.changed(pinion={'teeth': 27}), 'geometry').geometry.contact_ratio, 4)
+    again.end()
+    window.close()
