@@ -316,7 +316,7 @@ def test_requests_that_are_none_are_refused(server):
 
 
 def test_a_run_comes_line_by_line_and_its_files_are_the_programs(server, tmp_path):
-    case = Case(PRESCRIBED).changed(case={'tasks': 'sweep'})
+    case = Case(PRESCRIBED).changed(case={'tasks': 'sweep'}, sweep={'load_rpm': None})
     status, body = ask(server, 'POST', '/call/run', {'text': case.text, 'place': ''})
     lines = [json.loads(line) for line in body.splitlines()]
     assert status == 200 and all(set(line) == {'done', 'of'} for line in lines[:-1])

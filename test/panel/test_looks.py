@@ -51,7 +51,8 @@ def test_letters_stand_out_from_their_ground_as_wcag_asks(scheme, browser, front
     window.close()
 
 
-def test_all_is_reached_by_the_keyboard(window):
+def test_all_is_reached_by_the_keyboard(browser, front):
+    window = Window(browser, front.address)
     page = window.page
     page.keyboard.press('Tab')
     assert page.evaluate('() => document.activeElement.className') == 'skip'
@@ -64,7 +65,8 @@ def test_all_is_reached_by_the_keyboard(window):
     page.focus('#tab\\.pictures')
     page.keyboard.press('ArrowRight')
     assert page.evaluate('() => document.activeElement.id') == 'tab.tables'
-    assert page.locator('#table').is_visible()
+    page.locator('#table').wait_for()
+    window.close()
 
 
 def test_fields_and_buttons_have_names(window):
@@ -91,6 +93,7 @@ def test_the_pair_turns_and_stands_where_less_motion_is_wanted(browser, front):
 def test_the_tour_goes_through_to_its_end(browser, front):
     window = Window(browser, front.address)
     window.page.click('#tour')
+    window.page.locator('#guide').wait_for()
     steps = 0
     while window.page.locator('#guide').is_visible():
         steps += 1
@@ -100,6 +103,7 @@ def test_the_tour_goes_through_to_its_end(browser, front):
         assert steps < 20
     assert steps >= 5 and window.said == []
     window.page.click('#tour')
+    window.page.locator('#guide').wait_for()
     window.page.keyboard.press('Escape')
     assert window.page.locator('#guide').is_hidden()
     window.close()

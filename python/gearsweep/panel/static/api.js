@@ -42,9 +42,9 @@ async function post(name, asked) {
 
 /** One call; what it answers. */
 export async function call(name, asked = {}) {
-  const answer = await (await post(name, asked)).json();
-  if (answer.error && !('text' in answer)) throw new Failure(answer.error);
-  return answer;
+  const answer = await post(name, asked), words = await answer.json();
+  if (!answer.ok) throw new Failure(words.error);
+  return words;
 }
 
 /** A run; `progress` is told the points that are done, and of how many. */

@@ -69,6 +69,7 @@ async function show(answer, name) {
   put({ text: answer.text, place: answer.place ?? '', name: name ?? answer.name });
   settle(answer);
   await results();
+  view.pickPicture();
 }
 
 function settle(answer) {

@@ -30,7 +30,7 @@ export const PICTURES = [
   { id: 'lyapunov', title: 'Lyapunov exponent over speed', table: 'lyapunov', task: 'poincare', x: 'rpm', y: 'lyapunov_exponent' },
   { id: 'attractors', title: 'All motions that attract', table: 'attractors', kind: 'points', x: 'rpm', y: 'dynamic_factor', first: 'motion' },
   { id: 'basins', title: 'Which start leads to which motion', table: 'basins', task: 'attractors', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', group: 'motion', without: ['start'] },
-  { id: 'precision', title: 'Error over run time', table: 'precision', x: 'seconds', y: 'error', xlog: true, ylog: true },
+  { id: 'precision', title: 'Error over run time', table: 'precision', x: 'run_time_s', y: 'error', xlog: true, ylog: true, first: 'method', without: ['resolution'] },
   { id: 'pressure', title: 'Contact pressure', table: 'flank', x: 's', y: 'pressure_mpa', fromZero: true, ...ALONG },
   { id: 'sliding', title: 'Sliding speed', table: 'flank', x: 's', y: 'sliding_m_s', ...ALONG },
   { id: 'flash', title: 'Flash temperature', table: 'flank', x: 's', y: 'flash_temperature_k', fromZero: true, ...ALONG },
@@ -75,6 +75,17 @@ function rowsWhere(columns, where) {
   return found;
 }
 
+/** A value of each of these index columns, as chosen where there is such a row; and the values that there are. */
+function picked(families, columns, chosen) {
+  const where = {}, further = [];
+  for (const one of families) {
+    const values = [...new Set(rowsWhere(columns, where).map((i) => columns[one.name][i]))];
+    where[one.name] = values.includes(chosen[one.name]) ? chosen[one.name] : values[0];
+    if (values.length > 1) further.push({ ...one, values, value: where[one.name] });
+  }
+  return { where, further };
+}
+
 function marked(picture, data) {
   if (picture.marks === 'points' && data.contact_points) return data.contact_points.s.map((x, i) => ({ x, name: data.contact_points.point[i] }));
   if (picture.marks === 'resonance' && data.motion) return [{ x: data.motion.resonance_rpm[0], name: 'resonance' }];
@@ -89,14 +100,16 @@ export function drawn(picture, about, data, chosen) {
   const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog, fromZero: picture.fromZero,
     xlabel: labelled(column(list(picture.x)[0])), ylabel: labelled(column(list(picture.y)[0])) };
   if (picture.kind === 'map') {
-    const where = Object.fromEntries(families(picture, about, data).map((one) => [one.name, chosen[one.name] ?? one.values[0]]));
+    const { where, further } = picked(families(picture, about, data), columns, chosen);
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
     const z = ys.map(() => xs.map(() => null));
     for (const i of rowsWhere(columns, where)) z[ys.indexOf(columns[picture.y][i])][xs.indexOf(columns[picture.x][i])] = columns[picture.z][i];
-    return { ...spec, map: { xs, ys, z, label: labelled(column(picture.z)), low: picture.low, high: picture.high }, series: [] };
+    return { ...spec, map: { xs, ys, z, label: labelled(column(picture.z)), low: picture.low, high: picture.high }, series: [], families: further };
   }
-  const [first, ...further] = picture.group ? [{ ...column(picture.group), values: [...new Set(columns[picture.group])].sort((a, b) => a - b) }] : families(picture, about, data);
-  const where = Object.fromEntries(further.map((one) => [one.name, chosen[one.name] ?? one.values[0]]));
+  let [first, ...further] = picture.group ? [{ ...column(picture.group), values: [...new Set(columns[picture.group])].sort((a, b) => a - b) }] : families(picture, about, data);
+  const found = picked(further, columns, chosen), where = found.where;
+  further = found.further;
+  if (first) first = { ...first, values: first.values.filter((value) => rowsWhere(columns, { ...where, [first.name]: value }).length > 0) };
   const groups = first ? first.values.map((value) => ({ label: word(first, value), where: { ...where, [first.name]: value } })) : [{ label: '', where }];
   const ys = list(picture.y), xs = list(picture.x);
   let series = [];

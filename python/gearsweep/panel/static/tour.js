@@ -21,7 +21,6 @@ export function tour(does) {
   const keys = (event) => { if (event.key === 'Escape') end(); };
   const show = async () => {
     const step = STEPS[at];
-    await step.before?.(does);
     if (step.picture) state.picture = step.picture;
     if (step.tab) does.view.go(step.tab);
     if (step.focus) does.form.goTo(...step.focus);
@@ -34,6 +33,7 @@ export function tour(does) {
       el('button', { type: 'button', onclick: end }, 'End'), at > 0 ? el('button', { type: 'button', onclick: () => { at--; show(); } }, 'Back') : null, next));
     guide.hidden = false;
     if (!step.focus) next.focus();
+    await step.before?.(does);
   };
   document.addEventListener('keydown', keys);
   show();

@@ -42,6 +42,14 @@ function present() {
   return own(state.own.table, state.own.x, state.own.y);
 }
 
+/** Of a case that was opened, a picture that there is. */
+export function pickPicture() {
+  if (!state.study || present().table in tablesOf(state.study)) return;
+  state.picture = PICTURES.find((one) => one.table in tablesOf(state.study))?.id ?? 'own';
+  remember();
+  refresh();
+}
+
 /** Draws anew what is open. */
 export function refresh(isSliding = false) {
   for (const [id] of TABS) {
@@ -171,7 +179,7 @@ function show(place, bar, spec, one) {
   for (const family of spec.families ?? []) {
     const select = el('select', { onchange: () => { state.chosen[family.name] = family.values[select.selectedIndex]; refresh(); } },
       ...family.values.map((value) => el('option', {}, `${shown(value)}${family.unit ? ' ' + unit(family.unit) : ''}`)));
-    select.selectedIndex = Math.max(0, family.values.indexOf(state.chosen[family.name] ?? family.values[0]));
+    select.selectedIndex = Math.max(0, family.values.indexOf(family.value));
     bar.append(el('label', {}, `${title(family.name, family.unit)} `, select));
   }
   bar.append(el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('svg', drawing, name(one)) }, 'SVG'), el('button', { type: 'button', onclick: () => save('png', drawing, name(one)) }, 'PNG'));
