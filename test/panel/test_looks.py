@@ -123,7 +123,7 @@ def test_pictures_are_drawn(name, scheme, browser, front):
     window = Window(browser, front.address, color_scheme=scheme).open(name, 'data')
     for picture in PICTURES[name]:
         window.page.select_option('#picture', picture)
-        window.page.locator('#view .chart, #view canvas').wait_for()
+        window.page.locator(f'#view[data-picture={picture}]').wait_for()
         window.page.wait_for_timeout(200)
         assert window.page.locator('#view .chart .body > *, #view canvas').count() > 0
         assert 'NaN' not in window.page.locator('#view').inner_html()

@@ -279,9 +279,24 @@ def test_a_lost_server_is_told_and_comes_back(browser, folder):
     window.shoot('lost')
     again = Front(folder, front.port)
     window.page.locator('#lost').wait_for(state='hidden')
+    window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 26}).text)  # nothing that was typed is lost
     window.field('pinion', 'teeth').fill('27')
     window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 27}).text)
     window.settled()
     assert window.number('Contact ratio') == shown(gearsweep.run(CASE.changed(pinion={'teeth': 27}), 'geometry').geometry.contact_ratio, 4)
+    again.end()
+    window.close()
+
+
+def test_results_that_the_server_no_longer_keeps_are_computed_again(browser, folder):
+    """As after the forty studies of other windows."""
+    front = Front(folder)
+    window = Window(browser, front.address).open('small.nml')
+    front.end()
+    again = Front(folder, front.port)  # which has no study at all
+    window.tab('tables').page.select_option('#table', 'harmonics')
+    window.page.locator('th', has_text='Harmonic').wait_for()
+    name, content = saved(window, lambda: window.page.click('text=CSV'))
+    assert name == 'small.harmonics.csv' and content.startswith(b'#')
     again.end()
     window.close()

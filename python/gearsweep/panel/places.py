@@ -66,7 +66,10 @@ class Places:
             A file lies elsewhere, or the case is not usable.
         """
         case = Case(text, str(self.folders.get(place, '')))
+        words = set(re.findall(r'[a-z0-9_]+', text.lower()))
         for group, key in file_keys():
+            if key not in words:  # it takes time to ask for the values in effect
+                continue
             name = case.values.get(group, {}).get(key)
             if not name:
                 continue

@@ -12,7 +12,7 @@ from ..table import Table
 #: Tables with more rows are for files.
 _LONGEST = 40
 _STYLE = """body { font: 15px/1.45 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
-h1 { font-size: 1.5rem } h2 { font-size: 1.1rem; margin-top: 2rem } pre { background: #f5f5f3; padding: .8rem; overflow-x: auto }
+h1 { font-size: 1.5rem } h2 { font-size: 1.1rem; margin-top: 2rem } pre { background: #f5f5f3; padding: .8rem; overflow-x: auto; font-size: .8rem }
 table { border-collapse: collapse; font-size: .85rem } td, th { padding: .15rem .7rem .15rem 0; text-align: left; vertical-align: top }
 th { border-bottom: 1px solid #999 } figure { margin: 1rem 0; overflow-x: auto } svg { max-width: 100%; height: auto }
 figcaption, .meaning { color: #555 } td.number { text-align: right; font-variant-numeric: tabular-nums }

@@ -42,6 +42,15 @@ async function change(group, key, value, isSliding = false) {
   if (!error) await follow(isSliding);
 }
 
+/** What was typed while the server was away is sent when it is back. */
+let unsent = null;
+function typed(...all) {
+  change(...all).then(() => { unsent = null; }, (failure) => {
+    if (failure.told?.code === 'LOST') unsent = all;
+    told(failure);
+  });
+}
+
 /** Slides: while one answer is on its way, only the last of the next counts. */
 let sliding = null;
 async function slide(group, key, value) {
@@ -186,7 +195,7 @@ async function start() {
   document.documentElement.dataset.look = sessionStorage.getItem('gearsweep-look') ?? '';
   about = await call('about');
   fillCases();
-  form.build(about, (...all) => change(...all).catch(told), (...all) => slide(...all));
+  form.build(about, typed, slide);
   buttons();
   beginTeeth();
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { draw(); view.refresh(); });
@@ -194,7 +203,7 @@ async function start() {
     picture: view.picture, onstate: () => { if (work.isRunning()) showState.said = ''; showState(); }, onresult: view.refresh,
     onfailure: (failure) => { form.showError(state.error); showState.said = failure.code === 'INTERRUPTED' ? 'Stopped. The results are those of before.' : ''; view.refresh(); },
   });
-  onReturn(() => check().then(take).then(() => (state.error ? null : work.calculate())).catch(told));
+  onReturn(() => (unsent ? typed(...unsent) : check().then(take).then(results).catch(told)));
   view.begin(about, { change, calculate: work.calculate, show: (text, place, name) => call('check', { text, place }).then((answer) => show({ ...answer, place }, name)), told });
   if (recall()) settle(await check());
   else {

@@ -21,6 +21,7 @@ export async function bodyOf(place, bar, one, state, need, save) {
   const buttons = [el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('png', board, `${state.name}.${one.id}`) }, 'PNG')];
   place.replaceChildren(bar, board, note);
   size(board, place);
+  place.dataset.picture = one.id;
   if (one.kind === 'modes') modes(bar, board, note, shape, data, buttons);
   else {
     bar.append(...buttons);

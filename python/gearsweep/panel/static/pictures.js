@@ -18,7 +18,7 @@ export const PICTURES = [
   { id: 'pair_stiffness', title: 'Stiffness of one pair', table: 'mesh', x: 's', y: 'pair_stiffness_n_um', fromZero: true, ...ALONG },
   { id: 'profile_error', title: 'Profile error of a pair', table: 'mesh', x: 's', y: 'profile_error_um', ...ALONG },
   { id: 'harmonics', title: 'Harmonics of the static transmission error', table: 'harmonics', kind: 'bars', x: 'harmonic', y: 'amplitude_um', from: 1 },
-  { id: 'root', title: 'Root stress over the path of contact', table: 'static', x: 's', y: 'sigma_mpa', ...ALONG },
+  { id: 'root', title: 'Root stress over the path of contact', table: 'static', x: 's', y: 'sigma_mpa', yname: 'Stress at the root tangent (MPa)', ...ALONG },
   { id: 'stress', title: 'Stress on the tooth', table: 'stress', task: 'static', kind: 'stress', set: ['static', 'field_position', '16'] },
   { id: 'modes', title: 'Natural modes, moving', table: 'mode_shapes', task: 'modal', kind: 'modes' },
   { id: 'section', title: 'Finite-element grid', table: 'section', task: 'section', kind: 'grid' },
@@ -98,7 +98,7 @@ export function drawn(picture, about, data, chosen) {
   const table = about[picture.table], columns = data[picture.table];
   const column = (name) => table.columns.find((one) => one.name === name);
   const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog, fromZero: picture.fromZero,
-    xlabel: labelled(column(list(picture.x)[0])), ylabel: labelled(column(list(picture.y)[0])) };
+    xlabel: labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
   if (picture.kind === 'map') {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);

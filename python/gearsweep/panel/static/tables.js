@@ -1,7 +1,7 @@
 // Tables as they are: all columns with units and meanings, a page of rows at a time, and the file.
 import { el, labelled, shown } from './util.js';
 import { remember, tablesOf } from './state.js';
-import { need } from './work.js';
+import { file, need } from './work.js';
 
 const PAGE = 100;
 let from = 0;
@@ -16,12 +16,11 @@ export async function tables(place, state, told) {
   if (study !== state.study) return;
   if (from >= table.rows) from = 0;
   const to = Math.min(table.rows, from + PAGE);
-  const csv = `/file/table?study=${encodeURIComponent(study.study)}&table=${table.name}&name=${encodeURIComponent(state.name)}`;
   const move = (by) => () => { from = Math.max(0, from + by); again(); };
   const bar = el('div', { className: 'bar' }, select, el('span', { className: 'gap' }),
     ...(table.rows > PAGE ? [el('button', { type: 'button', onclick: move(-PAGE), disabled: from === 0, 'aria-label': 'Rows before' }, '‹'),
       el('span', {}, `rows ${from + 1} to ${to} of ${table.rows}`), el('button', { type: 'button', onclick: move(PAGE), disabled: to === table.rows, 'aria-label': 'Rows behind' }, '›')] : []),
-    el('a', { className: 'button', href: csv, download: '' }, 'CSV'));
+    el('button', { type: 'button', onclick: () => file('table', study, state.name, table.name).catch(told) }, 'CSV'));
   place.replaceChildren(bar, el('p', { className: 'hint shown' }, `${table.meaning.charAt(0).toUpperCase()}${table.meaning.slice(1)}.`), el('div', { className: 'scroll', tabIndex: 0 }, table.rows === 1 ? upright(table, data) : rows(table, data, to)));
 }
 

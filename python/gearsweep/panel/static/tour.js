@@ -31,6 +31,7 @@ export function tour(does) {
     const next = el('button', { type: 'button', className: 'strong', onclick: () => { if (++at < STEPS.length) show(); else end(); } }, at < STEPS.length - 1 ? 'Next' : 'Done');
     guide.replaceChildren(el('p', {}, step.words), el('div', { className: 'bar' }, el('span', {}, `${at + 1} of ${STEPS.length}`), el('span', { className: 'gap' }),
       el('button', { type: 'button', onclick: end }, 'End'), at > 0 ? el('button', { type: 'button', onclick: () => { at--; show(); } }, 'Back') : null, next));
+    guide.classList.toggle('left', Boolean(marked?.closest('#results')));
     guide.hidden = false;
     if (!step.focus) next.focus();
     await step.before?.(does);

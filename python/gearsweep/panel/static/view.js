@@ -4,7 +4,7 @@ import { chart, nearest, told } from './chart.js';
 import { PICTURES, beside, byName, columnsOf, drawn, own } from './pictures.js';
 import { bodyOf, stopBody } from './body.js';
 import { remember, state, tablesOf } from './state.js';
-import { need } from './work.js';
+import { file, need } from './work.js';
 import { compare } from './compare.js';
 import { tables } from './tables.js';
 import { save } from './export.js';
@@ -105,8 +105,9 @@ function picker(there) {
 }
 
 function firstOwn(there) {
-  const table = Object.values(there).find((one) => one.rows > 1 && one.columns.filter((column) => column.kind !== 'text').length > 1);
-  return axesOf(table);
+  const numbers = (one) => one.columns.filter((column) => column.kind !== 'text');
+  const all = Object.values(there).filter((one) => one.rows > 1 && numbers(one).length > 1);
+  return axesOf(all.find((one) => one.rows > 5 && numbers(one).some((column) => column.index)) ?? all[0]);
 }
 
 function axesOf(table) {
@@ -185,6 +186,7 @@ function show(place, bar, spec, one) {
   bar.append(el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('svg', drawing, name(one)) }, 'SVG'), el('button', { type: 'button', onclick: () => save('png', drawing, name(one)) }, 'PNG'));
   const readout = el('p', { className: 'readout', role: 'status', 'aria-live': 'polite' }, 'Point at a curve, or walk along it by the arrow keys.');
   place.replaceChildren(bar, legend(spec), drawing, readout);
+  place.dataset.picture = one.id;
   follow(drawing, readout);
 }
 
@@ -235,11 +237,11 @@ function follow(drawing, readout) {
 // --- answer and text --------------------------------------------------------------
 
 function answerTab() {
-  const file = (what) => () => { window.location.href = `/file/${what}?study=${encodeURIComponent(state.study.study)}&name=${encodeURIComponent(state.name)}`; };
+  const make = (what) => () => file(what, state.study, state.name).catch(does.told);
   byId('view').replaceChildren(
     el('div', { className: 'bar' }, el('button', { type: 'button', onclick: () => download(`${state.name}.txt`, state.study.report) }, 'Text'),
-      el('button', { type: 'button', onclick: file('report'), title: 'One page with the answer, pictures, small tables and the case' }, 'Report (HTML)'),
-      el('button', { type: 'button', onclick: file('all'), title: 'Case, answer, report, all tables as CSV and pictures as PNG and SVG' }, 'Everything (ZIP)')),
+      el('button', { type: 'button', onclick: make('report'), title: 'One page with the answer, pictures, small tables and the case' }, 'Report (HTML)'),
+      el('button', { type: 'button', onclick: make('all'), title: 'Case, answer, report, all tables as CSV and pictures as PNG and SVG' }, 'Everything (ZIP)')),
     state.study.partial ? el('p', { className: 'note' }, state.study.partial) : '',
     el('pre', { id: 'answer', tabIndex: 0 }, state.study.report));
 }

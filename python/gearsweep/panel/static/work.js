@@ -94,17 +94,25 @@ export async function need(study, columns) {
     const all = wanted ?? table.columns.map((one) => one.name), here = study.columns[name] ?? {};
     const lacking = all.filter((one) => !(one in here));
     if (lacking.length === 0) continue;
-    let found;
-    try {
-      found = await call('table', { study: study.study, table: name, columns: lacking });
-    } catch (failure) {
-      if (failure.told?.code !== 'GONE') throw failure;
-      study.study = (await run({ text: study.text, place: study.place })).study;
-      found = await call('table', { study: study.study, table: name, columns: lacking });
-    }
-    study.columns[name] = { ...study.columns[name], ...found };
+    study.columns[name] = { ...study.columns[name], ...await fetched(study, name, lacking) };
   }
   return study.columns;
+}
+
+async function fetched(study, table, columns) {
+  try {
+    return await call('table', { study: study.study, table, columns });
+  } catch (failure) {
+    if (failure.told?.code !== 'GONE') throw failure;
+    study.study = (await run({ text: study.text, place: study.place })).study;
+    return call('table', { study: study.study, table, columns });
+  }
+}
+
+/** Has the server make a file of a study, and the browser save it. */
+export async function file(what, study, name, table = '') {
+  await fetched(study, study.tables[0].name, []);
+  window.location.href = `/file/${what}?${new URLSearchParams({ study: study.study, name, table })}`;
 }
 
 /** What can be shown as the load on the teeth: the static one and those of the speeds, of each relief. */
@@ -128,7 +136,7 @@ function loadsOf(study) {
   const one = all.find((item) => item.name === loading) ?? all.find((item) => !item.rpm && item.relief === 0) ?? all[0];
   picked.replaceChildren(...all.map((item) => { const option = document.createElement('option'); option.textContent = item.name; return option; }));
   picked.value = one?.name ?? '';
-  picked.disabled = all.length === 0;
+  picked.parentNode.hidden = all.length === 0;
   if (!one) return null;
   const force = study.columns.motion?.load_n?.[0] ?? 1, isStatic = one.rpm === undefined;
   const from = isStatic ? study.columns.mesh : study.columns.load, s = [], load = [];
