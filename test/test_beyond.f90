@@ -2,6 +2,7 @@
 !> written apart, and what must not depend on how it is computed.
 module test_beyond
   use gearsweep_coefficients, only: scheme_constant, scheme_rk4, scheme_rk4_equal
+  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
@@ -25,7 +26,8 @@ module test_beyond
 
   type, extends(row_t) :: corner_row_t
     integer :: events = 0, beyond = 0, apart = 0
-    real(dp) :: soften = 0, gap(2) = 0, reach(2) = 0, shared = 0, state(2) = 0, difference = 0
+    real(dp) :: soften = 0, gap(2) = 0, reach(2) = 0, shared = 0, change(2) = 0, decline = 0, &
+                state(2) = 0, difference = 0
   end type corner_row_t
 
 contains
@@ -61,7 +63,8 @@ contains
       read (unit, '(a)', iostat=stat) line
       if (stat /= 0) exit
       if (line(1:1) == '#') cycle
-      read (line, *) r%id, r%contact_ratio, r%n_coef, r%coef, r%soften, r%gap, r%reach, r%relief, r%shared, r%mass, r%load, &
+      read (line, *) r%id, r%contact_ratio, r%n_coef, r%coef, r%soften, r%gap, r%reach, r%relief, r%shared, r%change, &
+        r%decline, r%mass, r%load, &
         r%zeta, r%friction, r%angle, r%teeth, r%pitch_point, r%backlash, r%rpm, r%dynamic_factor, r%state, r%difference, &
         r%events, r%beyond, r%apart
       rows = [rows, r]
@@ -87,7 +90,7 @@ contains
 
     associate (mesh => osc%mesh, c => r%contact_ratio, coef => 1e6_dp*r%coef(:r%n_coef), d => r%reach)
       mesh%contact_ratio = c
-      mesh%disc%shared = 1e-6_dp*r%shared
+      mesh%disc = disc_t(shared=1e-6_dp*r%shared, change=1e-6_dp*r%change, decline=1e-6_dp*r%decline)
       mesh%reach = [-d(1), c + d(2)]
       mesh%stiffness = with_shared(polynomial(0.0_dp, c, coef), mesh%disc%shared)
       call profile_error(relief_t(1e-6_dp*r%relief, [aint(c), c - aint(c)], linear), c, mesh%profile_error, error)

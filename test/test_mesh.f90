@@ -2,6 +2,7 @@
 module test_mesh
   use dogan_gears, only: dogan_pair
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_flattening, only: contact_half_width, load_dependence, surface_to_depth
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
@@ -12,6 +13,7 @@ module test_mesh
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_sharing, only: pair_load, sharing_t, share_load, static_deflection
   use gearsweep_stiffness, only: gear_blank_factor, iso_options_t, iso_stiffness, polynomial_stiffness, table_stiffness
+  use gearsweep_text, only: str
   use gearsweep_weber, only: weber_stiffness
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
@@ -35,6 +37,7 @@ contains
     if (t%wants('sharing_identities')) call sharing_identities(t)
     if (t%wants('slow_relief')) call slow_relief(t)
     if (t%wants('discs')) call discs(t)
+    if (t%wants('three_pairs')) call three_pairs(t)
   end subroutine run
 
   !> Values, slopes and integrals of polynomials in closed form.
@@ -276,6 +279,68 @@ contains
     call check_close(t, 'error of one pair', maxval(sharing%error), 20e-6_dp, 1e-12_dp)
     call check_close(t, 'no step left', minval(sharing%error), 20e-6_dp, 1e-12_dp)
   end subroutine slow_relief
+
+  !> Three pairs of which neighbours share more than the first and the third, with relief so deep that pairs part: under the
+  !> loads found, what all of them move a pair by, and its profile error, is the transmission error for each pair that carries,
+  !> and no less for those that do not. With flattening a pair yields by its own load.
+  subroutine three_pairs(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: load = 9000, flattening(2) = [0.0_dp, 6e-11_dp]
+    type(disc_t), parameter :: disc = disc_t(turn=2e-9_dp, shared=0.9e-9_dp, change=[0.1e-9_dp, -0.08e-9_dp], decline=0.5e-9_dp)
+    type(oscillator_t) :: osc
+    type(sharing_t) :: sharing
+    type(harmonics_t) :: harmonics
+    real(dp) :: moved, u, part
+    integer :: i, j, k, n, apart
+
+    call prescribed(2.4_dp, [400.0_dp, 20.0_dp, -110.0_dp], [14.0_dp, 9.0_dp], 1, osc)
+    osc%mesh%disc = disc
+    do n = 1, size(flattening)
+      osc%mesh%flattening = flattening(n)
+      call share_load(osc%mesh, load, 600, sharing)
+      apart = 0
+      do k = 1, size(sharing%phase)
+        call check_close(t, 'three pairs carry the load', sum(sharing%load(:, k)), load, 1e-12_dp)
+        do j = 1, sharing%pairs(k)
+          moved = osc%mesh%profile_error%value(sharing%s(j, k)) + disc%turn*load
+          do i = 1, sharing%pairs(k)
+            u = max(-1.0_dp, min(1.0_dp, 2*sharing%s(min(i, j), k)/1.4_dp - 1))
+            if (i == j) then
+              part = 1/osc%mesh%stiffness%value(sharing%s(j, k))
+              if (sharing%load(j, k) > 0) part = part - flattening(n)*log(sharing%load(j, k)/load)
+            else if (abs(i - j) == 1) then
+              part = disc%shared + disc%change(1)*u + disc%change(2)*(3*u**2 - 1)/2
+            else
+              part = disc%shared - disc%decline
+            end if
+            moved = moved + part*sharing%load(i, k)
+          end do
+          ! At a break the profile error is that of one side.
+          if (any(abs(sharing%s(j, k) - [0.0_dp, 1.0_dp, 1.4_dp, 2.4_dp]) < 1e-9_dp)) cycle
+          if (sharing%load(j, k) > 0) then
+            call check_close(t, 'deflection of a pair', moved, sharing%error(k), 1e-11_dp)
+          else
+            apart = apart + 1
+            call check_true(t, 'a pair apart', moved >= sharing%error(k)*(1 - 1e-12_dp))
+          end if
+        end do
+      end do
+      call check_true(t, 'pairs part', apart > 40, str(apart))
+      call find_harmonics(osc%mesh, load, 2, harmonics)
+      call check_close(t, 'peak-to-peak of three pairs', harmonics%peak_to_peak(), maxval(sharing%error) - minval(sharing%error), &
+                       5e-3_dp)
+    end do
+    ! Without relief and flattening the stiffness of all pairs is the load over the deflection.
+    call prescribed(2.4_dp, [400.0_dp, 20.0_dp, -110.0_dp], [0.0_dp, 0.0_dp], 1, osc)
+    osc%mesh%disc = disc_t(shared=disc%shared, change=disc%change, decline=disc%decline)
+    call share_load(osc%mesh, load, 4000, sharing)
+    call check_close(t, 'stiffness of three pairs', maxval(abs(sharing%stiffness*sharing%error/load - 1)), 0.0_dp, &
+                     absolute=1e-12_dp)
+    associate (tau => sharing%phase, k => sharing%stiffness)
+      call check_close(t, 'mean stiffness of three pairs', osc%mesh%mean_stiffness(), &
+                       sum((tau(2:) - tau(:size(tau) - 1))*(k(2:) + k(:size(k) - 1))/2), 1e-6_dp)
+    end associate
+  end subroutine three_pairs
 
   !> Two pairs on discs, by their full compliance matrix: alone 1/K + turn, each under the other's load
   !> turn + shared. Each pair's deflection under both loads, and its profile error, is the same

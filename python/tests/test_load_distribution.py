@@ -22,18 +22,13 @@ AIM = 0.005, 0.005  # of the peak-to-peak transmission error without relief; of 
 # Where the aim is missed: cases (none: all) and switches that are on; how far off we are of the one and the other instead; why.
 STEEP = 'where a pair comes or goes the transmission error changes so fast that a thousandth of a base pitch counts'
 SMALL = 'a corner under a small load yields by more than its secant stiffness says'
-CONSTANT = 'what neighbours share is taken as constant along the path'
-THIRD = 'the first and the third pair share less than neighbours, and are taken alike'
 TIP = 'beside a tip corner the contact moves down the flank as the tooth bends: a pair is stiffer there than by Hertz'
 MISSED: tuple[tuple[tuple[str, ...], set[str], float, float, str], ...] = (
-    ((), {'corner_contact'}, 0.0125, 0.0055, STEEP),
+    ((), {'corner_contact'}, 0.0135, 0.0056, STEEP),
     ((), {'corner_contact', 'nonlinear_contact'}, 0.03, 0.014, SMALL),
-    (('bore-10',), {'tooth_coupling'}, 0.0065, 0.005, CONSTANT),
-    (('turbine',), {'tooth_coupling'}, 0.0105, 0.005, CONSTANT),
-    (('shifted',), {'tooth_coupling'}, 0.007, 0.005, CONSTANT),
+    (('bore-10',), set(), 0.0055, 0.005, TIP),
     (('stub',), set(), 0.008, 0.005, TIP),
-    (('high',), set(), 0.011, 0.005, TIP),
-    (('high', 'high-bore'), {'tooth_coupling'}, 0.057, 0.009, THIRD),
+    (('high', 'high-bore'), set(), 0.012, 0.005, TIP),
 )
 
 
@@ -113,7 +108,7 @@ def test_load_distribution(name, relief, switches, keys):
     # Depth of the point at which the flattening is read: up to 0.5 % of the stiffness (doc/elastic.md).
     assert ours.mean == pytest.approx(reference['mean'], rel=0.006)
     length = reference['ratio'] + reference['end'] - reference['begin']
-    assert ours.effective_ratio == pytest.approx(length, rel=0, abs=0.012 if name.startswith('high') else 0.002)
+    assert ours.effective_ratio == pytest.approx(length, rel=0, abs=0.002)
 
 
 def test_the_reference_is_fine_enough():

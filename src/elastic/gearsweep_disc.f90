@@ -24,9 +24,16 @@ module gearsweep_disc
     !> What the load on a tooth moves the next one by beyond that; of a mesh also what of the turning the inertia at the hubs
     !> makes the motion feel (gearsweep_hub), which is not in `turn` then.
     real(dp) :: shared = 0
+    !> How that changes along the path, over which `shared` is the mean: coefficients of Legendre's polynomials of first and
+    !> second degree over the stretch where two teeth touch, from -1 to 1.
+    real(dp) :: change(2) = 0
+    real(dp) :: decline = 0                      !< how much less than `shared` the tooth after the next one shares
     real(dp) :: twist(2) = 0                     !< of a mesh: all the turning of pinion and gear, each by itself
   contains
     procedure :: yield
+    procedure :: shared_at
+    procedure :: most_shared
+    procedure :: shared_beyond
   end type disc_t
 
 contains
@@ -38,9 +45,36 @@ contains
     yield = disc%turn + disc%shared
   end function yield
 
+  !> What neighbours share where two teeth touch (m/N), with its first and second derivative over u, which is -1 where they
+  !> begin to and 1 where they cease; (0:2).
+  pure function shared_at(disc, u) result(c)
+    class(disc_t), intent(in) :: disc
+    real(dp), intent(in) :: u
+    real(dp) :: c(0:2)
+
+    associate (b => disc%change)
+      c = [disc%shared + b(1)*u + b(2)*(1.5_dp*u**2 - 0.5_dp), b(1) + 3*b(2)*u, 3*b(2)]
+    end associate
+  end function shared_at
+
+  !> What pairs share that are not neighbours, m/N.
+  pure real(dp) function shared_beyond(disc)
+    class(disc_t), intent(in) :: disc
+
+    shared_beyond = disc%shared - disc%decline
+  end function shared_beyond
+
+  !> A bound of what neighbours share from above, m/N.
+  pure real(dp) function most_shared(disc)
+    class(disc_t), intent(in) :: disc
+
+    most_shared = disc%shared + sum(abs(disc%change))
+  end function most_shared
+
   !> `disc` of a section of two teeth or more under a unit line load (m2/N), over radii of curvature of the drive
-  !> flank from `first` to `last` (m): the mean over the stretch where two teeth touch, by Gauss's rule. A section of
-  !> one tooth has no neighbour and shares nothing; one that is no whole gear is held at its sides and does not turn.
+  !> flank from `first` to `last` (m): over the stretch where two teeth touch, by Gauss's rule. A section of
+  !> one tooth has no neighbour and shares nothing; one that is no whole gear is held at its sides and does not turn. What the
+  !> tooth after the next one shares hardly changes along the path: it is taken at one place, and is nothing beyond a section.
   subroutine disc_compliance(section, body, first, last, disc, error)
     type(section_t), intent(in) :: section
     type(body_t), intent(in) :: body
@@ -51,7 +85,7 @@ contains
     real(dp), parameter :: node(places) = 0.5_dp + [-0.5_dp, 0.0_dp, 0.5_dp]*sqrt(0.6_dp)
     real(dp), parameter :: weight(places) = [5, 8, 5]/18.0_dp
     real(dp), allocatable :: x(:, :), beside(:, :), couple(:)
-    real(dp) :: pitch, curvature, turn, both
+    real(dp) :: pitch, curvature, turn(places), both(places)
     integer :: i
 
     if (section%options%teeth == 1) return
@@ -70,12 +104,18 @@ contains
     if (section%grid%closed) couple = section%gear%base_radius(drive)*turning(body)
     call body%stiffness%solve(x, error)
     if (allocated(error)) return
-    do i = 1, places
-      turn = dot_product(x(:, i), couple)
-      both = dot_product(x(:, i), beside(:, i))
-      disc%turn = disc%turn + body%thickness*weight(i)*turn
-      disc%shared = disc%shared + body%thickness*weight(i)*(both - turn)
-    end do
+    turn = body%thickness*[(dot_product(x(:, i), couple), i=1, places)]
+    both = body%thickness*[(dot_product(x(:, i), beside(:, i)), i=1, places)] - turn
+    disc%turn = sum(weight*turn)
+    disc%shared = sum(weight*both)
+    disc%change = [3*sum(weight*(2*node - 1)*both), 5*sum(weight*(1.5_dp*(2*node - 1)**2 - 0.5_dp)*both)]
+    disc%decline = disc%shared
+    if (section%loaded + 2 > section%options%teeth) return
+    beside(:, 1) = 0
+    curvature = first + (last - pitch - first)*node(1)
+    call load_tooth(section%loaded + 2, min(last, curvature + 2*pitch), beside(:, 1))
+    if (allocated(error)) return
+    disc%decline = disc%shared - (body%thickness*dot_product(x(:, 1), beside(:, 1)) - turn(1))
 
   contains
 

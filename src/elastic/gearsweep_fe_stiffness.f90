@@ -69,9 +69,8 @@ contains
       end associate
     end associate
     width = minval(pair%gear%spec%face_width)
-    disc = disc_t(turn=(sum(tooth%disc%turn) - felt)/width, shared=(sum(tooth%disc%shared) + felt)/width, &
-                  twist=tooth%disc%turn/width)
-    call check_compliance(s, total - width*disc%shared, error)
+    disc = both_discs([tooth(1)%disc, tooth(2)%disc], felt, width)
+    call check_compliance(s, total - width*disc%most_shared(), error)
     if (allocated(error)) return
     if (options%corner_contact) then
       call find_with_corners()
@@ -101,7 +100,7 @@ contains
         end if
         call corner_compliance(pair, tooth, material, options%section%plane_strain, line_load, beyond(:, i), there(:, i), error)
         there(:, i) = there(:, i) + felt
-        if (.not. allocated(error)) call check_compliance(beyond(:, i), there(:, i) - width*disc%shared, error)
+        if (.not. allocated(error)) call check_compliance(beyond(:, i), there(:, i) - width*disc%most_shared(), error)
         if (allocated(error)) return
       end do
       total = total + (there(corner_knots, 1) - total(1))*edge_share(s, zone(1)) &
@@ -115,6 +114,17 @@ contains
       curve = joined(joined(spline(beyond(:, 1), width/there(:, 1)), curve), spline(beyond(:, 2), width/there(:, 2)))
     end subroutine find_with_corners
   end subroutine fe_stiffness
+
+  !> What the bodies of pinion and gear yield together, with what of their turning is `felt` by the motion (m2/N). The path
+  !> leads up the flank of the pinion and down that of the gear.
+  pure type(disc_t) function both_discs(each, felt, width) result(disc)
+    type(disc_t), intent(in) :: each(2)          !< under a unit line load, m2/N
+    real(dp), intent(in) :: felt, width          !< m2/N, m
+
+    disc = disc_t(turn=(sum(each%turn) - felt)/width, shared=(sum(each%shared) + felt)/width, &
+                  change=[each(1)%change(1) - each(2)%change(1), each(1)%change(2) + each(2)%change(2)]/width, &
+                  decline=sum(each%decline)/width, twist=each%turn/width)
+  end function both_discs
 
   !> Path coordinates from A to E in equal steps, but in the zones (base pitches) at both ends those of `interpolated`.
   pure function path_knots(contact_ratio, zone) result(s)

@@ -80,8 +80,7 @@ contains
       call corner_compliance(section, body, radius(n), depth(n), tooth, error)
     if (allocated(error)) return
     ! Beside a held side of a section of two, the next tooth may move the other way, by next to nothing.
-    tooth%disc%shared = max(0.0_dp, tooth%disc%shared)
-    if (.not. options%tooth_coupling) tooth%disc%shared = 0
+    if (.not. (options%tooth_coupling .and. tooth%disc%shared > 0)) tooth%disc = disc_t(turn=tooth%disc%turn)
     near = near + surface_to_depth(material, options%section%plane_strain, gear%spec%module, depth)
     far = far + surface_to_depth(material, options%section%plane_strain, gear%spec%module, 2*depth)
     tooth%compliance = spline(curvature, 2*near - far + offset(material, options%section%plane_strain) - tooth%disc%turn)

@@ -8,7 +8,7 @@ module gearsweep_harmonics
   use gearsweep_mesh, only: mesh_t, interval_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: carrying, segment_t, smooth_segments
-  use gearsweep_sharing, only: pairs_at, static_deflection
+  use gearsweep_sharing, only: settle_at
   implicit none
   private
   public :: harmonics_t, find_harmonics
@@ -30,7 +30,7 @@ module gearsweep_harmonics
   integer, parameter :: points = 16              !< of Gauss's rule on a panel
   integer, parameter :: most_halvings = 16
 
-  !> What is integrated: the pairs' part of the transmission error over its scale, less 1; that of the discs is constant.
+  !> What is integrated: the pairs' part of the transmission error over its scale, less 1; that of the discs' turning is constant.
   type :: integrand_t
     type(mesh_t) :: mesh
     real(dp) :: load = 0, scale = 1
@@ -70,7 +70,7 @@ contains
                                             (b - a)*sum(merge(1, 0, carrying(mesh, load, interval, (a + b)/2)))
       end associate
     end do
-    associate (discs => mesh%disc%yield()*load)
+    associate (discs => mesh%disc%turn*load)
       harmonics%mean = f%scale*(1 + real(total(0), dp)) + discs
       harmonics%least = harmonics%least + discs
       harmonics%largest = harmonics%largest + discs
@@ -112,10 +112,9 @@ contains
     type(integrand_t), intent(in) :: f
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: phase
-    real(dp), dimension(interval%pairs) :: stiffness, error
+    real(dp) :: force(interval%pairs)
 
-    call pairs_at(f%mesh, interval, phase, stiffness, error)
-    error_at = static_deflection(stiffness, error, f%load, f%mesh%flattening)
+    call settle_at(f%mesh, interval, f%load, phase, error_at, force)
   end function error_at
 
   !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k tau) in part(k), k = 0 to

@@ -9,9 +9,10 @@ module gearsweep_mesh
   use gearsweep_kinds, only: dp, pi
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_quadrature, only: gauss_legendre
+  use gearsweep_small_system, only: solve_small
   implicit none
   private
-  public :: mesh_t, interval_t, smooth_intervals
+  public :: mesh_t, interval_t, smooth_intervals, coupling, joint_stiffness
 
   type :: mesh_t
     real(dp) :: contact_ratio = 0
@@ -31,7 +32,8 @@ module gearsweep_mesh
     real(dp) :: tan_angle = 0
   contains
     procedure :: mean_stiffness
-    procedure :: own_stiffness
+    procedure :: shared_from
+    procedure :: is_coupled
     procedure :: curvature_ratio
     procedure :: reaches_beyond
   end type mesh_t
@@ -45,9 +47,14 @@ module gearsweep_mesh
     integer, allocatable :: stiffness_piece(:, :)    !< first and last of the stiffness; (2, pair)
     logical, allocatable :: recess(:)            !< the pair has passed the pitch point
     logical, allocatable :: between(:)           !< the pair is between A and E
+    !> What a pair shares with the next one (m/N), as a polynomial of the phase; (0:2, pair but the last, at least one).
+    real(dp), allocatable :: shared(:, :)
     logical, allocatable :: carries(:)           !< in the reference contact: all, or those that carry a static load
   contains
     procedure :: place
+    procedure :: shared_at
+    procedure :: shared_by_two
+    procedure :: shared_with_slopes
   end type interval_t
 
   !> Breaks closer than this are one: no step could tell them apart.
@@ -60,8 +67,8 @@ contains
   pure real(dp) function mean_stiffness(mesh)
     class(mesh_t), intent(in) :: mesh
     integer, parameter :: points = 8
-    real(dp) :: node(points), weight(points), own
-    real(dp), allocatable :: breaks(:)
+    real(dp) :: node(points), weight(points)
+    real(dp), allocatable :: breaks(:), s(:), shared(:, :)
     integer :: i, j, k
 
     mean_stiffness = mesh%stiffness%integral(0.0_dp, mesh%contact_ratio)
@@ -72,23 +79,86 @@ contains
     do i = 1, size(breaks) - 1
       do k = 1, points
         associate (tau => (breaks(i) + breaks(i + 1) + node(k)*(breaks(i + 1) - breaks(i)))/2)
-          own = sum([(mesh%own_stiffness(tau + j), j=0, ceiling(mesh%contact_ratio - tau) - 1)])
+          s = [(tau + j, j=0, ceiling(mesh%contact_ratio - tau) - 1)]
         end associate
-        mean_stiffness = mean_stiffness + (breaks(i + 1) - breaks(i))/2*weight(k)*own/(1 + mesh%disc%shared*own)
+        shared = reshape([(mesh%shared_from(s(j)), j=1, max(1, size(s) - 1))], [3, max(1, size(s) - 1)])
+        mean_stiffness = mean_stiffness + (breaks(i + 1) - breaks(i))/2*weight(k)*joint_stiffness( &
+                         mesh, [(mesh%stiffness%value(s(j), mesh%stiffness%locate(s(j))), j=1, size(s))], shared(1, :), &
+                         spread(.true., 1, size(s)))
       end do
     end do
   end function mean_stiffness
 
-  !> Stiffness (N/m) of the pair at s beyond what it shares with the next one: in series with the
-  !> shared compliance, which carries all pairs together, it is what the pair has alone.
-  pure real(dp) function own_stiffness(mesh, s, among) result(stiffness)
+  !> Stiffness (N/m) of the pairs that carry, in contact together and without the turning of discs. The pairs stand one behind
+  !> the other.
+  pure real(dp) function joint_stiffness(mesh, stiffness, shared, carries) result(joint)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: stiffness(:)         !< of each pair while it carries alone, N/m
+    real(dp), intent(in) :: shared(:)            !< by a pair and the next one, m/N; (pair but the last, at least one)
+    logical, intent(in) :: carries(:)            !< (pair)
+    real(dp) :: matrix(size(stiffness), size(stiffness)), load(size(stiffness), 1)
+    integer :: i, j
+
+    if (mesh%is_coupled(size(stiffness))) then
+      matrix = coupling(mesh, stiffness, shared)
+      do j = 1, size(stiffness)
+        if (.not. carries(j)) matrix(j, :) = [(merge(1, 0, i == j), i=1, size(stiffness))]
+      end do
+      load(:, 1) = merge(1, 0, carries)
+      call solve_small(matrix, load)
+      joint = sum(load)
+    else
+      joint = sum(stiffness/(1 - shared(1)*stiffness), mask=carries)
+      joint = joint/(1 + shared(1)*joint)
+    end if
+  end function joint_stiffness
+
+  !> What the pair at s and the next one share (m/N), with its first and second derivative over s; (0:2). It is constant
+  !> where one of them is beyond A or E. On a smooth interval any coordinate in it serves as `about`.
+  pure function shared_from(mesh, s, about) result(c)
     class(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: s
-    integer, intent(in), optional :: among(2)    !< first and last piece in question; without it, all
+    real(dp), intent(in), optional :: about
+    real(dp) :: c(0:2), half, side
 
-    stiffness = mesh%stiffness%value(s, mesh%stiffness%locate(s, among))
-    stiffness = stiffness/(1 - mesh%disc%shared*stiffness)
-  end function own_stiffness
+    half = (mesh%contact_ratio - 1)/2
+    side = s
+    if (present(about)) side = about
+    if (side <= 0) then
+      c = [1, 0, 0]*mesh%disc%shared_at(-1.0_dp)
+    else if (side >= 2*half) then
+      c = [1, 0, 0]*mesh%disc%shared_at(1.0_dp)
+    else
+      c = mesh%disc%shared_at(s/half - 1)/[1.0_dp, half, half**2]
+    end if
+  end function shared_from
+
+  !> Do so many pairs share different compliances? Two share one, whatever it is: a spring in series with both.
+  elemental logical function is_coupled(mesh, pairs)
+    class(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: pairs
+
+    is_coupled = pairs > 2 .and. (abs(mesh%disc%decline) > 0 .or. any(abs(mesh%disc%change) > 0))
+  end function is_coupled
+
+  !> What a unit load on a pair moves each pair by (m/N): neighbours by what they share, others by less. For pairs one behind
+  !> the other, of which each has this stiffness (N/m) while it carries alone.
+  pure function coupling(mesh, stiffness, shared) result(compliance)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: stiffness(:)         !< (pair)
+    real(dp), intent(in) :: shared(:)            !< m/N; (pair but the last)
+    real(dp) :: compliance(size(stiffness), size(stiffness))
+    integer :: j
+
+    compliance = mesh%disc%shared_beyond()
+    do j = 1, size(stiffness)
+      compliance(j, j) = 0                       ! of a pair that is not there
+      if (stiffness(j) > 0) compliance(j, j) = 1/stiffness(j)
+      if (j == size(stiffness)) exit
+      compliance(j, j + 1) = shared(j)
+      compliance(j + 1, j) = shared(j)
+    end do
+  end function coupling
 
   !> May a pair be in contact before A or behind E?
   pure logical function reaches_beyond(mesh)
@@ -105,6 +175,35 @@ contains
 
     s = phase + (j + interval%offset) - 1
   end function place
+
+  !> What each pair of an interval and the next one share, m/N; (pair but the last, at least one).
+  pure function shared_at(interval, phase) result(shared)
+    class(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: phase
+    real(dp) :: shared(size(interval%shared, 2))
+
+    shared = interval%shared(0, :) + phase*(interval%shared(1, :) + phase*interval%shared(2, :))
+  end function shared_at
+
+  !> What the first two pairs share, m/N.
+  elemental real(dp) function shared_by_two(interval, phase) result(shared)
+    class(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: phase
+
+    shared = interval%shared(0, 1) + phase*(interval%shared(1, 1) + phase*interval%shared(2, 1))
+  end function shared_by_two
+
+  !> What each pair of an interval and the next one share, with its first and second derivative over the phase, m/N;
+  !> (0:2, pair but the last, at least one).
+  pure function shared_with_slopes(interval, phase) result(c)
+    class(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: phase
+    real(dp) :: c(0:2, size(interval%shared, 2))
+
+    c(0, :) = interval%shared_at(phase)
+    c(1, :) = interval%shared(1, :) + 2*phase*interval%shared(2, :)
+    c(2, :) = 2*interval%shared(2, :)
+  end function shared_with_slopes
 
   !> Radius of curvature over base radius of a member at s.
   elemental real(dp) function curvature_ratio(mesh, member, s) result(ratio)
@@ -169,6 +268,11 @@ contains
       interval%between = s > 0 .and. s < mesh%contact_ratio
     end associate
     allocate (interval%carries(interval%pairs), source=.true.)
+    allocate (interval%shared(0:2, max(1, interval%pairs - 1)))
+    do j = 1, size(interval%shared, 2)
+      ! Taylor's series from the phase 0.
+      interval%shared(:, j) = mesh%shared_from(interval%place(0.0_dp, j), interval%place(middle, j))/[1, 1, 2]
+    end do
   end subroutine list_pairs
 
   !> First and last piece of the part of a curve around s within which it is smooth.

@@ -4,7 +4,7 @@
 module gearsweep_segments
   use gearsweep_kinds, only: dp
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
-  use gearsweep_sharing, only: pairs_at, static_deflection
+  use gearsweep_sharing, only: settle_at
   implicit none
   private
   public :: segment_t, smooth_segments, contact_intervals, carrying
@@ -148,9 +148,9 @@ contains
     real(dp), intent(in) :: load, phase
     type(interval_t), intent(in) :: interval
     logical :: carrying(interval%pairs)
-    real(dp), dimension(interval%pairs) :: stiffness, error
+    real(dp) :: deflection, force(interval%pairs)
 
-    call pairs_at(mesh, interval, phase, stiffness, error)
-    carrying = static_deflection(stiffness, error, load, mesh%flattening) > error
+    call settle_at(mesh, interval, load, phase, deflection, force)
+    carrying = force > 0
   end function carrying
 end module gearsweep_segments

@@ -1,13 +1,15 @@
 !> Static load sharing: which pairs carry how much, and the static transmission error.
 !>
-!> The pairs stand beside each other, each with its own stiffness; what the discs of whole gears
-!> yield under all of them is one spring in series, which no relief or share changes.
+!> The pairs stand beside each other, each with its own stiffness; what the discs of whole gears turn
+!> and what two pairs share is one spring in series, which no relief or load share changes. Three pairs and more share different
+!> compliances, neighbours more than others: what each load moves each pair by is a matrix then.
 module gearsweep_sharing
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
+  use gearsweep_mesh, only: mesh_t, interval_t, coupling, joint_stiffness, smooth_intervals
+  use gearsweep_small_system, only: solve_small
   implicit none
   private
-  public :: sharing_t, share_load, load_share, pairs_at, static_deflection, pair_load, transmission_error
+  public :: sharing_t, share_load, load_share, pairs_at, settle, settle_at, static_deflection, pair_load, transmission_error
 
   !> The static state along the mesh period; one-sided at every break.
   type :: sharing_t
@@ -81,7 +83,79 @@ contains
     end do
   end subroutine pair_load
 
-  !> Own stiffness (N/m) and profile error (m) of each pair at a phase of `interval`, one-sided at its ends.
+  !> The common deflection (m), but for the turning of discs, and the loads (N) of pairs one behind the other that carry the
+!> nominal `load` (N) together. `stiffness` (N/m) is that of each pair while it carries alone, `error` (m) its profile error,
+!> `shared` (m/N) what it shares with the next one.
+  pure subroutine settle(mesh, load, stiffness, error, shared, deflection, force)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load
+    real(dp), intent(in) :: stiffness(:), error(:)         !< (pair)
+    real(dp), intent(in) :: shared(:)                      !< (pair but the last, at least one)
+    real(dp), intent(out) :: deflection
+    real(dp), intent(out) :: force(:)                      !< (pair); 0 where a pair is apart
+    real(dp), dimension(size(stiffness)) :: own, slope
+
+    if (mesh%is_coupled(size(stiffness))) then
+      call settle_coupled(coupling(mesh, stiffness, shared), error, load, mesh%flattening, deflection, force)
+    else
+      own = stiffness/(1 - shared(1)*stiffness)
+      deflection = static_deflection(own, error, load, mesh%flattening)
+      call pair_load(deflection - error, own, load, mesh%flattening, force, slope)
+      deflection = deflection + shared(1)*load
+    end if
+  end subroutine settle
+
+  !> The same for pairs of which each is moved by the others' loads as the matrix `compliance` says (m/N), whose diagonal they have
+  !> alone: each load is that of `pair_load` on what the others leave of the deflection. Newton's method on all loads and the
+  !> deflection; the loads' slopes jump where a pair parts, so that it may step back and forth there: then half of a step.
+  pure subroutine settle_coupled(compliance, error, load, flattening, deflection, force)
+    real(dp), intent(in) :: compliance(:, :), error(:), load, flattening
+    real(dp), intent(out) :: deflection, force(:)
+    real(dp), parameter :: rounding = 1e-14_dp
+    integer, parameter :: most = 200, whole_steps = 20
+    real(dp), dimension(size(error)) :: own, depth, carried, slope
+    real(dp) :: matrix(size(error) + 1, size(error) + 1), step(size(error) + 1, 1)
+    integer :: i, j, n
+
+    n = size(error)
+    own = [(compliance(j, j), j=1, n)]
+    force = load/n
+    deflection = maxval(error) + load*maxval(own)
+    do i = 1, most
+      depth = deflection - error - matmul(compliance, force) + own*force
+      call pair_load(depth, 1/own, load, flattening, carried, slope)
+      matrix = 0
+      do j = 1, n
+        matrix(j, :n) = slope(j)*compliance(j, :)
+        matrix(j, j) = 1
+        matrix(j, n + 1) = -slope(j)
+      end do
+      matrix(n + 1, :n) = 1
+      step(:n, 1) = carried - force
+      step(n + 1, 1) = load - sum(force)
+      call solve_small(matrix, step)
+      if (i > whole_steps) step = step/2
+      force = force + step(:n, 1)
+      deflection = deflection + step(n + 1, 1)
+      if (all(abs(step(:n, 1)) <= rounding*load)) exit
+    end do
+    where (.not. depth > 0) force = 0
+  end subroutine settle_coupled
+
+  !> Deflection (m), but for the turning of discs, and loads (N) of the pairs at a phase of `interval`, one-sided at its ends.
+  pure subroutine settle_at(mesh, interval, load, phase, deflection, force)
+    type(mesh_t), intent(in) :: mesh
+    type(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: load, phase
+    real(dp), intent(out) :: deflection
+    real(dp), intent(out) :: force(interval%pairs)
+    real(dp), dimension(interval%pairs) :: stiffness, error
+
+    call pairs_at(mesh, interval, phase, stiffness, error)
+    call settle(mesh, load, stiffness, error, interval%shared_at(phase), deflection, force)
+  end subroutine settle_at
+
+  !> Stiffness (N/m), while it carries alone, and profile error (m) of each pair at a phase of `interval`, one-sided at its ends.
   pure subroutine pairs_at(mesh, interval, phase, stiffness, error)
     type(mesh_t), intent(in) :: mesh
     type(interval_t), intent(in) :: interval
@@ -91,7 +165,7 @@ contains
 
     do j = 1, interval%pairs
       associate (s => interval%place(phase, j))
-        stiffness(j) = mesh%own_stiffness(s, interval%stiffness_piece(:, j))
+        stiffness(j) = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, j)))
         error(j) = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
       end associate
     end do
@@ -102,10 +176,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: load, phase
-    real(dp), dimension(interval%pairs) :: stiffness, error
+    real(dp) :: force(interval%pairs)
 
-    call pairs_at(mesh, interval, phase, stiffness, error)
-    transmission_error = static_deflection(stiffness, error, load, mesh%flattening) + mesh%disc%yield()*load
+    call settle_at(mesh, interval, load, phase, transmission_error, force)
+    transmission_error = transmission_error + mesh%disc%turn*load
   end function transmission_error
 
   !> Samples the period with about `samples` points. Source: Dogan et al. 2021,
@@ -141,42 +215,41 @@ contains
     real(dp), intent(in) :: load
     integer, intent(in) :: row
     type(sharing_t), intent(inout) :: sharing
-    real(dp), dimension(interval%pairs) :: stiffness, error, force, slope
-    real(dp) :: deflection
+    real(dp), dimension(interval%pairs) :: stiffness, error, force
+    real(dp) :: deflection, pairs
     integer :: j
 
     sharing%offset(row) = interval%offset
     sharing%s(:interval%pairs, row) = interval%place(sharing%phase(row), [(j, j=1, interval%pairs)])
-    call pairs_at(mesh, interval, sharing%phase(row), stiffness, error)
     sharing%pairs(row) = interval%pairs
-    deflection = static_deflection(stiffness, error, load, mesh%flattening)
-    call pair_load(deflection - error, stiffness, load, mesh%flattening, force, slope)
-    sharing%error(row) = deflection + mesh%disc%yield()*load
+    call settle_at(mesh, interval, load, sharing%phase(row), deflection, force)
+    sharing%error(row) = deflection + mesh%disc%turn*load
     sharing%load(:interval%pairs, row) = force
-    associate (pairs => sum(stiffness, mask=deflection > error))
-      sharing%stiffness(row) = pairs/(1 + mesh%disc%yield()*pairs)
-    end associate
+    call pairs_at(mesh, interval, sharing%phase(row), stiffness, error)
+    pairs = joint_stiffness(mesh, stiffness, interval%shared_at(sharing%phase(row)), force > 0)
+    sharing%stiffness(row) = pairs/(1 + mesh%disc%turn*pairs)
   end subroutine share_at
 
   !> Share of `load` (N) that the pair at path coordinate `s` carries.
   pure real(dp) function load_share(mesh, load, s)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, s
-    real(dp), allocatable :: stiffness(:), error(:)
-    real(dp) :: place, force, slope
+    real(dp), allocatable :: stiffness(:), error(:), shared(:, :), force(:)
+    real(dp) :: place, deflection
     integer :: before, behind, j
 
     ! So many pairs stand before and behind this one.
     before = max(0, floor(s - mesh%reach(1)))
     behind = max(0, ceiling(mesh%reach(2) - s) - 1)
-    allocate (stiffness(-before:behind), error(-before:behind))
+    allocate (stiffness(-before:behind), error(-before:behind), force(-before:behind))
+    allocate (shared(0:2, -before:max(behind - 1, -before)))
     do j = -before, behind
       place = s - floor(s) + (floor(s) + j + 1) - 1
-      stiffness(j) = mesh%own_stiffness(place)
+      stiffness(j) = mesh%stiffness%value(place, mesh%stiffness%locate(place))
       error(j) = mesh%profile_error%value(place)
+      if (j <= ubound(shared, 2)) shared(:, j) = mesh%shared_from(place)
     end do
-    call pair_load(static_deflection(stiffness, error, load, mesh%flattening) - error(0), stiffness(0), load, &
-                   mesh%flattening, force, slope)
-    load_share = force/load
+    call settle(mesh, load, stiffness, error, shared(0, :), deflection, force)
+    load_share = force(0)/load
   end function load_share
 end module gearsweep_sharing

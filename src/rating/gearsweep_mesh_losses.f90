@@ -7,7 +7,7 @@ module gearsweep_mesh_losses
   use gearsweep_pair, only: pair_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: segment_t, smooth_segments
-  use gearsweep_sharing, only: pair_load, pairs_at, static_deflection
+  use gearsweep_sharing, only: settle_at
   implicit none
   private
   public :: friction_rule_t, mean_friction, static_loss_factor, followed_loss_factor, half_shares_factor, even_load_factor
@@ -110,12 +110,10 @@ contains
   pure real(dp) function loss_at(f, phase)
     type(integrand_t), intent(in) :: f
     real(dp), intent(in) :: phase
-    real(dp), dimension(f%interval%pairs) :: stiffness, error, force, slope
+    real(dp) :: deflection, force(f%interval%pairs)
     integer :: j
 
-    call pairs_at(f%mesh, f%interval, phase, stiffness, error)
-    call pair_load(static_deflection(stiffness, error, f%load, f%mesh%flattening) - error, stiffness, f%load, &
-                   f%mesh%flattening, force, slope)
+    call settle_at(f%mesh, f%interval, f%load, phase, deflection, force)
     associate (s => f%interval%place(phase, [(j, j=1, f%interval%pairs)]))
       loss_at = sum(force*abs(sliding_ratio(f%pair, s)))/f%load
     end associate

@@ -1,5 +1,6 @@
 // Writes corner_motion.dat: steady motions of prescribed meshes whose pairs may be in contact before A and behind E, and
-// may share a compliance. Build and run: g++ -O2 -std=c++17 corner_motion.cpp && ./a.out > corner_motion.dat
+// may share compliances. Build and run: g++ -O2 -std=c++17 corner_motion.cpp && ./a.out > corner_motion.dat; ./a.out 15 solves
+// the rows from the 15th on.
 //
 // Written from the mechanics alone, and with nothing of the library's methods: at every stage of classical Runge-Kutta
 // steps the loads are found by trying all sets of pairs for the one that is consistent, with the deflections of all pairs
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <vector>
 typedef long double real;
 const real pi = acosl(-1.0L);
@@ -19,7 +21,9 @@ struct Row {
   real gap2, gap3;           // profile error beyond: that at the end and gap2 d^2 + gap3 d^3, um
   real before, behind;       // how far contact reaches beyond A and E, base pitches
   real cp, cg;               // relief of pinion and gear at E and A, um, linear from D and B
-  real shared;               // compliance that the pairs share, um/N
+  real shared;               // compliance that neighbouring pairs share, mean over the stretch where two touch, um/N
+  real slope, bow;           // and how it changes there: slope v + bow (3 v^2 - 1)/2, v from -1 to 1, um/N; constant beyond
+  real decline;              // how much less pairs share that are no neighbours, um/N
   real m1, m2, F, zeta, mu, angle;
   int z1, z2;
   real sp;                   // pitch point
@@ -27,7 +31,7 @@ struct Row {
   real rpm;
 };
 
-struct Pair { real K, e, f1, f2; };  // stiffness N/um, profile error um, friction factors
+struct Pair { real K, e, f1, f2, s; };  // stiffness N/um, profile error um, friction factors, path coordinate
 
 struct Motion {
   const Row& r;
@@ -47,6 +51,7 @@ struct Motion {
       real s = tau + n, m = mid + n;
       if (m < -r.before || m > r.c + r.behind) continue;
       Pair p;
+      p.s = s;
       real at = m < 0 ? 0 : m > r.c ? r.c : s, u = 2 * at / r.c - 1, d = m < 0 ? -s : m > r.c ? s - r.c : 0, B = r.c - floorl(r.c);
       p.K = 0;
       for (int i = (int)r.coef.size() - 1; i >= 0; i--) p.K = p.K * u + r.coef[i];
@@ -61,14 +66,21 @@ struct Motion {
     }
     return list;
   }
-  // Loads F_j of a set of pairs at x: x = e_j + F_j/K_j + C sum F, by elimination.
+  // What a load on pair i moves pair k by.
+  static real moves(const Row& r, const std::vector<Pair>& p, int i, int k) {
+    if (i == k) return r.shared + 1 / p[i].K;
+    if (abs(i - k) > 1) return r.shared - r.decline;
+    real v = std::min(1.0L, std::max(-1.0L, 2 * p[std::min(i, k)].s / (r.c - 1) - 1));
+    return r.shared + r.slope * v + r.bow * (3 * v * v - 1) / 2;
+  }
+  // Loads F_j of a set of pairs at x: x = e_j + sum C_ji F_i, by elimination.
   static std::vector<real> loads(const Row& r, const std::vector<Pair>& p, unsigned set, real x) {
     std::vector<int> in;
     for (size_t j = 0; j < p.size(); j++) if (set >> j & 1) in.push_back(j);
     size_t n = in.size();
     std::vector<std::vector<real>> a(n, std::vector<real>(n + 1));
     for (size_t i = 0; i < n; i++) {
-      for (size_t k = 0; k < n; k++) a[i][k] = r.shared + (i == k ? 1 / p[in[i]].K : 0);
+      for (size_t k = 0; k < n; k++) a[i][k] = moves(r, p, in[i], in[k]);
       a[i][n] = x - p[in[i]].e;
     }
     for (size_t i = 0; i < n; i++)
@@ -84,10 +96,12 @@ struct Motion {
   unsigned contact(const std::vector<Pair>& p, real x) const {
     for (unsigned set = 0; set < 1u << p.size(); set++) {
       std::vector<real> f = loads(r, p, set, x);
-      real total = 0;
-      for (real v : f) total += v;
       bool ok = true;
-      for (size_t j = 0; j < p.size(); j++) ok = ok && (set >> j & 1 ? f[j] > 0 : x - r.shared * total <= p[j].e);
+      for (size_t j = 0; j < p.size(); j++) {
+        real left = x;
+        for (size_t i = 0; i < p.size(); i++) if (set >> i & 1) left -= moves(r, p, i, j) * f[i];
+        ok = ok && (set >> j & 1 ? f[j] > 0 : left <= p[j].e);
+      }
       if (ok) return set;
     }
     return 0;
@@ -103,15 +117,17 @@ struct Motion {
     }
     if (back) {
       real k = 0;
+      std::vector<Pair> q = pairs(tau, mid);
+      unsigned between = 0;
       for (int n = -1; n < 5; n++) {
         real s = mid + n;
         if (s < 0 || s > r.c) continue;
-        std::vector<Pair> q = pairs(tau, mid);
         int first = -2;
         while (mid + first < -r.before) first++;
-        k += q[n - first].K;
+        between |= 1u << (n - first);
+        q[n - first].e = 0;
       }
-      k /= 1 + r.shared * k;
+      for (real v : loads(r, q, between, 1)) k += v;
       accel -= k * (y[0] + r.backlash) * (1 / r.m1 + 1 / r.m2);
       w2 += k * (1 / r.m1 + 1 / r.m2);
     }
@@ -197,28 +213,38 @@ struct Motion {
   }
 };
 
-int main() {
+int main(int argc, char** argv) {
   std::vector<Row> rows;
   std::vector<real> flat = {400}, even = {400, 0, -112}, skew = {400, 30, -100, -12, 8};
   auto add = [&](Row r) { rows.push_back(r); };
-  //   c    coef  soften gap2  gap3   before behind cp cg shared  m1   m2   F    zeta  mu    angle z1 z2 sp  backlash rpm
-  add({1.6L, flat, 0,    3000, 0,     .15L, .15L, 0, 0, 0,       .8L, .8L, 7000, .10L, 0,    20, 25, 25, .8L, -1, 4000});
-  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 0, 0, 0,       .8L, .8L, 7000, .17L, 0,    20, 25, 25, .8L, -1, 1600});
-  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 0, 0, 0,       .8L, .8L, 7000, .17L, 0,    20, 25, 25, .8L, -1, 6800});
-  add({1.6L, skew, 1,    2500, 3000,  .2L,  .12L, 4, 6, 0,       .8L, .8L, 7000, .10L, 0,    20, 25, 25, .8L, -1, 11000});
-  add({1.6L, skew, 1,    2500, 3000,  .2L,  .12L, 0, 0, 0,       .8L, .8L, 7000, .10L, .08L, 20, 25, 25, .75L, -1, 8500});
-  add({1.9L, even, .3L,  2800, 500,   .2L,  .2L,  0, 0, 0,       .8L, .8L, 7000, .12L, 0,    20, 25, 25, .9L, -1, 5200});
-  add({2.3L, even, .3L,  2800, 500,   .2L,  .2L,  3, 3, 0,       .8L, .8L, 9000, .10L, .06L, 20, 25, 25, 1.1L, -1, 9000});
-  add({1.6L, even, 0,    0,    0,     0,    0,    0, 0, 4e-4L,   .8L, .8L, 7000, .12L, 0,    20, 25, 25, .8L, -1, 5000});
-  add({1.6L, skew, 0,    0,    0,     0,    0,    5, 5, 6e-4L,   .6L, 2.1L, 9000, .10L, .08L, 20, 20, 47, .7L, -1, 9500});
-  add({2.3L, skew, 0,    0,    0,     0,    0,    9, 9, 5e-4L,   .8L, .8L, 9000, .10L, .05L, 20, 25, 25, 1.1L, -1, 15000});
-  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 0, 0, 5e-4L,   .8L, .8L, 7000, .17L, 0,    20, 25, 25, .8L, -1, 6800});
-  add({1.6L, skew, 1,    2500, 3000,  .2L,  .12L, 4, 2, 5e-4L,   .6L, 2.1L, 9000, .08L, .08L, 20, 20, 47, .7L, -1, 12000});
-  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 22, 22, 3e-4L, .8L, .8L, 6000, .06L, 0,    20, 25, 25, .8L, -1, 13000});
-  add({1.6L, skew, .5L,  3000, 1000,  .15L, .15L, 0, 0, 3e-4L,   .8L, .8L, 7000, .05L, .08L, 20, 25, 25, .8L, 2, 12500});
+  //   c    coef  soften gap2  gap3   before behind cp cg shared slope bow decline  m1   m2   F    zeta  mu    angle z1 z2 sp  backlash rpm
+  add({1.6L, flat, 0,    3000, 0,     .15L, .15L, 0, 0, 0, 0, 0, 0,       .8L, .8L, 7000, .10L, 0,    20, 25, 25, .8L, -1, 4000});
+  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 0, 0, 0, 0, 0, 0,       .8L, .8L, 7000, .17L, 0,    20, 25, 25, .8L, -1, 1600});
+  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 0, 0, 0, 0, 0, 0,       .8L, .8L, 7000, .17L, 0,    20, 25, 25, .8L, -1, 6800});
+  add({1.6L, skew, 1,    2500, 3000,  .2L,  .12L, 4, 6, 0, 0, 0, 0,       .8L, .8L, 7000, .10L, 0,    20, 25, 25, .8L, -1, 11000});
+  add({1.6L, skew, 1,    2500, 3000,  .2L,  .12L, 0, 0, 0, 0, 0, 0,       .8L, .8L, 7000, .10L, .08L, 20, 25, 25, .75L, -1, 8500});
+  add({1.9L, even, .3L,  2800, 500,   .2L,  .2L,  0, 0, 0, 0, 0, 0,       .8L, .8L, 7000, .12L, 0,    20, 25, 25, .9L, -1, 5200});
+  add({2.3L, even, .3L,  2800, 500,   .2L,  .2L,  3, 3, 0, 0, 0, 0,       .8L, .8L, 9000, .10L, .06L, 20, 25, 25, 1.1L, -1, 9000});
+  add({1.6L, even, 0,    0,    0,     0,    0,    0, 0, 4e-4L, 0, 0, 0,   .8L, .8L, 7000, .12L, 0,    20, 25, 25, .8L, -1, 5000});
+  add({1.6L, skew, 0,    0,    0,     0,    0,    5, 5, 6e-4L, 0, 0, 0,   .6L, 2.1L, 9000, .10L, .08L, 20, 20, 47, .7L, -1, 9500});
+  add({2.3L, skew, 0,    0,    0,     0,    0,    9, 9, 5e-4L, 0, 0, 0,   .8L, .8L, 9000, .10L, .05L, 20, 25, 25, 1.1L, -1, 15000});
+  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 0, 0, 5e-4L, 0, 0, 0,   .8L, .8L, 7000, .17L, 0,    20, 25, 25, .8L, -1, 6800});
+  add({1.6L, skew, 1,    2500, 3000,  .2L,  .12L, 4, 2, 5e-4L, 0, 0, 0,   .6L, 2.1L, 9000, .08L, .08L, 20, 20, 47, .7L, -1, 12000});
+  add({1.6L, even, .5L,  3000, 1000,  .15L, .15L, 22, 22, 3e-4L, 0, 0, 0, .8L, .8L, 6000, .06L, 0,    20, 25, 25, .8L, -1, 13000});
+  add({1.6L, skew, .5L,  3000, 1000,  .15L, .15L, 0, 0, 3e-4L, 0, 0, 0,   .8L, .8L, 7000, .05L, .08L, 20, 25, 25, .8L, 2, 12500});
+  // What neighbours share changes along the path; above a contact ratio of 2 pairs that are no neighbours share less.
+  add({1.6L, skew, 0,    0,    0,     0,    0,    4, 3, 6e-4L, 12e-5L, -5e-5L, 0, .6L, 2.1L, 8000, .08L, .06L, 20, 20, 47, .7L, -1, 7500});
+  add({2.3L, skew, 0,    0,    0,     0,    0,    9, 9, 8e-4L, 8e-5L, -6e-5L, 4e-4L, .8L, .8L, 9000, .10L, .05L, 20, 25, 25, 1.1L, -1, 15000});
+  add({1.9L, even, .3L,  2800, 500,   .2L,  .2L,  0, 0, 6e-4L, 6e-5L, -4e-5L, 3e-4L, .8L, .8L, 7000, .12L, 0, 20, 25, 25, .9L, -1, 5200});
+  add({2.3L, even, .3L,  2800, 500,   .2L,  .2L,  3, 3, 7e-4L, 0, -8e-5L, 7e-4L, .8L, .8L, 9000, .10L, .06L, 20, 25, 25, 1.1L, -1, 9000});
+  add({2.3L, skew, .3L,  2800, 500,   .1L,  .1L, 25, 25, 6e-4L, 5e-5L, -6e-5L, 3e-4L, .8L, .8L, 7000, .05L, 0, 20, 25, 25, 1.1L, -1, 17000});
+  add({2.3L, skew, .3L,  2800, 500,   .1L,  .1L, 18, 18, 6e-4L, 5e-5L, -6e-5L, 3e-4L, .8L, .8L, 7000, .04L, .05L, 20, 25, 25, 1.1L, 1, 19000});
+  add({2.3L, skew, .3L,  2800, 500,   .1L,  .1L, 45, 45, 6e-4L, 5e-5L, -6e-5L, 3e-4L, .8L, .8L, 3000, .04L, .05L, 20, 25, 25, 1.1L, 1, 13000});
+  if (argc > 1) rows.erase(rows.begin(), rows.begin() + atoi(argv[1]) - 1);
+  int before = argc > 1 ? atoi(argv[1]) - 1 : 0;
   puts("# Steady motions of prescribed meshes with contact beyond A and E and with shared compliance.");
   puts("# Made by corner_motion.cpp, which says how. Columns: id, contact_ratio, n_coef, coef 0 to 4 (N/um), soften, gap2, gap3");
-  puts("# (um), before, behind, relief of pinion and gear (um), shared (um/N), m1, m2 (kg), load (N), zeta, mu, angle (deg), z1, z2,");
+  puts("# (um), before, behind, relief of pinion and gear (um), shared, its slope and bow, decline (um/N), m1, m2 (kg), load (N), zeta, mu, angle (deg), z1, z2,");
   puts("# pitch point, backlash (um; -1: none), rpm, largest load on a pair over the load, x (um) and its derivative over the mesh");
   puts("# phase (um) at phase 0, what the last halving of the steps changed of the largest load, events in a period,");
   puts("# 1: a pair carries beyond A or E, 1: a pair between A and E was apart");
@@ -234,7 +260,7 @@ int main() {
         real before[2] = {y[0], y[1]};
         m.run(y, n, false);
         if (fabsl(y[0] - before[0]) < 1e-14L * fabsl(y[0]) + 1e-15L && fabsl(y[1] - before[1]) < 1e-13L * fabsl(y[0])) break;
-        if (k == 3999) fprintf(stderr, "row %zu does not settle: %Lg\n", i + 1, y[0] - before[0]);
+        if (k == 3999) fprintf(stderr, "row %zu does not settle: %Lg\n", i + 1 + before, y[0] - before[0]);
       }
       state[0] = y[0]; state[1] = y[1];
       m.run(y, n, true);
@@ -243,9 +269,9 @@ int main() {
     }
     real c[5] = {0, 0, 0, 0, 0};
     for (size_t k = 0; k < r.coef.size(); k++) c[k] = r.coef[k];
-    printf("%zu %.3Lf %zu %.1Lf %.1Lf %.1Lf %.1Lf %.1Lf %.2Lf %.1Lf %.1Lf %.3Lf %.3Lf %.1Lf %.1Lf %.1Le %.2Lf %.2Lf %.1Lf %.3Lf %.3Lf "
-           "%.1Lf %d %d %.3Lf %.1Lf %.1Lf %.14Lf %.14Lf %.14Lf %.0Le %d %d %d\n", i + 1, r.c, r.coef.size(), c[0], c[1], c[2], c[3], c[4],
-           r.soften, r.gap2, r.gap3, r.before, r.behind, r.cp, r.cg, r.shared, r.m1, r.m2, r.F, r.zeta, r.mu, r.angle, r.z1, r.z2,
+    printf("%zu %.3Lf %zu %.1Lf %.1Lf %.1Lf %.1Lf %.1Lf %.2Lf %.1Lf %.1Lf %.3Lf %.3Lf %.1Lf %.1Lf %.1Le %.1Le %.1Le %.1Le %.2Lf %.2Lf %.1Lf %.3Lf %.3Lf "
+           "%.1Lf %d %d %.3Lf %.1Lf %.1Lf %.14Lf %.14Lf %.14Lf %.0Le %d %d %d\n", i + 1 + before, r.c, r.coef.size(), c[0], c[1], c[2], c[3], c[4],
+           r.soften, r.gap2, r.gap3, r.before, r.behind, r.cp, r.cg, r.shared, r.slope, r.bow, r.decline, r.m1, r.m2, r.F, r.zeta, r.mu, r.angle, r.z1, r.z2,
            r.sp, r.backlash, r.rpm, found[1], state[0], state[1], fabsl(found[1] - found[0]), events, beyond, apart);
     fflush(stdout);
   }

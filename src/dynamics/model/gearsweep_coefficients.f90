@@ -6,68 +6,19 @@
 !> Full contact is the contact set about which the motion is linear: all pairs between A and E are in contact or, where
 !> contact reaches beyond A and E, those that carry the static load.
 module gearsweep_coefficients
+  use gearsweep_coefficient_table, only: allocate_table, coefficients_t, kind_t, resolution_t, scheme_collocation, &
+                                         scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
-  use gearsweep_memory, only: has_memory
   use gearsweep_mesh, only: interval_t
-  use gearsweep_oscillator, only: oscillator_t, mobility
   use gearsweep_nodes, only: nodes, stiff_nodes
-  use gearsweep_shared_compliance, only: own_derivatives, reduce_sums, sum_pairs, touching_deflection
+  use gearsweep_oscillator, only: oscillator_t, mobility
+  use gearsweep_shared_coefficients, only: couple_coast, fill_shared, share_compliance, touching_at_end
+  use gearsweep_shared_compliance, only: own_derivatives, sum_pairs, touching_deflection
   implicit none
   private
   public :: resolution_t, coefficients_t, tabulate, graded_steps
-
-  !> Methods of integration.
-  integer, parameter, public :: &
-    scheme_collocation = 0, &          !< Gauss collocation in steps that end at the breaks; contact events are located
-    scheme_rk4 = 1, &                  !< classical Runge-Kutta in steps that end at the breaks
-    scheme_rk4_equal = 2, &            !< classical Runge-Kutta in equal steps (Dogan et al. 2021)
-    scheme_constant = 3                !< exact motion over equal steps with constant coefficients (Karpat et al. 2012)
-
-  !> The method, and how finely it cuts the period into steps: each smooth interval gets `times` steps for each of its shares of
-  !> `base` steps. The steps of a larger `times` nest in those of the same base.
-  type :: resolution_t
-    real(dp) :: base = 0               !< steps of a period; where graded, of a radian of the natural motion behind a break
-    integer :: times = 1
-    real(dp) :: graded_for = 0         !< duration of the mesh period for which the steps grow behind breaks, s; 0: equal steps
-    integer :: scheme = scheme_collocation
-  end type resolution_t
-
-  !> What is special about a step.
-  type :: kind_t
-    !> A smooth interval begins, or, where steps are graded, three quarters of a cycle of the natural motion
-    !> behind that.
-    logical :: begins = .false.
-    logical :: widens = .false.        !< a smooth interval begins, or the step before was shorter
-    logical :: stiff = .false.         !< too long to follow the natural motion: integrated at Radau's points
-  end type kind_t
-
-  !> The coefficients at the three nodes of the integration and at both ends of each step, one-sided at breaks.
-  type :: coefficients_t
-    integer :: steps = 0               !< of the period; 0: the memory does not hold them
-    integer :: contacts = 0            !< pairs at most, and the coast sides
-    integer, allocatable :: interval(:)    !< smooth interval that a step lies in; (step)
-    integer, allocatable :: pairs(:)       !< that may be in contact; (step)
-    integer, allocatable :: full(:)        !< contact set of full contact: bit j - 1 for pair j; (step)
-    integer, allocatable :: between(:)     !< the pairs between A and E, in the same way; (step)
-    type(kind_t), allocatable :: kind(:)   !< (step)
-    real(dp), allocatable :: left(:), width(:)     !< begin and length of a step, mesh phase 0 to 1; (step)
-    real(dp), allocatable :: rate(:, :, :)         !< k_j, 1/s^2; (contact, node, step)
-    real(dp), allocatable :: profile_error(:, :, :)    !< e_j, m; (contact, node, step)
-    real(dp), allocatable :: end_rate(:, :, :)     !< k_j, 1/s^2; (pair, end, step)
-    !> Own stiffness K_j (N/m) with its first and second derivative over the phase; (0:2, pair, end, step)
-    real(dp), allocatable :: end_stiffness(:, :, :, :)
-    !> e_j (m) with its first and second derivative over the phase; (0:2, contact, end, step)
-    real(dp), allocatable :: end_profile_error(:, :, :, :)
-    !> Bounds (m) of the profile errors: a motion whose tangents at the ends of the step stay above the upper one keeps the
-    !> pairs of full contact in contact, and below the lower one the others apart; (step)
-    real(dp), allocatable :: upper_bound(:), lower_bound(:)
-    !> Sums over the pairs of full contact: omega^2 (1/s^2), k e (m/s^2), omega (rad/s); (node, step)
-    real(dp), allocatable :: omega_squared(:, :), forcing(:, :), omega(:, :)
-    !> Where pairs share a compliance, also their own stiffness at the nodes (N/m), (pair, node, step), and `sum_pairs` of full
-    !> contact at the ends: sums of K (N/m) and K e (N), with derivatives over the phase, (0:2, of K or K e, end, step).
-    real(dp), allocatable :: node_stiffness(:, :, :), end_sums(:, :, :, :)
-  end type coefficients_t
+  public :: scheme_collocation, scheme_rk4, scheme_rk4_equal, scheme_constant
 
 contains
 
@@ -98,6 +49,7 @@ contains
         table%pairs(first:last) = interval%pairs
         table%full(first:last) = set_of(interval%carries)
         table%between(first:last) = set_of(interval%between)
+        table%coupled(first:last) = osc%shared > 0 .and. osc%mesh%is_coupled(interval%pairs)
         table%kind(first:last) = kind_t()
         if (resolution%graded_for > 0) then
           call grade_interval(osc, i, resolution, grading(i), first, last, table)
@@ -106,6 +58,7 @@ contains
           table%width(first:last) = (interval%last - interval%first)/counts(i)
           table%left(first:last) = interval%first + [(j, j=0, counts(i) - 1)]*table%width(first)
         end if
+        if (osc%shared > 0) call fill_shared(interval, first, last, table)
         do j = 1, interval%pairs
           call fill_pair(osc, interval, j, first, last, table)
         end do
@@ -173,65 +126,6 @@ contains
     end do
   end subroutine grade_interval
 
-  !> Memory for so many steps; what the last table took serves again where it is as large. Pairs that a smooth
-  !> interval does not have stay undefined.
-  pure subroutine allocate_table(osc, steps, table)
-    type(oscillator_t), intent(in) :: osc
-    integer, intent(in) :: steps
-    type(coefficients_t), intent(inout) :: table
-    ! A thread keeps so few tables below this size (bytes) that the reserve holds them.
-    real(dp), parameter :: small = 256e3_dp
-    logical :: fits
-
-    if (allocated(table%interval)) then
-      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2) .and. &
-          (osc%shared > 0 .eqv. allocated(table%node_stiffness))) return
-      table = coefficients_t()
-    end if
-    fits = .true.
-    if (steps*step_bytes(osc) > small) call has_memory(steps*step_bytes(osc), fits)
-    if (.not. fits) return
-    table%steps = steps
-    table%contacts = osc%contacts
-    associate (m => table%contacts, p => osc%pairs)
-      allocate (table%interval(steps), table%pairs(steps), table%left(steps), table%width(steps), table%upper_bound(steps))
-      allocate (table%kind(steps), table%full(steps), table%between(steps), table%lower_bound(steps))
-      allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%end_rate(p, 2, steps))
-      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, m, 2, steps))
-      allocate (table%omega_squared(3, steps), table%forcing(3, steps), table%omega(3, steps))
-      if (osc%shared > 0) allocate (table%node_stiffness(p, 3, steps), table%end_sums(0:2, 2, 2, steps))
-    end associate
-  end subroutine allocate_table
-
-  !> Memory of a step (bytes): its rows of the table, and what filling them takes meanwhile.
-  pure real(dp) function step_bytes(osc)
-    type(oscillator_t), intent(in) :: osc
-
-    step_bytes = 8*(60 + 14*osc%contacts + 6*osc%pairs)
-    if (osc%shared > 0) step_bytes = step_bytes + 8*(3*osc%pairs + 12)
-  end function step_bytes
-
-  !> Turns the sums over pairs by themselves into what they are while these share a compliance.
-  pure subroutine share_compliance(osc, table)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(inout) :: table
-    real(dp) :: a, b
-    integer :: i, j, k
-
-    do i = 1, table%steps
-      do k = 1, 3
-        a = 0
-        b = 0
-        do j = 1, table%pairs(i)
-          if (.not. btest(table%full(i), j - 1)) cycle
-          a = a + table%node_stiffness(j, k, i)
-          b = b + table%node_stiffness(j, k, i)*table%profile_error(j, k, i)
-        end do
-        call reduce_sums(osc%shared, a, b, table%omega_squared(k, i), table%forcing(k, i))
-      end do
-    end do
-  end subroutine share_compliance
-
   !> From the highest deflection at which a pair in full contact touches at the ends of each step, the lowest of the others,
   !> and what their derivatives take from the motion's; not below the coast sides.
   pure subroutine find_bounds(osc, table)
@@ -250,8 +144,12 @@ contains
                                              table%end_sums(:, 2, end, i))
           do j = 1, p
             touching = e(:, j)
-            if (osc%shared > 0) touching = touching_deflection(osc%shared, table%end_sums(:, 1, end, i), &
-                                                               table%end_sums(:, 2, end, i), e(:, j))
+            if (table%coupled(i)) then
+              touching = touching_at_end(osc, table, i, end, table%full(i), j)
+            else if (osc%shared > 0) then
+              touching = touching_deflection(table%end_shared(:, 1, end, i), table%end_sums(:, 1, end, i), &
+                                             table%end_sums(:, 2, end, i), e(:, j))
+            end if
             if (btest(table%full(i), j - 1)) then
               highest = max(highest, touching(0))
               steepness(1) = max(steepness(1), abs(touching(1)))
@@ -290,7 +188,7 @@ contains
     end do
     call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), rate)
     if (osc%shared > 0) then
-      rate = rate/(1 - osc%shared*rate)
+      if (.not. table%coupled(first)) rate = rate/(1 - reshape(table%node_shared(1, :, first:last), [3*n])*rate)
       table%node_stiffness(j, :, first:last) = reshape(rate, [3, n])
     end if
     call weigh(osc, s, interval%recess(j), rate)
@@ -299,7 +197,12 @@ contains
     ends(n) = ends(n - 1) + table%width(last)
     call osc%mesh%stiffness%sample(ends, interval%stiffness_piece(:, j), stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
     call osc%mesh%profile_error%sample(ends, interval%piece(:, j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
-    if (osc%shared > 0) call own_derivatives(osc%shared, stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
+    if (osc%shared > 0 .and. .not. table%coupled(first)) then
+      associate (phase => [table%left(first:last), table%left(last) + table%width(last)], c => interval%shared)
+        call own_derivatives(interval%shared_by_two(phase), c(1, 1) + 2*phase*c(2, 1), 2*c(2, 1), stiffness(:, 0), &
+                             stiffness(:, 1), stiffness(:, 2))
+      end associate
+    end if
     end_rate = stiffness(:, 0)
     call weigh(osc, ends, interval%recess(j), end_rate)
     do i = 1, n
@@ -358,7 +261,14 @@ contains
           end do
         end associate
       end do
-      if (osc%shared > 0) table%rate(coast, :, :) = table%rate(coast, :, :)/(1 + osc%shared*table%rate(coast, :, :)/sum(1/osc%mass))
+      if (.not. osc%shared > 0) return
+      do i = 1, table%steps
+        if (table%coupled(i)) then
+          call couple_coast(osc, table, i)
+        else
+          table%rate(coast, :, i) = table%rate(coast, :, i)/(1 + table%node_shared(1, :, i)*table%rate(coast, :, i)/sum(1/osc%mass))
+        end if
+      end do
     end associate
   end subroutine fill_coast
 

@@ -7,12 +7,13 @@ module gearsweep_literature_table
   use gearsweep_coefficients, only: resolution_t, scheme_rk4
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
-  use gearsweep_mesh, only: interval_t
+  use gearsweep_coupled_pairs, only: sum_response
+  use gearsweep_mesh, only: coupling, interval_t
   use gearsweep_oscillator, only: oscillator_t, mobility
   use gearsweep_shared_compliance, only: own_derivatives
   implicit none
   private
-  public :: literature_table_t, exact_step_t, tabulate_literature
+  public :: literature_table_t, exact_step_t, tabulate_literature, sum_at_place
 
   !> The exact motion over a step with constant coefficients, for the contact set that it was last needed for.
   type :: exact_step_t
@@ -34,6 +35,9 @@ module gearsweep_literature_table
     !> Own stiffness K_j (N/m), 0 like k_j, and its derivative over the phase; (0:1, pair, place, step)
     real(dp), allocatable :: stiffness(:, :, :, :)
     real(dp), allocatable :: profile_error_slope(:, :, :)    !< derivative of e_j over the phase, m; (pair, place, step)
+    !> What neighbours share (m/N) with its derivatives over the phase; (0:2, pair but the last, place, step).
+    real(dp), allocatable :: shared(:, :, :, :)
+    logical :: coupled = .false.                 !< three pairs or more share different compliances: stiffness is that of each alone
     type(exact_step_t), allocatable :: exact(:)  !< with constant coefficients; (step)
   end type literature_table_t
 
@@ -49,6 +53,7 @@ contains
 
     associate (intervals => osc%intervals)
       table%scheme = resolution%scheme
+      table%coupled = osc%shared > 0 .and. osc%mesh%is_coupled(osc%pairs)
       if (table%scheme == scheme_rk4) then
         counts = resolution%times*max(1, ceiling(resolution%base*(intervals%last - intervals%first) - 1e-6_dp))
       else
@@ -83,14 +88,14 @@ contains
     logical :: fits
 
     associate (m => osc%contacts, p => osc%pairs)
-      bytes = 8.0_dp*steps*(14 + 6*m + 9*p)
+      bytes = 8.0_dp*steps*(14 + 6*m + 18*p)
       fits = .true.
       if (bytes > small) call has_memory(bytes, fits)
       if (.not. fits) return
       table%steps = steps
       allocate (table%left(steps), table%width(steps), table%pairs(steps), table%exact(steps))
       allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%stiffness(0:1, p, 3, steps), &
-                table%profile_error_slope(p, 3, steps), source=0.0_dp)
+                table%profile_error_slope(p, 3, steps), table%shared(0:2, max(1, p - 1), 3, steps), source=0.0_dp)
       allocate (table%offset(3, steps), table%between(3, steps), source=0)
     end associate
   end subroutine allocate_table
@@ -106,6 +111,7 @@ contains
     table%pairs(step) = interval%pairs
     table%offset(:, step) = interval%offset
     do place = 1, 3
+      table%shared(:, :size(interval%shared, 2), place, step) = interval%shared_with_slopes(phase_of(table, place, step))
       do j = 1, interval%pairs
         associate (s => interval%place(phase_of(table, place, step), j))
           call fill_pair(osc, j, place, step, s, interval%stiffness_piece(:, j), interval%piece(:, j), interval%recess(j), table)
@@ -130,6 +136,9 @@ contains
     associate (mesh => osc%mesh)
       do place = 1, 3
         table%offset(place, step) = ceiling(mesh%reach(1) - min(phase_of(table, place, step), before_end))
+        do j = 1, size(table%shared, 2)
+          table%shared(:, j, place, step) = mesh%shared_from(phase_of(table, place, step) + (j + table%offset(place, step)) - 1)
+        end do
         do j = 1, osc%pairs
           s = phase_of(table, place, step) + (j + table%offset(place, step)) - 1
           if (s > mesh%reach(2)) cycle
@@ -164,7 +173,8 @@ contains
     k = osc%mesh%stiffness%value(s, i)
     slope = osc%mesh%stiffness%slope(s, i)
     none = 0
-    if (osc%shared > 0) call own_derivatives(osc%shared, k, slope, none)
+    if (osc%shared > 0 .and. .not. table%coupled) call own_derivatives(table%shared(0, 1, place, step), &
+      table%shared(1, 1, place, step), table%shared(2, 1, place, step), k, slope, none)
     table%stiffness(:, j, place, step) = [k, slope]
     table%rate(j, place, step) = k*mobility(osc, s, recess)
     i = osc%mesh%profile_error%locate(s, piece)
@@ -178,12 +188,33 @@ contains
     integer, intent(in) :: place, step
     type(literature_table_t), intent(inout) :: table
 
-    real(dp) :: k
+    real(dp), dimension(osc%pairs) :: slack, mobilities
+    real(dp) :: k, pull
     integer :: j
 
     if (.not. osc%has_backlash) return
-    k = sum(table%stiffness(0, :, place, step), mask=btest(table%between(place, step), [(j, j=0, osc%pairs - 1)]))
-    table%rate(osc%contacts, place, step) = k/(1 + osc%shared*k)*sum(1/osc%mass)
     table%profile_error(osc%contacts, place, step) = -osc%backlash
+    if (table%coupled) then
+      slack = 0
+      mobilities = sum(1/osc%mass)
+      call sum_at_place(osc, table, place, step, table%between(place, step), slack, mobilities, &
+                        table%rate(osc%contacts, place, step), pull)
+      return
+    end if
+    k = sum(table%stiffness(0, :, place, step), mask=btest(table%between(place, step), [(j, j=0, osc%pairs - 1)]))
+    table%rate(osc%contacts, place, step) = k/(1 + table%shared(0, 1, place, step)*k)*sum(1/osc%mass)
   end subroutine fill_coast
+
+  !> omega^2 (1/s^2) and sum of k e (m/s^2) of a contact set of coupled pairs with these profile errors (m), each times its
+  !> mobility (1/kg).
+  pure subroutine sum_at_place(osc, table, place, step, contact_set, error, mobilities, omega_squared, forcing)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step, contact_set
+    real(dp), intent(in) :: error(:), mobilities(:)
+    real(dp), intent(out) :: omega_squared, forcing
+
+    call sum_response(contact_set, coupling(osc%mesh, table%stiffness(0, :, place, step), table%shared(0, :, place, step)), &
+                      error, mobilities, omega_squared, forcing)
+  end subroutine sum_at_place
 end module gearsweep_literature_table

@@ -9,6 +9,7 @@
 !> Source: Dogan et al. 2021, Eqs. 9 to 20, misprints corrected.
 module gearsweep_oscillator
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_coupled_pairs, only: closed_set, compliances, sum_response
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   use gearsweep_segments, only: contact_intervals
@@ -29,7 +30,7 @@ module gearsweep_oscillator
     real(dp) :: friction = 0           !< mu
     logical :: has_backlash = .false.  !< the coast sides can come into contact
     real(dp) :: backlash = 0           !< m, along the line of action
-    real(dp) :: shared = 0             !< compliance that the pairs share, m/N
+    real(dp) :: shared = 0             !< compliance that neighbouring pairs share, mean over the path, m/N
     integer :: pairs = 0               !< that may be in contact at most
     integer :: contacts = 0            !< the pairs, and one for the coast sides where there is backlash
     real(dp) :: natural_frequency = 0  !< at mean stiffness between A and E, without friction and relief, rad/s
@@ -51,7 +52,7 @@ contains
 
     call demand(osc%mesh%contact_ratio > 1, 'contact ratio', osc%mesh%contact_ratio, 'must be above 1')
     call demand(osc%mesh%disc%shared >= 0, 'shared compliance', osc%mesh%disc%shared, 'must be at least 0')
-    call demand(osc%mesh%disc%shared*osc%mesh%stiffness%maximum() < 1, 'shared compliance', osc%mesh%disc%shared, &
+    call demand(osc%mesh%disc%most_shared()*osc%mesh%stiffness%maximum() < 1, 'shared compliance', osc%mesh%disc%shared, &
                 'must be below the compliance of a pair, of which it is a part')
     call demand(all(osc%mass > 0), 'effective mass', minval(osc%mass), 'must be above 0')
     call demand(osc%load > 0, 'load', osc%load, 'must be above 0')
@@ -127,8 +128,8 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: samples = 32, most = 100
     real(dp), dimension(osc%pairs) :: stiffness, error
-    real(dp) :: load, slope, phase, a, b
-    integer :: i, j, k, n, set
+    real(dp) :: load, slope, phase, part, pull
+    integer :: i, k, n
 
     x = 2*osc%static_deflection + osc%mesh%profile_error%maximum()
     do n = 1, most
@@ -139,12 +140,10 @@ contains
           do k = 1, samples
             phase = interval%first + (interval%last - interval%first)*(k - 0.5_dp)/samples
             call pairs_at(osc%mesh, interval, phase, stiffness(:p), error(:p))
-            set = closed_pairs(osc%shared, stiffness(:p), error(:p), x)
-            a = sum(stiffness(:p), mask=btest(set, [(j, j=0, p - 1)]))
-            b = sum(stiffness(:p)*error(:p), mask=btest(set, [(j, j=0, p - 1)]))
-            associate (weight => (interval%last - interval%first)/samples/(1 + osc%shared*a))
-              load = load + weight*(a*x - b)
-              slope = slope + weight*a
+            call load_at(osc, interval, phase, stiffness(:p), error(:p), x, part, pull)
+            associate (weight => (interval%last - interval%first)/samples)
+              load = load + weight*(part*x - pull)
+              slope = slope + weight*part
             end associate
           end do
         end associate
@@ -154,28 +153,61 @@ contains
     end do
   end function mean_deflection_in_series
 
+  !> The load of the pairs at a phase of an interval while they are deflected by x (m), as part*x - pull (N).
+  pure subroutine load_at(osc, interval, phase, stiffness, error, x, part, pull)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: phase, stiffness(:), error(:), x
+    real(dp), intent(out) :: part, pull          ! N/m, N
+    real(dp), dimension(size(error)) :: own, one
+    real(dp), dimension(0:2, size(error)) :: stiffnesses, errors
+    real(dp) :: c(0:2, size(error), size(error)), shared(size(interval%shared, 2))
+    integer :: set, j
+
+    shared = interval%shared_at(phase)
+    if (osc%mesh%is_coupled(interval%pairs)) then
+      one = 1
+      stiffnesses = 0
+      stiffnesses(0, :) = stiffness
+      errors = 0
+      errors(0, :) = error
+      c = compliances(stiffnesses, interval%shared_with_slopes(phase), osc%mesh%disc%shared_beyond())
+      set = closed_set(c, errors, x)
+      call sum_response(set, c(0, :, :), error, one, part, pull)
+    else
+      own = stiffness/(1 - shared(1)*stiffness)
+      set = closed_pairs(shared(1), own, error, x)
+      part = sum(own, mask=btest(set, [(j, j=0, size(own) - 1)]))
+      pull = sum(own*error, mask=btest(set, [(j, j=0, size(own) - 1)]))/(1 + shared(1)*part)
+      part = part/(1 + shared(1)*part)
+    end if
+  end subroutine load_at
+
   !> Lowest and highest omega (rad/s) of each smooth interval while the pairs of the reference contact are, (2, interval).
   pure function interval_frequencies(osc) result(frequency)
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: samples = 17
-    real(dp), dimension(samples) :: omega_squared, s, rate, own, none
+    real(dp), dimension(samples) :: omega_squared, s, rate, own, none, shared
     real(dp) :: frequency(2, size(osc%intervals))
     integer :: i, j, k
 
     do i = 1, size(osc%intervals)
-      associate (interval => osc%intervals(i))
+      associate (interval => osc%intervals(i), from => osc%intervals(i)%first, length => osc%intervals(i)%last - &
+                 osc%intervals(i)%first)
         omega_squared = 0
         own = 0
         none = 0
+        ! Of more than two pairs about what they share: this is for the choice of steps.
+        shared = interval%shared_by_two(from + length*[(k, k=0, samples - 1)]/(samples - 1))
         do j = 1, interval%pairs
           if (.not. interval%carries(j)) cycle
-          s = interval%place(interval%first + (interval%last - interval%first)*[(k, k=0, samples - 1)]/(samples - 1), j)
+          s = interval%place(from + length*[(k, k=0, samples - 1)]/(samples - 1), j)
           call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), rate)
-          rate = rate/(1 - osc%shared*rate)
+          rate = rate/(1 - shared*rate)
           own = own + rate
           omega_squared = omega_squared + rate*mobility(osc, s, interval%recess(j))
         end do
-        call reduce_sums(osc%shared, own, 0.0_dp, omega_squared, none)
+        call reduce_sums(shared, own, 0.0_dp, omega_squared, none)
       end associate
       frequency(:, i) = sqrt([minval(omega_squared), maxval(omega_squared)])
     end do

@@ -4,7 +4,8 @@
 !> e_j of the pairs in contact, A = sum K_j and B = sum K_j e_j, the load of all of them under the deflection x is
 !>   S = (A x - B)/(1 + C A),
 !> and each pair works on what is left, its working deflection w = x - C S = (x + C B)/(1 + C A): F_j = K_j (w - e_j). A pair
-!> that is open closes where w exceeds its profile error, so that contact needs no other unknown than x.
+!> that is open closes where w exceeds its profile error, so that contact needs no other unknown than x. C may change with the
+!> phase. Three pairs and more share different compliances: gearsweep_coupled_pairs.
 module gearsweep_shared_compliance
   use gearsweep_kinds, only: dp
   implicit none
@@ -48,29 +49,31 @@ contains
 
   !> What the pairs in contact work on while all of them are deflected by x, with first and second derivatives.
   pure function working_deflection(shared, a, b, x) result(w)
-    real(dp), intent(in) :: shared               !< compliance C, m/N
+    real(dp), intent(in) :: shared(0:2)          !< compliance C with its derivatives, m/N
     real(dp), intent(in) :: a(0:2), b(0:2)       !< of `sum_pairs`
     real(dp), intent(in) :: x(0:2)               !< m
     real(dp) :: w(0:2)
 
-    associate (soft => 1 + shared*a(0))
-      w(0) = (x(0) + shared*b(0))/soft
-      w(1) = (x(1) + shared*(b(1) - a(1)*w(0)))/soft
-      w(2) = (x(2) + shared*(b(2) - a(2)*w(0) - 2*a(1)*w(1)))/soft
+    associate (c => shared, soft => 1 + shared(0)*a(0))
+      w(0) = (x(0) + c(0)*b(0))/soft
+      w(1) = (x(1) + c(0)*(b(1) - a(1)*w(0)) + c(1)*(b(0) - a(0)*w(0)))/soft
+      w(2) = (x(2) + c(0)*(b(2) - a(2)*w(0) - 2*a(1)*w(1)) + 2*c(1)*(b(1) - a(1)*w(0) - a(0)*w(1)) &
+              + c(2)*(b(0) - a(0)*w(0)))/soft
     end associate
   end function working_deflection
 
   !> The deflection x at which a pair of this profile error just touches, with first and second derivatives.
   pure function touching_deflection(shared, a, b, profile_error) result(x)
-    real(dp), intent(in) :: shared               !< compliance C, m/N
+    real(dp), intent(in) :: shared(0:2)          !< compliance C with its derivatives, m/N
     real(dp), intent(in) :: a(0:2), b(0:2)       !< of `sum_pairs`
     real(dp), intent(in) :: profile_error(0:2)   !< m
     real(dp) :: x(0:2)
 
-    associate (e => profile_error)
-      x(0) = e(0)*(1 + shared*a(0)) - shared*b(0)
-      x(1) = e(1)*(1 + shared*a(0)) + shared*(e(0)*a(1) - b(1))
-      x(2) = e(2)*(1 + shared*a(0)) + shared*(2*e(1)*a(1) + e(0)*a(2) - b(2))
+    associate (e => profile_error, c => shared)
+      x(0) = e(0)*(1 + c(0)*a(0)) - c(0)*b(0)
+      x(1) = e(1)*(1 + c(0)*a(0)) + c(0)*(e(0)*a(1) - b(1)) + c(1)*(e(0)*a(0) - b(0))
+      x(2) = e(2)*(1 + c(0)*a(0)) + c(0)*(2*e(1)*a(1) + e(0)*a(2) - b(2)) + 2*c(1)*(e(1)*a(0) + e(0)*a(1) - b(1)) &
+             + c(2)*(e(0)*a(0) - b(0))
     end associate
   end function touching_deflection
 
@@ -101,15 +104,18 @@ contains
 
   !> Turns the stiffness of a pair, which has the shared compliance in it, into its own, with the first and second
   !> derivative.
-  elemental subroutine own_derivatives(shared, k, slope, curvature)
+  elemental subroutine own_derivatives(shared, shared_slope, shared_curvature, k, slope, curvature)
     real(dp), intent(in) :: shared               !< compliance C, m/N
+    real(dp), intent(in) :: shared_slope, shared_curvature     !< its derivatives
     real(dp), intent(inout) :: k                 !< N/m
     real(dp), intent(inout) :: slope, curvature  !< its derivatives
-    real(dp) :: part
+    real(dp) :: part, own
 
     part = 1/(1 - shared*k)
-    curvature = part**2*(curvature + 2*shared*part*slope**2)
-    slope = part**2*slope
-    k = part*k
+    own = part*k
+    curvature = part**2*(curvature + 2*shared*part*slope**2) + 2*own*shared_slope*(2*part**2*slope + own**2*shared_slope) &
+                + own**2*shared_curvature
+    slope = part**2*slope + own**2*shared_slope
+    k = own
   end subroutine own_derivatives
 end module gearsweep_shared_compliance

@@ -1,8 +1,11 @@
 !> Pairs and motion at both ends of a step, where the table has stiffness and profile error with their derivatives.
 module gearsweep_step_ends
   use gearsweep_coefficients, only: coefficients_t
+  use gearsweep_coupled_pairs, only: closed_set, compliances, left_for, sum_response
   use gearsweep_kinds, only: dp
+  use gearsweep_mesh, only: coupling
   use gearsweep_oscillator, only: acceleration, oscillator_t
+  use gearsweep_shared_coefficients, only: respond_at_end
   use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   implicit none
   private
@@ -10,21 +13,29 @@ module gearsweep_step_ends
 
 contains
 
-  !> What the pairs work on at an end of a step, with its derivatives over the phase: x, less what they share.
-  pure function deflection_at_end(osc, table, step, end, contact_set, x) result(w)
+  !> What pair j works on at an end of a step, with its derivatives over the phase: x, less what the pairs share.
+  pure function deflection_at_end(osc, table, step, end, contact_set, j, x) result(w)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step, end           !< which step; 1 its begin, 2 its end
     integer, intent(in) :: contact_set         !< bit j - 1: pair j is in contact
+    integer, intent(in) :: j
     real(dp), intent(in) :: x(0:2)             !< with its derivatives over the phase, m
     real(dp) :: w(0:2), a(0:2), b(0:2)
+    real(dp) :: c(0:2, table%pairs(step), table%pairs(step))
+    real(dp), dimension(0:2, table%pairs(step)) :: g, h
 
     w = x
     if (.not. osc%shared > 0) return
+    if (table%coupled(step)) then
+      call respond_at_end(osc, table, step, end, contact_set, c, g, h)
+      w = left_for(j, c, g, h, x)
+      return
+    end if
     associate (p => table%pairs(step))
       call sum_pairs(contact_set, table%end_stiffness(:, :p, end, step), table%end_profile_error(:, :p, end, step), a, b)
     end associate
-    w = working_deflection(osc%shared, a, b, x)
+    w = working_deflection(table%end_shared(:, 1, end, step), a, b, x)
   end function deflection_at_end
 
   !> Second derivative of x over the phase (m) at an end of a step. The coast sides count as apart, as this is
@@ -39,6 +50,14 @@ contains
     real(dp) :: omega_squared, forcing, a, b
     integer :: j
 
+    if (table%coupled(step)) then
+      associate (p => table%pairs(step), k => table%end_stiffness(0, :, end, step))
+        call sum_response(contact_set, coupling(osc%mesh, k(:p), table%end_shared(0, :p - 1, end, step)), &
+                          table%end_profile_error(0, :p, end, step), table%end_rate(:p, end, step)/k(:p), omega_squared, forcing)
+      end associate
+      end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
+      return
+    end if
     omega_squared = 0
     forcing = 0
     a = 0
@@ -52,7 +71,7 @@ contains
         forcing = forcing + table%end_rate(j, end, step)*e
       end associate
     end do
-    call reduce_sums(osc%shared, a, b, omega_squared, forcing)
+    if (osc%shared > 0) call reduce_sums(table%end_shared(0, 1, end, step), a, b, omega_squared, forcing)
     end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
   end function end_acceleration
 
@@ -63,20 +82,27 @@ contains
     integer, intent(in) :: step                !< which
     real(dp), intent(in) :: x                  !< m
     logical, intent(in) :: held
-    real(dp) :: w
+    real(dp) :: w, shared
     integer :: j
 
     contact_set = table%full(step)
     if (held) return
     associate (p => table%pairs(step), k => table%end_stiffness(0, :, 1, step), e => table%end_profile_error(0, :, 1, step))
-      w = x
-      if (osc%shared > 0) w = (x + osc%shared*table%end_sums(0, 2, 1, step))/(1 + osc%shared*table%end_sums(0, 1, 1, step))
       contact_set = 0
-      do j = 1, p
-        if (w > e(j)) contact_set = ibset(contact_set, j - 1)
-      end do
-      ! What pairs that share a compliance work on was that of full contact.
-      if (osc%shared > 0 .and. contact_set /= table%full(step)) contact_set = closed_pairs(osc%shared, k(:p), e(:p), x)
+      if (table%coupled(step)) then
+        contact_set = closed_set(compliances(table%end_stiffness(:, :p, 1, step), table%end_shared(:, :p - 1, 1, step), &
+                                             osc%mesh%disc%shared_beyond()), table%end_profile_error(:, :p, 1, step), x)
+      else
+        shared = 0
+        if (osc%shared > 0) shared = table%end_shared(0, 1, 1, step)
+        w = x
+        if (osc%shared > 0) w = (x + shared*table%end_sums(0, 2, 1, step))/(1 + shared*table%end_sums(0, 1, 1, step))
+        do j = 1, p
+          if (w > e(j)) contact_set = ibset(contact_set, j - 1)
+        end do
+        ! What pairs that share a compliance work on was that of full contact.
+        if (osc%shared > 0 .and. contact_set /= table%full(step)) contact_set = closed_pairs(shared, k(:p), e(:p), x)
+      end if
     end associate
     if (osc%has_backlash .and. x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
   end function contact_set_at_begin

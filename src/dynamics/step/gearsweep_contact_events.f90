@@ -10,9 +10,10 @@ module gearsweep_contact_events
   use gearsweep_oscillator, only: damping
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
-  use gearsweep_sub_step, only: event_t, sub_steps_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, &
-                                derivatives, second_derivatives, second_derivatives_of_motion, need_error, own_at_ends, &
-                                working_at_ends, last
+  use gearsweep_sub_step, only: take_sub_step, move_end, derivatives, second_derivatives, second_derivatives_of_motion, &
+                                need_error, own_at_ends, working_at_ends
+  use gearsweep_sub_step_sums, only: sum_contacts
+  use gearsweep_sub_steps, only: event_t, sub_steps_t, make_sub_steps, enter_step, last
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -269,8 +270,8 @@ contains
     integer, intent(in) :: l, contact_set
     type(sub_steps_t), intent(in) :: c
     real(dp), intent(inout) :: peak
-    real(dp), dimension(0:2, 2) :: w, gap, load
-    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e
+    real(dp), dimension(0:2, 2) :: gap, load
+    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e, w
     logical :: bent
     integer :: j
 
@@ -279,7 +280,7 @@ contains
     bent = .false.
     do j = 1, map%table%pairs(c%step)
       if (.not. in_contact(contact_set, j)) cycle
-      gap = w - e(:, j, :)
+      gap = w(:, j, :) - e(:, j, :)
       load(0, :) = k(0, j, :)*gap(0, :)
       load(1, :) = k(1, j, :)*gap(0, :) + k(0, j, :)*gap(1, :)
       peak = max(peak, load(0, 1), load(0, 2))
@@ -289,7 +290,7 @@ contains
         call own_at_ends(map, l, c, contact_set, bent, k, e)
         w = working_at_ends(map, l, c, contact_set, k, e, bent)
       end if
-      gap = w - e(:, j, :)
+      gap = w(:, j, :) - e(:, j, :)
       load(2, :) = k(2, j, :)*gap(0, :) + 2*k(1, j, :)*gap(1, :) + k(0, j, :)*gap(2, :)
       call raise_to_maximum(load, peak)
     end do
@@ -311,8 +312,8 @@ contains
     integer, intent(in) :: l, contact_set
     type(sub_steps_t), intent(in) :: c
     type(trace_t), intent(inout) :: trace
-    real(dp) :: load(map%osc%pairs, 2), w(0:2, 2)
-    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e
+    real(dp) :: load(map%osc%pairs, 2)
+    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e, w
     integer :: j
 
     call own_at_ends(map, l, c, contact_set, .false., k, e)
@@ -320,7 +321,7 @@ contains
     load = 0
     associate (table => map%table, i => c%step)
       do j = 1, table%pairs(i)
-        if (in_contact(contact_set, j)) load(j, :) = k(0, j, :)*max(0.0_dp, w(0, :) - e(0, j, :))
+        if (in_contact(contact_set, j)) load(j, :) = k(0, j, :)*max(0.0_dp, w(0, j, :) - e(0, j, :))
       end do
       call record(trace, table%pairs(i), spread(map%osc%intervals(table%interval(i))%offset, 1, 2), &
                   table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)]), c%x(l, :), load)

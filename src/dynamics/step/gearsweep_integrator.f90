@@ -4,7 +4,7 @@ module gearsweep_integrator
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: candidates_t
-  use gearsweep_sub_step, only: sub_steps_t
+  use gearsweep_sub_steps, only: sub_steps_t
   implicit none
   private
   public :: integrator_t

@@ -9,8 +9,9 @@
 module gearsweep_literature_period
   use gearsweep_coefficients, only: scheme_constant, scheme_rk4
   use gearsweep_contact_set, only: period_t, in_contact, record_contact
+  use gearsweep_coupled_pairs, only: closed_set, compliances, left_for, respond
   use gearsweep_kinds, only: dp
-  use gearsweep_literature_table, only: exact_step_t, literature_table_t
+  use gearsweep_literature_table, only: exact_step_t, literature_table_t, sum_at_place
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping
   use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   use gearsweep_trace, only: record, trace_t
@@ -75,13 +76,19 @@ contains
     integer, intent(in) :: place, step
     real(dp), intent(in) :: x
     logical, intent(in) :: held
+    real(dp) :: errors(0:2, osc%pairs)
     integer :: j
 
     contact_set = table%between(place, step)
     if (held) return
     associate (rate => table%rate(:osc%pairs, place, step), error => table%profile_error(:osc%pairs, place, step))
-      if (osc%shared > 0) then
-        contact_set = closed_pairs(osc%shared, table%stiffness(0, :, place, step), merge(error, far, rate > 0), x)
+      if (table%coupled) then
+        errors = 0
+        errors(0, :) = merge(error, far, rate > 0)
+        contact_set = closed_set(matrix_at(osc, table, place, step), errors, x)
+      else if (osc%shared > 0) then
+        contact_set = closed_pairs(table%shared(0, 1, place, step), table%stiffness(0, :, place, step), &
+                                   merge(error, far, rate > 0), x)
       else
         contact_set = 0
         do j = 1, osc%pairs
@@ -117,19 +124,42 @@ contains
     integer, intent(in) :: place, step, contact_set
     real(dp), intent(in) :: x(0:1)               ! with its derivative over the phase, m
     real(dp) :: gap(0:1, osc%pairs)
-    real(dp), dimension(0:2, osc%pairs) :: k, e
+    real(dp), dimension(0:2, osc%pairs) :: k, e, g, h
+    real(dp) :: c(0:2, osc%pairs, osc%pairs)
     real(dp), dimension(0:2) :: a, b, w
+    integer :: j
 
     k(:1, :) = table%stiffness(:, :, place, step)
     k(2, :) = 0
     e(0, :) = table%profile_error(:osc%pairs, place, step)
     e(1, :) = table%profile_error_slope(:, place, step)
     e(2, :) = 0
+    if (table%coupled) then
+      c = matrix_at(osc, table, place, step)
+      call respond(ibits(contact_set, 0, osc%pairs), c, e, g, h)
+      do j = 1, osc%pairs
+        w = left_for(j, c, g, h, [x, 0.0_dp])
+        gap(:, j) = w(:1) - e(:1, j)
+      end do
+      return
+    end if
     call sum_pairs(contact_set, k, e, a, b)
-    w = working_deflection(osc%shared, a, b, [x, 0.0_dp])
+    w = working_deflection(table%shared(:, 1, place, step), a, b, [x, 0.0_dp])
     gap(0, :) = w(0) - e(0, :)
     gap(1, :) = w(1) - e(1, :)
   end function gaps_at
+
+  !> The matrix of coupled pairs at a place of a step, with its first derivative over the phase; (0:2, pair, pair).
+  pure function matrix_at(osc, table, place, step) result(c)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step
+    real(dp) :: c(0:2, osc%pairs, osc%pairs), k(0:2, osc%pairs)
+
+    k(:1, :) = table%stiffness(:, :, place, step)
+    k(2, :) = 0
+    c = compliances(k, table%shared(:, :, place, step), osc%mesh%disc%shared_beyond())
+  end function matrix_at
 
   !> omega^2 and sum of k e of a contact set, with the coefficients of a place.
   pure subroutine sum_contacts(osc, table, place, step, contact_set, omega_squared, forcing)
@@ -144,8 +174,12 @@ contains
     forcing = 0
     a = 0
     b = 0
+    if (table%coupled) then
+      call sum_coupled(osc, table, place, step, contact_set, omega_squared, forcing)
+      return
+    end if
     do j = 1, osc%contacts
-      if (j > osc%pairs) call reduce_sums(osc%shared, a, b, omega_squared, forcing)
+      if (j > osc%pairs) call reduce_sums(table%shared(0, 1, place, step), a, b, omega_squared, forcing)
       if (.not. in_contact(contact_set, j)) cycle
       omega_squared = omega_squared + table%rate(j, place, step)
       forcing = forcing + table%rate(j, place, step)*table%profile_error(j, place, step)
@@ -153,8 +187,28 @@ contains
       a = a + table%stiffness(0, j, place, step)
       b = b + table%stiffness(0, j, place, step)*table%profile_error(j, place, step)
     end do
-    if (osc%contacts == osc%pairs) call reduce_sums(osc%shared, a, b, omega_squared, forcing)
+    if (osc%contacts == osc%pairs) call reduce_sums(table%shared(0, 1, place, step), a, b, omega_squared, forcing)
   end subroutine sum_contacts
+
+  !> The same of coupled pairs.
+  pure subroutine sum_coupled(osc, table, place, step, contact_set, omega_squared, forcing)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step, contact_set
+    real(dp), intent(out) :: omega_squared, forcing
+    real(dp) :: mobilities(osc%pairs)
+
+    associate (p => osc%pairs, k => table%stiffness(0, :, place, step))
+      mobilities = 0
+      where (k > 0) mobilities = table%rate(:p, place, step)/k
+      call sum_at_place(osc, table, place, step, ibits(contact_set, 0, p), table%profile_error(:p, place, step), mobilities, &
+                        omega_squared, forcing)
+    end associate
+    if (osc%contacts == osc%pairs) return
+    if (.not. in_contact(contact_set, osc%contacts)) return
+    omega_squared = omega_squared + table%rate(osc%contacts, place, step)
+    forcing = forcing + table%rate(osc%contacts, place, step)*table%profile_error(osc%contacts, place, step)
+  end subroutine sum_coupled
 
   !> Where it is held, contact is that of all pairs between A and E.
   pure subroutine step_rk4(osc, table, step, duration, held, state, columns)

@@ -84,7 +84,7 @@ contains
     integer :: k, pass
 
     associate (stiffness => table%end_stiffness(:, candidate%pair, :, candidate%step), set => candidate%contact_set, &
-               error => table%end_profile_error(:, candidate%pair, :, candidate%step), i => candidate%step)
+               error => table%end_profile_error(:, candidate%pair, :, candidate%step), i => candidate%step, j => candidate%pair)
       associate (width => table%width(i))
         bent = duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most
         ! Most need no second derivative.
@@ -92,7 +92,7 @@ contains
           do k = 1, 2
             x = [candidate%x(k), candidate%y(k), 0.0_dp]
             if (pass == 2 .and. bent) x(2) = end_acceleration(osc, table, i, k, set, duration, x(:1))
-            gap(:, k) = deflection_at_end(osc, table, i, k, set, x) - error(:, k)
+            gap(:, k) = deflection_at_end(osc, table, i, k, set, j, x) - error(:, k)
           end do
           if (pass == 2 .and. .not. bent) gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
           load(0, :) = stiffness(1, :)*gap(0, :)

@@ -4,6 +4,7 @@ module gearsweep_period
   use gearsweep_coefficients, only: coefficients_t
   use gearsweep_contact_events, only: locate_events
   use gearsweep_contact_set, only: contact_t, in_contact, period_t, record_contact, set_contact
+  use gearsweep_deflections, only: find_deflections, find_deflections_of
   use gearsweep_gauss, only: batch_size
   use gearsweep_integrator, only: integrator_t
   use gearsweep_kinds, only: dp
@@ -144,6 +145,7 @@ contains
 
     call find_deflections(osc, table, step, 1, state, w, slope)
     do j = 1, table%pairs(step)
+      if (table%coupled(step)) call find_deflections_of(j, osc, table, step, 1, state, w, slope)
       call move_load(table, step, 1, j, w, slope, state, bound)
     end do
   end subroutine begin_loads
@@ -228,6 +230,9 @@ contains
         slope = state%y(:, state%from)
         w_next = state%x(:, state%to)
         slope_next = state%y(:, state%to)
+      else if (map%table%coupled(step)) then
+        call find_deflections_of(j, map%osc, map%table, step, 1, state, w, slope)
+        call find_deflections_of(j, map%osc, map%table, step, 2, state, w_next, slope_next)
       end if
       error = map%table%end_profile_error(:1, j, :, step)
       associate (sense => state%contacts(j)%sense, width => map%table%width(step))
@@ -240,49 +245,6 @@ contains
     end do
     state%changes = lowest < 0 .and. .not. state%held > 0
   end subroutine find_changes
-
-  !> What the pairs work on at an end of a step, with its derivative over the phase: x, less what they share.
-  pure subroutine find_deflections(osc, table, step, end, state, w, slope)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step, end
-    type(integrator_t), intent(in) :: state
-    real(dp), intent(out), dimension(batch_size) :: w, slope       ! m
-    ! Sums of K and K e over the pairs in contact, with their derivatives.
-    real(dp), dimension(batch_size) :: a, a_slope, b, b_slope
-    integer :: at, j, l
-
-    at = merge(state%from, state%to, end == 1)
-    w = state%x(:, at)
-    slope = state%y(:, at)
-    if (.not. osc%shared > 0) return
-    if (state%full_contact) then
-      a = table%end_sums(0, 1, end, step)
-      a_slope = table%end_sums(1, 1, end, step)
-      b = table%end_sums(0, 2, end, step)
-      b_slope = table%end_sums(1, 2, end, step)
-    else
-      a = 0
-      a_slope = 0
-      b = 0
-      b_slope = 0
-    end if
-    do j = 1, merge(0, table%pairs(step), state%full_contact)
-      associate (k => table%end_stiffness(:1, j, end, step), e => table%end_profile_error(:1, j, end, step), &
-                 weight => state%contacts(j)%weight)
-        do l = 1, batch_size
-          a(l) = a(l) + weight(l)*k(1)
-          a_slope(l) = a_slope(l) + weight(l)*k(2)
-          b(l) = b(l) + weight(l)*(k(1)*e(1))
-          b_slope(l) = b_slope(l) + weight(l)*(k(2)*e(1) + k(1)*e(2))
-        end do
-      end associate
-    end do
-    do l = 1, batch_size
-      w(l) = (w(l) + osc%shared*b(l))/(1 + osc%shared*a(l))
-      slope(l) = (slope(l) + osc%shared*(b_slope(l) - a_slope(l)*w(l)))/(1 + osc%shared*a(l))
-    end do
-  end subroutine find_deflections
 
   !> What an overlap, positive until the contact changes, stays above within a step: a convex curve stays above its
   !> tangents.
@@ -308,6 +270,7 @@ contains
     associate (table => map%table)
       call find_deflections(map%osc, table, step, 2, state, w, slope)
       do j = 1, table%pairs(step)
+        if (table%coupled(step)) call find_deflections_of(j, map%osc, table, step, 2, state, w, slope)
         call move_load(table, step, 2, j, w, slope, state, bound)
         if (.not. any(bound > state%peak)) cycle
         do l = 1, map%speeds
@@ -361,9 +324,9 @@ contains
     load = 0
     associate (table => map%table)
       do end = 1, 2
-        w = deflection_at_end(map%osc, table, step, end, contact_set, [x(end), 0.0_dp, 0.0_dp])
         do j = 1, table%pairs(step)
           if (.not. in_contact(contact_set, j)) cycle
+          w = deflection_at_end(map%osc, table, step, end, contact_set, j, [x(end), 0.0_dp, 0.0_dp])
           load(j, end) = table%end_stiffness(0, j, end, step)*max(0.0_dp, w(0) - table%end_profile_error(0, j, end, step))
         end do
       end do

@@ -13,6 +13,7 @@ module gearsweep_period_map
   use gearsweep_literature_table, only: exact_step_t, literature_table_t, tabulate_literature
   use gearsweep_oscillator, only: oscillator_t, damping
   use gearsweep_radau, only: collocate_stiffly
+  use gearsweep_shared_coefficients, only: sum_at_node
   use gearsweep_shared_compliance, only: reduce_sums
   implicit none
   private
@@ -166,6 +167,7 @@ contains
     do j = 1, osc%contacts
       if (j > table%pairs(step) .and. j <= osc%pairs) cycle
       if (j > osc%pairs .and. osc%shared > 0) call share_compliance(osc, table, step, contacts, omega_squared, forcing)
+      if (j <= osc%pairs .and. table%coupled(step)) cycle
       do k = 1, 3
         rate = table%rate(j, k, step)
         pull = rate*table%profile_error(j, k, step)
@@ -197,8 +199,20 @@ contains
     type(contact_t), intent(in) :: contacts(:)
     real(dp), intent(inout), dimension(batch_size, 3) :: omega_squared, forcing
     real(dp), dimension(batch_size) :: a, b
-    integer :: j, k
+    integer :: set, j, k, l
 
+    if (table%coupled(step)) then
+      do l = 1, batch_size
+        set = 0
+        do j = 1, table%pairs(step)
+          if (contacts(j)%weight(l) > 0) set = ibset(set, j - 1)
+        end do
+        do k = 1, 3
+          call sum_at_node(osc, table, step, k, set, omega_squared(l, k), forcing(l, k))
+        end do
+      end do
+      return
+    end if
     do k = 1, 3
       a = 0
       b = 0
@@ -206,7 +220,7 @@ contains
         a = a + contacts(j)%weight*table%node_stiffness(j, k, step)
         b = b + contacts(j)%weight*(table%node_stiffness(j, k, step)*table%profile_error(j, k, step))
       end do
-      call reduce_sums(osc%shared, a, b, omega_squared(:, k), forcing(:, k))
+      call reduce_sums(table%node_shared(1, k, step), a, b, omega_squared(:, k), forcing(:, k))
     end do
   end subroutine share_compliance
 

@@ -2,201 +2,23 @@
 !> is done side by side.
 module gearsweep_sub_step
   use gearsweep_contact_set, only: contact_t
-  use gearsweep_gauss, only: batch_size, collocate
+  use gearsweep_coupled_pairs, only: compliances, left_for, respond
+  use gearsweep_gauss, only: collocate, batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_nodes, only: nodes
-  use gearsweep_oscillator, only: oscillator_t, acceleration, damping, mobility
+  use gearsweep_oscillator, only: acceleration, damping
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: quintic
-  use gearsweep_shared_compliance, only: reduce_sums, sum_pairs, touching_deflection, working_deflection
+  use gearsweep_shared_coefficients, only: touching_at_end
+  use gearsweep_shared_compliance, only: sum_pairs, touching_deflection, working_deflection
+  use gearsweep_sub_step_sums, only: sum_contacts
+  use gearsweep_sub_steps, only: event_t, last, sub_steps_t
   implicit none
   private
-  public :: sub_steps_t, event_t, make_sub_steps, enter_step, sum_contacts, take_sub_step, move_end, derivatives, &
-            second_derivatives, second_derivatives_of_motion, need_error, own_at_ends, working_at_ends, last
-
-  !> Places in a sub-step at which its coefficients are known: both ends, and the nodes of the integration between.
-  real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
-  integer, parameter :: last = size(places)
-  integer, parameter :: none_yet = -1
-
-  !> The search for changes of contact (events) of one speed in its step.
-  type :: event_t
-    logical :: active = .false.
-    logical :: found = .false.                   !< the contact does change in this step
-    integer :: contact = 0                       !< whose event is bracketed; 0: none has been detected
-    integer :: trials = 0, events = 0
-    real(dp) :: length = 1                       !< of the sub-step in which it was detected, part of the step
-    real(dp) :: part = 1, low = 0, high = 1      !< estimate and bracket of the event, parts of this length
-    logical :: jumps = .false.                   !< contact has just changed:
-    real(dp) :: before = 0                       !< omega^2 before the change, 1/s^2
-    real(dp) :: ratio = 0                        !< y over the speed of approach
-    real(dp) :: propagator(4) = [1, 0, 0, 1]     !< of the sub-steps so far, columns one after the other
-  end type event_t
-
-  !> Own stiffness and profile error within the step are quintics through what the table has at its ends, (0:5, pair) and
-  !> (0:5, contact); the mobility is linear, (0:1, pair). Places count from 0 to 1 over the step.
-  type :: sub_steps_t
-    integer :: step = 0
-    real(dp), allocatable :: stiffness(:, :), profile_error(:, :), mobility(:, :)
-    !> The deflection x that decides on contact, a quintic too, (0:5, contact): the profile error or, where pairs share a
-    !> compliance, what `need_error` makes of it while these others are in contact, as a contact set, (pair).
-    real(dp), allocatable :: error(:, :)
-    integer, allocatable :: others(:)
-    real(dp), dimension(batch_size) :: longest = 1                     !< sub-step that is allowed, part of the step
-    type(event_t) :: event(batch_size)
-    real(dp), dimension(batch_size) :: left = 0, width = 0             !< begin and length of the sub-step
-    !> omega^2 (1/s^2) and sum of k e (m/s^2) of the contacts; (speed, place)
-    real(dp), dimension(batch_size, last) :: omega_squared = 0, forcing = 0
-    real(dp), dimension(batch_size, 2) :: x = 0, y = 0                 !< state at both ends, m
-    real(dp) :: propagator(batch_size, 6) = 0
-  end type sub_steps_t
+  public :: take_sub_step, move_end, derivatives, second_derivatives, second_derivatives_of_motion, need_error, own_at_ends, &
+            working_at_ends
 
 contains
-
-  !> Memory for the sub-steps of one step.
-  pure subroutine make_sub_steps(osc, c)
-    type(oscillator_t), intent(in) :: osc
-    type(sub_steps_t), allocatable, intent(out) :: c
-
-    allocate (c)
-    allocate (c%stiffness(0:5, osc%pairs), c%profile_error(0:5, osc%contacts), c%mobility(0:1, osc%pairs))
-    allocate (c%error(0:5, osc%contacts), c%others(osc%pairs))
-  end subroutine make_sub_steps
-
-  !> The coefficients within a step.
-  pure subroutine enter_step(map, step, c)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: step
-    type(sub_steps_t), intent(inout) :: c
-    real(dp) :: scale(0:2)
-    integer :: j
-
-    c%step = step
-    associate (osc => map%osc, table => map%table)
-      scale = [1.0_dp, table%width(step), table%width(step)**2]
-      do j = 1, table%pairs(step)
-        c%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, step), scale*table%end_stiffness(:, j, 2, step))
-        associate (left => osc%intervals(table%interval(step))%place(table%left(step), j), &
-                   recess => osc%intervals(table%interval(step))%recess(j))
-          c%mobility(0, j) = mobility(osc, left, recess)
-          c%mobility(1, j) = mobility(osc, left + table%width(step), recess) - c%mobility(0, j)
-        end associate
-      end do
-      do j = 1, osc%contacts
-        c%profile_error(:, j) = 0
-        if (j > table%pairs(step) .and. j <= osc%pairs) cycle
-        c%profile_error(:, j) = quintic(scale*table%end_profile_error(:, j, 1, step), &
-                                        scale*table%end_profile_error(:, j, 2, step))
-      end do
-      c%error(:, :) = c%profile_error
-      c%others(:) = none_yet
-      if (osc%damping_ratio > 1) c%longest = longest_sub_step(osc, map%duration*table%width(step))
-    end associate
-  end subroutine enter_step
-
-  !> The longest sub-step under strong damping, as a part of a step of this time (s). Changes of contact cut the steps
-  !> of every refinement level at the same places, so that doubling the steps does not show the error of sub-steps:
-  !> where a contact lasts shorter than a step, and damping changes the motion within it, they are made short.
-  elemental real(dp) function longest_sub_step(osc, time)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: time
-    real(dp), parameter :: decay = 0.05_dp
-
-    longest_sub_step = 1
-    if (time > 0) longest_sub_step = min(1.0_dp, decay/(damping(osc, osc%highest_frequency)*time))
-  end function longest_sub_step
-
-  !> Sums over the closed contacts at one place of the sub-steps.
-  pure subroutine sum_contacts(map, contacts, k, c)
-    type(period_map_t), intent(in) :: map
-    type(contact_t), intent(in) :: contacts(:)
-    integer, intent(in) :: k                     !< which of the places
-    type(sub_steps_t), intent(inout) :: c
-    real(dp), dimension(batch_size) :: place, omega_squared, forcing
-    integer :: j
-
-    place = c%left + c%width*places(k)
-    omega_squared = 0
-    forcing = 0
-    do j = 1, map%table%pairs(c%step)
-      call add_pair(map%speeds, c%stiffness(:, j), c%profile_error(:, j), c%mobility(:, j), place, contacts(j)%weight, &
-                    omega_squared, forcing)
-    end do
-    if (map%osc%shared > 0) call share_compliance(map, contacts, place, c, omega_squared, forcing)
-    if (map%osc%has_backlash) call add_coast(map, contacts, place, c, omega_squared, forcing)
-    c%omega_squared(:, k) = omega_squared
-    c%forcing(:, k) = forcing
-  end subroutine sum_contacts
-
-  !> Turns the sums over the pairs in contact into those of pairs that share a compliance.
-  pure subroutine share_compliance(map, contacts, place, c, omega_squared, forcing)
-    type(period_map_t), intent(in) :: map
-    type(contact_t), intent(in) :: contacts(:)
-    real(dp), intent(in) :: place(batch_size)
-    type(sub_steps_t), intent(in) :: c
-    real(dp), intent(inout), dimension(batch_size) :: omega_squared, forcing
-    real(dp), dimension(batch_size) :: a, b
-    integer :: j
-
-    a = 0
-    b = 0
-    do j = 1, map%table%pairs(c%step)
-      call add_pair(map%speeds, c%stiffness(:, j), c%profile_error(:, j), [1.0_dp, 0.0_dp], place, contacts(j)%weight, a, b)
-    end do
-    call reduce_sums(map%osc%shared, a, b, omega_squared, forcing)
-  end subroutine share_compliance
-
-  !> The coast sides, backed by the stiffness of all pairs between A and E.
-  pure subroutine add_coast(map, contacts, place, c, omega_squared, forcing)
-    type(period_map_t), intent(in) :: map
-    type(contact_t), intent(in) :: contacts(:)
-    real(dp), intent(in) :: place(batch_size)
-    type(sub_steps_t), intent(in) :: c
-    real(dp), intent(inout), dimension(batch_size) :: omega_squared, forcing
-    real(dp), dimension(batch_size) :: rate, pull
-    real(dp) :: slack(0:5)
-    integer :: j
-
-    slack = 0
-    slack(0) = -map%osc%backlash
-    associate (osc => map%osc, coast => contacts(map%osc%contacts)%weight)
-      if (osc%shared > 0) then
-        rate = 0
-        pull = 0
-        do j = 1, map%table%pairs(c%step)
-          if (.not. btest(map%table%between(c%step), j - 1)) cycle
-          call add_pair(map%speeds, c%stiffness(:, j), slack, [1.0_dp, 0.0_dp], place, coast, rate, pull)
-        end do
-        omega_squared = omega_squared + sum(1/osc%mass)*rate/(1 + osc%shared*rate)
-        forcing = forcing + sum(1/osc%mass)*pull/(1 + osc%shared*rate)
-      else
-        do j = 1, map%table%pairs(c%step)
-          if (.not. btest(map%table%between(c%step), j - 1)) cycle
-          call add_pair(map%speeds, c%stiffness(:, j), slack, [sum(1/osc%mass), 0.0_dp], place, coast, omega_squared, forcing)
-        end do
-      end if
-    end associate
-  end subroutine add_coast
-
-  pure subroutine add_pair(n, stiffness, profile_error, mobility, place, weight, omega_squared, forcing)
-    integer, intent(in) :: n
-    real(dp), intent(in) :: stiffness(0:5), profile_error(0:5), mobility(0:1)
-    real(dp), intent(in), dimension(batch_size) :: place, weight
-    real(dp), intent(inout), dimension(batch_size) :: omega_squared, forcing
-    real(dp) :: t, k, e, rate
-    integer :: l
-
-    associate (s => stiffness, p => profile_error)
-      do l = 1, n
-        t = place(l)
-        k = ((((s(5)*t + s(4))*t + s(3))*t + s(2))*t + s(1))*t + s(0)
-        e = ((((p(5)*t + p(4))*t + p(3))*t + p(2))*t + p(1))*t + p(0)
-        rate = weight(l)*k*(mobility(0) + mobility(1)*t)
-        omega_squared(l) = omega_squared(l) + rate
-        forcing(l) = forcing(l) + rate*e
-      end do
-    end associate
-  end subroutine add_pair
 
   !> The motion over the sub-steps, whose places are set. A sub-step of no length does no harm.
   pure subroutine take_sub_step(map, contacts, c)
@@ -323,8 +145,12 @@ contains
     do end = 1, 2
       associate (p => map%table%pairs(c%step), k => map%table%end_stiffness(:, :, end, c%step), &
                  e => map%table%end_profile_error(:, :, end, c%step))
-        call sum_pairs(others, k(:, :p), e(:, :p), a, b)
-        error(:, end) = touching_deflection(map%osc%shared, a, b, e(:, j))
+        if (map%table%coupled(c%step)) then
+          error(:, end) = touching_at_end(map%osc, map%table, c%step, end, ibits(others, 0, p), j)
+        else
+          call sum_pairs(others, k(:, :p), e(:, :p), a, b)
+          error(:, end) = touching_deflection(map%table%end_shared(:, 1, end, c%step), a, b, e(:, j))
+        end if
       end associate
     end do
     c%error(:, j) = quintic(scale*error(:, 1), scale*error(:, 2))
@@ -353,28 +179,66 @@ contains
     end do
   end subroutine own_at_ends
 
-  !> What the pairs work on at both ends of the sub-step of motion l (m), with its derivatives over the sub-step: x, less what
-  !> they share; (0:2, end). The second derivative only where the path is wanted `bent`.
-  pure function working_at_ends(map, l, c, contact_set, own, own_error, bent) result(w)
+  !> What each pair works on at both ends of the sub-step of motion l (m), with its derivatives over the sub-step: x, less what
+  !> the pairs share; (0:2, pair, end). The second derivative only where the path is wanted `bent`.
+  pure function working_at_ends(map, l, c, contact_set, own, own_error, bent) result(working)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l                     !< which speed of the batch
     type(sub_steps_t), intent(in) :: c
     integer, intent(in) :: contact_set           !< of the motion
     real(dp), intent(in), dimension(0:2, map%osc%pairs, 2) :: own, own_error   !< of `own_at_ends`
     logical, intent(in) :: bent
-    real(dp) :: w(0:2, 2), a(0:2), b(0:2)
-    integer :: end
+    real(dp) :: working(0:2, map%osc%pairs, 2), w(0:2, 2), shared(0:2, size(c%shared, 2), 2), a(0:2), b(0:2)
+    integer :: end, j
 
     w(0, :) = c%x(l, :)
     w(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
     w(2, :) = 0
     if (bent) w(2, :) = second_derivatives_of_motion(map, l, c)
-    if (.not. map%osc%shared > 0) return
-    associate (p => map%table%pairs(c%step))
-      do end = 1, 2
-        call sum_pairs(contact_set, own(:, :p, end), own_error(:, :p, end), a, b)
-        w(:, end) = working_deflection(map%osc%shared, a, b, w(:, end))
+    if (map%osc%shared > 0) then
+      do j = 1, max(1, map%table%pairs(c%step) - 1)
+        shared(:1, j, :) = derivatives(c, l, [c%shared(:, j), 0.0_dp, 0.0_dp, 0.0_dp])
+        shared(2, j, :) = 2*c%shared(2, j)*c%width(l)**2
       end do
-    end associate
+      associate (p => map%table%pairs(c%step))
+        if (map%table%coupled(c%step)) then
+          working = coupled_at_ends(ibits(contact_set, 0, p), map%osc%mesh%disc%shared_beyond(), p, shared, own, own_error, w)
+          return
+        end if
+        do end = 1, 2
+          call sum_pairs(contact_set, own(:, :p, end), own_error(:, :p, end), a, b)
+          w(:, end) = working_deflection(shared(:, 1, end), a, b, w(:, end))
+        end do
+      end associate
+    end if
+    working = spread(w, 2, map%osc%pairs)
   end function working_at_ends
+
+  !> The same for p coupled pairs.
+  pure function coupled_at_ends(contact_set, others, p, shared, own, own_error, x) result(w)
+    integer, intent(in) :: contact_set, p
+    real(dp), intent(in) :: others                         !< by pairs that are no neighbours, m/N
+    real(dp), intent(in) :: shared(0:, :, :)               !< by neighbours, m/N; (0:2, pair but the last, end)
+    real(dp), intent(in), dimension(0:, :, :) :: own, own_error    !< of `own_at_ends`
+    real(dp), intent(in) :: x(0:2, 2)                      !< m
+    real(dp) :: w(0:2, size(own, 2), 2), c(0:2, p, p)
+    real(dp), dimension(0:2, p) :: k, e, g, h
+    integer :: end, j
+
+    w = 0
+    k = 0
+    e = 0
+    do end = 1, 2
+      do j = 1, p
+        if (.not. btest(contact_set, j - 1)) cycle
+        k(:, j) = own(:, j, end)
+        e(:, j) = own_error(:, j, end)
+      end do
+      c = compliances(k, shared(:, :p - 1, end), others)
+      call respond(contact_set, c, e, g, h)
+      do j = 1, p
+        w(:, j, end) = left_for(j, c, g, h, x(:, end))
+      end do
+    end do
+  end function coupled_at_ends
 end module gearsweep_sub_step
