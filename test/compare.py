@@ -34,7 +34,7 @@ MORE_STEPS, LESS_ERROR = 1.3, 5
 RULES = {
     'sweep': {
         'relief_um': 'text', 'rpm': 'text', 'steps': 'steps', 'mesh_periods': 'text', 'dynamic_factor': 'estimated error_estimate',
-        'error_estimate': 'bound', 'residual': 'bound', 'floquet_modulus': 'asked',
+        'error_estimate': 'bound', 'residual': 'bound', 'floquet_modulus': 'asked', 'coast_factor': 'asked',
     },
     'load': {
         'relief_um': 'text', 'rpm': 'text', 'mesh_periods': 'text', 'pair': 'text', 'pair_load_n': 'asked', 'load_ratio': 'asked', 'dte_um': 'asked',
@@ -45,10 +45,17 @@ RULES = {
         'phase_deg': 'angle amplitude_um',
     },
     # Reliefs that the search tries follow from the load and the stiffness.
-    'optimum_curve': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text'},
+    'optimum_curve': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text', 'at_least': 'text'},
     'optimum': {'worst_dynamic_factor': 'asked', 'rpm': 'text', 'points_without_answer': 'text'},
     'load_points': {
         'relief_um': 'text', 'rpm': 'text', 'mesh_periods': 'text', 'dynamic_factor': 'estimated error_estimate', 'error_estimate': 'bound',
+        'coast_factor': 'asked', 'mean_load_ratio': 'asked', 'load_rms_ratio': 'asked', 'pair_load_rms_ratio': 'asked',
+        'impacts': 'text', 'load_reversals': 'text', 'separation_share': 'asked', 'dte_mean_um': 'asked', 'dte_rms_um': 'asked',
+        'dte_peak_to_peak_um': 'asked',
+    },
+    'motion_harmonics': {
+        'relief_um': 'text', 'rpm': 'text', 'harmonic': 'text', 'frequency_hz': 'asked', 'dte_amplitude_um': 'asked',
+        'dte_phase_deg': 'angle dte_amplitude_um', 'mesh_load_amplitude_n': 'asked', 'mesh_load_phase_deg': 'angle mesh_load_amplitude_n',
     },
     'sweep_worst': {'relief_um': 'text', 'worst_dynamic_factor': 'asked', 'rpm': 'text'},
     'resonances': {'relief_um': 'text', 'dynamic_factor': 'asked', 'rpm': 'text'},

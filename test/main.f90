@@ -48,10 +48,12 @@ program check
   use test_precision, only: run_precision => run
   use test_rating, only: run_rating => run
   use test_reader, only: run_reader => run
+  use test_reliefs, only: run_reliefs => run
   use test_resonances, only: run_resonances => run
   use test_resume, only: run_resume => run
   use test_scenes, only: run_scenes => run
   use test_stability, only: run_stability => run
+  use test_summary, only: run_summary => run
   use test_sweep, only: run_sweep => run
   use testing, only: suite_t, tally_t
   implicit none
@@ -94,6 +96,8 @@ program check
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
     & suite_t('attractors', run_attractors), &
+    & suite_t('reliefs', run_reliefs), &
+    & suite_t('summary', run_summary), &
     & suite_t('estimates', run_estimates), &
     & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &

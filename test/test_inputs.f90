@@ -173,6 +173,7 @@ contains
     call add('mesh pitch_point', '0.6', 'p', 'relief start ''pitch'';relief amount_um 0')
     call add('mesh pitch_point', '0.6', 'g')
     call add('mesh ste_harmonics', '3')
+    call add('sweep motion_harmonics', '3')
     call add('mesh tooth_coupling', '.false.', 'g', 'section teeth 3')
     call add('mesh tooth_coupling', '.false.')
     call add('mesh shared_compliance_um_n', '4e-4', 'p')

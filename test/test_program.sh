@@ -45,7 +45,7 @@ named() {
 }
 pair_tables='geometry gears contact_points'
 sweep_tables='sweep sweep_worst resonances sweep_summary'
-motion_tables="motion mesh transmission_error harmonics load load_points $sweep_tables optimum optimum_curve"
+motion_tables="motion mesh transmission_error harmonics load load_points motion_harmonics $sweep_tables optimum optimum_curve"
 geared_tables="$pair_tables $motion_tables"
 static_tables='static root_stress root_rating'
 modal_tables='modal mode_energy mode_shapes.vtu'

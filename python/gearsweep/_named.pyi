@@ -310,7 +310,7 @@ class LoadTable(Table):
     """which of so many pairs this is, from 1; 0 without an answer"""
 
 class LoadPointsTable(Table):
-    """dynamic factor at the speeds of the task load"""
+    """dynamic factor and what else is read off the motion, at the speeds of the task load"""
 
     relief_um: NDArray[float64]
     """um: amount of relief"""
@@ -324,6 +324,46 @@ class LoadPointsTable(Table):
     """how the operating point ended, in a word"""
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
+    coast_factor: NDArray[float64]
+    """largest load on the coast sides over the static load; 0 where they do not touch; NaN where there is no answer"""
+    mean_load_ratio: NDArray[float64]
+    """mean elastic load of the mesh over the static load: all pairs less the coast sides; what is left is carried by damping; NaN where there is no answer"""
+    load_rms_ratio: NDArray[float64]
+    """root mean square of what that load differs from its mean, over the static load; NaN where there is no answer"""
+    pair_load_rms_ratio: NDArray[float64]
+    """root mean square of the load on a pair over its path, over the static load; NaN where there is no answer"""
+    impacts: NDArray[float64]
+    """how often flanks meet after all had been apart, in a mesh period; NaN where there is no answer"""
+    load_reversals: NDArray[float64]
+    """how often the load goes over to the other sides of the teeth, in a mesh period; NaN where there is no answer"""
+    separation_share: NDArray[float64]
+    """part of the time during which all flanks are apart; NaN where there is no answer"""
+    dte_mean_um: NDArray[float64]
+    """um: mean dynamic transmission error; NaN where there is no answer"""
+    dte_rms_um: NDArray[float64]
+    """um: root mean square of what it differs from that; NaN where there is no answer"""
+    dte_peak_to_peak_um: NDArray[float64]
+    """um: largest less least dynamic transmission error; NaN where there is no answer"""
+
+class MotionHarmonicsTable(Table):
+    """dynamic transmission error and elastic load of the mesh, each as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh periods tau; harmonic 0 is the mean"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    harmonic: NDArray[float64]
+    """0 for the mean, 1, 2 ... up to motion_harmonics for the mesh frequency; of a motion that repeats after several mesh periods, also the parts between"""
+    frequency_hz: NDArray[float64]
+    """Hz: frequency of that harmonic"""
+    dte_amplitude_um: NDArray[float64]
+    """um: half of peak-to-peak of the dynamic transmission error; the mean for harmonic 0"""
+    dte_phase_deg: NDArray[float64]
+    """deg: its phase at tau = 0, where a pair enters at A"""
+    mesh_load_amplitude_n: NDArray[float64]
+    """N: the same of the elastic load of the mesh: all pairs less the coast sides"""
+    mesh_load_phase_deg: NDArray[float64]
+    """deg: its phase at tau = 0"""
 
 class SweepTable(Table):
     """dynamic factor over speed and relief"""
@@ -336,6 +376,8 @@ class SweepTable(Table):
     """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
     error_estimate: NDArray[float64]
     """estimated error of DF; NaN where there is no answer or it is not known"""
+    coast_factor: NDArray[float64]
+    """largest load on the coast sides over the static load; 0 where they do not touch; NaN where there is no answer"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
     contact: NDArray[str_]
@@ -446,6 +488,8 @@ class OptimumCurveTable(Table):
     """1/min: speed of the pinion where that is"""
     points_without_answer: NDArray[int64]
     """speeds without an answer"""
+    at_least: NDArray[int64]
+    """1: a few speeds showed that this relief is not the best, and the largest DF is that of these; else 0"""
 
 class StabilityTable(Table):
     """stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1"""
@@ -994,6 +1038,8 @@ class Named:
     def load(self) -> LoadTable: ...
     @property
     def load_points(self) -> LoadPointsTable: ...
+    @property
+    def motion_harmonics(self) -> MotionHarmonicsTable: ...
     @property
     def sweep(self) -> SweepTable: ...
     @property

@@ -55,6 +55,7 @@ BESIDE = {
     'base_pitch_mm': {'load': {'normal_force_n': None, 'torque_nm': 100}},
     'pitch_point': {'relief': {'start': "'pitch'"}},
     'ste_harmonics': {'case': {'tasks': "'mesh'"}},
+    'motion_harmonics': {'case': {'tasks': "'load'"}},
     # It thins the tooth, and so is at most the profile shift.
     'generating_shift': {'pinion': {'profile_shift': 4.9999999}},
     'start_um': {'poincare': {'start_mm_s': 0}},

@@ -16,6 +16,7 @@ module gearsweep_points
     'where there is no answer', of_estimate = 'estimated error of DF; NaN where there is no answer or it is not known'
   character(*), parameter, public :: of_status = 'how the operating point ended, in a word', &
     of_worst = 'largest DF over the speeds; NaN where none has an answer', of_periods = 'mesh periods until the motion repeats'
+  character(*), parameter, public :: of_coast = 'largest load on the coast sides over the static load; 0 where they do not touch'
   integer, parameter, public :: status_length = 12
 
 contains

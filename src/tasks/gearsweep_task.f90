@@ -344,16 +344,17 @@ contains
   end subroutine find_point
 
   !> The same, followed over the path of contact.
-  subroutine find_motion(self, relief, rpm, response)
+  subroutine find_motion(self, relief, rpm, response, harmonics)
     class(stages_t), intent(in) :: self
     integer, intent(in) :: relief
     real(dp), intent(in) :: rpm
     type(response_t), intent(out) :: response
+    integer, intent(in), optional :: harmonics   !< with it there is a summary, with so many of the mesh frequency
     type(point_t) :: point
     logical :: lacks
 
     call self%find_point(relief, rpm, point, lacks)
-    if (.not. lacks) call find_response(self%motion(relief), rpm, self%accuracy, response, point)
+    if (.not. lacks) call find_response(self%motion(relief), rpm, self%accuracy, response, point, harmonics)
     response%lacks = response%lacks .or. lacks
   end subroutine find_motion
 

@@ -1,13 +1,14 @@
-!> The task `load`: the load of one pair along its path of contact at chosen speeds.
+!> The task `load`: at chosen speeds, the load of one pair along its path of contact, and what else is read off the motion.
 module gearsweep_task_load
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_input, code_memory, error_t, fail
-  use gearsweep_kinds, only: dp
+  use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
-  use gearsweep_points, only: factor_in, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, status_length, &
-    words_of
+  use gearsweep_oscillator, only: mesh_period
+  use gearsweep_points, only: factor_in, of_coast, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
+    status_length, words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_name, status_stopped
@@ -20,6 +21,7 @@ module gearsweep_task_load
   public :: load_task_t
 
   type, extends(task_t) :: load_task_t
+    integer :: harmonics = 8                     !< of the mesh frequency
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
@@ -33,8 +35,9 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('load', needs='mesh reliefs amounts motion losses accuracy kept', tables='load load_points', fields='', &
-                       gives='load of one pair along its path at chosen speeds')
+    info = task_info_t('load', needs='mesh reliefs amounts motion losses accuracy kept', &
+                       tables='load load_points motion_harmonics', fields='', &
+                       gives='load of one pair along its path at chosen speeds, harmonics, coast load, impacts')
   end subroutine describe
 
   !> Its speeds stand beside those of the sweep, which keeps its motions there.
@@ -46,6 +49,8 @@ contains
     call reader%get('sweep', 'load_rpm', self%own_rpm, error, unit='1/min', required=.true., tasks='load', &
                     at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion for the task load')
     if (allocated(self%own_rpm)) self%keep = self%own_rpm
+    call reader%get('sweep', 'motion_harmonics', self%harmonics, error, tasks='load', at_least=1, at_most=1000, &
+                    meaning='harmonics of the mesh frequency in the table motion_harmonics')
   end subroutine read_keys
 
   !> So many paths are followed and no more.
@@ -67,13 +72,14 @@ contains
     integer :: i, k
 
     associate (motion => stages%motion, rpm => self%own_rpm, accuracy => stages%accuracy)
-      call claim_memory(1000.0_dp*size(motion)*size(rpm), '&sweep load_rpm: '//str(size(motion)*size(rpm))//' motions', error)
+      call claim_memory((1000.0_dp + 64*self%harmonics)*size(motion)*size(rpm), &
+                        '&sweep load_rpm: '//str(size(motion)*size(rpm))//' motions', error)
       if (allocated(error)) return
       allocate (response(size(motion), size(rpm)))
       do k = 1, size(rpm)
         do i = 1, size(motion)
           if (wants_stop(accuracy%steady%stop)) return
-          call stages%find_motion(i, rpm(k), response(i, k))
+          call stages%find_motion(i, rpm(k), response(i, k), self%harmonics)
           if (response(i, k)%lacks) call fail(error, code_memory, &
             '&sweep load_rpm = '//str(rpm(k))//': the memory does not hold the motion')
           if (allocated(error)) return
@@ -82,7 +88,8 @@ contains
       end do
     end associate
     call fill_paths(stages, response, self%tables(self%place('load')), error)
-    call fill_points(stages%amount, response, self%tables(self%place('load_points')), error)
+    call fill_points(stages, response, self%tables(self%place('load_points')), error)
+    call fill_harmonics(stages, self%harmonics, response, self%tables(self%place('motion_harmonics')), error)
     self%is_done = .true.
     associate (status => response%point%steady%status)
       self%is_stopped = any(status == status_stopped)
@@ -136,9 +143,9 @@ contains
     call table%add_index('pair', '', 'which of so many pairs this is, from 1; 0 without an answer', pair)
   end subroutine fill_paths
 
-  !> Dynamic factor at the chosen speeds.
-  pure subroutine fill_points(amount, response, table, error)
-    real(dp), intent(in) :: amount(:)            ! of relief, m
+  !> Dynamic factor at the chosen speeds, and what else is read off the motion.
+  pure subroutine fill_points(stages, response, table, error)
+    type(stages_t), intent(in) :: stages
     type(response_t), intent(in) :: response(:, :)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
@@ -148,7 +155,8 @@ contains
 
     m = size(response, 1)
     n = size(response, 2)
-    call table%begin('dynamic factor at the speeds of the task load', m*n, 8, error, extent=[m, n])
+    call table%begin('dynamic factor and what else is read off the motion, at the speeds of the task load', m*n, 24, error, &
+                     extent=[m, n])
     if (allocated(error)) return
     associate (point => response%point)
       factor = [((point(i, k)%dynamic_factor, k=1, n), i=1, m)]
@@ -158,14 +166,127 @@ contains
         factor = no_number()
         estimate = no_number()
       end where
-      call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
+      call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
       call table%add_index('rpm', '1/min', of_speed, over_and_over([response(1, :)%rpm], m))
       call table%add('dynamic_factor', '', of_factor, factor)
       call table%add('error_estimate', '', of_estimate, estimate)
       call table%add_words('status', of_status, words_of(status))
       call table%add('mesh_periods', '', of_periods, [((point(i, k)%steady%periods, k=1, n), i=1, m)])
     end associate
+    call add_loads(stages%load, response, has_result(status), table)
+    call add_motion(response, has_result(status), table)
   end subroutine fill_points
+
+  !> What the motion loads beside the pair that has most.
+  pure subroutine add_loads(load, response, found, table)
+    real(dp), intent(in) :: load                 ! static, N
+    type(response_t), intent(in) :: response(:, :)
+    logical, intent(in) :: found(:)
+    type(table_t), intent(inout) :: table
+    real(dp) :: values(size(response, 1), size(response, 2))
+
+    associate (summary => response%summary)
+      call add_found('coast_factor', '', of_coast, response%point%steady%coast_peak/load, found, table)
+      call add_found('mean_load_ratio', '', 'mean elastic load of the mesh over the static load: all pairs less the coast '// &
+                     'sides; what is left is carried by damping', summary%load%mean/load, found, table)
+      call add_found('load_rms_ratio', '', 'root mean square of what that load differs from its mean, over the static load', &
+                     summary%load%rms/load, found, table)
+      call add_found('pair_load_rms_ratio', '', 'root mean square of the load on a pair over its path, over the static load', &
+                     summary%pair_rms/load, found, table)
+    end associate
+    values = response%summary%impacts
+    call add_found('impacts', '', 'how often flanks meet after all had been apart, in a mesh period', values, found, table)
+    values = response%summary%reversals
+    call add_found('load_reversals', '', 'how often the load goes over to the other sides of the teeth, in a mesh period', &
+                   values, found, table)
+    values = response%summary%apart
+    call add_found('separation_share', '', 'part of the time during which all flanks are apart', values, found, table)
+  end subroutine add_loads
+
+  !> The dynamic transmission error.
+  pure subroutine add_motion(response, found, table)
+    type(response_t), intent(in) :: response(:, :)
+    logical, intent(in) :: found(:)
+    type(table_t), intent(inout) :: table
+
+    associate (error => response%summary%error)
+      call add_found('dte_mean_um', 'um', 'mean dynamic transmission error', micro*error%mean, found, table)
+      call add_found('dte_rms_um', 'um', 'root mean square of what it differs from that', micro*error%rms, found, table)
+      call add_found('dte_peak_to_peak_um', 'um', 'largest less least dynamic transmission error', &
+                     micro*(error%largest - error%least), found, table)
+    end associate
+  end subroutine add_motion
+
+  !> A column that has numbers at the points with an answer.
+  pure subroutine add_found(name, unit, meaning, values, found, table)
+    character(*), intent(in) :: name, unit, meaning
+    real(dp), intent(in) :: values(:, :)         ! (relief, speed)
+    logical, intent(in) :: found(:)              ! (row)
+    type(table_t), intent(inout) :: table
+
+    call table%add(name, unit, meaning//'; NaN where there is no answer', &
+                   merge(reshape(transpose(values), [size(values)]), no_number(), found))
+  end subroutine add_found
+
+  !> Harmonics of the dynamic transmission error and of the load of the mesh.
+  pure subroutine fill_harmonics(stages, harmonics, response, table, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: harmonics             ! of the mesh frequency
+    type(response_t), intent(in) :: response(:, :)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: values(:, :)
+    integer :: i, k, n, rows, from
+
+    rows = sum(1 + harmonics*merge(response%point%steady%periods, 0, has_result(response%point%steady%status)))
+    call table%begin('dynamic transmission error and elastic load of the mesh, each as the sum of amplitude '// &
+                     'cos(2 pi harmonic tau + phase) over the mesh periods tau; harmonic 0 is the mean', rows, 8, error)
+    if (allocated(error)) return
+    allocate (values(rows, 8), source=no_number())
+    from = 1
+    do i = 1, size(response, 1)
+      do k = 1, size(response, 2)
+        associate (one => response(i, k), steady => response(i, k)%point%steady)
+          n = merge(harmonics*steady%periods, 0, has_result(steady%status))
+          values(from:from + n, 1) = in_um(stages%amount(i))
+          values(from:from + n, 2) = one%rpm
+          values(from, 3) = 0
+          if (has_result(steady%status)) call fill_one(one, n, mesh_period(stages%motion(1)%mesh%teeth(1), one%rpm), &
+                                                       values(from:from + n, 3:))
+        end associate
+        from = from + n + 1
+      end do
+    end do
+    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
+    call table%add_index('rpm', '1/min', of_speed, values(:, 2))
+    call table%add_index('harmonic', '', '0 for the mean, 1, 2 ... up to motion_harmonics for the mesh frequency; of a motion '// &
+                         'that repeats after several mesh periods, also the parts between', values(:, 3))
+    call table%add('frequency_hz', 'Hz', 'frequency of that harmonic', values(:, 4))
+    call table%add('dte_amplitude_um', 'um', 'half of peak-to-peak of the dynamic transmission error; the mean for harmonic 0', &
+                   values(:, 5))
+    call table%add('dte_phase_deg', 'deg', 'its phase at tau = 0, where a pair enters at A', values(:, 6))
+    call table%add('mesh_load_amplitude_n', 'N', 'the same of the elastic load of the mesh: all pairs less the coast sides', &
+                   values(:, 7))
+    call table%add('mesh_load_phase_deg', 'deg', 'its phase at tau = 0', values(:, 8))
+  end subroutine fill_harmonics
+
+  !> Harmonic, frequency (Hz), amplitude (um) and phase (deg) of the transmission error, and of the load (N).
+  pure subroutine fill_one(response, n, period, values)
+    type(response_t), intent(in) :: response
+    integer, intent(in) :: n
+    real(dp), intent(in) :: period               ! s
+    real(dp), intent(inout) :: values(0:, :)     ! (harmonic, column)
+    integer :: k
+
+    values(:, 1) = [(real(k, dp)/response%point%steady%periods, k=0, n)]
+    values(:, 2) = values(:, 1)/period
+    associate (error => response%summary%error, load => response%summary%load)
+      values(:, 3) = micro*[error%mean, error%amplitude]
+      values(:, 4) = [0.0_dp, error%phase]*180/pi
+      values(:, 5) = [load%mean, load%amplitude]
+      values(:, 6) = [0.0_dp, load%phase]*180/pi
+    end associate
+  end subroutine fill_one
 
   pure subroutine add_report(self, lines)
     class(load_task_t), intent(in) :: self

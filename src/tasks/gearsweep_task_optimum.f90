@@ -123,12 +123,14 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     associate (n => size(optimum%amount))
-      call table%begin('largest dynamic factor over the speeds against the relief', n, 4, error, extent=[n])
+      call table%begin('largest dynamic factor over the speeds against the relief', n, 5, error, extent=[n])
       if (allocated(error)) return
       call table%add_index('relief_um', 'um', 'amount of relief, ascending', in_um(optimum%amount))
       call table%add('worst_dynamic_factor', '', of_worst, optimum%dynamic_factor)
       call table%add('rpm', '1/min', 'speed of the pinion where that is', optimum%rpm)
       call table%add('points_without_answer', '', 'speeds without an answer', optimum%failed)
+      call table%add('at_least', '', '1: a few speeds showed that this relief is not the best, and the largest DF is that of '// &
+                     'these; else 0', merge(1, 0, optimum%is_bound))
     end associate
   end subroutine fill_curve
 

@@ -7,8 +7,8 @@ module gearsweep_task_sweep
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_optimum, only: find_resonances, peak_t, worst_of
   use gearsweep_oscillator, only: frequency_ratio
-  use gearsweep_points, only: factor_in, factor_of, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, of_worst, &
-    speed_of, words_of
+  use gearsweep_points, only: factor_in, factor_of, of_coast, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
+    of_worst, speed_of, words_of
   use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
   use gearsweep_sweep, only: contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
   use gearsweep_table, only: each, no_number, over_and_over, table_t
@@ -82,12 +82,13 @@ contains
 
     n = size(sweep%status, 1)
     m = size(sweep%status, 2)
-    call table%begin('dynamic factor over speed and relief', n*m, 12, error, extent=[m, n])
+    call table%begin('dynamic factor over speed and relief', n*m, 13, error, extent=[m, n])
     if (allocated(error)) return
     call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
     call table%add_index('rpm', '1/min', of_speed, over_and_over(sweep%rpm, m))
     call table%add('dynamic_factor', '', of_factor, [sweep%dynamic_factor])
     call table%add('error_estimate', '', of_estimate, [sweep%estimate])
+    call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
     call table%add_words('status', of_status, words_of([sweep%status]))
     call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
                          'touched', contact_name([sweep%contact]))

@@ -59,7 +59,7 @@ def plot_optimum(curve_of: Study | Table, ax: Axes | None = None, *, points: Seq
     """Largest dynamic factor over all speeds against the relief, its least value marked.
 
     Reliefs at which some speeds have no answer are hollow; those at which none has one are a gap, with a cross
-    at the lower edge.
+    at the lower edge. Triangles are reliefs that a few speeds showed not to be the best.
 
     Parameters
     ----------
@@ -83,6 +83,11 @@ def plot_optimum(curve_of: Study | Table, ax: Axes | None = None, *, points: Seq
         if np.isfinite(worst[~whole]).any():
             ax.plot(relief[~whole], worst[~whole], marker='o', markeredgecolor=ACCENT, **HOLLOW)
             more.append(Line2D([], [], marker='o', markeredgecolor=ACCENT, label='some speeds without answer', **HOLLOW))
+        bounds = tried.at_least == 1
+        if bounds.any():
+            look: dict[str, Any] = {'marker': '^', 'color': ACCENT, 'linestyle': '', 'markersize': 4}
+            ax.plot(relief[bounds], worst[bounds], **look)
+            more.append(Line2D([], [], label='at least, from some speeds', **look))
         more += crosses(ax, [(relief[np.isnan(worst)], ACCENT)], 'no answer')
         legends_above(ax, ('', more))
         if 'optimum' in tried.study and np.isfinite(tried.study.optimum.relief_um):

@@ -3,10 +3,12 @@
 module gearsweep_optimum
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use gearsweep_convex_bounds, only: bound_curves, known_t, may_be_largest
   use gearsweep_error, only: error_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: status_stopped
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
+  use gearsweep_stop, only: wants_stop
+  use gearsweep_sweep, only: each, sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   implicit none
   private
   public :: peak_t, find_resonances, worst_of, optimum_t, find_optimum, build_motion
@@ -22,6 +24,8 @@ module gearsweep_optimum
     real(dp), allocatable :: dynamic_factor(:)   !< largest over the speeds; (relief)
     real(dp), allocatable :: rpm(:)              !< where that is, 1/min; (relief)
     integer, allocatable :: failed(:)            !< speeds without a result; (relief)
+    !> Some speeds were tried and no more, as these show that the relief is not the best; (relief)
+    logical, allocatable :: is_bound(:)
     integer :: best = 0                          !< index of the least; 0 where every one failed
     real(dp) :: resolution = 0                   !< the best lies within so much of the true optimum, m
     logical :: stopped = .false.                 !< the caller ended the search: the curve is not whole
@@ -133,18 +137,20 @@ contains
     !> One for each sweep: with them, another call goes on from where this one was ended.
     type(sweep_state_t), intent(inout), optional :: states(most_sweeps)
     type(sweep_options_t) :: rough
+    type(known_t), allocatable :: known(:)
     real(dp) :: low, high
     integer :: round, i
 
     ! A dynamic factor to 1e-5 places the optimum far better than it can be made.
     rough = options
     rough%accuracy%steady%tolerance = max(options%accuracy%steady%tolerance, 1e-5_dp)
-    allocate (optimum%amount(0), optimum%dynamic_factor(0), optimum%rpm(0), optimum%failed(0))
+    allocate (optimum%amount(0), optimum%dynamic_factor(0), optimum%rpm(0), optimum%failed(0), optimum%is_bound(0), known(0))
     call add_reliefs([(largest*i/scan, i=0, scan)], 1)
     do round = 1, rounds
       if (allocated(error) .or. optimum%best == 0 .or. optimum%stopped) return
       low = optimum%amount(max(1, optimum%best - 1))
       high = optimum%amount(min(size(optimum%amount), optimum%best + 1))
+      call keep_bracket(optimum, known)
       call add_reliefs([(low + (high - low)*i/(inner + 1.0_dp), i=1, inner)], 1 + round)
     end do
     associate (amount => optimum%amount, best => optimum%best)
@@ -157,9 +163,8 @@ contains
     subroutine add_reliefs(amount, number)
       real(dp), intent(in) :: amount(:)
       integer, intent(in) :: number              ! of the sweep
-      type(oscillator_t), allocatable :: motion(:)
-      type(sweep_t) :: sweep
-      type(peak_t) :: worst
+      type(oscillator_t), allocatable :: motion(:), left(:)
+      logical :: is_left(size(amount))
       integer :: i
 
       if (allocated(error)) return
@@ -168,29 +173,143 @@ contains
         call build(context, amount(i), motion(i), error)
         if (allocated(error)) return
       end do
-      if (present(states)) then
-        call run_sweep(motion, rpm, rough, sweep, error, progress, states(number))
-      else
-        call run_sweep(motion, rpm, rough, sweep, error, progress)
-      end if
-      if (allocated(error)) return
-      rough%done_before = rough%done_before + size(sweep%status)
-      optimum%stopped = any(sweep%status == status_stopped)
-      if (optimum%stopped) return
+      call try_full_contact(motion, amount, rpm, rough, optimum, known, is_left, error)
+      if (allocated(error) .or. optimum%stopped) return
       do i = 1, size(amount)
-        worst = worst_of(rpm, sweep%dynamic_factor(:, i))
-        call insert(optimum, amount(i), worst, count(ieee_is_nan(sweep%dynamic_factor(:, i))))
+        if (is_left(i)) call try_some_speeds(motion(i:i), amount(i), rpm, rough, optimum, is_left(i), error)
+        if (allocated(error) .or. optimum%stopped) return
       end do
-      optimum%best = minloc(optimum%dynamic_factor, 1, mask=optimum%rpm > 0)
+      rough%done_before = rough%done_before + count(.not. is_left)*size(rpm)
+      if (.not. any(is_left)) return
+      allocate (left(count(is_left)))
+      left(:) = motion(pack([(i, i=1, size(amount))], is_left))
+      if (present(states)) then
+        call try_all_speeds(left, pack(amount, is_left), rpm, rough, optimum, error, progress, states(number))
+      else
+        call try_all_speeds(left, pack(amount, is_left), rpm, rough, optimum, error, progress)
+      end if
+      rough%done_before = rough%done_before + size(left)*size(rpm)
     end subroutine add_reliefs
   end subroutine find_optimum
 
+  !> The best relief and its neighbours are all that the next round takes from what is known.
+  pure subroutine keep_bracket(optimum, known)
+    type(optimum_t), intent(in) :: optimum
+    type(known_t), allocatable, intent(inout) :: known(:)  !< by place
+    type(known_t) :: three(3)
+    integer :: i, k
+
+    do i = 1, 3
+      k = optimum%best + i - 2
+      if (k < 1 .or. k > size(optimum%amount)) cycle
+      three(i)%place = optimum%amount(k)
+      k = findloc(abs(known%place - three(i)%place) <= 0, .true., 1)
+      if (k > 0) three(i) = known(k)
+    end do
+    known = three
+  end subroutine keep_bracket
+
+  !> Reliefs with which all pairs stay in contact: one map serves all of them, and as their dynamic factors are convex in the
+  !> amount, only those speeds are solved that may have the largest one.
+  subroutine try_full_contact(motion, amount, rpm, options, optimum, known, is_left, error)
+    type(oscillator_t), intent(in) :: motion(:)
+    real(dp), intent(in) :: amount(:), rpm(:)
+    type(sweep_options_t), intent(in) :: options
+    type(optimum_t), intent(inout) :: optimum
+    type(known_t), allocatable, intent(inout) :: known(:)
+    logical, intent(out) :: is_left(:)           !< of the other reliefs nothing is known yet; (relief)
+    type(error_t), allocatable, intent(inout) :: error
+    type(sweep_options_t) :: of_linear
+    type(sweep_t) :: sweep
+    type(known_t) :: more(size(amount))
+    logical :: needed(size(rpm))
+    integer :: i
+
+    needed = .true.
+    if (size(known) == 3) call may_be_largest(known, amount, 2*options%accuracy%steady%tolerance, needed)
+    of_linear = options
+    of_linear%full_contact_only = .true.
+    of_linear%is_counted = .false.
+    call run_sweep(motion, pack(rpm, needed), of_linear, sweep, error)
+    if (allocated(error)) return
+    optimum%stopped = wants_stop(options%accuracy%steady%stop)
+    is_left = any(ieee_is_nan(sweep%dynamic_factor), 1)
+    if (optimum%stopped) return
+    do i = 1, size(amount)
+      if (is_left(i)) cycle
+      more(i)%place = amount(i)
+      allocate (more(i)%lower(size(rpm)), more(i)%upper(size(rpm)), source=0.0_dp)
+      if (.not. all(needed)) call bound_curves(known, amount(i), more(i)%lower, more(i)%upper)
+      more(i)%lower = unpack(sweep%dynamic_factor(:, i), needed, more(i)%lower)
+      more(i)%upper = unpack(sweep%dynamic_factor(:, i), needed, more(i)%upper)
+      call insert(optimum, amount(i), worst_of(sweep%rpm, sweep%dynamic_factor(:, i)), 0, .false.)
+    end do
+    known = [known, more]
+  end subroutine try_full_contact
+
+  !> The speeds around that at which the nearest relief is worst: where they are worse than the best relief at its worst
+  !> speed, this one is not the best.
+  subroutine try_some_speeds(motion, amount, rpm, options, optimum, is_left, error)
+    type(oscillator_t), intent(in) :: motion(1)
+    real(dp), intent(in) :: amount, rpm(:)
+    type(sweep_options_t), intent(in) :: options
+    type(optimum_t), intent(inout) :: optimum
+    logical, intent(out) :: is_left              !< the relief may still be the best
+    type(error_t), allocatable, intent(inout) :: error
+    integer, parameter :: some = 8
+    type(sweep_options_t) :: alone
+    type(sweep_t) :: sweep
+    type(peak_t) :: worst
+    integer :: nearest, first
+
+    is_left = .true.
+    if (optimum%best == 0 .or. size(rpm) <= some) return
+    nearest = minloc(abs(optimum%amount - amount), 1, mask=optimum%rpm > 0)
+    first = max(1, min(minloc(abs(rpm - optimum%rpm(nearest)), 1) - some/2, size(rpm) - some + 1))
+    alone = options
+    alone%direction = each
+    alone%is_counted = .false.
+    call run_sweep(motion, rpm(first:first + some - 1), alone, sweep, error)
+    if (allocated(error)) return
+    optimum%stopped = any(sweep%status == status_stopped)
+    if (optimum%stopped) return
+    worst = worst_of(sweep%rpm, sweep%dynamic_factor(:, 1))
+    if (.not. worst%rpm > 0) return
+    if (.not. worst%dynamic_factor > optimum%dynamic_factor(optimum%best) + &
+             2*options%accuracy%steady%tolerance) return
+    is_left = .false.
+    call insert(optimum, amount, worst, count(ieee_is_nan(sweep%dynamic_factor)), .true.)
+  end subroutine try_some_speeds
+
+  !> Reliefs with which pairs part, at all speeds.
+  subroutine try_all_speeds(motion, amount, rpm, options, optimum, error, progress, state)
+    type(oscillator_t), intent(in) :: motion(:)
+    real(dp), intent(in) :: amount(:), rpm(:)
+    type(sweep_options_t), intent(in) :: options
+    type(optimum_t), intent(inout) :: optimum
+    type(error_t), allocatable, intent(inout) :: error
+    procedure(progress_of_sweep), optional :: progress
+    type(sweep_state_t), intent(inout), optional :: state
+    type(sweep_t) :: sweep
+    integer :: i
+
+    call run_sweep(motion, rpm, options, sweep, error, progress, state)
+    if (allocated(error)) return
+    optimum%stopped = any(sweep%status == status_stopped)
+    if (optimum%stopped) return
+    do i = 1, size(amount)
+      call insert(optimum, amount(i), worst_of(rpm, sweep%dynamic_factor(:, i)), &
+                  count(ieee_is_nan(sweep%dynamic_factor(:, i))), .false.)
+    end do
+  end subroutine try_all_speeds
+
   !> Keeps the reliefs ascending; one that is there already is passed over.
-  pure subroutine insert(optimum, amount, worst, failed)
+  pure subroutine insert(optimum, amount, worst, failed, is_bound)
     type(optimum_t), intent(inout) :: optimum
     real(dp), intent(in) :: amount
     type(peak_t), intent(in) :: worst
     integer, intent(in) :: failed
+    logical, intent(in) :: is_bound              !< not all speeds were tried that may be worst
     integer :: n
 
     n = count(optimum%amount < amount)
@@ -199,5 +318,7 @@ contains
     optimum%dynamic_factor = [optimum%dynamic_factor(:n), worst%dynamic_factor, optimum%dynamic_factor(n + 1:)]
     optimum%rpm = [optimum%rpm(:n), worst%rpm, optimum%rpm(n + 1:)]
     optimum%failed = [optimum%failed(:n), failed, optimum%failed(n + 1:)]
+    optimum%is_bound = [optimum%is_bound(:n), is_bound, optimum%is_bound(n + 1:)]
+    optimum%best = minloc(optimum%dynamic_factor, 1, mask=optimum%rpm > 0 .and. .not. optimum%is_bound)
   end subroutine insert
 end module gearsweep_optimum

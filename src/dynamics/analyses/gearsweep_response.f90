@@ -6,6 +6,7 @@ module gearsweep_response
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
+  use gearsweep_motion_summary, only: motion_summary_t, summarise
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period, only: run_period
@@ -29,20 +30,22 @@ module gearsweep_response
     real(dp), allocatable :: s(:)                !< path coordinate of the pair, ascending, base pitches; (row)
     real(dp), allocatable :: load(:)             !< of that pair, N; (row)
     real(dp), allocatable :: error(:)            !< dynamic transmission error, m; (row)
+    type(motion_summary_t) :: summary            !< where it is asked for and there is a result
   end type response_t
 
 contains
 
   !> The pairs' loads and the transmission error over the path, in at least 200 steps of a period unless their number is
   !> given.
-  pure subroutine find_response(osc, rpm, options, response, known)
+  pure subroutine find_response(osc, rpm, options, response, known, harmonics)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm                  !< speed of the pinion, 1/min
     type(accuracy_t), intent(in) :: options
     type(response_t), intent(out) :: response
     type(point_t), intent(in), optional :: known  !< as a sweep found it; without it, it is solved by itself
+    integer, intent(in), optional :: harmonics    !< with it there is a summary, with so many of the mesh frequency
     ! Bytes of a step's two rows, in memory that doubles and is copied, and then sorted by pair.
-    real(dp), parameter :: trace_bytes = 2*4*40.0_dp
+    real(dp), parameter :: trace_bytes = 2*4*80.0_dp
     type(levels_t), allocatable :: levels
     type(trace_t), allocatable :: trace(:)
     type(period_map_t) :: map
@@ -79,6 +82,7 @@ contains
       state = run%state
     end do
     call pair_paths(trace, response%pair, response%s, response%load, response%error)
+    if (present(harmonics)) call summarise(osc, trace, harmonics*size(trace), response%summary)
   end subroutine find_response
 
   !> At least 200 steps, and the state from which the motion of the point repeats in them.

@@ -9,10 +9,11 @@ module gearsweep_sweep
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_periodic_orbit, only: steady_t
   use gearsweep_refinement, only: forget_levels, levels_t
+  use gearsweep_relief_family, only: family_t, find_family
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_sweep_state, only: begin_state, counter_t, down, each, find_final, fits, progress_of_sweep, sweep_options_t, &
                                    sweep_state_t, units_done, up
-  use gearsweep_sweep_work, only: continue_sweep, keep_points, solve_block
+  use gearsweep_sweep_work, only: continue_sweep, keep_points, solve_block, solve_family_block
   use gearsweep_memory, only: claim_memory, settle_memory, team
   use gearsweep_text, only: str
   use gearsweep_traps, only: leader_traps, share_traps
@@ -25,6 +26,7 @@ module gearsweep_sweep
     real(dp), allocatable :: rpm(:)
     real(dp), allocatable :: dynamic_factor(:, :)
     real(dp), allocatable :: estimate(:, :)      !< error of the dynamic factor
+    real(dp), allocatable :: coast_factor(:, :)  !< largest load on the coast sides over the static load
     real(dp), allocatable :: multiplier(:, :)    !< largest Floquet modulus
     real(dp), allocatable :: residual(:, :)      !< of periodicity, in static deflections
     integer, allocatable :: status(:, :)         !< status_ok ... of gearsweep_status
@@ -79,6 +81,7 @@ contains
     procedure(progress_of_sweep), optional :: progress
     type(levels_t), allocatable :: levels
     type(counter_t) :: counter
+    type(family_t) :: family
     integer, allocatable :: missing(:)              ! blocks of each relief
     integer :: i, relief, left
     type(c_ptr) :: traps
@@ -88,20 +91,32 @@ contains
     i = 0
     if (allocated(options%keep)) i = size(options%keep)
     allocate (sweep%kept(i, size(osc)))
-    counter = counter_t(units_done(state, options%direction), options%done_before, options%all_points, &
-                        watch=options%accuracy%steady%stop)
+    counter = counter_t(units_done(state, options%direction), options%done_before, options%all_points)
+    if (options%is_counted) counter%watch = options%accuracy%steady%stop
     if (counter%total == 0) counter%total = size(sweep%status)
-    if (present(progress)) counter%progress => progress
+    if (options%is_counted .and. present(progress)) counter%progress => progress
     missing = [(count(state%blocks%relief == i), i=1, size(osc))]
+    if (size(rpm) > 1 .or. options%full_contact_only) call find_family(osc, options%accuracy, family)
     call settle_memory()
     lacks = .false.
     traps = leader_traps()
-    !$omp parallel default(none) shared(osc, rpm, options, sweep, state, missing, counter, lacks, traps) &
+    !$omp parallel default(none) shared(osc, rpm, options, sweep, state, family, missing, counter, lacks, traps) &
     !$omp private(levels, relief, left) num_threads(team(options%threads, size(state%blocks)))
     call share_traps(traps, 1)
+    if (family%reference > 0) then
+      call forget_levels(levels)
+      !$omp do schedule(dynamic, 1)
+      do i = 1, size(state%blocks)
+        ! All reliefs have the same blocks.
+        if (state%blocks(i)%relief /= 1) cycle
+        call solve_family_block(osc(family%reference), family%part, rpm, options, &
+                                [state%blocks(i)%first, state%blocks(i)%last], counter, levels, state%points, state%solved)
+      end do
+      !$omp end do
+    end if
     relief = 0
     !$omp do schedule(dynamic, 1)
-    do i = 1, size(state%blocks)
+    do i = 1, merge(0, size(state%blocks), options%full_contact_only)
       if (state%blocks(i)%relief /= relief) call forget_levels(levels)
       relief = state%blocks(i)%relief
       call solve_block(osc(relief), rpm, options, state%blocks(i), counter, levels, state%points(:, relief), &
@@ -122,6 +137,11 @@ contains
     call settle_memory()
     call share_traps(traps, 0)
     !$omp end parallel
+    if (options%full_contact_only) then
+      do i = 1, size(osc)
+        call store(osc(i)%load, state%points(:, i), state%solved(:, i), i, sweep)
+      end do
+    end if
     if (lacks) call fail(error, code_memory, 'sweep: the memory does not hold the steps of a mesh period at some speeds; '// &
                          'fewer threads or a larger tolerance need less')
   end subroutine go_through
@@ -141,7 +161,7 @@ contains
     if (options%direction /= each .and. all(state%blocks%grouped == state%blocks%last .or. state%blocks%relief /= relief)) &
       call continue_sweep(osc, rpm, options, relief, counter, levels, state)
     call find_final(state, options%direction, relief, final)
-    call store(state%points(:, relief), final, relief, sweep)
+    call store(osc%load, state%points(:, relief), final, relief, sweep)
     call keep_points(osc, rpm, options, levels, state%points(:, relief), final, sweep%kept(:, relief))
   end subroutine finish_relief
 
@@ -168,13 +188,15 @@ contains
 
     n = size(rpm)
     allocate (sweep%dynamic_factor(n, reliefs), sweep%estimate(n, reliefs), sweep%multiplier(n, reliefs), &
+              sweep%coast_factor(n, reliefs), &
               sweep%residual(n, reliefs), sweep%status(n, reliefs), sweep%contact(n, reliefs), &
               sweep%steps(n, reliefs), sweep%periods(n, reliefs), sweep%branch_lost(n, reliefs))
     sweep%rpm = rpm
   end subroutine allocate_sweep
 
   !> What is not final has no result, and nothing is known of it.
-  subroutine store(points, final, relief, sweep)
+  subroutine store(load, points, final, relief, sweep)
+    real(dp), intent(in) :: load                 ! static, N
     type(point_t), intent(in) :: points(:)
     logical, intent(in) :: final(:)
     integer, intent(in) :: relief
@@ -187,6 +209,7 @@ contains
     associate (steady => points%steady)
       sweep%dynamic_factor(:, relief) = merge(points%dynamic_factor, none, found)
       sweep%estimate(:, relief) = merge(points%estimate, none, found)
+      sweep%coast_factor(:, relief) = merge(steady%coast_peak/load, none, found)
       sweep%multiplier(:, relief) = merge(steady%multiplier, none, final)
       sweep%residual(:, relief) = merge(steady%residual, none, final)
       sweep%status(:, relief) = merge(steady%status, status_stopped, final)

@@ -18,6 +18,9 @@ module gearsweep_sweep_state
     integer :: direction = up
     integer :: threads = 0                       !< 0: as many as the machine has
     real(dp), allocatable :: keep(:)             !< speeds (1/min) whose points are wanted whole
+    !> Only points that one map serves for all reliefs, as all pairs stay in contact; the others are left out as `stopped`.
+    logical :: full_contact_only = .false.
+    logical :: is_counted = .true.               !< its points are told as done
     !> For progress: points of the call that were done before this sweep, and that there are in all; 0: this sweep's.
     integer :: done_before = 0, all_points = 0
   end type sweep_options_t

@@ -10,14 +10,49 @@ module gearsweep_sweep_work
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_periodic_orbit, only: distance
   use gearsweep_refinement, only: levels_t
+  use gearsweep_relief_family, only: solve_family
   use gearsweep_status, only: has_result, status_stopped, status_unbounded
   use gearsweep_sweep_state, only: block_t, counter_t, down, each, is_stopped, sweep_options_t, sweep_state_t, up
   use gearsweep_transient, only: by_shooting
   implicit none
   private
-  public :: solve_block, continue_sweep, keep_points
+  public :: solve_family_block, solve_block, continue_sweep, keep_points
 
 contains
+
+  !> Speeds first to last with all reliefs of a family, as far as all pairs stay in contact.
+  subroutine solve_family_block(osc, part, rpm, options, speeds, counter, levels, points, solved)
+    type(oscillator_t), intent(in) :: osc            !< the family's reference
+    real(dp), intent(in) :: part(:)                  !< of its profile error; (relief)
+    real(dp), intent(in) :: rpm(:)                   !< speeds of the pinion, ascending, 1/min
+    type(sweep_options_t), intent(in) :: options
+    integer, intent(in) :: speeds(2)                 !< first and last
+    type(counter_t), intent(inout) :: counter
+    type(levels_t), intent(inout) :: levels          !< of this oscillator
+    type(point_t), intent(inout) :: points(:, :)     !< (speed, relief)
+    logical, intent(inout) :: solved(:, :)           !< (speed, relief)
+    type(point_t) :: found(batch_size, size(part))
+    logical :: ok(batch_size, size(part))
+    integer :: first, more, i, k, l
+
+    levels%steps_per_second = 0
+    do first = speeds(1), speeds(2), batch_size
+      if (is_stopped(options)) return
+      call solve_family(osc, part, mesh_period(osc%mesh%teeth(1), [(rpm(min(first + l, speeds(2))), l=0, batch_size - 1)]), &
+                        options%accuracy, levels, found, ok)
+      more = 0
+      do i = 1, size(part)
+        do l = 1, min(batch_size, speeds(2) - first + 1)
+          k = first + l - 1
+          if (solved(k, i) .or. .not. ok(l, i)) cycle
+          points(k, i) = found(l, i)
+          solved(k, i) = .true.
+          more = more + 1
+        end do
+      end do
+      if (options%direction == each) call counter%tick(2*more)
+    end do
+  end subroutine solve_family_block
 
   !> Each speed of a block by itself. Where a branch is to be followed, only those that one of a batch settles, as full
   !> contact decides them.
@@ -30,7 +65,7 @@ contains
     type(levels_t), intent(inout) :: levels          !< of this oscillator
     type(point_t), intent(inout) :: points(:)        !< (speed)
     logical, intent(inout) :: solved(:)              !< (speed)
-    integer :: k, last
+    integer :: k, last, before
 
     ! The result shall not depend on what the levels were used for before.
     levels%steps_per_second = block%pace
@@ -38,15 +73,17 @@ contains
       if (is_stopped(options)) return
       k = block%grouped + 1
       last = block%last
+      before = count(solved(k:last))
       ! A single speed is faster by itself than in a batch.
       if (size(rpm) > 1 .and. options%accuracy%steps == 0 .and. options%accuracy%steady%method == by_shooting .and. &
           options%accuracy%scheme == scheme_collocation) then
         last = min(k + batch_size - 1, last)
-        call solve_group(osc, rpm(k:last), options, levels, points(k:last), solved(k:last))
+        before = count(solved(k:last))
+        if (.not. all(solved(k:last))) call solve_group(osc, rpm(k:last), options, levels, points(k:last), solved(k:last))
       end if
       block%grouped = last
       block%pace = levels%steps_per_second
-      call counter%tick(merge(2*count(solved(k:last)), last - k + 1, options%direction == each))
+      call counter%tick(merge(2*(count(solved(k:last)) - before), last - k + 1, options%direction == each))
     end do
     if (options%direction /= each) return
     do while (block%single < block%last)
@@ -63,7 +100,7 @@ contains
     end do
   end subroutine solve_block
 
-  !> Speeds in a batch; the last one fills the places that are left.
+  !> Speeds in a batch, of which some may be solved already; the last one fills the places that are left.
   subroutine solve_group(osc, rpm, options, levels, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
@@ -77,8 +114,11 @@ contains
 
     call solve_batch(osc, mesh_period(osc%mesh%teeth(1), [(rpm(min(k, size(rpm))), k=1, batch_size)]), options%accuracy, &
                      levels, found, ok)
-    points = found(:size(points))
-    solved = ok(:size(solved))
+    do k = 1, size(rpm)
+      if (solved(k)) cycle
+      points(k) = found(k)
+      solved(k) = ok(k)
+    end do
   end subroutine solve_group
 
   !> Goes through the speeds of a relief, up or down, and solves what is left, or lies on another branch than the speed

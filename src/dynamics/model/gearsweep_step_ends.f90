@@ -9,7 +9,7 @@ module gearsweep_step_ends
   use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   implicit none
   private
-  public :: contact_set_at_begin, end_acceleration, deflection_at_end
+  public :: contact_set_at_begin, end_acceleration, deflection_at_end, coast_stiffness, coast_stiffness_at_end
 
 contains
 
@@ -38,8 +38,7 @@ contains
     w = working_deflection(table%end_shared(:, 1, end, step), a, b, x)
   end function deflection_at_end
 
-  !> Second derivative of x over the phase (m) at an end of a step. The coast sides count as apart, as this is
-  !> asked for the load of a pair in contact.
+  !> Second derivative of x over the phase (m) at an end of a step.
   pure real(dp) function end_acceleration(osc, table, step, end, contact_set, duration, state)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
@@ -47,17 +46,33 @@ contains
     integer, intent(in) :: contact_set         !< bit j - 1: pair j is in contact
     real(dp), intent(in) :: duration           !< of the mesh period, s
     real(dp), intent(in) :: state(2)           !< x and its derivative over the phase there, m
-    real(dp) :: omega_squared, forcing, a, b
-    integer :: j
+    real(dp) :: omega_squared, forcing, coast(0:2)
 
     if (table%coupled(step)) then
       associate (p => table%pairs(step), k => table%end_stiffness(0, :, end, step))
         call sum_response(contact_set, coupling(osc%mesh, k(:p), table%end_shared(0, :p - 1, end, step)), &
                           table%end_profile_error(0, :p, end, step), table%end_rate(:p, end, step)/k(:p), omega_squared, forcing)
       end associate
-      end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
-      return
+    else
+      call sum_apart(osc, table, step, end, contact_set, omega_squared, forcing)
     end if
+    if (osc%has_backlash .and. btest(contact_set, osc%contacts - 1)) then
+      coast = sum(1/osc%mass)*coast_stiffness_at_end(osc, table, step, end)
+      omega_squared = omega_squared + coast(0)
+      forcing = forcing - coast(0)*osc%backlash
+    end if
+    end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
+  end function end_acceleration
+
+  !> Sums of omega^2 (1/s^2) and k e (m/s^2) over pairs that are not coupled.
+  pure subroutine sum_apart(osc, table, step, end, contact_set, omega_squared, forcing)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, end, contact_set
+    real(dp), intent(out) :: omega_squared, forcing
+    real(dp) :: a, b
+    integer :: j
+
     omega_squared = 0
     forcing = 0
     a = 0
@@ -72,8 +87,43 @@ contains
       end associate
     end do
     if (osc%shared > 0) call reduce_sums(table%end_shared(0, 1, end, step), a, b, omega_squared, forcing)
-    end_acceleration = acceleration(osc, omega_squared, forcing, duration, state(1), state(2))
-  end function end_acceleration
+  end subroutine sum_apart
+
+  !> Stiffness of the coast sides at an end of a step, with its derivatives over the phase (N/m).
+  pure function coast_stiffness_at_end(osc, table, step, end) result(k)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, end           !< which step; 1 its begin, 2 its end
+    real(dp) :: k(0:2), shared(0:2), c(0:2, table%pairs(step), table%pairs(step))
+    real(dp), dimension(0:2, table%pairs(step)) :: g, h
+    integer :: j
+
+    if (table%coupled(step)) then
+      call respond_at_end(osc, table, step, end, table%between(step), c, g, h)
+      k = sum(g, 2)
+      return
+    end if
+    k = 0
+    do j = 1, table%pairs(step)
+      if (btest(table%between(step), j - 1)) k = k + table%end_stiffness(:, j, end, step)
+    end do
+    shared = 0
+    if (osc%shared > 0) shared = table%end_shared(:, 1, end, step)
+    k = coast_stiffness(shared, k)
+  end function coast_stiffness_at_end
+
+  !> Stiffness of the coast sides, with its derivatives: that of all pairs between A and E together, as these share a compliance.
+  pure function coast_stiffness(shared, own) result(k)
+    real(dp), intent(in) :: shared(0:2)        !< compliance, with its derivatives, m/N
+    real(dp), intent(in) :: own(0:2)           !< sum of their own stiffness, with its derivatives, N/m
+    real(dp) :: k(0:2), d(0:2)
+
+    d = [1 + shared(0)*own(0), shared(1)*own(0) + shared(0)*own(1), &
+         shared(2)*own(0) + 2*shared(1)*own(1) + shared(0)*own(2)]
+    k(0) = own(0)/d(0)
+    k(1) = (own(1) - k(0)*d(1))/d(0)
+    k(2) = (own(2) - 2*k(1)*d(1) - k(0)*d(2))/d(0)
+  end function coast_stiffness
 
   !> The contact set at the begin of a step; where it is held, that of full contact.
   pure integer function contact_set_at_begin(osc, table, step, x, held) result(contact_set)

@@ -17,6 +17,7 @@ module gearsweep_periodic_orbit
     integer :: status = status_transient         !< of gearsweep_status
     real(dp) :: state(2) = 0                     !< at the begin of the mesh period, m
     real(dp) :: peak = 0                         !< largest load on one pair, N
+    real(dp) :: coast_peak = 0                   !< largest load on the coast sides, N
     real(dp) :: checksum = 0                     !< sum of x where smooth intervals begin, mean of the periods, m
     !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean factor by which a disturbance grows
     !> over a mesh period.
@@ -114,6 +115,7 @@ contains
       run%monodromy = matmul(next%monodromy, run%monodromy)
       run%work = run%work + next%work
       run%peak = max(run%peak, next%peak)
+      run%coast_peak = max(run%coast_peak, next%coast_peak)
       run%checksum = run%checksum + next%checksum
       run%departs = run%departs .or. next%departs
       run%partial = run%partial .or. next%partial
@@ -238,6 +240,7 @@ contains
 
     steady%state = state
     steady%peak = run%peak
+    steady%coast_peak = run%coast_peak
     steady%checksum = run%checksum/periods
     steady%departs = run%departs
     steady%partial = run%partial

@@ -10,6 +10,7 @@ module gearsweep_contact_events
   use gearsweep_oscillator, only: damping
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
+  use gearsweep_step_loads, only: loads_over_sub_step, raise_coast_over_sub_step
   use gearsweep_sub_step, only: take_sub_step, move_end, derivatives, second_derivatives, second_derivatives_of_motion, &
                                 need_error, own_at_ends, working_at_ends
   use gearsweep_sub_step_sums, only: sum_contacts
@@ -253,7 +254,10 @@ contains
     type(integrator_t), intent(inout) :: state
     type(trace_t), intent(inout), optional :: trace
 
-    if (state%peaks) call raise_peak(map, l, state%contact_set(l), state%sub_steps, state%peak(l))
+    if (state%peaks) then
+      call raise_peak(map, l, state%contact_set(l), state%sub_steps, state%peak(l))
+      call raise_coast_over_sub_step(map, l, state%sub_steps, state%contact_set(l), state%coast_peak(l))
+    end if
     if (present(trace)) call record_sub_step(map, l, state%contact_set(l), state%sub_steps, trace)
     associate (c => state%sub_steps)
       c%event(l)%propagator = composed(c%propagator(l, :4), c%event(l)%propagator)
@@ -312,19 +316,12 @@ contains
     integer, intent(in) :: l, contact_set
     type(sub_steps_t), intent(in) :: c
     type(trace_t), intent(inout) :: trace
-    real(dp) :: load(map%osc%pairs, 2)
-    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e, w
-    integer :: j
+    real(dp) :: x(0:2, 2), load(0:2, map%osc%contacts, 2)
 
-    call own_at_ends(map, l, c, contact_set, .false., k, e)
-    w = working_at_ends(map, l, c, contact_set, k, e, .false.)
-    load = 0
+    call loads_over_sub_step(map, l, c, contact_set, x, load)
     associate (table => map%table, i => c%step)
-      do j = 1, table%pairs(i)
-        if (in_contact(contact_set, j)) load(j, :) = k(0, j, :)*max(0.0_dp, w(0, j, :) - e(0, j, :))
-      end do
       call record(trace, table%pairs(i), spread(map%osc%intervals(table%interval(i))%offset, 1, 2), &
-                  table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)]), c%x(l, :), load)
+                  table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)]), spread(contact_set, 1, 2), x, load)
     end associate
   end subroutine record_sub_step
 end module gearsweep_contact_events

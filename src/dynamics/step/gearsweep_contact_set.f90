@@ -16,6 +16,7 @@ module gearsweep_contact_set
     real(dp) :: state(2) = 0           !< x, y at the end of the period, m
     real(dp) :: monodromy(2, 2) = 0    !< derivative of that by the state at its begin
     real(dp) :: peak = 0               !< largest load on one pair, N
+    real(dp) :: coast_peak = 0         !< largest load on the coast sides, N
     !> Phase checksum (m): the sum of x where smooth intervals begin. It shows errors that the largest load may hide.
     real(dp) :: checksum = 0
     integer :: events = 0              !< changes of contact

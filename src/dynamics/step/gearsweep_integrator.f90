@@ -23,6 +23,7 @@ module gearsweep_integrator
     type(sub_steps_t), allocatable :: sub_steps
     logical :: peaks                             !< the largest loads are wanted
     real(dp) :: peak(batch_size)                 !< largest load so far, N
+    real(dp) :: coast_peak(batch_size)           !< that on the coast sides, N
     type(candidates_t) :: candidates(batch_size)  !< for larger ones
   end type integrator_t
 end module gearsweep_integrator

@@ -12,6 +12,7 @@ module gearsweep_literature_period
   use gearsweep_coupled_pairs, only: closed_set, compliances, left_for, respond
   use gearsweep_kinds, only: dp
   use gearsweep_literature_table, only: exact_step_t, literature_table_t, sum_at_place
+  use gearsweep_load_peaks, only: cubic_curvature
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping
   use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   use gearsweep_trace, only: record, trace_t
@@ -57,10 +58,9 @@ contains
       end if
       last_set = contacts_at(osc, table, ends, i, state(1), held)
       call raise_peak(osc, table, i, [contact_set, last_set], before, state, period%peak)
-      if (present(trace)) call record(trace, table%pairs(i), [table%offset(begins, i), table%offset(ends, i)], &
-        table%left(i) + [0.0_dp, table%width(i)], [before(1), state(1)], &
-        reshape([loads_at(osc, table, begins, i, contact_set, before(1)), &
-                 loads_at(osc, table, ends, i, last_set, state(1))], [osc%pairs, 2]))
+      if (osc%has_backlash) period%coast_peak = max(period%coast_peak, coast_at(osc, table, begins, i, before(1)), &
+                                                    coast_at(osc, table, ends, i, state(1)))
+      if (present(trace)) call record_step(osc, table, i, [contact_set, last_set], reshape([before, state], [2, 2]), trace)
       ! Steps so long that the method is unstable: beyond this, squares would overflow.
       if (.not. maxval(abs(state)) < lost) exit
     end do
@@ -100,6 +100,41 @@ contains
       if (x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
     end if
   end function contacts_at
+
+  !> The motion over a step is a cubic, and the loads are straight lines.
+  pure subroutine record_step(osc, table, step, contact_set, state, trace)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: step
+    integer, intent(in) :: contact_set(2)        ! at both ends
+    real(dp), intent(in) :: state(2, 2)          ! (x or y, end)
+    type(trace_t), intent(inout) :: trace
+    integer, parameter :: place(2) = [begins, ends]
+    real(dp) :: x(0:2, 2), load(0:2, osc%contacts, 2)
+    integer :: end
+
+    x(0, :) = state(1, :)
+    x(1, :) = table%width(step)*state(2, :)
+    x(2, :) = cubic_curvature(x(0, :), x(1, :))
+    load = 0
+    do end = 1, 2
+      load(0, :osc%pairs, end) = loads_at(osc, table, place(end), step, contact_set(end), state(1, end))
+      if (osc%has_backlash) load(0, osc%contacts, end) = coast_at(osc, table, place(end), step, state(1, end))
+    end do
+    load(1, :, :) = spread(load(0, :, 2) - load(0, :, 1), 2, 2)
+    call record(trace, table%pairs(step), [table%offset(begins, step), table%offset(ends, step)], &
+                table%left(step) + [0.0_dp, table%width(step)], contact_set, x, load)
+  end subroutine record_step
+
+  !> Load (N) of the coast sides at a place of a step.
+  pure real(dp) function coast_at(osc, table, place, step, x) result(load)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step
+    real(dp), intent(in) :: x                    ! m
+
+    load = table%rate(osc%contacts, place, step)/sum(1/osc%mass)*max(0.0_dp, -osc%backlash - x)
+  end function coast_at
 
   !> Loads (N) of the pairs at a place of a step; (pair).
   pure function loads_at(osc, table, place, step, contact_set, x) result(load)

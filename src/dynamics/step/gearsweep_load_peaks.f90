@@ -10,7 +10,8 @@ module gearsweep_load_peaks
   use gearsweep_step_ends, only: deflection_at_end, end_acceleration
   implicit none
   private
-  public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum
+  public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum, cubic_curvature, &
+            turns_too_far
 
   !> A step within which the load of a pair has a maximum.
   type :: candidate_t
@@ -76,8 +77,6 @@ contains
     real(dp), intent(in) :: duration
     type(candidate_t), intent(in) :: candidate
     real(dp), intent(inout) :: peak
-    ! In steps of more rad of the natural motion the acceleration is a small difference of large forces.
-    real(dp), parameter :: most = 3e3_dp
     real(dp), dimension(0:2, 2) :: gap, load
     real(dp) :: x(0:2)
     logical :: bent
@@ -86,7 +85,7 @@ contains
     associate (stiffness => table%end_stiffness(:, candidate%pair, :, candidate%step), set => candidate%contact_set, &
                error => table%end_profile_error(:, candidate%pair, :, candidate%step), i => candidate%step, j => candidate%pair)
       associate (width => table%width(i))
-        bent = duration*width*sqrt(maxval(sum(table%end_rate(:table%pairs(i), :, i), 1))) < most
+        bent = .not. turns_too_far(table, i, duration)
         ! Most need no second derivative.
         do pass = 1, 2
           do k = 1, 2
@@ -104,6 +103,16 @@ contains
     end associate
     call raise_to_maximum(load, peak)
   end subroutine settle
+
+  !> In steps of more rad of the natural motion the acceleration is a small difference of large forces.
+  pure logical function turns_too_far(table, step, duration)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    real(dp), intent(in) :: duration               !< of the mesh period, s
+    real(dp), parameter :: most = 3e3_dp
+
+    turns_too_far = .not. duration*table%width(step)*sqrt(maxval(sum(table%end_rate(:table%pairs(step), :, step), 1))) < most
+  end function turns_too_far
 
   !> May a load exceed `peak` between two places? A concave one stays below its tangents.
   pure logical function may_exceed(load, peak)
@@ -126,7 +135,7 @@ contains
 
   !> Second derivatives at both ends of the cubic with these values and first derivatives there, over 0 ... 1.
   pure function cubic_curvature(value, slope) result(curvature)
-    real(dp), intent(in) :: value(:), slope(2)
+    real(dp), intent(in) :: value(:), slope(2)     !< at 0 and at 1; two each
     real(dp) :: curvature(2)
 
     associate (rise => value(2) - value(1))

@@ -12,8 +12,9 @@ module gearsweep_period
   use gearsweep_load_peaks, only: add_candidate, candidate_t, settle_candidates
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
+  use gearsweep_step_ends, only: contact_set_at_begin
+  use gearsweep_step_loads, only: loads_over_step, raise_coast_over_step
   use gearsweep_trace, only: record, trace_t
-  use gearsweep_step_ends, only: contact_set_at_begin, deflection_at_end
   implicit none
   private
   public :: run_period, run_batch
@@ -67,8 +68,7 @@ contains
       call advance(map, i, state, period, trace)
       if (all(period(:map%speeds)%failed)) return
       if (peaks) call watch_loads(map, i, state)
-      if (present(trace) .and. .not. state%changes(1)) &
-        call record_step(map, i, state%x(1, [state%from, state%to]), state%contact_set(1), trace)
+      if (present(trace) .and. .not. state%changes(1)) call record_step(map, i, state, trace)
       if (modulo(i, 64) == 0) call flush_to_zero(state%monodromy)
       state%from = state%to
       state%to = 3 - state%from
@@ -77,6 +77,7 @@ contains
     do l = 1, map%speeds
       call settle_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
       period(l)%peak = state%peak(l)
+      period(l)%coast_peak = state%coast_peak(l)
       period(l)%state = [state%x(l, state%from), state%y(l, state%from)]
       period(l)%monodromy(:, 1) = state%monodromy(l, :2)
       period(l)%monodromy(:, 2) = state%monodromy(l, 3:)
@@ -103,6 +104,7 @@ contains
     state%all_full = map%all_full
     state%peaks = peaks
     state%peak = 0
+    state%coast_peak = 0
     state%candidates%count = 0
   end subroutine begin
 
@@ -279,6 +281,12 @@ contains
                              step, j, state%contact_set(l)), state%candidates(l), state%peak(l))
         end do
       end do
+      if (.not. map%osc%has_backlash) return
+      do l = 1, map%speeds
+        if (state%changes(l) .or. .not. in_contact(state%contact_set(l), map%osc%contacts)) cycle
+        call raise_coast_over_step(map%osc, table, step, state%contact_set(l), map%duration(l), states_of(state, l), &
+                                   state%coast_peak(l))
+      end do
     end associate
   end subroutine watch_loads
 
@@ -313,25 +321,27 @@ contains
     end associate
   end subroutine move_load
 
-  pure subroutine record_step(map, step, x, contact_set, trace)
+  pure subroutine record_step(map, step, state, trace)
     type(period_map_t), intent(in) :: map
-    integer, intent(in) :: step, contact_set
-    real(dp), intent(in) :: x(2)
+    integer, intent(in) :: step
+    type(integrator_t), intent(in) :: state
     type(trace_t), intent(inout) :: trace
-    real(dp) :: load(map%osc%pairs, 2), w(0:2)
-    integer :: end, j
+    real(dp) :: x(0:2, 2), load(0:2, map%osc%contacts, 2)
 
-    load = 0
-    associate (table => map%table)
-      do end = 1, 2
-        do j = 1, table%pairs(step)
-          if (.not. in_contact(contact_set, j)) cycle
-          w = deflection_at_end(map%osc, table, step, end, contact_set, j, [x(end), 0.0_dp, 0.0_dp])
-          load(j, end) = table%end_stiffness(0, j, end, step)*max(0.0_dp, w(0) - table%end_profile_error(0, j, end, step))
-        end do
-      end do
+    associate (table => map%table, contact_set => state%contact_set(1))
+      call loads_over_step(map%osc, table, step, contact_set, map%duration(1), states_of(state, 1), x, load)
       call record(trace, table%pairs(step), spread(map%osc%intervals(table%interval(step))%offset, 1, 2), &
-                  table%left(step) + [0.0_dp, table%width(step)], x, load)
+                  table%left(step) + [0.0_dp, table%width(step)], spread(contact_set, 1, 2), x, load)
     end associate
   end subroutine record_step
+
+  !> The states of motion l at both ends of the step; (x or y, end).
+  pure function states_of(state, l) result(states)
+    type(integrator_t), intent(in) :: state
+    integer, intent(in) :: l
+    real(dp) :: states(2, 2)
+
+    states(1, :) = state%x(l, [state%from, state%to])
+    states(2, :) = state%y(l, [state%from, state%to])
+  end function states_of
 end module gearsweep_period

@@ -18,7 +18,7 @@ module gearsweep_period_map
   implicit none
   private
   public :: period_map_t, discretise, set_durations, need_propagator, take_step, compose, flush_to_zero
-  public :: leave_full_contact, run_full_contact
+  public :: leave_full_contact, run_full_contact, propagate_full_contact
 
   type :: period_map_t
     type(oscillator_t) :: osc
@@ -37,6 +37,9 @@ module gearsweep_period_map
     real(dp) :: monodromy(batch_size, 4) = 0     !< all of them composed, columns one after the other
   end type period_map_t
   integer, parameter :: most_cached = 2048, not_made = -1
+
+  !> All of load and profile error.
+  real(dp), parameter :: whole(2) = 1
 
   !> A derivative by the first state below this tells nothing; on its way to 0 it would slow the processor down.
   real(dp), parameter :: negligible = 1e-150_dp
@@ -101,7 +104,7 @@ contains
     if (map%cached .and. are_same(contact_set, map%contact_set(:, place))) return
     full = map%table%full(step)
     if (are_same(contact_set, full)) then
-      call propagate_full_contact(map%osc, map%table, step, map%duration(:map%speeds), map%propagator(:, :, place))
+      call propagate_full_contact(map%osc, map%table, step, map%duration(:map%speeds), whole, map%propagator(:, :, place))
     else
       call propagate(map%osc, map%table, step, map%duration(:map%speeds), contacts, map%propagator(:, :, place))
     end if
@@ -120,12 +123,13 @@ contains
   end function are_same
 
   !> The propagator of full contact: the sums over its pairs are those of the table.
-  pure subroutine propagate_full_contact(osc, table, step, duration, propagator)
+  pure subroutine propagate_full_contact(osc, table, step, duration, parts, propagator)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
-    real(dp), intent(in) :: duration(:)
-    real(dp), intent(inout) :: propagator(batch_size, 6)
+    real(dp), intent(in) :: duration(:)                    !< of the mesh period at each speed, s
+    real(dp), intent(in) :: parts(2)                       !< of the load and of the profile error that force the motion
+    real(dp), intent(inout) :: propagator(batch_size, 6)   !< (speed, element)
     real(dp), dimension(batch_size, 3) :: omega_squared, damped, forcing
     real(dp), dimension(3) :: omegas_squared, dampings, forcings
     real(dp) :: time
@@ -133,7 +137,7 @@ contains
 
     omegas_squared = table%omega_squared(:, step)
     dampings = damping(osc, 1.0_dp)*table%omega(:, step)
-    forcings = table%forcing(:, step) + osc%load*sum(1/osc%mass)
+    forcings = parts(2)*table%forcing(:, step) + parts(1)*(osc%load*sum(1/osc%mass))
     do l = 1, size(duration)
       time = duration(l)*table%width(step)
       damped(l, 1) = dampings(1)*time
@@ -325,7 +329,7 @@ contains
     monodromy(:, 4) = 1
     do i = 1, map%table%steps
       place = merge(i, 1, map%cached)
-      call propagate_full_contact(map%osc, map%table, i, map%duration(:map%speeds), map%propagator(:, :, place))
+      call propagate_full_contact(map%osc, map%table, i, map%duration(:map%speeds), whole, map%propagator(:, :, place))
       map%contact_set(:, place) = map%table%full(i)
       call compose(map%propagator(:, :, place), monodromy)
       if (modulo(i, 64) == 0) call flush_to_zero(monodromy)

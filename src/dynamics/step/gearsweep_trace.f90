@@ -10,49 +10,55 @@ module gearsweep_trace
     integer :: rows = 0
     integer, allocatable :: pairs(:)             !< that may be in contact; (row)
     integer, allocatable :: offset(:)            !< path coordinate of the first of them less the phase; (row)
+    integer, allocatable :: contact_set(:)       !< (row)
     real(dp), allocatable :: phase(:)            !< mesh phase, 0 to 1; (row)
-    real(dp), allocatable :: x(:)                !< dynamic transmission error, m; (row)
-    real(dp), allocatable :: load(:, :)          !< of each pair, N; (pair, row)
+    !> Dynamic transmission error (m), and the loads of the pairs and of the coast sides (N), each with its first and second
+    !> derivative over the step; (0:2, row) and (0:2, contact, row).
+    real(dp), allocatable :: x(:, :), load(:, :, :)
   end type trace_t
 
 contains
 
   !> Adds the two ends of a step.
-  pure subroutine record(trace, pairs, offset, phase, x, load)
+  pure subroutine record(trace, pairs, offset, phase, contact_set, x, load)
     type(trace_t), intent(inout) :: trace
     integer, intent(in) :: pairs                 !< that may be in contact
     integer, intent(in) :: offset(2)             !< path coordinate of the first of them less the phase, at both ends
     real(dp), intent(in) :: phase(2)             !< of both ends
-    real(dp), intent(in) :: x(:)                 !< dynamic transmission error, m; (end)
-    real(dp), intent(in) :: load(:, :)           !< N; (pair, end)
+    integer, intent(in) :: contact_set(2)        !< at both ends
+    real(dp), intent(in) :: x(0:2, 2)            !< dynamic transmission error with its derivatives over the step, m; (, end)
+    real(dp), intent(in) :: load(0:, :, :)       !< the same of the loads, N; (0:2, contact, end)
     integer :: k
 
-    if (.not. allocated(trace%x)) call resize(trace, size(load, 1), 256)
-    if (trace%rows + 2 > size(trace%x)) call resize(trace, size(trace%load, 1), 2*size(trace%x))
+    if (.not. allocated(trace%x)) call resize(trace, size(load, 2), 256)
+    if (trace%rows + 2 > size(trace%phase)) call resize(trace, size(trace%load, 2), 2*size(trace%phase))
     do k = 1, 2
       trace%rows = trace%rows + 1
       trace%pairs(trace%rows) = pairs
       trace%offset(trace%rows) = offset(k)
       trace%phase(trace%rows) = phase(k)
-      trace%x(trace%rows) = x(k)
-      trace%load(:, trace%rows) = load(:, k)
+      trace%contact_set(trace%rows) = contact_set(k)
+      trace%x(:, trace%rows) = x(:, k)
+      trace%load(:, :, trace%rows) = load(:, :, k)
     end do
   end subroutine record
 
-  pure subroutine resize(trace, pairs, rows)
+  pure subroutine resize(trace, contacts, rows)
     type(trace_t), intent(inout) :: trace
-    integer, intent(in) :: pairs, rows
+    integer, intent(in) :: contacts, rows
     type(trace_t) :: larger
 
-    allocate (larger%pairs(rows), larger%offset(rows), larger%phase(rows), larger%x(rows), larger%load(pairs, rows))
+    allocate (larger%pairs(rows), larger%offset(rows), larger%phase(rows), larger%contact_set(rows))
+    allocate (larger%x(0:2, rows), larger%load(0:2, contacts, rows))
     larger%rows = trace%rows
     associate (n => trace%rows)
       if (n > 0) then
         larger%pairs(:n) = trace%pairs(:n)
         larger%offset(:n) = trace%offset(:n)
         larger%phase(:n) = trace%phase(:n)
-        larger%x(:n) = trace%x(:n)
-        larger%load(:, :n) = trace%load(:, :n)
+        larger%contact_set(:n) = trace%contact_set(:n)
+        larger%x(:, :n) = trace%x(:, :n)
+        larger%load(:, :, :n) = trace%load(:, :, :n)
       end if
     end associate
     trace = larger
@@ -82,8 +88,8 @@ contains
             n = n + 1
             pair(n) = i
             s(n) = now%phase(k) + (j + now%offset(k)) - 1
-            load(n) = now%load(j, k)
-            x(n) = now%x(k)
+            load(n) = max(0.0_dp, now%load(0, j, k))
+            x(n) = now%x(0, k)
           end do
         end associate
       end do

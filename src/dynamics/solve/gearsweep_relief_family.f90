@@ -1,0 +1,130 @@
+!> Operating points of many amounts of one relief at once, as far as all pairs stay in contact: one map serves all.
+module gearsweep_relief_family
+  use gearsweep_coefficients, only: resolution_t, scheme_collocation
+  use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t, resolving_steps
+  use gearsweep_gauss, only: batch_size
+  use gearsweep_graded_point, only: graded_resolution, most_trials
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_periodic_orbit, only: settled, steady_t
+  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_refinement, only: first_level, level_steps, levels_t, need_level, next_level, per_doubling, resolution_of
+  use gearsweep_superposition, only: superpose
+  use gearsweep_transient, only: by_shooting
+  implicit none
+  private
+  public :: family_t, find_family, solve_family
+
+  !> Oscillators that differ in the amount of their relief alone.
+  type :: family_t
+    integer :: reference = 0                     !< that with the largest profile error; 0: they are no family
+    real(dp), allocatable :: part(:)             !< of that profile error that each has; (oscillator)
+  end type family_t
+
+contains
+
+  !> What makes a family of these oscillators, if they are one and the options let steps be chosen.
+  pure subroutine find_family(osc, options, family)
+    type(oscillator_t), intent(in) :: osc(:)
+    type(accuracy_t), intent(in) :: options
+    type(family_t), intent(out) :: family
+    integer :: i, reference
+    logical :: is_part
+
+    if (size(osc) < 2 .or. options%steps > 0 .or. options%scheme /= scheme_collocation .or. &
+        options%steady%method /= by_shooting) return
+    reference = maxloc([(osc(i)%mesh%profile_error%maximum(), i=1, size(osc))], 1)
+    ! Flanks that stand out may bring the coast sides into contact while the pairs carry.
+    if (osc(reference)%mesh%profile_error%minimum() < 0) return
+    allocate (family%part(size(osc)))
+    do i = 1, size(osc)
+      if (.not. are_alike(osc(i), osc(reference))) return
+      call compare_curves(osc(i)%mesh%profile_error, osc(reference)%mesh%profile_error, family%part(i), is_part)
+      if (.not. is_part) return
+    end do
+    family%reference = reference
+  end subroutine find_family
+
+  !> Are they the same but for the profile error, is there contact between A and E only, and are pairs not coupled?
+  pure logical function are_alike(a, b)
+    type(oscillator_t), intent(in) :: a, b
+
+    are_alike = .not. (a%mesh%reaches_beyond() .or. b%mesh%reaches_beyond() .or. &
+                       (a%shared > 0 .and. a%mesh%is_coupled(a%pairs)))
+    are_alike = are_alike .and. .not. any(abs([a%mass - b%mass, a%load - b%load, a%damping_ratio - b%damping_ratio, &
+                                               a%friction - b%friction, a%shared - b%shared]) > 0)
+    are_alike = are_alike .and. all(a%mesh%teeth == b%mesh%teeth)
+    are_alike = are_alike .and. (a%has_backlash .eqv. b%has_backlash)
+    if (are_alike) are_alike = all(shape(a%mesh%stiffness%coef) == shape(b%mesh%stiffness%coef))
+    if (are_alike) are_alike = .not. any(abs(a%mesh%stiffness%coef - b%mesh%stiffness%coef) > 0)
+  end function are_alike
+
+  !> Whether a curve is a part of another one, and which part, up to rounding.
+  pure subroutine compare_curves(curve, whole, part, is_part)
+    type(piecewise_t), intent(in) :: curve, whole
+    real(dp), intent(out) :: part
+    logical, intent(out) :: is_part
+    real(dp), parameter :: rounding = 1e-13_dp
+    real(dp) :: largest
+
+    part = 0
+    is_part = .not. any(abs(curve%coef) > 0)
+    if (is_part) return
+    is_part = all(shape(curve%coef) == shape(whole%coef))
+    if (.not. is_part) return
+    largest = maxval(abs(whole%coef))
+    part = sum(curve%coef*whole%coef)/sum(whole%coef**2)
+    is_part = all(abs(curve%breaks - whole%breaks) <= rounding*maxval(abs(whole%breaks))) .and. &
+              all(abs(curve%coef - part*whole%coef) <= rounding*largest)
+  end subroutine compare_curves
+
+  !> The operating points of a family at all speeds of a batch, as far as all pairs stay in contact. The number of steps is
+  !> that of the amount that needs most.
+  pure subroutine solve_family(osc, part, duration, options, levels, points, solved)
+    type(oscillator_t), intent(in) :: osc            !< the reference
+    real(dp), intent(in) :: part(:)                  !< of its profile error; (amount)
+    real(dp), intent(in) :: duration(batch_size)     !< of the mesh period at each speed, s
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels          !< of the reference; lacks: the memory does not hold the steps
+    type(point_t), intent(out) :: points(:, :)       !< (speed, amount)
+    logical, intent(out) :: solved(:, :)             !< the others are to be solved by themselves; (speed, amount)
+    type(steady_t), dimension(batch_size, size(part)) :: half, full
+    type(resolution_t) :: graded
+    real(dp), parameter :: most_batch_steps = 4096
+    real(dp) :: longest
+    integer :: level, trial
+    logical :: done
+
+    solved = .false.
+    if (levels%lacks) return
+    longest = maxval(duration)
+    graded = graded_resolution(osc, duration, options, levels)
+    if (graded%graded_for > 0) return
+    level = first_level(osc, longest, options, levels)
+    do trial = 1, most_trials
+      solved = .false.
+      if (level_steps(level) > min(most_batch_steps, real(options%most_steps, dp)) .or. &
+          level_steps(level) < 2*resolving_steps(osc, longest)) return
+      call need_level(osc, level, levels)
+      if (levels%lacks) return
+      associate (coarse => levels%level(level - per_doubling)%map, fine => levels%level(level)%map)
+        coarse%speeds = batch_size
+        coarse%duration = duration
+        fine%speeds = batch_size
+        fine%duration = duration
+        call superpose(coarse, part, half)
+        if (.not. any(settled(half))) return
+        call superpose(fine, part, full)
+        points%steps = fine%table%steps
+      end associate
+      points%steady = full
+      solved = settled(half) .and. settled(full)
+      if (.not. any(solved)) return
+      points%resolution = resolution_of(level)
+      call compare(osc, spread(duration, 2, size(part)), half, points)
+      call next_level(osc, options, maxval(points%step_error, mask=solved), longest, levels, level, done)
+      if (done) exit
+    end do
+    call mark_inexact(options, points)
+  end subroutine solve_family
+end module gearsweep_relief_family

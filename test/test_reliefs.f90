@@ -1,0 +1,211 @@
+!> Many reliefs at once: one map for all amounts against each amount by itself, and what the search for the optimum leaves out.
+module test_reliefs
+  use gearsweep_convex_bounds, only: bound_curves, known_t, may_be_largest
+  use gearsweep_error, only: error_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_optimum, only: find_optimum, optimum_t, peak_t, worst_of
+  use gearsweep_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_relief, only: profile_error, relief_t
+  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_text, only: str
+  use random_meshes, only: draw_t, random_mesh
+  use random_numbers, only: random_t
+  use testing, only: check_close, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    if (t%wants('one_map_for_all')) call one_map_for_all(t)
+    if (t%wants('curves_within_bounds')) call curves_within_bounds(t)
+    if (t%wants('optimum_by_brute_force')) call optimum_by_brute_force(t)
+  end subroutine run
+
+  !> The oscillator of a draw with a part of its relief.
+  subroutine relieve(whole, part, osc)
+    type(oscillator_t), intent(in) :: whole
+    real(dp), intent(in) :: part
+    type(oscillator_t), intent(out) :: osc
+    type(error_t), allocatable :: error
+
+    osc = whole
+    osc%mesh%profile_error%coef = part*whole%mesh%profile_error%coef
+    call make_oscillator(osc, error)
+    if (allocated(error)) error stop 'relieved mesh'
+  end subroutine relieve
+
+  !> Random meshes, with friction, backlash and a shared compliance in turn: what a sweep over four amounts says of a point is
+  !> what the sweep over that amount alone says, which knows no other way than its own map, up to what both may err by.
+  subroutine one_map_for_all(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: meshes = 40, speeds = 12
+    real(dp), parameter :: part(4) = [0.0_dp, 0.3_dp, 0.6_dp, 1.0_dp]
+    type(draw_t) :: draw
+    type(oscillator_t) :: osc(size(part))
+    type(sweep_options_t) :: options
+    type(sweep_t) :: together, alone
+    type(error_t), allocatable :: error
+    integer :: full, partial, linear, i, k, l
+
+    full = 0
+    partial = 0
+    linear = 0
+    options%direction = each
+    do i = 1, meshes
+      call random_mesh(i, speeds, draw)
+      if (modulo(i, 2) == 0) draw%osc%friction = 0.1_dp
+      if (modulo(i, 3) == 0) draw%osc%mesh%disc%shared = 0.2_dp/draw%osc%mesh%stiffness%maximum()
+      draw%osc%has_backlash = modulo(i, 5) == 0
+      draw%osc%mesh%tan_angle = 0.364_dp
+      draw%osc%mesh%pitch_point = draw%osc%mesh%contact_ratio/2
+      do k = 1, size(part)
+        call relieve(draw%osc, part(k), osc(k))
+      end do
+      options%accuracy%steady%tolerance = draw%tolerance
+      call run_sweep(osc, draw%rpm, options, together, error)
+      call check_no_error(t, 'together', error)
+      options%full_contact_only = .true.
+      call run_sweep(osc, draw%rpm, options, alone, error)
+      linear = linear + count(alone%status <= 1)
+      options%full_contact_only = .false.
+      do k = 1, size(part)
+        call run_sweep(osc(k:k), draw%rpm, options, alone, error)
+        call check_no_error(t, 'alone', error)
+        call check_true(t, 'the same statuses', all(together%status(:, k) == alone%status(:, 1)))
+        call check_true(t, 'the same contact', all(together%contact(:, k) == alone%contact(:, 1)))
+        partial = partial + count(alone%contact(:, 1) > 0)
+        do l = 1, speeds
+          if (alone%status(l, 1) > 1 .or. together%status(l, k) > 1 .or. alone%contact(l, 1) > 0) cycle
+          full = full + 1
+          call check_close(t, 'the same dynamic factor', together%dynamic_factor(l, k), alone%dynamic_factor(l, 1), &
+                           absolute=2*(together%estimate(l, k) + alone%estimate(l, 1)))
+          call check_close(t, 'the same multiplier', together%multiplier(l, k), alone%multiplier(l, 1), &
+                           absolute=100*draw%tolerance)
+          call check_true(t, 'it repeats', together%residual(l, k) < 1e-9_dp, str(together%residual(l, k)))
+        end do
+      end do
+    end do
+    call check_true(t, 'points in full contact', full > 400, str(full))
+    call check_true(t, 'points in which pairs part', partial > 100, str(partial))
+    call check_true(t, 'nearly all in full contact go that way', linear > 0.6_dp*full, str(linear)//' of '//str(full))
+  end subroutine one_map_for_all
+
+  !> Largest of some random straight lines: convex curves, whose bounds hold, and of which none is left out that is largest.
+  subroutine curves_within_bounds(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: curves = 200, lines = 4, trials = 200
+    type(random_t) :: random
+    type(known_t) :: three(3)
+    real(dp) :: offset(curves, lines), slope(curves, lines), places(5)
+    real(dp), dimension(curves) :: lower, upper, value
+    logical :: candidates(curves)
+    integer :: i, k, n, left_out
+
+    random%seed = 1414
+    left_out = 0
+    do k = 1, trials
+      do i = 1, curves
+        offset(i, :) = [(random%between(0.0_dp, 1.0_dp), n=1, lines)]
+        slope(i, :) = [(random%between(-3.0_dp, 3.0_dp), n=1, lines)]
+      end do
+      three%place = [0.1_dp, random%between(0.2_dp, 0.8_dp), 0.9_dp]
+      do i = 1, 3
+        three(i)%lower = values_at(three(i)%place)
+        three(i)%upper = three(i)%lower
+      end do
+      places = [(random%between(0.1_dp, 0.9_dp), i=1, size(places))]
+      call may_be_largest(three, places, 1e-12_dp, candidates)
+      left_out = left_out + count(.not. candidates)
+      do i = 1, size(places)
+        value = values_at(places(i))
+        call bound_curves(three, places(i), lower, upper)
+        call check_true(t, 'between the bounds', all(lower <= value + 1e-14_dp .and. value <= upper + 1e-14_dp))
+        call check_true(t, 'the largest is a candidate', candidates(maxloc(value, 1)))
+      end do
+    end do
+    call check_true(t, 'some are left out', left_out > curves*trials/10, str(left_out))
+    deallocate (three(3)%upper)
+    call may_be_largest(three, places, 0.0_dp, candidates)
+    call check_true(t, 'all, where too little is known', all(candidates))
+
+  contains
+
+    function values_at(place) result(values)
+      real(dp), intent(in) :: place
+      real(dp) :: values(curves)
+
+      values = maxval(offset + slope*place, 2)
+    end function values_at
+  end subroutine curves_within_bounds
+
+  subroutine build(context, amount, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    select type (context)
+    type is (oscillator_t)
+      call relieve(context, amount, motion)
+    end select
+  end subroutine build
+
+  !> Every relief of the optimum's curve, swept by itself at all speeds: the largest is that of the curve, or at least that where
+  !> the curve says so.
+  subroutine optimum_by_brute_force(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: meshes = 6
+    type(draw_t) :: draw
+    type(oscillator_t) :: osc(1)
+    type(optimum_t) :: optimum
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+    type(peak_t) :: peak
+    real(dp) :: worst
+    integer :: i, k, bounds
+
+    bounds = 0
+    options%direction = each
+    options%accuracy%steady%tolerance = 1e-5_dp
+    do i = 1, meshes
+      call random_mesh(100 + i, 40, draw)
+      draw%osc%damping_ratio = max(0.05_dp, draw%osc%damping_ratio)
+      call relieve_both(draw%osc, 1.6_dp*draw%osc%load/draw%osc%mesh%mean_stiffness())
+      draw%rpm = draw%rpm(1)*[(0.3_dp + 0.03_dp*k, k=1, 40)]
+      call find_optimum(build, draw%osc, 1.0_dp, draw%rpm, options, optimum, error)
+      call check_no_error(t, 'optimum', error)
+      do k = 1, size(optimum%amount)
+        call relieve(draw%osc, optimum%amount(k), osc(1))
+        call run_sweep(osc, draw%rpm, options, sweep, error)
+        peak = worst_of(draw%rpm, sweep%dynamic_factor(:, 1))
+        worst = peak%dynamic_factor
+        if (optimum%is_bound(k)) then
+          bounds = bounds + 1
+          call check_true(t, 'at least that', worst > optimum%dynamic_factor(k) - 3e-5_dp)
+          call check_true(t, 'not the best', worst > optimum%dynamic_factor(optimum%best))
+        else
+          call check_close(t, 'the largest of all speeds', optimum%dynamic_factor(k), worst, absolute=3e-5_dp)
+        end if
+      end do
+    end do
+    call check_true(t, 'some reliefs take a few speeds only', bounds > 0, str(bounds))
+  end subroutine optimum_by_brute_force
+
+  !> Linear relief on both members, from where one pair begins to carry alone, so deep (m).
+  subroutine relieve_both(osc, deepest)
+    type(oscillator_t), intent(inout) :: osc
+    real(dp), intent(in) :: deepest
+    type(relief_t) :: relief
+    type(error_t), allocatable :: error
+
+    relief%amount = deepest
+    relief%start = [aint(osc%mesh%contact_ratio), modulo(osc%mesh%contact_ratio, 1.0_dp)]
+    call profile_error(relief, osc%mesh%contact_ratio, osc%mesh%profile_error, error)
+    if (allocated(error)) error stop 'relief'
+  end subroutine relieve_both
+end module test_reliefs
