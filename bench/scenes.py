@@ -16,7 +16,8 @@ PAIR, SECTION = (BENCH.parent / 'data' / name for name in ('case1.nml', 'hassan.
 SCENES = {
     'geometry': ('geometry only', 'all other tasks: stiffness, grids, modes, motion', ''),
     'speed': ('one speed, five reliefs', 'the other 326 speeds', 'neighbours decide the steps; both within 1e-6'),
-    'reliefs': ('3267 speeds, one relief', 'four other reliefs', ''),
+    'reliefs': ('3267 speeds, one relief', 'four other reliefs', 'other steps; both within 1e-6'),
+    'optimum': ('one sweep with the best relief', 'the search for it', 'the search is for 1e-5'),
     'stiffness': ('sweep, stiffness passed in', 'finite elements', ''),
     'friction': ('no friction', 'friction factors, steps that end at the pitch point', 'other steps; both within 1e-6'),
     'relief': ('no relief', 'steps that end where relief begins', 'other steps; both within 1e-6'),
