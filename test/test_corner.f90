@@ -1,11 +1,12 @@
 !> The tip corner before and behind the path of contact: its gap against brute force on points of the flanks, and the
 !> profile error that it makes beyond the path, with reliefs.
 module test_corner
-  use gearsweep_corner, only: add_corners, corner_contact, corner_reach, corner_t, touching_curvature
+  use gearsweep_corner, only: add_corners, arm_change, corner_contact, corner_reach, corner_t, touching_curvature
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
   use gearsweep_interpolation, only: interpolated, joined
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_outline, only: involute_point
   use gearsweep_pair, only: make_pair, pair_t
   use gearsweep_piecewise, only: piecewise_t
@@ -25,6 +26,7 @@ contains
 
     if (t%wants('stated_gaps')) call stated_gaps(t)
     if (t%wants('brute_force')) call brute_force(t)
+    if (t%wants('friction_arms')) call friction_arms(t)
     if (t%wants('both_ends')) call both_ends(t)
     if (t%wants('reach')) call reach_of_corner(t)
     if (t%wants('profile_errors')) call profile_errors(t)
@@ -111,25 +113,97 @@ contains
     end do
   end subroutine brute_force
 
+  !> Friction acts along the mate's flank where the corner touches it. Its lever arms are the distances of both centres from that
+  !> tangent, which brute force has from points of the flank beside. In the motion they are straight lines from A and E on, exact
+  !> half way to the reach.
+  subroutine friction_arms(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: h = 1e-6_dp, reach = 0.15_dp
+    type(pair_t) :: pair
+    type(corner_t) :: corner
+    type(mesh_t) :: mesh
+    real(dp) :: s, points(5), tip(2), place(2), tangent(2), radius, exact(2), angle, line
+    integer :: kind, i, side, member
+
+    do kind = 1, 4
+      pair = example(kind, t)
+      points = pair%points()
+      mesh%teeth = pair%gear%spec%teeth
+      mesh%contact_ratio = pair%contact_ratio
+      mesh%pitch_point = points(3)
+      mesh%tan_angle = tan(pair%working_angle(drive))
+      do side = 1, 2
+        do i = 1, 3
+          s = merge(-i*reach/2, pair%contact_ratio + i*reach/2, side == 1)
+          corner = corner_contact(pair, s)
+          associate (mate => pair%gear(side), gear => pair%gear(3 - side))
+            tip = turned(involute_point(gear, drive, gear%tip_radius), turn_of(pair, s, 3 - side))
+            place = [0.0_dp, pair%centre_distance] - tip
+            radius = norm2(place)
+            tangent = involute_point(mate, drive, radius + h) - involute_point(mate, drive, radius - h)
+            tangent = tangent/norm2(tangent)
+            exact(side) = abs(cross(involute_point(mate, drive, radius), tangent))
+            associate (flank => involute_point(mate, drive, radius))
+              angle = atan2(place(1), place(2)) - atan2(flank(1), flank(2))
+            end associate
+            exact(3 - side) = abs(cross(tip, turned(tangent, angle)))
+          end associate
+          call check_close(t, 'friction arm at the mate', corner%curvature, exact(side), relative=1e-6_dp)
+          call check_close(t, 'friction arm at the corner', corner%friction_arm, exact(3 - side), relative=1e-6_dp)
+          if (i > 1) cycle
+          do member = 1, 2
+            line = merge(2*pi, -2*pi, member == 1)/pair%gear(member)%spec%teeth
+            mesh%arm_change(member, side) = arm_change(pair, member, side, s) - line
+            associate (ratio => mesh%curvature_ratio(member, s), rb => pair%gear(member)%base_radius(drive))
+              call check_close(t, 'friction arm in the motion', ratio*rb, exact(member), relative=1e-6_dp)
+            end associate
+          end do
+        end do
+        ! On the whole reach the straight lines stay near.
+        do member = 1, 2
+          associate (ratio => mesh%curvature_ratio(member, merge(-reach, pair%contact_ratio + reach, side == 1)))
+            s = merge(-reach, pair%contact_ratio + reach, side == 1)
+            corner = corner_contact(pair, s)
+            call check_close(t, 'straight line', ratio*pair%gear(member)%base_radius(drive), &
+                             merge(corner%curvature, corner%friction_arm, member == side), relative=2e-2_dp)
+          end associate
+        end do
+      end do
+    end do
+  end subroutine friction_arms
+
+  pure real(dp) function cross(a, b)
+    real(dp), intent(in) :: a(2), b(2)
+
+    cross = a(1)*b(2) - a(2)*b(1)
+  end function cross
+
+  !> How far a member is turned (rad) at s: positive angles lead from the line of centres to where the pinion pushes, and for the
+  !> gear against it.
+  pure real(dp) function turn_of(pair, s, member) result(turn)
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: s
+    integer, intent(in) :: member
+    real(dp) :: points(5)
+
+    points = pair%points()
+    associate (gear => pair%gear(member))
+      turn = -gear%half_angle(drive, pair%centre_distance*gear%spec%teeth/sum(pair%gear%spec%teeth)) &
+             + merge(1, -1, member == 1)*(s - points(3))*pair%base_pitch/gear%base_radius(drive)
+    end associate
+  end function turn_of
+
   !> `tooth` is the member whose corner it is.
   real(dp) function rolled_gap(pair, s, tooth) result(gap)
     type(pair_t), intent(in) :: pair
     real(dp), intent(in) :: s
     integer, intent(in) :: tooth
     integer, parameter :: points = 40000
-    real(dp) :: turn(2), working(2), corner(2), place(2), low, high, place_low(2), place_high(2), part, points_of(5)
+    real(dp) :: turn(2), corner(2), place(2), low, high, place_low(2), place_high(2), part
     integer :: i, mate
 
     mate = 3 - tooth
-    points_of = pair%points()
-    do i = 1, 2
-      associate (gear => pair%gear(i))
-        working(i) = pair%centre_distance*gear%spec%teeth/sum(pair%gear%spec%teeth)
-        ! Positive angles lead from the line of centres to where the pinion pushes, and for the gear against it.
-        turn(i) = -gear%half_angle(drive, working(i)) &
-                  + merge(1, -1, i == 1)*(s - points_of(3))*pair%base_pitch/gear%base_radius(drive)
-      end associate
-    end do
+    turn = [(turn_of(pair, s, i), i=1, 2)]
     ! The corner from the mate's centre; from either centre y points to the other one.
     corner = turned(involute_point(pair%gear(tooth), drive, pair%gear(tooth)%tip_radius), turn(tooth))
     place = [0.0_dp, pair%centre_distance] - corner

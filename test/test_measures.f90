@@ -265,6 +265,18 @@ contains
     call check_close(t, 'chamfer meets the involute', norm2(p - involute_point(gear, drive, gear%tip_form_radius)), 0.0_dp, &
                      absolute=1e-15_dp)
     along = (q - p)/norm2(q - p)
+    ! The material between the involute below the edge and the chamfer above it, or the tip circle.
+    flank = involute_point(gear, drive, gear%tip_form_radius*(1 - tiny)) - p
+    associate (edge => gear%edge_angle(drive, gear%curvature(drive, gear%tip_form_radius)), bare => mate%edge_angle( &
+               drive, mate%curvature(drive, mate%tip_radius)))
+      call check_close(t, 'edge of the chamfer', edge, acos(dot_product(flank, along)/norm2(flank)), absolute=1e-4_dp)
+      centre = involute_point(mate, drive, mate%tip_radius)
+      flank = involute_point(mate, drive, mate%tip_radius*(1 - tiny)) - centre
+      ! Along the tip circle into the tooth.
+      centre = [-centre(2), centre(1)]/norm2(centre)
+      call check_close(t, 'edge of a tip without one', bare, acos(dot_product(flank, centre)/norm2(flank)), absolute=1e-4_dp)
+      call check_true(t, 'a chamfer is a blunter edge', edge > bare + 20*degree)
+    end associate
     call check_close(t, 'slope of the chamfer', dot_product(along, p)/norm2(p), 37.5_dp*mm*cos(45*degree)/norm2(p), 1e-6_dp)
     outline = tooth_contour(gear, 5)
     call check_close(t, 'outline reaches the tip circle', maxval(norm2(outline, 1)), gear%tip_radius, 1e-14_dp)

@@ -8,7 +8,7 @@ module gearsweep_corner_stiffness
   use gearsweep_error, only: error_t
   use gearsweep_flattening, only: contact_half_width
   use gearsweep_gear, only: drive
-  use gearsweep_kinds, only: dp, pi
+  use gearsweep_kinds, only: dp
   use gearsweep_pair, only: pair_t
   use gearsweep_material, only: material_t
   use gearsweep_tooth_compliance, only: most_tilt, tooth_t
@@ -37,8 +37,7 @@ contains
     end_of_path = merge(0.0_dp, pair%contact_ratio, member == 2)
     tip = pair%curvature(member, end_of_path)
     compliance = 0
-    ! Flank and tip circle at the corner.
-    call make_edge(material([member, 3 - member]), plane_strain, pi/2 + atan2(tip, pair%gear(member)%base_radius(drive)), &
+    call make_edge(material([member, 3 - member]), plane_strain, pair%gear(member)%edge_angle(drive, tip), &
                    tooth(member)%corner_depth, contact_half_width(material(1), material(2), plane_strain, line_load, tip, &
                    pair%curvature(3 - member, end_of_path)), edge, error)
     do k = 1, size(s)

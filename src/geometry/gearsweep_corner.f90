@@ -17,7 +17,7 @@ module gearsweep_corner
   use gearsweep_relief, only: relief_t, tip_relief
   implicit none
   private
-  public :: corner_t, corner_contact, corner_reach, add_corners, touching_curvature
+  public :: corner_t, corner_contact, corner_reach, add_corners, arm_change, touching_curvature
 
   !> Where the tip corner is, for one pair at one path coordinate.
   type :: corner_t
@@ -29,6 +29,8 @@ module gearsweep_corner
     real(dp) :: tilt = 0                         !< of the mate's normal against that of the corner's own flank, rad
     !> Lever arm of the load about the centre of the corner's gear, over its base radius; the mate's is its base radius.
     real(dp) :: lever = 1
+    !> Lever arm of friction about the centre of the corner's gear, m; the mate's is the radius of curvature.
+    real(dp) :: friction_arm = 0
   end type corner_t
 
   !> The gap in base pitches squared is smooth over less than one base pitch: polynomials of this degree hold it to
@@ -62,6 +64,7 @@ contains
       corner%gap = corner%curvature + other*angle - (tangent - tip - beyond)
       corner%tilt = turned - angle
       corner%lever = (tangent*sin(angle) + (own + other)*cos(angle) - other)/own
+      corner%friction_arm = sqrt(max(0.0_dp, own**2 + tip**2 - (corner%lever*own)**2))
       corner%s = (corner%curvature - pair%start_curvature)/pair%base_pitch
       if (mate == 2) corner%s = (tangent - corner%curvature - pair%start_curvature)/pair%base_pitch
     end associate
@@ -89,6 +92,21 @@ contains
     corner = corner_contact(pair, s)
     curvature = corner%curvature
   end function touching_curvature
+
+  !> By how much the lever arm of friction about a member's centre, over its base radius, changes per base pitch before A
+  !> (`end` 1) or behind E (2), off the line of action: the secant up to path coordinate `s`, where the corner touches.
+  pure real(dp) function arm_change(pair, member, end, s) result(change)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: member, end
+    real(dp), intent(in) :: s
+    type(corner_t) :: corner
+    real(dp) :: from, arm
+
+    from = merge(0.0_dp, pair%contact_ratio, end == 1)
+    corner = corner_contact(pair, s)
+    arm = merge(corner%friction_arm, corner%curvature, member == corner_of(pair, s))
+    change = (arm - pair%curvature(member, from))/pair%gear(member)%base_radius(drive)/(s - from)
+  end function arm_change
 
   !> The path coordinates before A and behind E at which the gap of the corner, without reliefs, is `depth` (m); at most
   !> 0.9 base pitches off, and no farther than to where the corner meets the mate's tip.

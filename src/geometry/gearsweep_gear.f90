@@ -29,6 +29,7 @@ module gearsweep_gear
     procedure :: is_undercut
     procedure :: flank_end
     procedure :: tip_half_angle
+    procedure :: edge_angle
   end type gear_t
 
 contains
@@ -257,6 +258,21 @@ contains
       angle = angle + involute(acos(min(1.0_dp, base/from))) - involute(acos(min(1.0_dp, base/gear%tip_radius)))
     end if
   end function tip_half_angle
+
+  !> Angle (rad) that the material takes up at the edge where a side's involute ends, at this radius of curvature (m): to the tip
+  !> circle or to the chamfer, whose slope to the ray follows from its own base circle. A rounding's end counts as an edge to the
+  !> tip circle.
+  elemental real(dp) function edge_angle(gear, side, curvature) result(angle)
+    class(gear_t), intent(in) :: gear
+    integer, intent(in) :: side
+    real(dp), intent(in) :: curvature
+    real(dp) :: slope
+
+    slope = atan2(curvature, gear%base_radius(side))
+    angle = pi/2 + slope
+    if (gear%spec%tip_rounding > 0 .or. .not. gear%flank_end(side) < gear%tip_radius) return
+    angle = pi + slope - acos(min(1.0_dp, chamfer_base(gear)/hypot(gear%base_radius(side), curvature)))
+  end function edge_angle
 
   !> Base radius (m) of the chamfer's involute.
   elemental real(dp) function chamfer_base(gear)

@@ -30,6 +30,9 @@ module gearsweep_mesh
     integer :: teeth(2) = 0
     real(dp) :: pitch_point = 0
     real(dp) :: tan_angle = 0
+    !> What the lever arms of friction over the base radii change by per base pitch beyond A and E, off the line of action, more
+    !> than they do on it: of a load at a tip corner; (member, before A or behind E).
+    real(dp) :: arm_change(2, 2) = 0
   contains
     procedure :: mean_stiffness
     procedure :: shared_from
@@ -205,7 +208,7 @@ contains
     c(2, :) = 2*interval%shared(2, :)
   end function shared_with_slopes
 
-  !> Radius of curvature over base radius of a member at s.
+  !> Radius of curvature over base radius of a member at s; beyond A and E the lever arm of friction over the base radius.
   elemental real(dp) function curvature_ratio(mesh, member, s) result(ratio)
     class(mesh_t), intent(in) :: mesh
     integer, intent(in) :: member
@@ -215,6 +218,8 @@ contains
     past = (s - mesh%pitch_point)*2*pi/mesh%teeth(member)
     if (member == 2) past = -past
     ratio = mesh%tan_angle + past
+    if (s < 0) ratio = ratio + mesh%arm_change(member, 1)*s
+    if (s > mesh%contact_ratio) ratio = ratio + mesh%arm_change(member, 2)*(s - mesh%contact_ratio)
   end function curvature_ratio
 
   !> Splits the period where a pair enters or leaves, where a relief begins, with friction at the pitch point and, where

@@ -1,13 +1,16 @@
 !> The stages that make the mesh: load, pair stiffness, one oscillator for each relief.
 module gearsweep_mesh_stage
+  use gearsweep_corner, only: arm_change
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_flattening, only: load_dependence
   use gearsweep_inputs, only: elements_inputs_t, motion_inputs_t, relief_inputs_t, same
-  use gearsweep_kinds, only: dp
+  use gearsweep_kinds, only: dp, pi
   use gearsweep_memory, only: claim_memory
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_motions, only: build_motion
+  use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_products, only: study_t
   use gearsweep_section, only: section_options_t
@@ -64,11 +67,29 @@ contains
       call by_elements(study%elements_inputs, study%mesh%stiffness, study%mesh%disc, error)
       call study%running%note('mesh: pair stiffness by model fe')
     end if
-    if (study%case%corner_contact .and. .not. allocated(error)) &
+    if (study%case%corner_contact .and. .not. allocated(error)) then
       study%mesh%reach = study%mesh%stiffness%breaks([1, size(study%mesh%stiffness%breaks)])
+      call find_friction_arms(study%pair, study%mesh)
+    end if
     if (study%case%nonlinear_contact) study%mesh%flattening = &
       sum(load_dependence(study%case%material, body%plane_strain))/minval(study%case%spec%face_width)
   end subroutine find_by_elements
+
+  !> Straight lines up to half of the reach; on the line of action the arms change by 2 pi/z per base pitch.
+  pure subroutine find_friction_arms(pair, mesh)
+    type(pair_t), intent(in) :: pair
+    type(mesh_t), intent(inout) :: mesh
+    integer :: end, member
+
+    if (.not. mesh%reaches_beyond()) return
+    do end = 1, 2
+      associate (s => merge(mesh%reach(1), mesh%contact_ratio + mesh%reach(2), end == 1)/2)
+        do member = 1, 2
+          mesh%arm_change(member, end) = arm_change(pair, member, end, s) - merge(2*pi, -2*pi, member == 1)/mesh%teeth(member)
+        end do
+      end associate
+    end do
+  end subroutine find_friction_arms
 
   subroutine by_elements(inputs, stiffness, disc, error)
     type(elements_inputs_t), intent(in) :: inputs
@@ -113,7 +134,7 @@ contains
       if (allocated(study%pair)) relief%pair = study%pair
       study%motions_inputs%motion = motion_inputs_t( &
         relief=relief, disc=mesh%disc, reach=mesh%reach, flattening=mesh%flattening, teeth=mesh%teeth, &
-        tan_angle=mesh%tan_angle, load=study%load, mass=study%mass, damping_ratio=case%damping_ratio, &
+        tan_angle=mesh%tan_angle, arm_change=mesh%arm_change, load=study%load, mass=study%mass, damping_ratio=case%damping_ratio, &
         friction=case%friction, has_backlash=case%has_backlash, backlash=case%backlash)
       ! Where a gear's teeth are stated to be thinner, backlash is meant to be.
       if (case%has_allowance .and. .not. case%has_backlash) then

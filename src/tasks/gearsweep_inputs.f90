@@ -61,6 +61,7 @@ module gearsweep_inputs
     real(dp) :: flattening = 0                   !< m/N, as in mesh_t
     integer :: teeth(2) = 0
     real(dp) :: tan_angle = 0
+    real(dp) :: arm_change(2, 2) = 0             !< as in mesh_t
     real(dp) :: load = 0, mass(2) = 0            !< N, kg
     real(dp) :: damping_ratio = 0, friction = 0
     logical :: has_backlash = .false.

@@ -29,6 +29,7 @@ contains
     motion%mesh%flattening = inputs%flattening
     motion%mesh%pitch_point = inputs%relief%pitch_point
     motion%mesh%tan_angle = inputs%tan_angle
+    motion%mesh%arm_change = inputs%arm_change
     motion%mesh%teeth = inputs%teeth
     motion%mesh%stiffness = stiffness
     motion%mesh%disc = inputs%disc

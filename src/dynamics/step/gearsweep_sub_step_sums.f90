@@ -34,33 +34,48 @@ contains
       c%forcing(:, k) = forcing
       return
     end if
-    do j = 1, map%table%pairs(c%step)
-      call add_pair(map%speeds, c%stiffness(:, j), c%profile_error(:, j), c%mobility(:, j), place, contacts(j)%weight, &
-                    omega_squared, forcing)
-    end do
-    if (map%osc%shared > 0) call share_compliance(map, contacts, place, c, omega_squared, forcing)
+    if (map%osc%shared > 0) then
+      call sum_in_series(map, contacts, place, c, omega_squared, forcing)
+    else
+      do j = 1, map%table%pairs(c%step)
+        call add_pair(map%speeds, c%stiffness(:, j), c%profile_error(:, j), c%mobility(:, j), place, contacts(j)%weight, &
+                      omega_squared, forcing)
+      end do
+    end if
     if (map%osc%has_backlash) call add_coast(map, contacts, place, c, omega_squared, forcing)
     c%omega_squared(:, k) = omega_squared
     c%forcing(:, k) = forcing
   end subroutine sum_contacts
 
-  !> Turns the sums over the pairs in contact into those of pairs that share a compliance.
-  pure subroutine share_compliance(map, contacts, place, c, omega_squared, forcing)
+  !> The sums over pairs that share a compliance.
+  pure subroutine sum_in_series(map, contacts, place, c, omega_squared, forcing)
     type(period_map_t), intent(in) :: map
     type(contact_t), intent(in) :: contacts(:)
     real(dp), intent(in) :: place(batch_size)
     type(sub_steps_t), intent(in) :: c
     real(dp), intent(inout), dimension(batch_size) :: omega_squared, forcing
     real(dp), dimension(batch_size) :: a, b
-    integer :: j
+    real(dp) :: t, k, e, mobility
+    integer :: j, l
 
     a = 0
     b = 0
     do j = 1, map%table%pairs(c%step)
-      call add_pair(map%speeds, c%stiffness(:, j), c%profile_error(:, j), [1.0_dp, 0.0_dp], place, contacts(j)%weight, a, b)
+      associate (s => c%stiffness(:, j), p => c%profile_error(:, j), m => c%mobility(:, j), weight => contacts(j)%weight)
+        do l = 1, map%speeds
+          t = place(l)
+          k = weight(l)*(((((s(6)*t + s(5))*t + s(4))*t + s(3))*t + s(2))*t + s(1))
+          e = ((((p(6)*t + p(5))*t + p(4))*t + p(3))*t + p(2))*t + p(1)
+          mobility = m(1) + m(2)*t
+          a(l) = a(l) + k
+          b(l) = b(l) + k*e
+          omega_squared(l) = omega_squared(l) + k*mobility
+          forcing(l) = forcing(l) + k*mobility*e
+        end do
+      end associate
     end do
     call reduce_sums(shared_by_two(c, place), a, b, omega_squared, forcing)
-  end subroutine share_compliance
+  end subroutine sum_in_series
 
   !> What the first two pairs share at a place of the step, m/N.
   pure function shared_by_two(c, place) result(shared)
