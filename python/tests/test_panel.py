@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import webbrowser
 import zipfile
 from pathlib import Path
 
@@ -361,6 +362,26 @@ def test_its_command_line(tmp_path):
         front.desk_of(str(tmp_path / 'none.nml'))
     (tmp_path / 'mine.nml').write_text(PRESCRIBED)
     assert front.desk_of(str(tmp_path / 'mine.nml')).about()['start'] == {'place': 'folder', 'name': 'mine.nml'}
+
+
+def test_it_opens_browsers_with_windows_only(monkeypatch):
+    opened = []
+
+    class Window:
+        def open(self, address):
+            opened.append(address)
+            return True
+
+    monkeypatch.setattr(webbrowser, 'get', Window)
+    assert front.show('http://127.0.0.1:1/') and opened == ['http://127.0.0.1:1/']
+    monkeypatch.setattr(webbrowser, 'get', lambda: webbrowser.GenericBrowser('false'))  # in a terminal
+    assert not front.show('http://127.0.0.1:1/')
+
+    def none():
+        raise webbrowser.Error('could not locate runnable browser')
+
+    monkeypatch.setattr(webbrowser, 'get', none)
+    assert not front.show('http://127.0.0.1:1/')
 
 
 def test_a_port_that_is_taken_is_told_or_replaced(server):

@@ -24,6 +24,24 @@ SMALL = """! A small pair on a coarse grid.
 &section elements_across = 4 /
 &sweep rpm_first = 3000 rpm_last = 9000 rpm_step = 500 load_rpm = 4000 /
 """
+# What the papers' cases do not ask for.
+MORE = """&case tasks = 'static', 'modal', 'stability', 'hysteresis', 'poincare', 'attractors', 'rating' /
+&pair module_mm = 3 face_width_mm = 20 backlash_um = 60 /
+&pinion teeth = 21 /
+&gear teeth = 34 /
+&load torque_nm = 20 /
+&relief amount_um = 0, 10 /
+&mesh model = 'fe' /
+&section elements_across = 4 /
+&dynamics damping_ratio = 0.01 /
+&sweep rpm_first = 8000 rpm_last = 30000 rpm_step = 500 /
+&static field_position = 16 /
+&modal modes = 4 /
+&stability damping_count = 21 tongues = 4 /
+&poincare settling_periods = 100 kept_periods = 30 /
+&attractors rpm = 12000, 16000, 20000 starts = 4 /
+&rating rpm = 5000, 10000, 15000 /
+"""
 LONG = """&case tasks = 'poincare' /
 &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
 &load normal_force_n = 6858 / &relief amount_um = 0 /
@@ -52,6 +70,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp('cases')
     (path / 'small.nml').write_text(SMALL)
     (path / 'long.nml').write_text(LONG)
+    (path / 'more.nml').write_text(MORE)
     return path
 
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from conftest import Window
+from conftest import ROOT, Window
 
 SIZES = [(1280, 800, 'light'), (1280, 800, 'dark'), (800, 900, 'light'), (800, 900, 'dark')]
 
@@ -114,13 +114,19 @@ PICTURES = {
     'hassan.nml': ['root', 'modes', 'section'],
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
     'precision.nml': ['precision'],
+    'more.nml': ['stress', 'stability', 'tongues', 'hysteresis', 'poincare', 'section_plane', 'lyapunov', 'attractors', 'basins', 'rating'],
 }
+
+
+def test_every_picture_is_drawn_here():
+    listed = re.findall(r"{ id: '(\w+)'", (ROOT / 'python/gearsweep/panel/static/pictures.js').read_text())
+    assert len(listed) > 20 and set(listed) == {one for pictures in PICTURES.values() for one in pictures}
 
 
 @pytest.mark.parametrize('scheme', ['light', 'dark'])
 @pytest.mark.parametrize('name', PICTURES)
 def test_pictures_are_drawn(name, scheme, browser, front):
-    window = Window(browser, front.address, color_scheme=scheme).open(name, 'data')
+    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name == 'more.nml' else 'data')
     for picture in PICTURES[name]:
         window.page.select_option('#picture', picture)
         window.page.locator(f'#view[data-picture={picture}]').wait_for()

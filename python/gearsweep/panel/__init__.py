@@ -37,7 +37,7 @@ def main(words: list[str]) -> int:
     path, port, opens = arguments(words)
     server = listen(desk_of(path), port)
     print(f'The panel is at {server.address} (Ctrl-C ends it)', flush=True)
-    if opens and not webbrowser.open(server.address):
+    if opens and not show(server.address):
         print('No browser was found: open this address in one.', file=sys.stderr)
     try:
         server.serve_forever()
@@ -46,6 +46,15 @@ def main(words: list[str]) -> int:
     finally:
         server.server_close()
     return Code.OK
+
+
+def show(address: str) -> bool:
+    """Opens the page in a browser with a window; False where there is none. One in the terminal could not draw it."""
+    try:
+        browser = webbrowser.get()
+    except webbrowser.Error:
+        return False
+    return type(browser) is not webbrowser.GenericBrowser and browser.open(address)
 
 
 def arguments(words: list[str]) -> tuple[str, int | None, bool]:

@@ -123,6 +123,8 @@ function drawSeries(drawing, spec, x, y) {
   const body = svg('g', { class: 'body' });
   const bottom = spec.kind === 'bars' ? y(0) : 0;
   const n = spec.series.length;
+  // Few points are drawn large enough to tell their shapes.
+  const size = spec.series.reduce((sum, one) => sum + one.x.length, 0) < 300 ? 4 : 1.8;
   spec.series.forEach((series, i) => {
     if (spec.kind === 'bars') {
       const wide = Math.max(2, 0.8 * Math.abs(x(1) - x(0)) / n);
@@ -132,9 +134,9 @@ function drawSeries(drawing, spec, x, y) {
         body.append(svg('rect', { x: x(value) - wide * (n / 2 - i), width: wide * 0.9, y: Math.min(top, bottom), height: Math.abs(bottom - top), fill: series.color }));
       });
     } else if (spec.kind === 'points') {
-      body.append(svg('path', { d: marks(series, x, y, spec, 1.8), fill: series.color, stroke: series.color, 'stroke-width': 0.6 }));
+      body.append(svg('path', { d: marks(series, x, y, spec, size), fill: series.color, stroke: series.color, 'stroke-width': 0.6 }));
     } else {
-      body.append(svg('path', { d: curve(series, x, y, spec), stroke: series.color, 'stroke-dasharray': series.dash, 'stroke-width': series.width ?? 1.8, class: 'curve' }));
+      body.append(svg('path', { d: curve(series, x, y, spec), stroke: series.color, 'stroke-dasharray': series.dash, 'stroke-width': series.width ?? 1.8, class: 'curve', 'data-series': i }));
       if (series.mark !== undefined) body.append(svg('path', { d: marks(series, x, y, spec, 3.2, 12), fill: color('ground'), stroke: series.color }));
       if (series.x.length < 40 && series.mark === undefined) body.append(svg('path', { d: marks(series, x, y, spec, 2.2, 40), fill: series.color }));
     }

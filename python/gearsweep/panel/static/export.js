@@ -24,6 +24,7 @@ export async function save(kind, drawing, name) {
     return;
   }
   drawing.querySelector('.ring')?.setAttribute('visibility', 'hidden');
+  for (const one of drawing.querySelectorAll('.dim')) one.classList.remove('dim');
   const words = withLegend(drawing);
   if (kind === 'svg') { download(`${name}.svg`, words.text, 'image/svg+xml'); return; }
   const image = new Image();

@@ -64,7 +64,7 @@ function fieldOf(key) {
   const hint = el('p', { className: 'hint', id: `hint.${id}` }, hintOf(key));
   const isWide = key.list && words.length > 0;
   field.error = error;
-  field.row = el('div', { className: isWide ? 'field wide' : 'field', id: `field.${id}` },
+  field.row = el('div', { className: isWide ? 'field wide' : key.list ? 'field list' : 'field', id: `field.${id}` },
     isWide ? el('span', { className: 'label', id: `label.${id}` }, label)
       : el('label', { for: id, title: `&${key.group} ${key.name}` }, label, key.unit ? el('span', { className: 'unit' }, unit(key.unit)) : null),
     field.box, error, hint);

@@ -23,10 +23,10 @@ export const PICTURES = [
   { id: 'modes', title: 'Natural modes, moving', table: 'mode_shapes', task: 'modal', kind: 'modes' },
   { id: 'section', title: 'Finite-element grid', table: 'section', task: 'section', kind: 'grid' },
   { id: 'stability', title: 'Stability over speed and damping', table: 'stability', kind: 'map', x: 'rpm', y: 'damping_ratio', z: 'floquet_modulus', low: 0, high: 2 },
-  { id: 'tongues', title: 'Tongues of instability', table: 'tongue_edges', task: 'stability', y: 'damping_ratio', x: ['lower_rpm', 'upper_rpm'] },
+  { id: 'tongues', title: 'Tongues of instability', table: 'tongue_edges', task: 'stability', y: 'damping_ratio', x: ['lower_rpm', 'upper_rpm'], xname: 'Speed (1/min)' },
   { id: 'hysteresis', title: 'Dynamic factor, run up and run down', table: 'hysteresis', x: 'rpm', y: 'dynamic_factor', first: 'direction', ...SPEED },
   { id: 'poincare', title: 'Poincaré section over speed', table: 'poincare', kind: 'points', x: 'rpm', y: 'dte_um', without: ['period'] },
-  { id: 'section_plane', title: 'Poincaré section, displacement and velocity', table: 'poincare', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', without: ['period'], first: 'rpm' },
+  { id: 'section_plane', title: 'Poincaré section, displacement and velocity', table: 'poincare', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', without: ['period'] },
   { id: 'lyapunov', title: 'Lyapunov exponent over speed', table: 'lyapunov', task: 'poincare', x: 'rpm', y: 'lyapunov_exponent' },
   { id: 'attractors', title: 'All motions that attract', table: 'attractors', kind: 'points', x: 'rpm', y: 'dynamic_factor', first: 'motion' },
   { id: 'basins', title: 'Which start leads to which motion', table: 'basins', task: 'attractors', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', group: 'motion', without: ['start'] },
@@ -98,7 +98,7 @@ export function drawn(picture, about, data, chosen) {
   const table = about[picture.table], columns = data[picture.table];
   const column = (name) => table.columns.find((one) => one.name === name);
   const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog, fromZero: picture.fromZero,
-    xlabel: labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
+    xlabel: picture.xname ?? labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
   if (picture.kind === 'map') {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);

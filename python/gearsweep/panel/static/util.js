@@ -39,12 +39,12 @@ export const unit = (word) => SIGNS[word] ?? word.replaceAll('um', 'µm');
 /** What a key or column is called: its name without the unit, which stands beside it. */
 export function title(name, ofUnit = '') {
   const bare = (word) => word.toLowerCase().replace(/[^a-z0-9]/g, '');
-  const words = name.split('_');
+  let words = name.split('_');
   const wanted = bare(ofUnit);
   for (let n = 1; wanted && n < words.length; n++) {
-    if (words.slice(-n).join('') === wanted) return words.slice(0, -n).join(' ');
+    if (words.slice(-n).join('') === wanted) { words = words.slice(0, -n); break; }
   }
-  return words.join(' ').replace(/\brpm\b/, 'speed');
+  return words.join(' ').replace(/\brpm\b/, 'speed').replace(/\b[ds]te\b/, (word) => word.toUpperCase());
 }
 
 /** Name and unit, for an axis or the head of a column. */

@@ -213,6 +213,10 @@ function follow(drawing, readout) {
   ring.setAttribute('visibility', 'hidden');
   drawing.append(ring);
   let at = null;
+  // The curve at hand stands out from the others.
+  const tell = (s) => { for (const one of drawing.querySelectorAll('.curve')) one.classList.toggle('dim', s !== null && s !== undefined && Number(one.dataset.series) !== s); };
+  drawing.addEventListener('pointerleave', () => tell(null));
+  drawing.addEventListener('blur', () => tell(null));
   const mark = (found) => {
     at = found;
     if (!found) return;
@@ -220,6 +224,7 @@ function follow(drawing, readout) {
     ring.setAttribute('cx', found.px);
     ring.setAttribute('cy', found.py);
     ring.setAttribute('visibility', 'visible');
+    tell(spec.series.length > 1 ? found.s : null);
   };
   drawing.addEventListener('pointermove', (event) => { const box = drawing.getBoundingClientRect(); mark(nearest(drawing, event.clientX - box.left, event.clientY - box.top)); });
   drawing.addEventListener('keydown', (event) => {
