@@ -8,7 +8,7 @@ module gearsweep_optimum
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: status_stopped
   use gearsweep_stop, only: wants_stop
-  use gearsweep_sweep, only: each, sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
+  use gearsweep_sweep, only: contact_full, each, sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
   implicit none
   private
   public :: peak_t, find_resonances, worst_of, optimum_t, find_optimum, build_motion
@@ -232,6 +232,10 @@ contains
     of_linear%is_counted = .false.
     call run_sweep(motion, pack(rpm, needed), of_linear, sweep, error)
     if (allocated(error)) return
+    do i = 1, size(amount)
+      call solve_missing(motion(i:i), sweep%rpm, options, sweep%dynamic_factor(:, i), error)
+      if (allocated(error)) return
+    end do
     optimum%stopped = wants_stop(options%accuracy%steady%stop)
     is_left = any(ieee_is_nan(sweep%dynamic_factor), 1)
     if (optimum%stopped) return
@@ -246,6 +250,29 @@ contains
     end do
     known = [known, more]
   end subroutine try_full_contact
+
+  !> A few speeds at which it could not be told at once whether all pairs stay in contact, by themselves: they count where the
+  !> pairs do at all of them.
+  subroutine solve_missing(motion, rpm, options, dynamic_factor, error)
+    type(oscillator_t), intent(in) :: motion(:)
+    real(dp), intent(in) :: rpm(:)
+    type(sweep_options_t), intent(in) :: options
+    real(dp), intent(inout) :: dynamic_factor(:)     ! NaN where it is missing; (speed)
+    type(error_t), allocatable, intent(inout) :: error
+    integer, parameter :: most_share = 8
+    type(sweep_options_t) :: alone
+    type(sweep_t) :: sweep
+    logical :: is_missing(size(rpm))
+
+    is_missing = ieee_is_nan(dynamic_factor)
+    if (.not. any(is_missing) .or. most_share*count(is_missing) > size(rpm)) return
+    alone = options
+    alone%direction = each
+    alone%is_counted = .false.
+    call run_sweep(motion, pack(rpm, is_missing), alone, sweep, error)
+    if (allocated(error)) return
+    if (all(sweep%contact == contact_full)) dynamic_factor = unpack(sweep%dynamic_factor(:, 1), is_missing, dynamic_factor)
+  end subroutine solve_missing
 
   !> The speeds around that at which the nearest relief is worst: where they are worse than the best relief at its worst
   !> speed, this one is not the best.

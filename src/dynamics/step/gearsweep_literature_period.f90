@@ -115,7 +115,7 @@ contains
 
     x(0, :) = state(1, :)
     x(1, :) = table%width(step)*state(2, :)
-    x(2, :) = cubic_curvature(x(0, :), x(1, :))
+    x(2, :) = cubic_curvature(x(0, :), [x(1, 1), x(1, 2)])
     load = 0
     do end = 1, 2
       load(0, :osc%pairs, end) = loads_at(osc, table, place(end), step, contact_set(end), state(1, end))
