@@ -4,12 +4,17 @@ module test_attractors
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use gearsweep_attractor_search, only: attractor_options_t, start_states
   use gearsweep_attractors, only: attractors_t, find_attractors
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_status, only: has_result, status_ok, status_stopped, status_unresolved
+  use gearsweep_study, only: run_study, study_t
+  use gearsweep_tables, only: column_of
   use gearsweep_text, only: str
   use reference_rows, only: oscillator_of, row_of, row_t
-  use testing, only: check_close, check_equal, check_true, tally_t
+  use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
   implicit none
   private
   public :: run
@@ -33,7 +38,41 @@ contains
     if (t%wants('no_damping')) call no_damping(t)
     if (t%wants('ended_and_too_slow')) call ended_and_too_slow(t)
     if (t%wants('grid_of_starts')) call grid_of_starts(t)
+    if (t%wants('in_a_sweep')) call in_a_sweep(t)
   end subroutine run
+
+  !> A pair of which the independent solver knows three motions at 8000 rpm, two of them with dynamic factors of 1.017275, where all
+  !> pairs carry, and 2.244301; with strong damping there is one.
+  subroutine in_a_sweep(t)
+    type(tally_t), intent(inout) :: t
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+    character(4), parameter :: damping(2) = ['1e-3', '0.5 ']
+    real(dp), dimension(2) :: motions, largest, share, factor
+    integer :: i
+
+    do i = 1, 2
+      call read_case('&case tasks = ''sweep'' / &pinion teeth = 25 effective_mass_kg = 1 / &gear effective_mass_kg = 1 /'// &
+                     '&load normal_force_n = 3000 / &relief amount_um = 0 / &mesh model = ''polynomial'' contact_ratio = 1.6'// &
+                     ' coefficients = 300 / &dynamics damping_ratio = '//damping(i)//' / &sweep rpm_first = 8000'// &
+                     ' rpm_last = 8000 rpm_step = 1 direction = ''all'' /', case, error)
+      call check_no_error(t, 'the case', error)
+      call run_study(case, '', 1, study, error)
+      call check_no_error(t, 'the study', error)
+      motions(i:i) = column_of(study, 'sweep', 'motions')
+      largest(i:i) = column_of(study, 'sweep', 'largest_dynamic_factor')
+      share(i:i) = column_of(study, 'sweep', 'share')
+      factor(i:i) = column_of(study, 'sweep', 'dynamic_factor')
+    end do
+    call check_close(t, 'the sweep tells the linear motion', factor(1), 1.017275_dp, absolute=1e-6_dp)
+    call check_true(t, 'others are known', motions(1) >= 3, str(motions(1)))
+    call check_true(t, 'the largest of all', largest(1) > 2.244300_dp, str(largest(1)))
+    call check_true(t, 'a part of the starts leads to it', share(1) > 0 .and. share(1) < 1, str(share(1)))
+    call check_close(t, 'damped: the largest is its own', largest(2), factor(2), absolute=2e-6_dp)
+    call check_close(t, 'damped: all starts lead to it', share(2), 1.0_dp)
+    call check_close(t, 'damped: one motion', motions(2), 1.0_dp)
+  end subroutine in_a_sweep
 
   !> motions.dat: what the solver knows from its starts, and what is found here from others.
   subroutine independent_solver(t)

@@ -201,6 +201,7 @@ contains
     call add('sweep rpm_last', '24000')
     call add('sweep rpm_step', '1000')
     call add('sweep direction', '''down''')
+    call add('sweep direction', '''all''')
     call add('sweep load_rpm', '5000')
     call add('numerics method', '''rk4''')
     call add('numerics steps_per_period', '300')

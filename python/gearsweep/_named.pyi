@@ -394,6 +394,12 @@ class SweepTable(Table):
     """with direction up or down, 1: the motion at the speed before led to none here, and this point was solved by itself; else 0"""
     frequency_ratio: NDArray[float64]
     """mesh frequency over the natural frequency of the mean mesh stiffness"""
+    motions: NDArray[float64]
+    """with direction all: how many motions attract at this speed; else NaN"""
+    largest_dynamic_factor: NDArray[float64]
+    """with direction all: largest DF of these; else NaN"""
+    share: NDArray[float64]
+    """with direction all: share of the starts that lead to the motion of this row; else NaN"""
 
 class SweepWorstTable(Table):
     """largest dynamic factor of the sweep for each relief"""

@@ -5,7 +5,7 @@ module gearsweep_motion_keys
   use gearsweep_coefficients, only: scheme_collocation, scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_sweep, only: down, each, up
+  use gearsweep_sweep_state, only: all_motions, down, each, up
   use gearsweep_tasks, only: sentence_length
   use gearsweep_transient, only: by_marching, by_shooting
   implicit none
@@ -30,8 +30,8 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: ways(*) = [character(4) :: 'up', 'down', 'each']
-    integer, parameter :: directions(*) = [up, down, each]
+    character(*), parameter :: ways(*) = [character(4) :: 'up', 'down', 'each', 'all']
+    integer, parameter :: directions(*) = [up, down, each, all_motions]
     character(:), allocatable :: direction
     character(sentence_length) :: over_speed
 
@@ -45,7 +45,8 @@ contains
     direction = 'up'
     call reader%get('sweep', 'direction', direction, error, tasks=case%tasks_for('direction'), allowed=ways, &
                     meaning='where several steady motions exist: follow the one found at the speed below (up), at the speed '// &
-                    'above (down), or take each speed by itself (each)')
+                    'above (down), or take each speed by itself (each), and in the sweep also tell how many motions attract '// &
+                    'there (all)')
     case%direction = sum(pack(directions, ways == direction))
   end subroutine read_sweep
 

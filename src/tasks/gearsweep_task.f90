@@ -22,7 +22,7 @@ module gearsweep_task
   use gearsweep_refinement, only: levels_t
   use gearsweep_response, only: find_response, response_t
   use gearsweep_section_body, only: make_two_grids, section_body_t
-  use gearsweep_sweep_state, only: counter_t, progress_of_sweep, sweep_options_t, sweep_state_t, up
+  use gearsweep_sweep_state, only: all_motions, counter_t, each, progress_of_sweep, sweep_options_t, sweep_state_t, up
   use gearsweep_stiffness, only: iso_options_t
   use gearsweep_table, only: table_t
   use gearsweep_text, only: str
@@ -314,7 +314,7 @@ contains
     class(stages_t), intent(in) :: self
 
     options%accuracy = self%accuracy
-    options%direction = self%direction
+    options%direction = merge(each, self%direction, self%direction == all_motions)
     options%threads = self%running%threads
     options%done_before = self%running%done
     options%all_points = self%running%all_points

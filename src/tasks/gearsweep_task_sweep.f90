@@ -1,6 +1,8 @@
 !> The task `sweep`: the dynamic factor over speed and relief, resonances, and the best of the listed reliefs.
 module gearsweep_task_sweep
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_all_motions, only: all_motions_t, count_motions
+  use gearsweep_attractor_search, only: attractor_options_t
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
@@ -10,6 +12,7 @@ module gearsweep_task_sweep
   use gearsweep_points, only: factor_in, factor_of, of_coast, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
     of_worst, speed_of, words_of
   use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
+  use gearsweep_sweep_state, only: all_motions
   use gearsweep_sweep, only: contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
   use gearsweep_table, only: each, no_number, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
@@ -41,6 +44,7 @@ contains
     type(sweep_options_t) :: options
     type(sweep_state_t), pointer :: state
     type(sweep_t) :: sweep
+    type(all_motions_t) :: motions
     type(peak_t), allocatable :: resonance(:)
 
     options = stages%sweep_options()
@@ -57,8 +61,11 @@ contains
     ! Part of a curve may end at what is no resonance.
     allocate (resonance(0))
     self%is_stopped = any(sweep%status == status_stopped)
+    call count_motions(stages%motion, stages%rpm, attractor_options_t(stages%accuracy, threads=stages%running%threads), &
+                       stages%direction == all_motions .and. .not. self%is_stopped, motions, error)
+    self%is_stopped = self%is_stopped .or. motions%stopped
     if (.not. self%is_stopped) resonance = find_resonances(sweep%rpm, sweep%dynamic_factor(:, minloc(stages%amount, 1)))
-    call fill_sweep(stages, sweep, self%tables(self%place('sweep')), error)
+    call fill_sweep(stages, sweep, motions, self%tables(self%place('sweep')), error)
     call fill_worst(stages%amount, sweep, self%tables(self%place('sweep_worst')), error)
     call fill_resonances(stages%amount, sweep, [resonance%rpm], self%tables(self%place('resonances')), error)
     call fill_summary(stages, sweep, self%tables(self%place('sweep_summary')), error)
@@ -73,16 +80,17 @@ contains
   end subroutine run
 
   !> One row an operating point.
-  pure subroutine fill_sweep(stages, sweep, table, error)
+  pure subroutine fill_sweep(stages, sweep, motions, table, error)
     type(stages_t), intent(in) :: stages
     type(sweep_t), intent(in) :: sweep
+    type(all_motions_t), intent(in) :: motions
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     integer :: n, m
 
     n = size(sweep%status, 1)
     m = size(sweep%status, 2)
-    call table%begin('dynamic factor over speed and relief', n*m, 13, error, extent=[m, n])
+    call table%begin('dynamic factor over speed and relief', n*m, 16, error, extent=[m, n])
     if (allocated(error)) return
     call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
     call table%add_index('rpm', '1/min', of_speed, over_and_over(sweep%rpm, m))
@@ -102,6 +110,10 @@ contains
                    'point was solved by itself; else 0', merge(1, 0, [sweep%branch_lost]))
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
                    over_and_over(frequency_ratio(stages%motion(1), sweep%rpm), m))
+    call table%add('motions', '', 'with direction all: how many motions attract at this speed; else NaN', [motions%motions])
+    call table%add('largest_dynamic_factor', '', 'with direction all: largest DF of these; else NaN', [motions%largest])
+    call table%add('share', '', 'with direction all: share of the starts that lead to the motion of this row; else NaN', &
+                   [motions%share])
   end subroutine fill_sweep
 
   !> The largest dynamic factor of each relief.
@@ -238,6 +250,10 @@ contains
       if (worst%rows > 1 .and. .not. ieee_is_nan(all_points%number('rpm'))) call lines%add(left('Best of the list', 19)// &
         str(all_points%number('best_relief_um'))//' um: worst DF '//fixed(all_points%number('worst_dynamic_factor'), 4))
       call add_quality(all_points, lines)
+      i = count(sweep%numbers('motions') > 1)
+      if (i > 0) call lines%add(left('', 19)//str(i)//' with several motions; the largest DF of all is '// &
+                                fixed(maxval(sweep%numbers('largest_dynamic_factor'), &
+                                             mask=sweep%numbers('motions') > 0), 4))
     end associate
   end subroutine add_report
 

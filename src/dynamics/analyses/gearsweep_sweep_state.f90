@@ -12,6 +12,8 @@ module gearsweep_sweep_state
 
   !> Each point by itself, or on the branch of the point before.
   integer, parameter, public :: each = 0, up = 1, down = -1
+  !> What a case may ask for besides: each point by itself, and all motions that attract there.
+  integer, parameter, public :: all_motions = 2
 
   type :: sweep_options_t
     type(accuracy_t) :: accuracy
