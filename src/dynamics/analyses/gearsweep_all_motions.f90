@@ -9,6 +9,7 @@ module gearsweep_all_motions
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: has_result, status_ok, status_stopped
+  use gearsweep_text, only: str
   implicit none
   private
   public :: all_motions_t, count_motions
@@ -41,14 +42,14 @@ contains
     found%largest = found%motions
     found%share = found%motions
     if (.not. wanted) return
-    call claim_memory(portion*(1e4_dp + 40.0_dp*options%starts**2), '&sweep direction = ''all''', error)
+    call claim_memory(portion*(1e4_dp + 40.0_dp*options%starts**2), 'all motions at '//str(portion)//' speeds', error)
     do i = 1, size(osc)
       do first = 1, size(rpm), portion
         if (allocated(error) .or. found%stopped) return
         last = min(first + portion - 1, size(rpm))
         allocate (some(last - first + 1))
         call find_attractors(osc(i), rpm(first:last), options, some)
-        if (any(some%lacks)) call fail(error, code_memory, '&sweep direction = ''all'': the memory does not hold the motions')
+        if (any(some%lacks)) call fail(error, code_memory, 'sweep: the memory does not hold all motions at a speed')
         found%stopped = any(some%status == status_stopped)
         if (.not. found%stopped) call summarise(some, found%motions(first:last, i), found%largest(first:last, i), &
                                                 found%share(first:last, i))
