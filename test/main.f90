@@ -55,6 +55,7 @@ program check
   use test_stability, only: run_stability => run
   use test_summary, only: run_summary => run
   use test_sweep, only: run_sweep => run
+  use test_transient, only: run_transient => run
   use testing, only: suite_t, tally_t
   implicit none
   integer :: passed = 0, failed = 0
@@ -104,6 +105,7 @@ program check
     & suite_t('rating', run_rating), &
     & suite_t('flank', run_flank), &
     & suite_t('iso_rating', run_iso_rating), &
+    & suite_t('transient', run_transient), &
     & suite_t('closed_stress', run_closed_stress), &
     & suite_t('closed_estimates', run_closed_estimates), &
     & suite_t('closed_limits', run_closed_limits), &

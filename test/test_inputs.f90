@@ -20,9 +20,10 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(13) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(14) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
-    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'flank: ', 'rating: ']
+    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'flank: ', 'rating: ', &
+    'transient: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -86,7 +87,7 @@ contains
     end do
     do k = 1, size(tasks)
       ! These need a gear.
-      if (any(tasks(k) == [character(8) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating'])) cycle
+      if (any(tasks(k) == [character(9) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', merge(8, 1, tasks(k) == 'precision'), &
                                      k, changes)
     end do
@@ -260,6 +261,28 @@ contains
     call add('rating contact_limit_mpa', '1400, 1500', 'g', 'rating contact_limit_mpa 1400')
     call add('rating root_limit_mpa', '800', 'g')
     call add('rating root_limit_mpa', '800, 700', 'g', 'rating root_limit_mpa 800')
+    call add('transient rpm', '17000, 19000', 'g')
+    call add('transient relief_um', '5', 'g')
+    call add('transient modes', '3', 'g')
+    call add('transient damping_ratio', '0.02', 'g')
+    call add('transient rayleigh_alpha_1_s', '200', 'g')
+    call add('transient rayleigh_beta_s', '1e-7', 'g')
+    call add('transient static_correction', '.false.', 'g')
+    call add('transient tangent_deg', '35', 'g')
+    call add('transient positions', '12', 'g')
+    call add('transient sharing', '''equal''', 'g')
+    call add('transient sharing', '''motion''', 'g')
+    call add('transient spacing', '''flank''', 'g')
+    call add('transient shares', '0.5, 1, 1, 0.6', 'g', only='transient positions ')
+    call add('transient jump_at', '0.3', 'g', 'transient spacing ''flank''')
+    call add('transient passage_periods', '1', 'g', 'transient spacing ''flank''')
+    call add('transient travel', '''inwards''', 'g')
+    call add('transient after_periods', '0.5', 'g')
+    call add('transient samples', '30', 'g')
+    call add('transient time_step_s', '1e-5', 'g', 'transient samples ')
+    call add('mesh nonlinear_contact', '.false.', 'g', 'transient sharing ''equal''')
+    call add('relief shape', '''parabolic''', 'g', 'transient sharing ''equal''')
+    call add('dynamics damping_ratio', '0.03', 'g', 'transient sharing ''motion''')
     call add('dynamics friction', '0.05', 'g', 'flank dynamic_load .false.')
     call add('numerics tolerance', '1e-10', 'g', 'flank dynamic_load .false.')
     call add('material young_gpa', '200', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
@@ -327,7 +350,8 @@ contains
     call set(settings, 'case tasks '''//task//''';pair module_mm 3;pair face_width_mm 20;pinion teeth 21;gear teeth 34;'// &
              'load normal_force_n 4000;relief amount_um 0, 5;relief gear_fraction 0.4;mesh model '''//model//''';'// &
              'section teeth 1;section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
-             'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;rating rpm 20000;'//few)
+             'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;rating rpm 20000;'// &
+             'transient rpm 20000;transient modes 2;transient positions 9;transient samples 20;'//few)
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
     select case (model)

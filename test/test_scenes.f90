@@ -33,8 +33,8 @@ module test_scenes
     '&static positions = 5 field_position = 0 /'// &
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
-    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''precision'', ''flank'', ''rating'' /'// &
-    '&flank rpm = 5000 / &rating rpm = 5000 /'// &
+    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''precision'', ''flank'', ''rating'', ''transient'' /'// &
+    '&flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
     '&stability damping_count = 3 tongues = 2 /'// &
     '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
     '&attractors rpm = 5000, 7000 relief_um = 0 starts = 3 /'// &

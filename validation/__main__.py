@@ -4,7 +4,7 @@ import argparse
 import pathlib
 import sys
 
-from . import check, ledger, pictures, published, readme, report, spread
+from . import check, ledger, moving_load, pictures, published, readme, report, spread
 
 
 def main(arguments=None):
@@ -29,7 +29,8 @@ def main(arguments=None):
         readme.update(outcomes)
         published.update()
         pictures.update()
-        print('Wrote README.md, doc/dynamic_factor.svg and data/hassan2009.csv')
+        moving_load.update()
+        print('Wrote README.md, doc/dynamic_factor.svg, doc/transient.md and data/hassan2009.csv')
     return int(any(outcome.bad for outcome in outcomes + checks))
 
 

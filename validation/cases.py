@@ -9,7 +9,8 @@ DATA = pathlib.Path(__file__).parent.parent / 'data'
 
 # The task that fills a table, where it has another name.
 TASKS = {'gears': 'geometry', 'contact_points': 'geometry', 'motion': 'mesh', 'transmission_error': 'mesh', 'harmonics': 'mesh',
-         'root_stress': 'static', 'flank_losses': 'flank', 'root_rating': 'static', 'resonances': 'sweep', 'optimum_curve': 'optimum'}
+         'root_stress': 'static', 'flank_losses': 'flank', 'root_rating': 'static', 'transient_points': 'transient',
+         'transient_peaks': 'transient', 'resonances': 'sweep', 'optimum_curve': 'optimum'}
 
 _NO_SECTION = {'teeth': None, 'fixed': None, 'plane': None}
 
@@ -40,12 +41,21 @@ VARIANTS = {
     'engineer': {'mesh': {'corner_contact': True, 'tooth_coupling': True, 'nonlinear_contact': True}},
     'pinion-only': {'relief': {'gear_fraction': 0}},
     'less-on-the-gear': {'relief': {'gear_fraction': 0.6}},
+    # Hassan's moving load: Eq. 17 with its sign and frequencies in rad/s; many modes and what the others add at once; the path in as many mesh periods as the contact ratio has.
+    'right-damping': {'transient': {'rayleigh_alpha_1_s': -10.004, 'rayleigh_beta_s': 6.58e-9}},
+    'converged': {'transient': {'modes': 40, 'static_correction': True}},
+    'ten-across': {'section': {'elements_across': 10}},
+    'whole-passage': {'transient': {'passage_periods': None}},
     'rack-tip-0.25': {'pinion': {'rack_tip_radius': 0.25}, 'gear': {'rack_tip_radius': 0.25}},
     'rack-tip-0.38': {'pinion': {'rack_tip_radius': 0.38}, 'gear': {'rack_tip_radius': 0.38}},
     'coarse': {'section': {'elements_across': 6}},
     'tangent-20-deg': {'static': {'tangent_deg': 20}},
     'tangent-30-deg': {'static': {'tangent_deg': 30}},
 }
+
+# Where between two nodes of Hassan's the load doubles, which is not stated; without any of them it does so all along.
+JUMPS = tuple(f'jump-{fifth}' for fifth in range(6))
+VARIANTS |= {name: {'transient': {'jump_at': fifth / 5}} for fifth, name in enumerate(JUMPS)}
 
 
 @functools.cache

@@ -3,15 +3,17 @@
 Lengths in mm, stress in MPa, as printed; `id` is that of another row.
 """
 
+import functools
 import math
 
 import numpy as np
 
 from . import ledger
-from .cases import given, result
+from .cases import JUMPS, given, result
 from .quantities import load, mode, radius
 
 CASE = 'hassan'
+MOVING = 'hassan_transient'
 COAST = 1
 COMPONENTS = {'x': 'sigma_x_mpa', 'y': 'sigma_y_mpa', 'xy': 'tau_xy_mpa'}
 
@@ -129,6 +131,83 @@ def above_the_line(k):
     half = (1, 2, 3, 7, 8, 9)
     line = np.polyfit(half, [printed(f'step_{step}_sigma_y_mpa') for step in half], 1)
     return 2 * np.polyval(line, k) / printed(f'step_{k}_sigma_y_mpa')
+
+
+# The tooth under the moving load
+
+def largest(rpm, component, name=MOVING):
+    """Size of a stress component at node 102 when it is largest; between nodes 70 and 68 the load changes all along."""
+    points = result('transient_points', name)
+    return abs(points[f'{component}_mpa'][0, list(points.rpm).index(rpm), 0, COAST])
+
+
+@functools.cache
+def band(rpm, component, name=MOVING):
+    """The least and the most of it where the load jumps somewhere between two nodes instead."""
+    values = [largest(rpm, component, f'{name}+{jump}') for jump in JUMPS]
+    return min(values), max(values)
+
+
+def history(rpm, name=MOVING):
+    """Time (s) and sizes of the stress at node 102, of the motion and with the load at rest (MPa)."""
+    table = result('transient', name)
+    here = (table.rpm == rpm) & (table.side == 'coast')
+    return 1e-3 * table.time_ms[here], np.abs(table.sigma_mpa[here]), np.abs(table.static_mpa[here])
+
+
+def turns(rpm, name=MOVING):
+    """Where the stress turns: times (s) and values (MPa) of its peaks and of the troughs behind them, by parabolas."""
+    time, stress, _ = history(rpm, name)
+    found = []
+    for sign in (1, -1):
+        y = sign * stress
+        at = np.flatnonzero((y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])) + 1
+        slope, bend = (y[at + 1] - y[at - 1]) / 2, y[at + 1] - 2 * y[at] + y[at - 1]
+        found.append((time[at] - slope / bend * time[1], sign * (y[at] - slope**2 / (2 * bend))))
+    return found
+
+
+def counted_peaks(until):
+    """Peaks of the stress at 1440 rpm up to a time (s)."""
+    (time, _), _ = turns(1440)
+    return int(np.sum(time <= until))
+
+
+def time_of_peaks(count):
+    """Time (s) of so many whole swings of the stress at 1440 rpm: of the trough behind that many peaks."""
+    _, (time, _) = turns(1440)
+    return time[count - 1]
+
+
+def mean_over_static(name=MOVING):
+    """Mean of each peak and the trough behind it over the stress at rest halfway, at 1440 rpm while two pairs carry."""
+    (peak_time, peak), (trough_time, trough) = turns(1440, name)
+    time, _, at_rest = history(1440, name)
+    swings = range(int(np.sum(trough_time < time[-1] / 4)))
+    return np.mean([(peak[i] + trough[i]) / 2 / np.interp((peak_time[i] + trough_time[i]) / 2, time, at_rest) for i in swings])
+
+
+def mean_is_static():
+    return abs(mean_over_static(f'{MOVING}+converged') - 1) < 0.1
+
+
+def whole_band(component):
+    """The least and the most over all speeds, however the load changes between nodes 70 and 68, on a coarse grid."""
+    name = f'{MOVING}+ten-across'
+    speeds = (360, 720, 1440, 1800)
+    values = [value for rpm in speeds for value in (largest(rpm, component, name), *band(rpm, component, name))]
+    return min(values), max(values)
+
+
+def at_an_end(component, end):
+    return whole_band(component)[end]
+
+
+def grows():
+    """The largest von Mises stress grows with every step of the speed, whether the load changes all along or jumps."""
+    names = (MOVING, *(f'{MOVING}+{jump}' for jump in JUMPS))
+    runs = [[largest(rpm, 'mises', name) for rpm in (360, 720, 1440, 1800)] for name in names]
+    return all(values == sorted(values) for values in runs)
 
 
 # Damping, time and stress from printed numbers

@@ -65,6 +65,8 @@ _PLOTS = (
     'plot_stiffness',
     'plot_stress',
     'plot_sweep',
+    'plot_transient',
+    'plot_transient_peaks',
     'plots',
 )
 

@@ -903,6 +903,110 @@ class DynamicFactorsTable(Table):
     resonance_ratio: NDArray[float64]
     """N: speed over the resonance running speed of Method B"""
 
+class TransientTable(Table):
+    """stress and displacement at points of the fillets while the load passes"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    tangent_deg: NDArray[float64]
+    """deg: angle of the fillet's tangent at this point to the tooth's axis"""
+    side: NDArray[str_]
+    """drive (the loaded side: tension) or coast"""
+    time_ms: NDArray[float64]
+    """ms: time since the load met the tooth"""
+    s: NDArray[float64]
+    """path coordinate of the load, in base pitches from A"""
+    load_n: NDArray[float64]
+    """N: load on the tooth"""
+    sigma_mpa: NDArray[float64]
+    """MPa: stress along the surface"""
+    sigma_x_mpa: NDArray[float64]
+    """MPa: component across the tooth, x to its drive side"""
+    sigma_y_mpa: NDArray[float64]
+    """MPa: component along the tooth's axis y"""
+    tau_xy_mpa: NDArray[float64]
+    """MPa: shear component"""
+    mises_mpa: NDArray[float64]
+    """MPa: von Mises stress"""
+    static_mpa: NDArray[float64]
+    """MPa: stress along the surface under the same load at rest"""
+    displacement_x_um: NDArray[float64]
+    """um: displacement across the tooth, to its drive side"""
+    displacement_y_um: NDArray[float64]
+    """um: displacement along the tooth's axis"""
+
+class TransientPointsTable(Table):
+    """the largest stress and displacement at points of the fillets while the load passes"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    tangent_deg: NDArray[float64]
+    """deg: angle of the fillet's tangent at this point to the tooth's axis"""
+    side: NDArray[str_]
+    """drive (the loaded side: tension) or coast"""
+    highest_mpa: NDArray[float64]
+    """MPa: highest stress along the surface"""
+    highest_ms: NDArray[float64]
+    """ms: when"""
+    lowest_mpa: NDArray[float64]
+    """MPa: lowest stress along the surface"""
+    lowest_ms: NDArray[float64]
+    """ms: when"""
+    sigma_mpa: NDArray[float64]
+    """MPa: where it is largest in size: stress along the surface"""
+    sigma_x_mpa: NDArray[float64]
+    """MPa: where it is largest in size: component across the tooth, x to its drive side"""
+    sigma_y_mpa: NDArray[float64]
+    """MPa: where it is largest in size: component along the tooth's axis y"""
+    tau_xy_mpa: NDArray[float64]
+    """MPa: where it is largest in size: shear component"""
+    mises_mpa: NDArray[float64]
+    """MPa: where it is largest in size: von Mises stress"""
+    static_mpa: NDArray[float64]
+    """MPa: stress along the surface, the largest in size with the load at rest"""
+    displacement_x_um: NDArray[float64]
+    """um: displacement across the tooth, to its drive side, the largest in size"""
+    displacement_y_um: NDArray[float64]
+    """um: displacement along the tooth's axis, the largest in size"""
+    error_estimate: NDArray[float64]
+    """estimated discretisation error of the largest stress, relative"""
+
+class TransientPeaksTable(Table):
+    """the largest stress in the root fillets while the load passes"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    tension_mpa: NDArray[float64]
+    """MPa: largest tension along the surface"""
+    tension_deg: NDArray[float64]
+    """deg: angle of the fillet's tangent there to the tooth's axis"""
+    static_tension_mpa: NDArray[float64]
+    """MPa: largest tension with the load at rest"""
+    compression_mpa: NDArray[float64]
+    """MPa: largest compression along the surface, negative"""
+    compression_deg: NDArray[float64]
+    """deg: angle of the fillet's tangent there to the tooth's axis"""
+    static_compression_mpa: NDArray[float64]
+    """MPa: largest compression with the load at rest, negative"""
+    mises_mpa: NDArray[float64]
+    """MPa: largest von Mises stress"""
+    tension_ratio: NDArray[float64]
+    """largest tension over that with the load at rest"""
+    compression_ratio: NDArray[float64]
+    """the same of the compression"""
+    look_us: NDArray[float64]
+    """us: time between two looks for the largest values"""
+    error_estimate: NDArray[float64]
+    """estimated discretisation error of the stresses, relative"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+
 class MotionTable(Table):
     """load, masses and stiffness of the mesh, and its natural frequency"""
 
@@ -1092,6 +1196,12 @@ class Named:
     def rating_factors(self) -> RatingFactorsTable: ...
     @property
     def dynamic_factors(self) -> DynamicFactorsTable: ...
+    @property
+    def transient(self) -> TransientTable: ...
+    @property
+    def transient_points(self) -> TransientPointsTable: ...
+    @property
+    def transient_peaks(self) -> TransientPeaksTable: ...
     @property
     def motion(self) -> MotionTable: ...
     @property

@@ -68,8 +68,9 @@ def both(rattling):
 def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, attractors={'starts': 4},
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
+                                transient={'rpm': [4000, 6000], 'modes': 3, 'samples': 20},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating'))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating', 'transient'))
 
 
 def all_plots():
@@ -388,9 +389,34 @@ def test_rating_shows_the_dynamic_factor_by_both_methods():
     assert {'Method A: motion', 'Method B', '0', '10'} == set(labels)
 
 
+def test_transient_shows_both_fillets_over_time_and_their_largest_stress_over_speed():
+    case = Case(GEARED).changed(mesh={'model': 'weber'}, section={'elements_across': 3},
+                                transient={'rpm': [6000, 4000], 'tangent_deg': [20, 30], 'modes': 3, 'samples': 20})  # fmt: skip
+    study = gearsweep.run(case, 'transient')
+    table = study.transient
+    ax = plots.plot_transient(study, Figure().subplots(), rpm=4000, tangent_deg=30)
+    drawn = {tuple(line.get_ydata()) for line in ax.lines}
+    for relief in (0, 10):
+        for side in ('drive', 'coast'):
+            here = (table.relief_um == relief) & (table.rpm == 4000) & (table.side == side) & np.isclose(table.tangent_deg, 30)
+            assert here.sum() == 21
+            assert tuple(table.sigma_mpa[here]) in drawn and tuple(table.static_mpa[here]) in drawn
+    ax = plots.plot_transient_peaks(study, Figure().subplots())
+    drawn = {tuple(line.get_ydata()) for line in ax.lines}
+    peaks = study.transient_peaks
+    assert list(peaks.rpm) == [6000, 4000]
+    for relief in range(2):
+        assert tuple(peaks.tension_mpa[relief][::-1]) in drawn and tuple(peaks.static_tension_mpa[relief][::-1]) in drawn
+    with pytest.raises(ValueError, match='rpm = 5000: must be one of 6000, 4000'):
+        plots.plot_transient(study, rpm=5000)
+    with pytest.raises(ValueError, match='tangent_deg = 25: must be one of 20, 30'):
+        plots.plot_transient(study, tangent_deg=25)
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'precision', 'flank', 'dynamic_factors')  # fmt: skip
+             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'precision', 'flank', 'dynamic_factors', 'transient',
+             'transient_peaks')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

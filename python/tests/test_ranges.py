@@ -10,7 +10,7 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating', 'transient'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
@@ -32,6 +32,7 @@ GROUPS = {
     'precision': {},
     'flank': {'rpm': 3000},
     'rating': {'rpm': 3000},
+    'transient': {'rpm': 3000, 'modes': 5},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},
@@ -50,6 +51,8 @@ BESIDE = {
     'length_mm': {'relief': {'start': "'length'", 'amount_um': 5}},
     'pinion_roll_deg': {'relief': {'start': "'roll'", 'amount_um': 5, 'gear_roll_deg': 20}},
     'gear_roll_deg': {'relief': {'start': "'roll'", 'amount_um': 5, 'pinion_roll_deg': 20}},
+    'jump_at': {'transient': {'spacing': "'flank'"}},
+    'passage_periods': {'transient': {'spacing': "'flank'"}},
     'inertia_kgm2': {'pinion': {'effective_mass_kg': None}},
     'density_kgm3': {'pinion': {'effective_mass_kg': None}},
     'base_pitch_mm': {'load': {'normal_force_n': None, 'torque_nm': 100}},
@@ -94,8 +97,8 @@ def case_with(group, key, value):
     for name, keys in BESIDE.get(key, {}).items():
         groups.setdefault(name, {}).update(keys)
     said = f'{value:.15g}' if isinstance(value, float) else str(value)
-    # A list of at least two.
-    groups.setdefault(group, {})[key] = f'{said}, 0.5' if key == 'shares' else said
+    # A list of at least two, or four.
+    groups.setdefault(group, {})[key] = said + ', 0.5' * (3 if group == 'transient' else 1) if key == 'shares' else said
     return '\n'.join(
         f'&{name} ' + ' '.join(f'{key} = {value}' for key, value in keys.items() if value is not None) + ' /'
         for name, keys in groups.items() if any(value is not None for value in keys.values())

@@ -30,6 +30,7 @@ PLACES = {
     'Precision at': 'precision precision_finest',
     'Flanks': 'flank_losses',
     'Rating by': 'rating dynamic_factors',
+    'Root stress while': 'transient_peaks',
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.

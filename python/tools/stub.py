@@ -31,7 +31,8 @@ def studies() -> list[gearsweep.Study]:
               'sweep': {'rpm_step': 19000, 'load_rpm': 1600}, 'poincare': {'settling_periods': 0, 'kept_periods': 1},
               'attractors': {'starts': 1},
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
-              'flank': {'rpm': 1600}, 'rating': {'rpm': 1600}}  # fmt: skip
+              'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
+              'transient': {'rpm': 1600, 'modes': 2, 'samples': 2}}  # fmt: skip
     whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)
     printed = gearsweep.Case.read(ROOT / 'data/hassan.nml').changed(case={'tasks': 'geometry'})
     with warnings.catch_warnings():

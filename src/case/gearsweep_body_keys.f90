@@ -25,13 +25,15 @@ contains
     with_body = trim(sentence_of(case%tasks, 'section'))//', '//sentence_of(case%tasks, 'mesh', but='static')
     with_support = 'modal, '//case%tasks_for('mesh')
     shape = unless(case%needs('section') .or. case%needs_elements(), &
-                   'section, static, modal, precision or a stiffness by elements')
+                   'section, static, modal, precision, transient or a stiffness by elements')
     ! The task precision has a fineness of its own.
-    fineness = unless(case%asks('section') .or. case%asks('static') .or. case%asks('modal') .or. case%needs_elements(), &
-                      'section, static, modal or a stiffness by elements')
-    support = unless(case%needs('body') .or. case%needs_elements(), 'static, modal, precision or a stiffness by elements')
+    fineness = unless(case%asks('section') .or. case%asks('static') .or. case%asks('modal') .or. &
+                      case%asks('transient') .or. case%needs_elements(), &
+                      'section, static, modal, transient or a stiffness by elements')
+    support = unless(case%needs('body') .or. case%needs_elements(), &
+                     'static, modal, precision, transient or a stiffness by elements')
     ! Printed values may be a tooth's of this member.
-    looks = unless(case%needs('section') .or. allocated(case%published), 'section, static, modal or precision')
+    looks = unless(case%needs('section') .or. allocated(case%published), 'section, static, modal, precision or transient')
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
@@ -65,7 +67,7 @@ contains
     member = 'pinion'
     call reader%get('section', 'member', member, error, waits=looks, refused=geared, &
                     allowed=[character(6) :: 'pinion', 'gear'], &
-                    meaning='the gear whose section the tasks section, static, modal and precision take')
+                    meaning='the gear whose section the tasks section, static, modal, precision and transient take')
     case%member = merge(2, 1, member == 'gear')
   end subroutine read_section
 end module gearsweep_body_keys

@@ -40,6 +40,7 @@ module gearsweep_key_names
     & key_name_t('elements across a tooth', '&section elements_across'), &
     & key_name_t('static stress', '&static'), &
     & key_name_t('tangent at the fillet (deg)', '&static tangent_deg'), &
+    & key_name_t('step of the passage (s)', '&transient time_step_s'), &
     & key_name_t('number of modes', '&modal modes')]
 
   !> The same of a member, which stands before its quantity, as in `pinion profile shift`.

@@ -149,7 +149,7 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: sharing = 'mesh, static or precision'
+    character(*), parameter :: sharing = 'mesh, static, precision or transient'
     character(sentence_length) :: geared, waits
     integer :: i
 
@@ -175,6 +175,7 @@ contains
     type(task_slot_t), intent(in) :: slot
 
     shares_load = slot%takes('reliefs') .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision'])
+    if (slot%info%name == 'transient') shares_load = slot%takes('reliefs') .and. .not. slot%takes('motion')
   end function shares_load
 
   !> What a prescribed mesh may have beside the stiffness of its pairs; `refused` where the mesh is not prescribed.

@@ -12,6 +12,7 @@ module gearsweep_modal
   type :: modal_t
     type(section_t) :: section
     type(modes_t) :: modes
+    type(modes_t) :: coarse                      !< those of the second grid
     real(dp), allocatable :: error_estimate(:)   !< of each frequency, relative
   end type modal_t
 
@@ -25,14 +26,13 @@ contains
     integer, intent(in) :: count
     type(modal_t), intent(out) :: product
     type(error_t), allocatable, intent(out) :: error
-    type(modes_t) :: coarse
 
     product%section = grids(1)%section
     call modes_of(grids(1), count, product%modes, error)
     if (allocated(error)) return
-    call modes_of(grids(2), count, coarse, error)
+    call modes_of(grids(2), count, product%coarse, error)
     if (allocated(error)) return
-    product%error_estimate = abs((coarse%frequency/product%modes%frequency - 1)/(step_ratio(grids)**2 - 1))
+    product%error_estimate = abs((product%coarse%frequency/product%modes%frequency - 1)/(step_ratio(grids)**2 - 1))
   end subroutine section_modes
 
   !> Modes for the section's own stiffness and width.

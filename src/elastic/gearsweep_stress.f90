@@ -19,7 +19,8 @@ module gearsweep_stress
   use gearsweep_text, only: str
   implicit none
   private
-  public :: root_stress_t, stress_peak_t, find_root_stress, root_stress
+  public :: root_stress_t, stress_peak_t, fillet_stress_t, find_root_stress, root_stress
+  public :: along_fillet, find_peaks, peak_difference
 
   !> A largest value: how much, where and under which of the loads.
   type :: stress_peak_t
@@ -49,7 +50,7 @@ module gearsweep_stress
   end type root_stress_t
 
   !> Where the derivative of a quadratic is exact for a cubic.
-  real(dp), parameter :: best = 1/sqrt(3.0_dp)
+  real(dp), parameter, public :: best = 1/sqrt(3.0_dp)
 
 contains
 
@@ -69,14 +70,14 @@ contains
     if (allocated(error)) return
     call find_root_stress(grids(2)%section, grids(2)%body, radius, line_load, coarse, error)
     if (allocated(error)) return
-    product%error_estimate = max(difference(product, coarse, product%tension), &
-                                 difference(product, coarse, product%compression))
+    product%error_estimate = max(peak_difference(product, coarse, product%tension), &
+                                 peak_difference(product, coarse, product%compression))
     product%error_estimate = product%error_estimate/abs(step_ratio(grids)**2 - 1)
   end subroutine root_stress
 
   !> Largest relative difference of two grids where the stress is within a tenth
   !> of the peak: the peaks alone may agree by chance.
-  pure real(dp) function difference(fine, coarse, peak) result(most)
+  pure real(dp) function peak_difference(fine, coarse, peak) result(most)
     type(root_stress_t), intent(in) :: fine, coarse
     type(stress_peak_t), intent(in) :: peak
     type(piecewise_t) :: curve
@@ -91,7 +92,7 @@ contains
         most = max(most, abs((f%stress(i, peak%load) - curve%value(f%point(2, i)))/peak%stress))
       end do
     end associate
-  end function difference
+  end function peak_difference
 
   !> The same on one grid, without an estimate.
   subroutine find_root_stress(section, body, radius, line_load, product, error)
@@ -243,13 +244,14 @@ contains
 
   !> Stress where the fillet's tangent makes `tangent` (rad) with the tooth axis,
   !> for all loads: along the surface (Pa), and its components sigma_x, sigma_y,
-  !> tau_xy (3, loads) with y along the tooth axis and x towards the drive side.
-  subroutine at_tangent(product, side, tangent, along, components, error)
+  !> tau_xy (3, loads) with y along the tooth axis and x towards the drive side. `along_surface`: the surface's direction there.
+  subroutine at_tangent(product, side, tangent, along, components, error, along_surface)
     class(root_stress_t), intent(in) :: product
     integer, intent(in) :: side
     real(dp), intent(in) :: tangent
     real(dp), allocatable, intent(out) :: along(:), components(:, :)
     type(error_t), allocatable, intent(out) :: error
+    real(dp), intent(out), optional :: along_surface(2)
     type(piecewise_t) :: place, curve
     real(dp) :: point(2), s, direction(2)
     integer :: load
@@ -264,6 +266,7 @@ contains
       place = spline(fillet%point(2, :), fillet%along)
       s = place%value(point(2))
       direction = [sin(tangent)*merge(-1, 1, side == drive), cos(tangent)]
+      if (present(along_surface)) along_surface = direction
       allocate (along(size(fillet%stress, 2)), components(3, size(fillet%stress, 2)))
       do load = 1, size(along)
         curve = spline(fillet%along, fillet%stress(:, load))

@@ -14,6 +14,7 @@ module gearsweep_task
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t
   use gearsweep_material, only: material_t
+  use gearsweep_member_section, only: member_section_t
   use gearsweep_mesh, only: mesh_t
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
@@ -21,7 +22,6 @@ module gearsweep_task
   use gearsweep_reader, only: reader_t
   use gearsweep_refinement, only: levels_t
   use gearsweep_response, only: find_response, response_t
-  use gearsweep_section_body, only: make_two_grids, section_body_t
   use gearsweep_sweep_state, only: all_motions, counter_t, each, progress_of_sweep, sweep_options_t, sweep_state_t, up
   use gearsweep_stiffness, only: iso_options_t
   use gearsweep_table, only: table_t
@@ -34,17 +34,15 @@ module gearsweep_task
   character(*), parameter, public :: members(2) = [character(6) :: 'pinion', 'gear']
 
   !> What there is only while a study is made.
-  type :: running_t
+  type, extends(member_section_t) :: running_t
     integer :: threads = 0                       !< 0: as many as the machine has
     procedure(progress_of_sweep), pointer, nopass :: progress => null()
     integer :: done = 0, all_points = 0          !< operating points, for progress
     type(sweep_state_t), pointer :: states(:) => null()  !< how far the sweeps were when a run was ended
-    type(section_body_t), allocatable :: bodies(:)  !< the member's section, factored, on two grids
     type(point_t), allocatable :: kept(:, :)     !< what the sweep found at the speeds `keep`; (speed, relief)
     class(task_t), pointer :: earlier => null()  !< the same task of an earlier study, with its result
-    character(:), allocatable :: log             !< stages run and left out, a line each
   contains
-    procedure :: note, need_bodies, tell
+    procedure :: tell
   end type running_t
 
   !> Products of the stages that several tasks share. Those that no wanted task needs are not allocated.
@@ -357,26 +355,6 @@ contains
     if (.not. lacks) call find_response(self%motion(relief), rpm, self%accuracy, response, point, harmonics)
     response%lacks = response%lacks .or. lacks
   end subroutine find_motion
-
-  !> A line of the log.
-  subroutine note(self, line)
-    class(running_t), intent(inout) :: self
-    character(*), intent(in) :: line
-
-    self%log = self%log//line//new_line('a')
-  end subroutine note
-
-  !> The member's body, factored on two grids, for all tasks that need it; nothing is done where it is there.
-  subroutine need_bodies(self, inputs, error)
-    class(running_t), intent(inout) :: self
-    type(body_inputs_t), intent(in) :: inputs
-    type(error_t), allocatable, intent(inout) :: error
-
-    if (allocated(self%bodies) .or. allocated(error)) return
-    allocate (self%bodies(2))
-    call make_two_grids(inputs%gear, inputs%material, inputs%options, self%bodies, error)
-    call self%note('section: two grids made and factored')
-  end subroutine need_bodies
 
   !> So many operating points more are done; `stop` is the flag of the run, where the count is told too.
   subroutine tell(self, points, stop)

@@ -4,7 +4,7 @@ module gearsweep_task_modal
   use gearsweep_grid_tables, only: fill_elements, fill_nodes, grid_of_section
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t, right
-  use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_modal, only: modal_t
   use gearsweep_reader, only: reader_t
   use gearsweep_table, only: each, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
@@ -47,17 +47,17 @@ contains
     class(modal_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
-    type(modal_t) :: modal
 
-    call stages%running%need_bodies(stages%body_inputs, error)
-    if (.not. allocated(error)) call section_modes(stages%running%bodies, self%modes, modal, error)
+    call stages%running%need_modes(stages%body_inputs, self%modes, error)
     if (allocated(error)) return
-    call fill_modes(modal, self%tables(self%place('modal')), error)
-    call fill_energy(modal%modes%participation, self%tables(self%place('mode_energy')), error)
-    call fill_shapes(modal%modes%shape, self%tables(self%place('mode_shapes')), error)
-    call fill_nodes(modal%section%grid, self%tables(self%place('nodes')), error)
-    call fill_elements(modal%section%grid, self%tables(self%place('elements')), error)
-    self%grid = modal%section%grid
+    associate (modal => stages%running%modal)
+      call fill_modes(modal, self%tables(self%place('modal')), error)
+      call fill_energy(modal%modes%participation, self%tables(self%place('mode_energy')), error)
+      call fill_shapes(modal%modes%shape, self%tables(self%place('mode_shapes')), error)
+      call fill_nodes(modal%section%grid, self%tables(self%place('nodes')), error)
+      call fill_elements(modal%section%grid, self%tables(self%place('elements')), error)
+      self%grid = modal%section%grid
+    end associate
     self%is_done = .true.
     self%log = 'modal: '//str(self%modes)//' modes'
   end subroutine run

@@ -16,6 +16,7 @@ module gearsweep_tasks
   use gearsweep_task_stability, only: stability_task_t
   use gearsweep_task_static, only: static_task_t
   use gearsweep_task_sweep, only: sweep_task_t
+  use gearsweep_task_transient, only: transient_task_t
   use gearsweep_uses, only: sentence_length
   implicit none
   private
@@ -56,6 +57,7 @@ contains
     call add(precision_task_t())
     call add(flank_task_t())
     call add(rating_task_t())
+    call add(transient_task_t())
     allocate (slots(n))
     do i = 1, n
       slots(i)%info = room(i)%info

@@ -9,7 +9,7 @@ import pytest
 
 import gearsweep
 from validation import __main__ as runner
-from validation import cases, check, ledger, pictures, published, readme, report, spread
+from validation import cases, check, ledger, moving_load, pictures, published, readme, report, spread
 
 
 @pytest.fixture
@@ -75,6 +75,10 @@ def test_verdicts(row):
 @pytest.mark.parametrize('row', [pytest.param(row, id=row.name) for row in spread.rows()])
 def test_tolerance_is_not_wider_than_unstated_inputs_bear(row):
     assert row.allowed <= spread.most(row)
+
+
+def test_nothing_in_table_3_is_old():
+    assert moving_load.same(moving_load.current(), moving_load.block()), 'run python -m validation --readme'
 
 
 def test_nothing_in_the_readme_is_old():

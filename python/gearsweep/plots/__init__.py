@@ -31,6 +31,7 @@ from .precision import plot_precision
 from .rating import plot_rating
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
+from .transient import plot_transient, plot_transient_peaks
 
 __all__ = [
     'draw_all',
@@ -55,6 +56,8 @@ __all__ = [
     'plot_stiffness',
     'plot_stress',
     'plot_sweep',
+    'plot_transient',
+    'plot_transient_peaks',
     'save',
     'style',
 ]

@@ -26,6 +26,7 @@ from .precision import PANELS, plot_precision
 from .rating import plot_rating
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
+from .transient import plot_transient, plot_transient_peaks
 
 #: No more panels than this in a picture; it says how many there would be.
 MOST = 20
@@ -82,6 +83,8 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'precision': _precision,
         'flank': _flank,
         'dynamic_factors': _single(plot_rating, 65),
+        'transient': _transient,
+        'transient_peaks': _single(plot_transient_peaks, 65),
     }
     for name, draw in drawings.items():
         if name in study and (not names or name in names):
@@ -144,6 +147,16 @@ def _loads(study: Study) -> Figure:
     figure, axes = _panels(len(speeds), 'speeds', 2, 60)
     for ax, rpm in zip(axes, speeds):
         plot_load(study, ax, rpm=rpm)
+    _one_legend(axes)
+    return figure
+
+
+def _transient(study: Study) -> Figure:
+    """A panel for each speed."""
+    speeds = np.atleast_1d(study.case.get('transient', 'rpm'))
+    figure, axes = _panels(len(speeds), 'speeds', 2, 60)
+    for ax, rpm in zip(axes, speeds):
+        plot_transient(study, ax, rpm=rpm)
     _one_legend(axes)
     return figure
 

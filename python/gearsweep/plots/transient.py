@@ -1,0 +1,101 @@
+"""Root stress while the load passes over a tooth: over time at one speed, and its largest over speed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..study import Study
+from ..table import Table
+from .look import GREY, canvas
+from .over_speed import curve
+from .reliefs import Reliefs, table_of
+
+FINE: dict[str, Any] = {'linewidth': 0.6, 'alpha': 0.6}
+
+
+def plot_transient(
+    transient: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, tangent_deg: float | None = None
+) -> Axes:
+    """Stress along both fillets at one point over time while the load passes; fine lines are for the same load at rest.
+
+    Parameters
+    ----------
+    transient : Study or Table
+        A study, or its table `transient`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    rpm : float, optional
+        One of the case's speeds in `&transient`; otherwise the first.
+    tangent_deg : float, optional
+        One of the case's points of the fillets in `&transient`; otherwise the first.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        The case has no such speed or point.
+    """
+    table = table_of(transient, 'transient')
+    rpm = _one_of(table.rpm, rpm, 'rpm')
+    tangent = _one_of(table.tangent_deg, tangent_deg, 'tangent_deg')
+    reliefs = Reliefs(table.case)
+    with canvas(ax) as ax:
+        for relief in dict.fromkeys(table.relief_um):
+            for side in ('drive', 'coast'):
+                here = np.isclose(table.rpm, rpm) & np.isclose(table.tangent_deg, tangent) & (table.side == side)
+                here &= table.relief_um == relief
+                curve(ax, table.time_ms[here], table.sigma_mpa[here], reliefs.style(relief))
+                curve(ax, table.time_ms[here], table.static_mpa[here], {**reliefs.style(relief), **FINE})
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        reliefs.legend(ax, [Line2D([], [], color=GREY, label='motion'), Line2D([], [], color=GREY, label='at rest', **FINE)])
+        ax.set_xlabel(f'Time at {rpm:g} 1/min (ms)')
+        ax.set_ylabel(f'Stress at the {tangent:g}° tangents (MPa)')
+    return ax
+
+
+def plot_transient_peaks(peaks: Study | Table, ax: Axes | None = None) -> Axes:
+    """Largest tension and compression of the fillets over speed, for each relief; fine lines are for the load at rest.
+
+    Parameters
+    ----------
+    peaks : Study or Table
+        A study, or its table `transient_peaks`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+
+    Returns
+    -------
+    Axes
+    """
+    peaks = table_of(peaks, 'transient_peaks')
+    reliefs = Reliefs(peaks.case)
+    order = np.argsort(peaks.rpm)
+    with canvas(ax) as ax:
+        for i, relief in enumerate(peaks.relief_um):
+            for column in ('tension_mpa', 'compression_mpa'):
+                curve(ax, peaks.rpm[order], peaks[column][i][order], reliefs.style(relief))
+                if len(order) < 20:
+                    ax.plot(peaks.rpm, peaks[column][i], 'o', color=reliefs.style(relief)['color'], markersize=2.5)
+                curve(ax, peaks.rpm[order], peaks[f'static_{column}'][i][order], {**reliefs.style(relief), **FINE})
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        reliefs.legend(ax, [Line2D([], [], color=GREY, label='motion'), Line2D([], [], color=GREY, label='at rest', **FINE)])
+        ax.set_xlabel('Speed of the pinion (1/min)')
+        ax.set_ylabel('Largest root stress (MPa)')
+    return ax
+
+
+def _one_of(values: np.ndarray, wanted: float | None, name: str) -> float:
+    """The value of this column that is wanted, or the first."""
+    if wanted is None:
+        return float(values[0])
+    if not np.isclose(values, wanted).any():
+        there = ', '.join(f'{value:g}' for value in dict.fromkeys(values))
+        raise ValueError(f'{name} = {wanted:g}: must be one of {there}')
+    return wanted

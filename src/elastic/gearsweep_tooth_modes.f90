@@ -1,0 +1,187 @@
+!> A loaded tooth of a section in its modes: what each mode and each place of the load do to the fillets.
+module gearsweep_tooth_modes
+  use gearsweep_compliance, only: flank_load
+  use gearsweep_error, only: error_t
+  use gearsweep_gear, only: coast, drive
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_modes, only: modes_t
+  use gearsweep_outline, only: fillet_parameter, fillet_point
+  use gearsweep_piecewise, only: piecewise_t, spline
+  use gearsweep_q8, only: edge_functions
+  use gearsweep_section_body, only: section_body_t
+  use gearsweep_stress, only: along_fillet, best, fillet_stress_t, root_stress_t
+  use gearsweep_modal_superposition, only: modal_model_t
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: tooth_modes_t, find_tooth_modes
+
+  !> What is looked at for each chosen point of a fillet.
+  integer, parameter, public :: per_point = 3, along = 1, moved_x = 2, moved_y = 3
+
+  !> The rows of `model` are the stress along the surface (Pa) at all points of the drive fillet, then of the coast fillet, and
+  !> then for each chosen point the stress along the surface there and both displacements (m), across and along the tooth.
+  type :: tooth_modes_t
+    type(modal_model_t) :: model                 !< its damping is the caller's to say
+    type(fillet_stress_t) :: side(2)             !< where the points of the fillets lie; drive, coast
+    real(dp), allocatable :: direction(:, :)     !< of the surface at each chosen point, in the tooth's frame (2, point)
+    type(root_stress_t) :: unit                  !< stress along the fillets under a unit load at rest
+  contains
+    procedure :: first_of_side
+    procedure :: row_of
+  end type tooth_modes_t
+
+contains
+
+  !> `grid`: the section, held and factored; `modes`: its own (gearsweep_modal). `radius(:)`: places of the load (m).
+  !> `tangent(:)`: the chosen points, by the angle of the fillet's tangent to the tooth's axis (rad), each on the drive and
+  !> then on the coast side.
+  !> `error`: a radius lies off the flank, a tangent off the fillet, or the memory does not hold it.
+  subroutine find_tooth_modes(grid, modes, radius, tangent, product, error)
+    type(section_body_t), intent(in) :: grid
+    type(modes_t), intent(in) :: modes
+    real(dp), intent(in) :: radius(:), tangent(:)
+    type(tooth_modes_t), intent(out) :: product
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: load(:, :), at_rest(:, :, :)
+    real(dp) :: stiffer, width
+    integer :: i
+
+    if (allocated(error)) return
+    associate (body => grid%body, count => size(modes%frequency))
+      width = grid%section%gear%spec%face_width
+      ! The body is a metre wide and as stiff as steel.
+      stiffer = grid%material%young/body%material%young
+      call claim_memory(size(radius)*(8.0_dp*body%unknowns + 16.0_dp*size(grid%section%grid%x, 2)), &
+                        'places of a moving load = '//str(size(radius)), error, blas=.true.)
+      if (allocated(error)) return
+      allocate (load(body%unknowns, size(radius)), source=0.0_dp)
+      allocate (at_rest(2, size(grid%section%grid%x, 2), size(radius)))
+      do i = 1, size(radius)
+        call flank_load(grid%section, body, radius(i), load(:, i), error)
+        if (allocated(error)) return
+      end do
+      allocate (product%model%frequency, source=2*pi*modes%frequency)
+      allocate (product%model%force(count, size(radius)))
+      do i = 1, count
+        product%model%force(i, :) = matmul(body%gather(modes%shape(:, :, i)), load)
+      end do
+      call body%stiffness%solve(load, error)
+      if (allocated(error)) return
+      do i = 1, size(radius)
+        at_rest(:, :, i) = body%spread_out(load(:, i))/(width*stiffer)
+      end do
+      deallocate (load)
+      call read_rows(grid, modes%shape, tangent, stiffer, product, product%model%shape, error)
+      if (.not. allocated(error)) call read_rows(grid, at_rest, tangent, stiffer, product, product%model%static, error)
+    end associate
+  end subroutine find_tooth_modes
+
+  !> The rows for displacements `u` (direction, node, column) of all nodes; what `product` keeps besides is that of the last call.
+  subroutine read_rows(grid, u, tangent, stiffer, product, rows, error)
+    type(section_body_t), intent(in) :: grid
+    real(dp), intent(in) :: u(:, :, :), tangent(:), stiffer
+    type(tooth_modes_t), intent(inout) :: product
+    real(dp), allocatable, intent(out) :: rows(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: stress(:), components(:, :), moved(:, :, :)
+    real(dp) :: direction(2)
+    integer :: side, i, row
+
+    product%unit%gear = grid%section%gear
+    do side = drive, coast
+      call along_fillet(grid%section, grid%body, u, side, product%unit%side(side))
+      product%unit%side(side)%stress = stiffer*product%unit%side(side)%stress
+    end do
+    product%side = product%unit%side
+    if (.not. allocated(product%direction)) allocate (product%direction(2, 2*size(tangent)))
+    associate (points => [(size(product%side(i)%along), i=1, 2)])
+      allocate (rows(sum(points) + 2*per_point*size(tangent), size(u, 3)))
+      rows(:points(drive), :) = product%side(drive)%stress
+      rows(points(drive) + 1:sum(points), :) = product%side(coast)%stress
+    end associate
+    do side = drive, coast
+      call move_fillet(grid, u, side, size(product%side(side)%along), moved)
+      do i = 1, size(tangent)
+        call product%unit%at_tangent(side, tangent(i), stress, components, error, direction)
+        if (allocated(error)) return
+        product%direction(:, 2*(i - 1) + side) = direction
+        row = product%row_of(2*(i - 1) + side)
+        rows(row + along, :) = stress
+        call read_moved(product%side(side), height_of(product%unit, side, tangent(i)), moved, &
+                        rows(row + moved_x:row + moved_y, :))
+      end do
+    end do
+  end subroutine read_rows
+
+  !> Height in the tooth's frame (m) of a chosen point.
+  real(dp) function height_of(unit, side, tangent) result(height)
+    type(root_stress_t), intent(in) :: unit
+    integer, intent(in) :: side
+    real(dp), intent(in) :: tangent
+    real(dp) :: point(2)
+
+    point = fillet_point(unit%gear, side, fillet_parameter(unit%gear, side, tangent))
+    height = point(2)
+  end function height_of
+
+  !> Displacements (m) of the fillet's points in the tooth's frame (2, point, column).
+  pure subroutine move_fillet(grid, u, side, points, moved)
+    type(section_body_t), intent(in) :: grid
+    real(dp), intent(in) :: u(:, :, :)
+    integer, intent(in) :: side, points
+    real(dp), allocatable, intent(out) :: moved(:, :, :)
+    integer, allocatable :: nodes(:)
+    real(dp) :: turn(2, 2), f(3)
+    integer :: n, k, e
+
+    associate (a => grid%section%axis(grid%section%loaded))
+      turn = reshape([cos(a), sin(a), -sin(a), cos(a)], [2, 2])
+    end associate
+    nodes = grid%section%surface(grid%section%loaded, side)
+    allocate (moved(2, points, size(u, 3)))
+    do k = 1, size(u, 3)
+      do n = 1, points
+        e = (n + 1)/2
+        f = edge_functions(merge(-best, best, modulo(n, 2) == 1))
+        moved(:, n, k) = matmul(turn, matmul(u(:, nodes(2*e - 1:2*e + 1), k), f))
+      end do
+    end do
+  end subroutine move_fillet
+
+  !> Displacements at one height of a fillet (2, column).
+  pure subroutine read_moved(fillet, height, moved, at_point)
+    type(fillet_stress_t), intent(in) :: fillet
+    real(dp), intent(in) :: height, moved(:, :, :)
+    real(dp), intent(out) :: at_point(:, :)
+    type(piecewise_t) :: curve
+    real(dp) :: s
+    integer :: k, d
+
+    curve = spline(fillet%point(2, :), fillet%along)
+    s = curve%value(height)
+    do k = 1, size(moved, 3)
+      do d = 1, 2
+        curve = spline(fillet%along, moved(d, :, k))
+        at_point(d, k) = curve%value(s)
+      end do
+    end do
+  end subroutine read_moved
+
+  !> The row before the first of a side's fillet.
+  pure integer function first_of_side(self, side) result(row)
+    class(tooth_modes_t), intent(in) :: self
+    integer, intent(in) :: side
+
+    row = merge(0, size(self%side(drive)%along), side == drive)
+  end function first_of_side
+
+  !> The row before those of a chosen point, which is counted from 1: drive side before coast side.
+  pure integer function row_of(self, point) result(row)
+    class(tooth_modes_t), intent(in) :: self
+    integer, intent(in) :: point
+
+    row = size(self%side(drive)%along) + size(self%side(coast)%along) + per_point*(point - 1)
+  end function row_of
+end module gearsweep_tooth_modes

@@ -1,0 +1,183 @@
+!> Stress and displacement at a tooth's fillets while the load passes over it, by modal superposition on two grids.
+module gearsweep_tooth_transient
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_gear, only: coast, drive
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_passage, only: passage_t
+  use gearsweep_stress, only: find_peaks, peak_difference, root_stress_t
+  use gearsweep_modal_superposition, only: motion_record_t, superpose
+  use gearsweep_text, only: str
+  use gearsweep_tooth_modes, only: per_point, tooth_modes_t
+  implicit none
+  private
+  public :: damping_t, look_t, tooth_transient_t, damp_modes, follow_tooth, at_time
+
+  !> Damping of the modes: a ratio of its own for each, or by Rayleigh C = alpha M + beta K.
+  type :: damping_t
+    logical :: is_rayleigh = .false.
+    real(dp) :: ratio = 0.01_dp
+    real(dp) :: alpha = 0                        !< 1/s
+    real(dp) :: beta = 0                         !< s
+  end type damping_t
+
+  !> When the tooth is looked at.
+  type :: look_t
+    integer :: samples = 400                     !< equal steps of the whole time; not with a step
+    real(dp) :: step = 0                         !< s; 0: as many as there are samples
+    logical :: corrected = .true.                !< with the static correction
+  end type look_t
+
+  type :: tooth_transient_t
+    type(motion_record_t) :: record              !< rows recorded: those of the chosen points, per_point for each
+    real(dp), allocatable :: s(:), load(:)       !< path coordinate and load (N) at the samples
+    type(root_stress_t) :: peaks                 !< the largest stresses of the fillets over all times, with the error estimate
+    type(root_stress_t) :: static                !< the same with the load at rest
+    real(dp), allocatable :: point_error(:)      !< of the largest stress at each chosen point, relative
+    real(dp) :: look = 0                         !< time between two looks for the largest values, s
+  end type tooth_transient_t
+
+  !> So often a period of the highest mode is looked at, and so often at most in all.
+  integer, parameter :: per_period = 8, most_looks = 10000, most_steps = 1000000
+
+contains
+
+  !> Fills in the damping of the modes. `error`: one of them would gain energy; `what` names the input that says so.
+  pure subroutine damp_modes(damping, tooth, what, error)
+    type(damping_t), intent(in) :: damping
+    type(tooth_modes_t), intent(inout) :: tooth
+    character(*), intent(in) :: what
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: k
+
+    if (allocated(error)) return
+    associate (w => tooth%model%frequency)
+      allocate (tooth%model%damping, source=2*damping%ratio*w)
+      if (damping%is_rayleigh) tooth%model%damping = damping%alpha + damping%beta*w**2
+      k = minloc(tooth%model%damping, 1)
+      if (tooth%model%damping(k) >= 0) return
+      call fail(error, code_input, what//' = '//str(damping%alpha)//': the damping ratio of mode '//str(k)//' at '// &
+                str(w(k)/(2*pi), 5)//' Hz would be '//str(tooth%model%damping(k)/(2*w(k)), 3)//'; must be at least '// &
+                str(-damping%beta*w(k)**2, 5)//' with this rayleigh_beta_s')
+    end associate
+  end subroutine damp_modes
+
+  !> `tooth(2)`: on both grids, damped, the finer first; `step_ratio`: the size of their elements.
+  subroutine follow_tooth(tooth, step_ratio, passage, look, product, error)
+    type(tooth_modes_t), intent(in) :: tooth(2)
+    real(dp), intent(in) :: step_ratio
+    type(passage_t), intent(in) :: passage
+    type(look_t), intent(in) :: look
+    type(tooth_transient_t), intent(out) :: product
+    type(error_t), allocatable, intent(inout) :: error
+    type(motion_record_t) :: coarse
+    type(root_stress_t) :: coarse_peaks
+    real(dp), allocatable :: sample(:)
+    integer :: finer, k
+
+    associate (history => passage%history)
+      call choose_times(tooth(1)%model%frequency, history%time, look, sample, finer, error)
+      if (allocated(error)) return
+      product%look = (sample(2) - sample(1))/finer
+      call superpose(tooth(1)%model, history, chosen_rows(tooth(1)), sample, finer, look%corrected, product%record, error)
+      if (allocated(error)) return
+      call superpose(tooth(2)%model, history, chosen_rows(tooth(2)), sample, finer, look%corrected, coarse, error)
+      if (allocated(error)) return
+      allocate (product%s, source=[(at_time(history%time, passage%s, sample(k)), k=1, size(sample))])
+      allocate (product%load, source=[(at_time(history%time, history%load, sample(k)), k=1, size(sample))])
+    end associate
+    call gather_peaks(tooth(1), product%record%highest, product%record%lowest, product%peaks)
+    call gather_peaks(tooth(2), coarse%highest, coarse%lowest, coarse_peaks)
+    call gather_peaks(tooth(1), product%record%static_highest, product%record%static_lowest, product%static)
+    product%peaks%error_estimate = max(peak_difference(product%peaks, coarse_peaks, product%peaks%tension), &
+                                       peak_difference(product%peaks, coarse_peaks, product%peaks%compression)) &
+                                   /abs(step_ratio**2 - 1)
+    call compare_points(tooth, step_ratio, product, coarse)
+  end subroutine follow_tooth
+
+  !> Samples, and into how many steps each time between them is cut to look for the largest values. With a stated step only
+  !> the samples are looked at.
+  pure subroutine choose_times(frequency, time, look, sample, finer, error)
+    real(dp), intent(in) :: frequency(:), time(:)
+    type(look_t), intent(in) :: look
+    real(dp), allocatable, intent(out) :: sample(:)
+    integer, intent(out) :: finer
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: slack = 1e-9_dp
+    real(dp) :: whole
+    integer :: n, k
+
+    whole = time(size(time)) - time(1)
+    if (look%step > 0) then
+      if (whole/look%step > most_steps) then
+        call fail(error, code_input, 'step of the passage (s) = '//str(look%step)//': the passage takes more than '// &
+                  str(most_steps)//' steps')
+        return
+      end if
+      n = max(1, floor(whole/look%step*(1 + slack)))
+      sample = time(1) + min(whole, [(look%step*k, k=0, n)])
+      finer = 1
+    else
+      n = look%samples
+      sample = time(1) + [(whole*k/n, k=0, n)]
+      finer = max(1, ceiling(min(per_period*whole*maxval(frequency)/(2*pi), real(most_looks, dp))/n))
+    end if
+  end subroutine choose_times
+
+  !> Rows of the chosen points.
+  pure function chosen_rows(tooth) result(rows)
+    type(tooth_modes_t), intent(in) :: tooth
+    integer :: rows(per_point*size(tooth%direction, 2))
+    integer :: i
+
+    rows = [(tooth%row_of(1) + i, i=1, size(rows))]
+  end function chosen_rows
+
+  !> The largest of the fillets, between their points too, from the largest of all rows.
+  pure subroutine gather_peaks(tooth, highest, lowest, peaks)
+    type(tooth_modes_t), intent(in) :: tooth
+    real(dp), intent(in) :: highest(:), lowest(:)
+    type(root_stress_t), intent(out) :: peaks
+    integer :: side
+
+    peaks%gear = tooth%unit%gear
+    peaks%side = tooth%side
+    do side = drive, coast
+      associate (first => tooth%first_of_side(side), n => size(tooth%side(side)%along))
+        peaks%side(side)%stress = reshape([highest(first + 1:first + n), lowest(first + 1:first + n)], [n, 2])
+      end associate
+    end do
+    call find_peaks(peaks)
+  end subroutine gather_peaks
+
+  !> By how much the two grids differ at the chosen points, for second order.
+  pure subroutine compare_points(tooth, step_ratio, product, coarse)
+    type(tooth_modes_t), intent(in) :: tooth(2)
+    real(dp), intent(in) :: step_ratio
+    type(tooth_transient_t), intent(inout) :: product
+    type(motion_record_t), intent(in) :: coarse
+    integer :: i, row(2)
+    real(dp) :: largest, off
+
+    allocate (product%point_error(size(tooth(1)%direction, 2)))
+    do i = 1, size(product%point_error)
+      row = [tooth(1)%row_of(i), tooth(2)%row_of(i)] + 1
+      associate (fine => product%record)
+        largest = max(abs(fine%highest(row(1))), abs(fine%lowest(row(1))))
+        off = max(abs(fine%highest(row(1)) - coarse%highest(row(2))), abs(fine%lowest(row(1)) - coarse%lowest(row(2))))
+        product%point_error(i) = off/largest/abs(step_ratio**2 - 1)
+      end associate
+    end do
+  end subroutine compare_points
+
+  !> Of values at times that do not descend, linear between them; where two stand at one time, the later one.
+  pure real(dp) function at_time(time, values, now) result(value)
+    real(dp), intent(in) :: time(:), values(:), now
+    real(dp) :: share
+    integer :: i
+
+    i = min(size(time) - 1, max(1, count(time <= now)))
+    share = 1
+    if (time(i + 1) > time(i)) share = min(1.0_dp, (now - time(i))/(time(i + 1) - time(i)))
+    value = values(i)*(1 - share) + values(i + 1)*share
+  end function at_time
+end module gearsweep_tooth_transient
