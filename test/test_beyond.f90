@@ -7,6 +7,7 @@ module test_beyond
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_profile_table, only: profile_table
@@ -198,6 +199,7 @@ contains
     real(dp), parameter :: ratio = 1.6_dp, load = 6000, stiffness = 4e8_dp, gap = 3e-3_dp
     type(corner_row_t) :: r
     type(oscillator_t) :: osc
+    type(mesh_t) :: softer
     type(sharing_t) :: sharing
     real(dp) :: d, s
     integer :: k
@@ -211,6 +213,16 @@ contains
       call check_close(t, 'share behind E', load_share(osc%mesh, load, ratio + s), (1 - (s/d)**2)/2, absolute=1e-12_dp)
       call check_close(t, 'share of the pair beside', load_share(osc%mesh, load, 1 - s), (1 + (s/d)**2)/2, absolute=1e-12_dp)
     end do
+    ! A pair that is softer there by a part p of its stiffness carries (1 - p)/(2 - p) in place of a half; within the path nothing
+    ! changes.
+    softer = osc%mesh%with_softer_corners(0.3_dp)
+    do k = 1, 9
+      s = d*k/10
+      call check_close(t, 'share of a softer corner', load_share(softer, load, -s), 0.7_dp/1.7_dp*(1 - (s/d)**2), &
+                       absolute=1e-12_dp)
+      call check_close(t, 'behind E', load_share(softer, load, ratio + s), 0.7_dp/1.7_dp*(1 - (s/d)**2), absolute=1e-12_dp)
+    end do
+    call check_close(t, 'within the path', load_share(softer, load, 0.3_dp), 0.5_dp, absolute=1e-12_dp)
     call check_true(t, 'nothing farther off', maxval([load_share(osc%mesh, load, -d - 1e-9_dp), &
                                                       load_share(osc%mesh, load, ratio + d + 1e-9_dp)]) <= 0)
     call share_load(osc%mesh, load, 400, sharing)

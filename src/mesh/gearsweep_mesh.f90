@@ -39,6 +39,7 @@ module gearsweep_mesh
     procedure :: is_coupled
     procedure :: curvature_ratio
     procedure :: reaches_beyond
+    procedure :: with_softer_corners
   end type mesh_t
 
   !> A smooth interval: a part of the mesh period within which no coefficient has a break.
@@ -169,6 +170,20 @@ contains
 
     reaches_beyond = mesh%reach(1) < 0 .or. mesh%reach(2) > mesh%contact_ratio
   end function reaches_beyond
+
+  !> The mesh with its stiffness beyond A and E less by a `part` of it.
+  pure type(mesh_t) function with_softer_corners(mesh, part) result(softer)
+    class(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: part
+    integer :: i
+
+    softer = mesh
+    do i = 1, size(mesh%stiffness%breaks) - 1
+      associate (middle => (mesh%stiffness%breaks(i) + mesh%stiffness%breaks(i + 1))/2)
+        if (middle < 0 .or. middle > mesh%contact_ratio) softer%stiffness%coef(:, i) = (1 - part)*mesh%stiffness%coef(:, i)
+      end associate
+    end do
+  end function with_softer_corners
 
   !> Path coordinate of pair j of an interval.
   elemental real(dp) function place(interval, phase, j) result(s)
