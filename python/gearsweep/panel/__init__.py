@@ -36,10 +36,10 @@ def main(words: list[str]) -> int:
         return Code.OK
     path, port, opens = arguments(words)
     server = listen(desk_of(path), port)
-    print(f'The panel is at {server.address} (Ctrl-C ends it)', flush=True)
-    if opens and not show(server.address):
-        print('No browser was found: open this address in one.', file=sys.stderr)
-    try:
+    try:  # Ctrl-C may come as soon as the address is told
+        print(f'The panel is at {server.address} (Ctrl-C ends it)', flush=True)
+        if opens and not show(server.address):
+            print('No browser was found: open this address in one.', file=sys.stderr)
         server.serve_forever()
     except KeyboardInterrupt:
         pass
