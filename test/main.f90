@@ -23,6 +23,7 @@ program check
   use test_declarations, only: run_declarations => run, write_page
   use test_earlier, only: run_earlier => run
   use test_elastic_body, only: run_elastic_body => run
+  use test_body_modes, only: run_body_modes => run
   use test_elastic_corner, only: run_elastic_corner => run
   use test_elastic_disc, only: run_elastic_disc => run
   use test_elastic_modes, only: run_elastic_modes => run
@@ -117,6 +118,7 @@ program check
     & suite_t('elastic_stiffness', run_elastic_stiffness), &
     & suite_t('elastic_stress', run_elastic_stress), &
     & suite_t('elastic_disc', run_elastic_disc), &
+    & suite_t('body_modes', run_body_modes), &
     & suite_t('elastic_corner', run_elastic_corner), &
     & suite_t('hub', run_hub), &
     & suite_t('scenes', run_scenes), &

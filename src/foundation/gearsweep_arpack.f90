@@ -73,19 +73,24 @@ module gearsweep_arpack
 contains
 
   !> How many vectors the basis has. With fewer it is restarted more often, with more there is more to solve for
-  !> before the first look.
-  pure integer function basis_size(n, count)
+  !> before the first look. `extra`: so many more than wanted at least; 11 unless said.
+  pure integer function basis_size(n, count, extra)
     integer, intent(in) :: n, count
+    integer, intent(in), optional :: extra
+    integer :: more
 
-    basis_size = min(n, max(2*count, count + 11))
+    more = 11
+    if (present(extra)) more = extra
+    basis_size = min(n, max(2*count, count + more))
   end function basis_size
 
   !> Bytes that `lowest_eigenpairs` takes, result included.
-  pure real(dp) function work_bytes(n, count)
+  pure real(dp) function work_bytes(n, count, extra)
     integer, intent(in) :: n, count
+    integer, intent(in), optional :: extra
     integer :: most
 
-    most = basis_size(n, count)
+    most = basis_size(n, count, extra)
     work_bytes = 8.0_dp*n*(most + 2.0_dp*count + 6) + 8.0_dp*most*(most + 10)
   end function work_bytes
 
@@ -94,31 +99,31 @@ contains
   !>
   !> `found(n, :)`, where it has columns: vectors that are known, M-orthonormal; those wanted are M-orthogonal to them.
   !> A single vector's Krylov space has one direction of each eigenspace. So where eigenvalues are equal in pairs, a
-  !> second call with the vectors of the first finds the twins.
-  subroutine lowest_eigenpairs(pencil, count, found, values, vectors, error)
+  !> second call with the vectors of the first finds the twins. `extra`: of the basis, see `basis_size`.
+  subroutine lowest_eigenpairs(pencil, count, found, values, vectors, error, extra)
     class(pencil_t), intent(in) :: pencil
     integer, intent(in) :: count
     real(dp), intent(in), contiguous :: found(:, :)
     real(dp), allocatable, intent(out) :: values(:), vectors(:, :)
     type(error_t), allocatable, intent(inout) :: error
+    integer, intent(in), optional :: extra
 
     call enter_arpack()
-    call iterate(pencil, count, found, values, vectors, error)
+    call iterate(pencil, count, found, basis_size(pencil%n, count, extra), values, vectors, error)
     call leave_arpack()
   end subroutine lowest_eigenpairs
 
-  subroutine iterate(pencil, count, found, values, vectors, error)
+  subroutine iterate(pencil, count, found, most, values, vectors, error)
     class(pencil_t), intent(in) :: pencil
-    integer, intent(in) :: count
+    integer, intent(in) :: count, most
     real(dp), intent(in), contiguous :: found(:, :)
     real(dp), allocatable, intent(out) :: values(:), vectors(:, :)
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: v(:, :), workd(:), workl(:), resid(:), weighted(:, :)
     logical, allocatable :: select(:)
-    integer :: ido, iparam(11), ipntr(11), info, n, most, i
+    integer :: ido, iparam(11), ipntr(11), info, n, i
 
     n = pencil%n
-    most = basis_size(n, count)
     allocate (v(n, most), workd(3*n), workl(most*(most + 8)), weighted(n, size(found, 2)), select(most))
     do i = 1, size(found, 2)
       call pencil%times(found(:, i), weighted(:, i))

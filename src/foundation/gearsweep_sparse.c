@@ -37,8 +37,10 @@ void gearsweep_sparse_free(DMUMPS_STRUC_C *matrix)
 
 /* Orders the unknowns and lays out the factor of a symmetric positive definite matrix of order n, given as `elements`
    dense ones: element e has the unknowns at[first[e] - 1 .. first[e + 1] - 2], counted from 1. Both arrays must live
-   as long as the matrix. `bytes`: what the factorisation will need. `detail`: INFOG(2). */
-DMUMPS_STRUC_C *gearsweep_sparse_analyse(int n, int elements, int *first, int *at, double *bytes, int *info, int *detail)
+   as long as the matrix. The `kept` unknowns `list`, which must live as long, are not eliminated. `bytes`: what the
+   factorisation will need. `detail`: INFOG(2). */
+DMUMPS_STRUC_C *gearsweep_sparse_analyse(int n, int elements, int *first, int *at, int kept, int *list, double *bytes,
+                                         int *info, int *detail)
 {
   DMUMPS_STRUC_C *matrix = calloc(1, sizeof *matrix);
   *bytes = *detail = 0;
@@ -61,30 +63,41 @@ DMUMPS_STRUC_C *gearsweep_sparse_analyse(int n, int elements, int *first, int *a
   matrix->nelt = elements;
   matrix->eltptr = first;
   matrix->eltvar = at;
+  if (kept > 0) {
+    matrix->icntl[18] = 1; /* their matrix, which the elimination of all others leaves, as one array */
+    matrix->size_schur = kept;
+    matrix->listvar_schur = list;
+  }
   *info = run(matrix, 1);
   *detail = matrix->infog[1];
   *bytes = 1e6*matrix->infog[15];
   return matrix;
 }
 
-/* Factors it: `values` has the lower triangle of each element, column after column. `negative`: how many pivots
-   were. */
-int gearsweep_sparse_factor(DMUMPS_STRUC_C *matrix, double *values, int *negative, int *detail)
+/* Factors it: `values` has the lower triangle of each element, column after column. `schur`: what is left for the kept
+   unknowns, where there are any; of each row, the part up to the diagonal. `negative`: how many pivots were. */
+int gearsweep_sparse_factor(DMUMPS_STRUC_C *matrix, double *values, double *schur, int *negative, int *detail)
 {
   int info;
   matrix->a_elt = values;
+  matrix->schur = schur;
   info = run(matrix, 2);
   matrix->a_elt = 0;
+  matrix->schur = 0;
   *negative = matrix->infog[11];
   *detail = matrix->infog[1];
   return info;
 }
 
-/* Solves in place for `columns` right sides at a time, of `sides`. */
-int gearsweep_sparse_solve(DMUMPS_STRUC_C *matrix, int sides, int columns, double *x, int *detail)
+/* Solves in place for `columns` right sides at a time, of `sides`. Where unknowns are kept, `part` 1 leaves in `kept`
+   the right sides of these alone, and 2 takes them from there as known and gives all others, after a part 1; else 0. */
+int gearsweep_sparse_solve(DMUMPS_STRUC_C *matrix, int sides, int columns, double *x, int part, double *kept, int *detail)
 {
   int info;
   pthread_mutex_lock(&mumps);
+  matrix->icntl[25] = part;
+  matrix->redrhs = kept;
+  matrix->lredrhs = matrix->size_schur;
   matrix->icntl[26] = columns;
   matrix->rhs = x;
   matrix->nrhs = sides;
@@ -93,7 +106,7 @@ int gearsweep_sparse_solve(DMUMPS_STRUC_C *matrix, int sides, int columns, doubl
   gearsweep_begin_products();
   dmumps_c(matrix);
   gearsweep_end_products();
-  matrix->rhs = 0;
+  matrix->rhs = matrix->redrhs = 0;
   info = matrix->infog[0];
   *detail = matrix->infog[1];
   pthread_mutex_unlock(&mumps);

@@ -10,16 +10,17 @@ module gearsweep_sparse
   use gearsweep_text, only: str
   implicit none
   private
-  public :: sparse_t, factor
+  public :: sparse_t, factor, factor_inner
 
   !> A factored matrix. It is not for copying: whichever copy ended first would take the factor with it.
   type :: sparse_t
     integer :: n = 0                             !< order
     type(c_ptr), private :: factor = c_null_ptr
     ! As MUMPS reads them at each call.
-    integer(c_int), pointer, contiguous, private :: first(:) => null(), at(:) => null()
+    integer(c_int), pointer, contiguous, private :: first(:) => null(), at(:) => null(), kept(:) => null()
   contains
     generic :: solve => solve_one, solve_many
+    procedure :: condense, expand
     procedure :: free
     procedure, private :: solve_one, solve_many
     final :: end_of_life
@@ -29,26 +30,28 @@ module gearsweep_sparse
   integer, parameter :: most_columns = 32
 
   interface
-    type(c_ptr) function c_analyse(n, elements, first, at, bytes, info, detail) bind(c, name='gearsweep_sparse_analyse')
+    type(c_ptr) function c_analyse(n, elements, first, at, kept, list, bytes, info, detail) &
+      bind(c, name='gearsweep_sparse_analyse')
       import :: c_double, c_int, c_ptr
-      integer(c_int), value :: n, elements
-      integer(c_int), intent(in) :: first(*), at(*)
+      integer(c_int), value :: n, elements, kept
+      integer(c_int), intent(in) :: first(*), at(*), list(*)
       real(c_double), intent(out) :: bytes
       integer(c_int), intent(out) :: info, detail
     end function c_analyse
 
-    integer(c_int) function c_factor(matrix, values, negative, detail) bind(c, name='gearsweep_sparse_factor')
+    integer(c_int) function c_factor(matrix, values, schur, negative, detail) bind(c, name='gearsweep_sparse_factor')
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: matrix
       real(c_double), intent(in) :: values(*)
+      real(c_double), intent(inout) :: schur(*)
       integer(c_int), intent(out) :: negative, detail
     end function c_factor
 
-    integer(c_int) function c_solve(matrix, sides, columns, x, detail) bind(c, name='gearsweep_sparse_solve')
+    integer(c_int) function c_solve(matrix, sides, columns, x, part, kept, detail) bind(c, name='gearsweep_sparse_solve')
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: matrix
-      integer(c_int), value :: sides, columns
-      real(c_double), intent(inout) :: x(*)
+      integer(c_int), value :: sides, columns, part
+      real(c_double), intent(inout) :: x(*), kept(*)
       integer(c_int), intent(out) :: detail
     end function c_solve
 
@@ -72,8 +75,43 @@ contains
     character(*), intent(in) :: what
     type(sparse_t), intent(inout) :: matrix
     type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: none(0, 0)
+
+    call make_factor(n, first, at, values, most_bytes, what, matrix, none, error)
+  end subroutine factor
+
+  !> The same for all unknowns but the last ones, which are kept: their dense matrix is what is left once the others are
+  !> eliminated (the Schur complement).
+  !>
+  !> `schur(kept, kept)`: that matrix, symmetric. The other arguments are those of `factor`, of which the matrix may
+  !> become as large as there is memory.
+  subroutine factor_inner(n, first, at, values, what, matrix, schur, error)
+    integer, intent(in) :: n, first(:), at(:)
+    real(dp), intent(in) :: values(:)
+    character(*), intent(in) :: what
+    type(sparse_t), intent(inout) :: matrix
+    real(dp), intent(out), contiguous :: schur(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i
+
+    schur = 0
+    call make_factor(n, first, at, values, huge(1.0_dp), what, matrix, schur, error)
+    ! MUMPS writes rows up to the diagonal, which here are columns from above down to it.
+    do i = 2, size(schur, 2)
+      schur(i, :i - 1) = schur(:i - 1, i)
+    end do
+  end subroutine factor_inner
+
+  subroutine make_factor(n, first, at, values, most_bytes, what, matrix, schur, error)
+    integer, intent(in) :: n, first(:), at(:)
+    real(dp), intent(in) :: values(:), most_bytes
+    character(*), intent(in) :: what
+    type(sparse_t), intent(inout) :: matrix
+    real(dp), intent(inout), contiguous :: schur(:, :)
+    type(error_t), allocatable, intent(inout) :: error
     real(c_double) :: bytes
     integer(c_int) :: info, detail, negative
+    integer :: i
 
     call matrix%free()
     call claim_memory(analysis_bytes(n, size(at)), what, error, blas=.true.)
@@ -81,7 +119,9 @@ contains
     matrix%n = n
     allocate (matrix%first, source=int(first, c_int))
     allocate (matrix%at, source=int(at, c_int))
-    matrix%factor = c_analyse(int(n, c_int), size(first, kind=c_int) - 1_c_int, matrix%first, matrix%at, bytes, info, detail)
+    allocate (matrix%kept, source=[(int(i, c_int), i=n - size(schur, 2) + 1, n)])
+    matrix%factor = c_analyse(int(n, c_int), size(first, kind=c_int) - 1_c_int, matrix%first, matrix%at, &
+                              size(matrix%kept, kind=c_int), matrix%kept, bytes, info, detail)
     if (info < 0) then
       call refuse(info, detail, what, error)
     else if (bytes > most_bytes) then
@@ -90,7 +130,7 @@ contains
     ! The estimate is in whole megabytes.
     call claim_memory(bytes + 1e6_dp, what, error, blas=.true.)
     if (.not. allocated(error)) then
-      info = c_factor(matrix%factor, values, negative, detail)
+      info = c_factor(matrix%factor, values, schur, negative, detail)
       if (info < 0) then
         call refuse(info, detail, what, error)
       else if (negative > 0) then
@@ -98,7 +138,7 @@ contains
       end if
     end if
     if (allocated(error)) call matrix%free()
-  end subroutine factor
+  end subroutine make_factor
 
   !> What the ordering takes besides, and copies of the elements' lists: graph, tree and work space, some integers
   !> for each unknown and for each of an element.
@@ -115,7 +155,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     select case (info)
-    case (-5, -7:-9, -11, -13:-15, -17, -19, -20)
+    case (-5, -9:-7, -11, -15:-13, -17, -19, -20)
       call fail(error, code_memory, what//' needs more memory than the machine has')
     case (-10, -40)
       call refuse_indefinite(error)
@@ -154,6 +194,7 @@ contains
     integer, intent(in) :: sides
     real(dp), intent(inout) :: x(matrix%n, sides)
     type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: none(1)
     character(:), allocatable :: what
     integer(c_int) :: info, detail
     integer :: columns
@@ -163,9 +204,44 @@ contains
     what = 'the solution for '//str(sides)//' loads on '//str(matrix%n)//' unknowns'
     call claim_memory(24.0_dp*matrix%n*columns + 1e6_dp, what, error, blas=.true.)
     if (allocated(error)) return
-    info = c_solve(matrix%factor, int(sides, c_int), int(columns, c_int), x, detail)
+    info = c_solve(matrix%factor, int(sides, c_int), int(columns, c_int), x, 0_c_int, none, detail)
     if (info < 0) call refuse(info, detail, what, error)
   end subroutine solve_columns
+
+  !> Of right sides `x` (n, columns) what the kept unknowns have once the others are eliminated: `reduced` (kept, columns).
+  !> `expand` follows, with the same matrix and none other of its calls between.
+  subroutine condense(matrix, x, reduced, error)
+    class(sparse_t), intent(in) :: matrix
+    real(dp), intent(inout), contiguous :: x(:, :)
+    real(dp), intent(out), contiguous :: reduced(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+
+    call solve_part(matrix, 1, x, reduced, error)
+  end subroutine condense
+
+  !> All unknowns `x` (n, columns) from the kept ones, `reduced` (kept, columns).
+  subroutine expand(matrix, x, reduced, error)
+    class(sparse_t), intent(in) :: matrix
+    real(dp), intent(inout), contiguous :: x(:, :), reduced(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+
+    call solve_part(matrix, 2, x, reduced, error)
+  end subroutine expand
+
+  subroutine solve_part(matrix, part, x, reduced, error)
+    type(sparse_t), intent(in) :: matrix
+    integer, intent(in) :: part
+    real(dp), intent(inout), contiguous :: x(:, :), reduced(:, :)
+    type(error_t), allocatable, intent(inout) :: error
+    integer(c_int) :: info, detail, sides
+
+    if (allocated(error)) return
+    sides = size(x, 2, kind=c_int)
+    call claim_memory(24.0_dp*size(x) + 1e6_dp, 'the grid', error, blas=.true.)
+    if (allocated(error)) return
+    info = c_solve(matrix%factor, sides, sides, x, int(part, c_int), reduced, detail)
+    if (info < 0) call refuse(info, detail, 'the grid', error)
+  end subroutine solve_part
 
   !> Gives back what the matrix holds.
   subroutine free(matrix)
@@ -175,6 +251,7 @@ contains
     matrix%factor = c_null_ptr
     if (associated(matrix%first)) deallocate (matrix%first)
     if (associated(matrix%at)) deallocate (matrix%at)
+    if (associated(matrix%kept)) deallocate (matrix%kept)
     matrix%n = 0
   end subroutine free
 
