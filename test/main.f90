@@ -40,6 +40,7 @@ program check
   use test_hub, only: run_hub => run
   use test_inputs, only: run_inputs => run
   use test_iso_rating, only: run_iso_rating => run
+  use test_life, only: run_life => run
   use test_measures, only: run_measures => run
   use test_mesh, only: run_mesh => run
   use test_methods, only: run_methods => run
@@ -107,6 +108,7 @@ program check
     & suite_t('flank', run_flank), &
     & suite_t('iso_rating', run_iso_rating), &
     & suite_t('transient', run_transient), &
+    & suite_t('life', run_life), &
     & suite_t('closed_stress', run_closed_stress), &
     & suite_t('closed_estimates', run_closed_estimates), &
     & suite_t('closed_limits', run_closed_limits), &

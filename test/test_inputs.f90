@@ -20,10 +20,10 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(14) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(15) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
     'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'flank: ', 'rating: ', &
-    'transient: ']
+    'transient: ', 'life: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -87,7 +87,8 @@ contains
     end do
     do k = 1, size(tasks)
       ! These need a gear.
-      if (any(tasks(k) == [character(9) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient'])) cycle
+      if (any(tasks(k) == [character(9) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
+                          'life'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', merge(8, 1, tasks(k) == 'precision'), &
                                      k, changes)
     end do
@@ -283,6 +284,22 @@ contains
     call add('mesh nonlinear_contact', '.false.', 'g', 'transient sharing ''equal''')
     call add('relief shape', '''parabolic''', 'g', 'transient sharing ''equal''')
     call add('dynamics damping_ratio', '0.03', 'g', 'transient sharing ''motion''')
+    call add('life rpm', '17000', 'g')
+    call add('life duration_h', '11', 'g')
+    call add('life load_factor', '1.1', 'g')
+    call add('life relief_um', '5', 'g')
+    call add('life dynamic_load', '.false.', 'g')
+    call add('life stress_factor', '1.2', 'g')
+    call add('life stress_ratio', '-0.3', 'g')
+    call add('life mean_stress', '''gerber''', 'g')
+    call add('life mean_stress', '''soderberg''', 'g', only='life tensile_strength_mpa ;life yield_strength_mpa 1000')
+    call add('life tensile_strength_mpa', '1600', 'g')
+    call add('life yield_strength_mpa', '1000', 'g', 'life mean_stress ''soderberg'';life tensile_strength_mpa ;'// &
+             'life yield_strength_mpa 1100')
+    call add('life curve_cycles', '1e3, 1e8', 'g', 'life curve_cycles 1e4, 1e8;life curve_stress_mpa 900, 90')
+    call add('life curve_stress_mpa', '900, 80', 'g', 'life curve_cycles 1e4, 1e8;life curve_stress_mpa 900, 90')
+    call add('life endless', '.false.', 'g', 'life curve_cycles 1e4, 1e8;life curve_stress_mpa 5000, 3000')
+    call add('dynamics damping_ratio', '0.03', 'g', 'life dynamic_load .false.')
     call add('dynamics friction', '0.05', 'g', 'flank dynamic_load .false.')
     call add('numerics tolerance', '1e-10', 'g', 'flank dynamic_load .false.')
     call add('material young_gpa', '200', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
@@ -351,7 +368,9 @@ contains
              'load normal_force_n 4000;relief amount_um 0, 5;relief gear_fraction 0.4;mesh model '''//model//''';'// &
              'section teeth 1;section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
              'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;rating rpm 20000;'// &
-             'transient rpm 20000;transient modes 2;transient positions 9;transient samples 20;'//few)
+             'transient rpm 20000;transient modes 2;transient positions 9;transient samples 20;'// &
+             'life rpm 20000;life duration_h 9;'// &
+             'life tensile_strength_mpa 1500;'//few)
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
     select case (model)

@@ -848,8 +848,8 @@ refuses '&mesh base_pitch_mm: missing; a torque' 1 's/normal_force_n/torque_nm/'
 refuses '&mesh base_pitch_mm: missing; an inertia' 1 's/effective_mass_kg/inertia_kgm2/'
 refuses '&pair face_width_mm: missing; a line load' 1 's/normal_force_n/line_load_n_mm/'
 refuses '&pair face_width_mm = 20: a prescribed mesh uses it with line_load_n_mm only' 1 's/&case/\&pair face_width_mm = 20 \/ \&case/'
-for task in geometry section static modal flank rating transient; do
-  refuses '&case tasks: geometry, section, static, modal, flank, rating or transient needs a gear' 1 "s/tasks = .*\//tasks = '$task' \//"
+for task in geometry section static modal flank rating transient life; do
+  refuses '&case tasks: geometry, section, static, modal, flank, rating, transient or life needs a gear' 1 "s/tasks = .*\//tasks = '$task' \//"
 done
 refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'fe'/"
 refuses "start = 'roll': a prescribed mesh has no roll angles" 1 's/amount_um/pinion_roll_deg = 20 gear_roll_deg = 20 amount_um/'

@@ -33,8 +33,10 @@ module test_scenes
     '&static positions = 5 field_position = 0 /'// &
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
-    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''precision'', ''flank'', ''rating'', ''transient'' /'// &
+    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''precision'', ''flank'', ''rating'', ''transient'','// &
+    '  ''life'' /'// &
     '&flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
+    '&life rpm = 5000 duration_h = 1 tensile_strength_mpa = 900 /'// &
     '&stability damping_count = 3 tongues = 2 /'// &
     '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
     '&attractors rpm = 5000, 7000 relief_um = 0 starts = 3 /'// &
@@ -116,8 +118,9 @@ contains
     type(case_t), intent(in) :: case
     type(study_t) :: all_tasks, alone
     !> Tasks that take a motion from the sweep, and the tables in which they tell its dynamic factor.
-    character(task_length), parameter :: with_motion(3) = [character(task_length) :: 'load', 'flank', 'rating']
-    character(table_length), parameter :: told(3) = [character(table_length) :: 'load_points', 'flank_losses', 'dynamic_factors']
+    character(task_length), parameter :: with_motion(4) = [character(task_length) :: 'load', 'flank', 'rating', 'life']
+    character(table_length), parameter :: told(4) = [character(table_length) :: 'load_points', 'flank_losses', 'dynamic_factors', &
+      'life_parts']
     character(task_length), allocatable :: names(:)
     character(table_length) :: where_told
     integer :: i

@@ -51,6 +51,7 @@ _PLOTS = (
     'plot_geometry',
     'plot_harmonics',
     'plot_hysteresis',
+    'plot_life',
     'plot_load',
     'plot_modal',
     'plot_optimum',

@@ -46,8 +46,9 @@ def test_complete_case_is_complete(case):
 def test_defaults_of_the_reference():
     """Every plain default that doc/case.md prints is the one in effect."""
     case = Case(GEARED).changed(pinion={'effective_mass_kg': None}, mesh={'model': None})
-    more = ('stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating', 'transient')
-    case = case.changed(case={'tasks': [*case.tasks, *more]}, flank={'rpm': 3000}, rating={'rpm': 3000}, transient={'rpm': 3000})
+    more = ('stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating', 'transient', 'life')
+    case = case.changed(case={'tasks': [*case.tasks, *more]}, flank={'rpm': 3000}, rating={'rpm': 3000}, transient={'rpm': 3000},
+                        life={'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900})
     by_elements = case.changed(mesh={'model': 'fe'})
     keys = (ROOT / 'doc/case.md').read_text().split('## Keys')[1].split('## Finite elements')[0]
     found = 0

@@ -69,8 +69,9 @@ def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, attractors={'starts': 4},
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
                                 transient={'rpm': [4000, 6000], 'modes': 3, 'samples': 20},
+                                life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating', 'transient'))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating', 'transient', 'life'))
 
 
 def all_plots():
@@ -413,10 +414,25 @@ def test_transient_shows_both_fillets_over_time_and_their_largest_stress_over_sp
         plots.plot_transient(study, tangent_deg=25)
 
 
+def test_life_shows_the_parts_beside_the_curve():
+    spectrum = {'rpm': [3000, 4000, 6000], 'duration_h': [1, 20, 300], 'load_factor': [1.5, 1, 0.5], 'tensile_strength_mpa': 900}
+    study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, life=spectrum), 'life')
+    ax = plots.plot_life(study, Figure().subplots())
+    drawn = {(tuple(line.get_xdata()), tuple(line.get_ydata())) for line in ax.lines}
+    parts, curve = study.life_parts, study.life_curve
+    assert (tuple(curve.failure_cycles), tuple(curve.amplitude_mpa)) in drawn
+    for relief in range(2):
+        for member in range(2):
+            shown = parts.engagements[relief, :, member], parts.equivalent_amplitude_mpa[relief, :, member]
+            assert tuple(map(tuple, shown)) in drawn
+    labels = [text.get_text() for legend in ax.findobj(Legend) for text in legend.get_texts()]
+    assert {'S-N curve', 'pinion', 'gear', '0', '10'} == set(labels)
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
              'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'precision', 'flank', 'dynamic_factors', 'transient',
-             'transient_peaks')  # fmt: skip
+             'transient_peaks', 'life_parts')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

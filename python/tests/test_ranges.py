@@ -10,7 +10,7 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating', 'transient'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating', 'transient', 'life'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
@@ -33,6 +33,7 @@ GROUPS = {
     'flank': {'rpm': 3000},
     'rating': {'rpm': 3000},
     'transient': {'rpm': 3000, 'modes': 5},
+    'life': {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

@@ -31,6 +31,7 @@ PLACES = {
     'Flanks': 'flank_losses',
     'Rating by': 'rating dynamic_factors',
     'Root stress while': 'transient_peaks',
+    'Life of the tooth roots': 'life',
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.

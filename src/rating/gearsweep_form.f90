@@ -8,7 +8,7 @@ module gearsweep_form
   use gearsweep_rack, only: generating_shift
   implicit none
   private
-  public :: lewis_factor, iso_form_t, iso_form, outer_single_contact
+  public :: nominal_root_stress, lewis_factor, iso_form_t, iso_form, outer_single_contact
 
   !> Root section and factors of ISO 6336-3:2006, method B.
   type :: iso_form_t
@@ -113,6 +113,20 @@ contains
     notch = form%thickness/(2*form%radius)
     form%correction = (1.2_dp + 0.13_dp*ratio)*notch**(1/(1.21_dp + 2.3_dp/ratio))
   end function iso_form
+
+  !> Nominal tooth root stress sigma_F0 = F_t/(b m) Y_F Y_S (Pa) under a load on the line of action.
+  !> Source: ISO 6336-3:2006, clause 5.
+  pure real(dp) function nominal_root_stress(pair, member, form, load) result(stress)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: member                !< 1 pinion, 2 gear
+    type(iso_form_t), intent(in) :: form         !< for the radius at which the load acts
+    real(dp), intent(in) :: load                 !< N
+
+    associate (spec => pair%gear(member)%spec)
+      stress = load*cos(spec%pressure_angle(drive))/(minval(pair%gear%spec%face_width)*spec%module) &
+               *form%form_factor*form%correction
+    end associate
+  end function nominal_root_stress
 
   !> Radius (m) at which a member carries the whole load farthest out: point D
   !> on the pinion, B on the gear; contact ratios between 1 and 2.

@@ -3,7 +3,7 @@ module gearsweep_root_rating
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive, coast
-  use gearsweep_form, only: iso_form_t, iso_form, lewis_factor
+  use gearsweep_form, only: iso_form_t, iso_form, lewis_factor, nominal_root_stress
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: pair_t
@@ -110,7 +110,7 @@ contains
       rating%iso = iso_form(gear, outer_point(pair, member))
       rating%lewis = lewis_factor(gear, outer_point(pair, member))
       nominal = load/(width*gear%spec%module)
-      rating%iso_stress = nominal*cos(gear%spec%pressure_angle(drive))*rating%iso%form_factor*rating%iso%correction
+      rating%iso_stress = nominal_root_stress(pair, member, rating%iso, load)
       rating%lewis_stress = nominal*cos(rating%iso%load_angle)/rating%lewis
     end associate
   end subroutine compare

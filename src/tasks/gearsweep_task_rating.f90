@@ -7,7 +7,7 @@ module gearsweep_task_rating
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_error_estimate, only: point_t
   use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
-  use gearsweep_form, only: iso_form, iso_form_t
+  use gearsweep_form, only: iso_form, iso_form_t, nominal_root_stress
   use gearsweep_gear, only: coast, drive
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
@@ -223,8 +223,7 @@ contains
         associate (gear => pair%gear(i))
           nominal%form(i) = iso_form(gear, outer_point(pair, i))
           nominal%rim(i) = rim_factor(stages%iso%rim_thickness(i), gear%tip_radius - gear%root_radius)
-          nominal%root(i) = nominal%load/(gear%spec%module*minval(pair%gear%spec%face_width)) &
-                            *nominal%form(i)%form_factor*nominal%form(i)%correction*nominal%rim(i)
+          nominal%root(i) = nominal_root_stress(pair, i, nominal%form(i), stages%load)*nominal%rim(i)
         end associate
       end do
     end associate

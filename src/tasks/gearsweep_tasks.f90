@@ -5,6 +5,7 @@ module gearsweep_tasks
   use gearsweep_task_flank, only: flank_task_t
   use gearsweep_task_geometry, only: geometry_task_t
   use gearsweep_task_hysteresis, only: hysteresis_task_t
+  use gearsweep_task_life, only: life_task_t
   use gearsweep_task_load, only: load_task_t
   use gearsweep_task_mesh, only: mesh_task_t
   use gearsweep_task_modal, only: modal_task_t
@@ -58,6 +59,7 @@ contains
     call add(flank_task_t())
     call add(rating_task_t())
     call add(transient_task_t())
+    call add(life_task_t())
     allocate (slots(n))
     do i = 1, n
       slots(i)%info = room(i)%info

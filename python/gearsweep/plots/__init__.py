@@ -25,6 +25,7 @@ from .body import plot_modal, plot_section
 from .files import draw_all, figures, save
 from .flank import plot_flank
 from .gears import plot_geometry
+from .life import plot_life
 from .look import style
 from .over_speed import plot_optimum, plot_sweep
 from .precision import plot_precision
@@ -42,6 +43,7 @@ __all__ = [
     'plot_geometry',
     'plot_harmonics',
     'plot_hysteresis',
+    'plot_life',
     'plot_load',
     'plot_modal',
     'plot_optimum',

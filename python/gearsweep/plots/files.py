@@ -20,6 +20,7 @@ from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .flank import plot_flank
 from .gears import plot_geometry
+from .life import plot_life
 from .look import COLUMN, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
 from .precision import PANELS, plot_precision
@@ -85,6 +86,7 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'dynamic_factors': _single(plot_rating, 65),
         'transient': _transient,
         'transient_peaks': _single(plot_transient_peaks, 65),
+        'life_parts': _single(plot_life, 65),
     }
     for name, draw in drawings.items():
         if name in study and (not names or name in names):

@@ -1,0 +1,121 @@
+!> One part of a load spectrum, as the task `life` takes it: the motion, or the static load, and what it does to the tooth roots.
+module gearsweep_life_parts
+  use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_fatigue, only: curve_t, strength_t
+  use gearsweep_flank_paths, only: follow_static, path_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_response, only: find_response, response_t
+  use gearsweep_root_life, only: root_life, root_life_t
+  use gearsweep_status, only: has_result, status_ok
+  use gearsweep_table, only: no_number
+  use gearsweep_task, only: stages_t
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: life_rule_t, part_t, follow_part
+
+  !> How loads become damage.
+  type :: life_rule_t
+    logical :: dynamic_load = .true.             !< that of the motion; otherwise the static one
+    real(dp) :: stress_factor = 1                !< what raises the stress besides
+    real(dp) :: stress_ratio = 0                 !< least stress of a revolution over its largest
+    type(strength_t) :: strength
+    type(curve_t) :: curve
+  end type life_rule_t
+
+  !> What a part of the spectrum does with one relief.
+  type :: part_t
+    integer :: status = status_ok                !< of the motion
+    real(dp) :: dynamic_factor = 0               !< NaN for the static load
+    real(dp) :: engagements(2) = 0               !< of a tooth of each member
+    type(root_life_t) :: root(2)
+  end type part_t
+
+contains
+
+  !> One engagement after the other at one speed and load. `error`: the memory does not hold the motion.
+  subroutine follow_part(stages, relief, rpm, load_factor, duration, rule, part, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: relief                !< its number among those of the case
+    real(dp), intent(in) :: rpm                  !< speed of the pinion, 1/min
+    real(dp), intent(in) :: load_factor          !< load over that of the case
+    real(dp), intent(in) :: duration             !< s
+    type(life_rule_t), intent(in) :: rule
+    type(part_t), intent(out) :: part
+    type(error_t), allocatable, intent(inout) :: error
+    type(path_t) :: path
+    real(dp) :: factor
+    integer :: i
+
+    if (rule%dynamic_load) then
+      call follow_motion(stages, relief, rpm, load_factor, path, error)
+    else
+      call follow_share(stages, relief, load_factor, path, error)
+    end if
+    if (allocated(error)) return
+    part%status = path%status
+    part%dynamic_factor = path%dynamic_factor
+    associate (teeth => stages%pair%gear%spec%teeth)
+      part%engagements = rpm/60*duration*teeth(1)/teeth
+    end associate
+    if (.not. has_result(part%status)) return
+    factor = rule%stress_factor*stages%iso%application_factor
+    do i = 1, 2
+      part%root(i) = root_life(stages%pair, i, path%pair, path%s, factor*path%load, stages%iso%rim_thickness(i), &
+                               rule%stress_ratio, rule%strength, rule%curve)
+    end do
+  end subroutine follow_part
+
+  subroutine follow_motion(stages, relief, rpm, load_factor, path, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: relief
+    real(dp), intent(in) :: rpm, load_factor
+    type(path_t), intent(inout) :: path
+    type(error_t), allocatable, intent(inout) :: error
+    type(response_t) :: response
+    type(oscillator_t), allocatable :: osc
+
+    if (abs(load_factor - 1) > 0) then
+      call load_with(stages, relief, load_factor, osc, error)
+      if (allocated(error)) return
+      call find_response(osc, rpm, stages%accuracy, response)
+    else
+      call stages%find_motion(relief, rpm, response)
+    end if
+    if (response%lacks) call fail(error, code_memory, '&life rpm = '//str(rpm)//': the memory does not hold the motion')
+    if (allocated(error)) return
+    path%status = response%point%steady%status
+    path%pair = response%pair
+    path%s = response%s
+    path%load = response%load
+    path%dynamic_factor = no_number()
+    if (has_result(path%status)) path%dynamic_factor = response%point%dynamic_factor
+  end subroutine follow_motion
+
+  subroutine follow_share(stages, relief, load_factor, path, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: relief
+    real(dp), intent(in) :: load_factor
+    type(path_t), intent(inout) :: path
+    type(error_t), allocatable, intent(inout) :: error
+    type(oscillator_t), allocatable :: osc
+
+    call load_with(stages, relief, load_factor, osc, error)
+    if (.not. allocated(error)) call follow_static(stages%pair, osc, path)
+  end subroutine follow_share
+
+  !> The equation of motion under another load, with the stiffness of the case.
+  subroutine load_with(stages, relief, load_factor, osc, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: relief
+    real(dp), intent(in) :: load_factor
+    type(oscillator_t), allocatable, intent(out) :: osc
+    type(error_t), allocatable, intent(inout) :: error
+
+    allocate (osc, source=stages%motion(relief))
+    if (abs(load_factor - 1) <= 0) return
+    osc%load = osc%load*load_factor
+    call make_oscillator(osc, error)
+  end subroutine load_with
+end module gearsweep_life_parts

@@ -1,0 +1,248 @@
+!> Fatigue: rainflow cycles, mean stress, S-N curves and Miner's sum, and the task `life`, against the standard's example, what
+!> defines the rainflow method, textbook formulas, and spectra whose damage follows from the curve alone.
+module test_life
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_error, only: error_t
+  use gearsweep_fatigue, only: by_gerber, by_goodman, by_soderberg, count_cycles, curve_t, cycle_t, damage_of, &
+    equivalent_amplitude, mean_ignored, strength_t, structural_steel
+  use gearsweep_kinds, only: dp
+  use gearsweep_study, only: run_study, study_t
+  use gearsweep_table, only: table_t
+  use gearsweep_tables, only: make_table
+  use random_numbers, only: random_t
+  use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  real(dp), parameter :: mega = 1e6_dp
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    if (t%wants('standard_example')) call standard_example(t)
+    if (t%wants('flat_histories')) call flat_histories(t)
+    if (t%wants('crossings_of_intervals')) call crossings_of_intervals(t)
+    if (t%wants('mean_stress')) call mean_stress(t)
+    if (t%wants('curves')) call curves(t)
+    if (t%wants('spectra')) call spectra(t)
+    if (t%wants('idlers')) call idlers(t)
+    if (t%wants('loads_of_motions')) call loads_of_motions(t)
+  end subroutine run
+
+  ! --- cycles ----------------------------------------------------------------------
+
+  !> ASTM E1049-85, figure 7: ranges 3, 4, 7 and 9, once each.
+  subroutine standard_example(t)
+    type(tally_t), intent(inout) :: t
+    type(cycle_t), allocatable :: cycles(:)
+    integer :: range
+
+    cycles = count_cycles([-2.0_dp, 1.0_dp, -3.0_dp, 5.0_dp, -1.0_dp, 3.0_dp, -4.0_dp, 4.0_dp])
+    call check_equal(t, 'example of the standard: cycles', size(cycles), 4)
+    do range = 1, 10
+      call check_equal(t, 'example of the standard: cycles of one range', &
+                       count(abs(2*cycles%amplitude - range) < 1e-12_dp), merge(1, 0, any(range == [3, 4, 7, 9])))
+    end do
+    call check_close(t, 'example of the standard: mean of the largest', &
+                     cycles(maxloc(cycles%amplitude, 1))%mean, 0.5_dp, 1e-14_dp)
+  end subroutine standard_example
+
+  subroutine flat_histories(t)
+    type(tally_t), intent(inout) :: t
+    type(cycle_t), allocatable :: cycles(:)
+
+    call check_equal(t, 'a constant stress has no cycle', size(count_cycles([2.0_dp, 2.0_dp, 2.0_dp])), 0)
+    call check_equal(t, 'a single value has no cycle', size(count_cycles([2.0_dp])), 0)
+    cycles = count_cycles([0.0_dp, 0.5_dp, 1.0_dp, 1.0_dp, 0.2_dp, 0.0_dp, 0.0_dp])
+    call check_equal(t, 'up and down is one cycle', size(cycles), 1)
+    call check_close(t, 'its amplitude', cycles(1)%amplitude, 0.5_dp, 1e-15_dp)
+  end subroutine flat_histories
+
+  !> What defines the rainflow method: as many cycles span an interval of stress as the history crosses it upwards
+  !> (Rychlik 1987).
+  subroutine crossings_of_intervals(t)
+    type(tally_t), intent(inout) :: t
+    type(random_t) :: random
+    type(cycle_t), allocatable :: cycles(:)
+    real(dp), allocatable :: stress(:)
+    real(dp) :: low, high
+    integer :: i, k, n
+
+    do i = 1, 300
+      n = 2 + int(30*random%uniform())
+      stress = [(random%between(-1.0_dp, 1.0_dp), k=1, n)]
+      cycles = count_cycles(stress)
+      call check_close(t, 'the largest cycle spans the history', 2*maxval(cycles%amplitude), maxval(stress) - minval(stress), &
+                       1e-14_dp)
+      do k = 1, 10
+        low = random%between(-1.0_dp, 1.0_dp)
+        high = random%between(low, 1.0_dp)
+        call check_equal(t, 'cycles that span an interval', count(cycles%mean - cycles%amplitude < low .and. &
+                         cycles%mean + cycles%amplitude > high), crossings(stress, low, high))
+      end do
+    end do
+  end subroutine crossings_of_intervals
+
+  !> How often a repeating history goes from below an interval to above it.
+  pure integer function crossings(stress, low, high)
+    real(dp), intent(in) :: stress(:), low, high
+    logical :: is_below
+    integer :: i
+
+    crossings = 0
+    is_below = .false.
+    ! The second turn counts; in the first, it is found whether the history is below.
+    do i = 1, 2*size(stress)
+      associate (now => stress(1 + modulo(i - 1, size(stress))))
+        if (now < low) is_below = .true.
+        if (now > high .and. is_below) then
+          is_below = .false.
+          if (i > size(stress)) crossings = crossings + 1
+        end if
+      end associate
+    end do
+  end function crossings
+
+  ! --- mean stress and curve -------------------------------------------------------
+
+  !> Each rule's line meets the axis of mean stress at its strength; half way there Goodman leaves half of the amplitude, Gerber
+  !> three quarters.
+  subroutine mean_stress(t)
+    type(tally_t), intent(inout) :: t
+    type(cycle_t), parameter :: cycle = cycle_t(100*mega, 300*mega)
+    real(dp), parameter :: limit = 600*mega
+
+    call check_close(t, 'no rule', equivalent_amplitude(cycle, strength_t(mean_ignored, 0.0_dp)), 100*mega, 1e-15_dp)
+    call check_close(t, 'Goodman', equivalent_amplitude(cycle, strength_t(by_goodman, limit)), 200*mega, 1e-14_dp)
+    call check_close(t, 'Soderberg', equivalent_amplitude(cycle, strength_t(by_soderberg, limit)), 200*mega, 1e-14_dp)
+    call check_close(t, 'Gerber', equivalent_amplitude(cycle, strength_t(by_gerber, limit)), 400*mega/3, 1e-14_dp)
+    call check_close(t, 'compression does not count', &
+                     equivalent_amplitude(cycle_t(100*mega, -300*mega), strength_t(by_goodman, limit)), 100*mega, 1e-15_dp)
+    call check_true(t, 'a mean stress above the strength', &
+                    equivalent_amplitude(cycle_t(mega, 600*mega), strength_t(by_gerber, limit)) < 0)
+  end subroutine mean_stress
+
+  subroutine curves(t)
+    type(tally_t), intent(inout) :: t
+    type(curve_t) :: curve
+    integer :: i
+
+    ! Basquin's line with the slope 5.
+    curve%cycles = [1e4_dp, 1e9_dp]
+    curve%stress = [500*mega, 50*mega]
+    do i = 100, 400, 100
+      call check_close(t, 'a straight line', damage_of(curve, i*mega), (i/500.0_dp)**5*1e-4_dp, 1e-12_dp)
+    end do
+    call check_close(t, 'above its first point the line goes on', damage_of(curve, 1000*mega), 32e-4_dp, 1e-12_dp)
+    call check_close(t, 'no cycle costs more than the life', damage_of(curve, 1e6_dp*mega), 1.0_dp, 1e-15_dp)
+    call check_close(t, 'below the last point no harm', damage_of(curve, 49.9_dp*mega), 0.0_dp, 0.0_dp)
+    curve%is_endless = .false.
+    call check_close(t, 'or the last line goes on', damage_of(curve, 25*mega), 1e-9_dp/32, 1e-12_dp)
+    call check_close(t, 'no stress, no harm', damage_of(curve, 0.0_dp), 0.0_dp, 0.0_dp)
+    ! Points of ASME BPV VIII-2, table 5-110.1.
+    curve = structural_steel()
+    call check_close(t, 'structural steel at 214 MPa', damage_of(curve, 214*mega), 1/20000.0_dp, 1e-12_dp)
+    call check_close(t, 'structural steel at 86.2 MPa', damage_of(curve, 86.2000001_dp*mega), 1e-6_dp, 1e-6_dp)
+    call check_close(t, 'structural steel at 86 MPa', damage_of(curve, 86*mega), 0.0_dp, 0.0_dp)
+  end subroutine curves
+
+  ! --- the task ---------------------------------------------------------------------
+
+  !> Table of a case with gears without relief or corner contact, on a straight line of slope 5. It ends at 20 MPa, so that of an
+  !> engagement only the cycle from zero to the largest stress counts.
+  subroutine solve(t, keys, name, table)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: keys, name
+    type(table_t), intent(out) :: table
+    type(study_t) :: study
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+
+    call read_case('&case tasks = ''life'', ''rating'' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / '// &
+                   '&gear teeth = 34 / &load normal_force_n = 4000 / &mesh model = ''iso6336'' corner_contact = .false. / '// &
+                   '&rating rpm = 3000 / &life curve_cycles = 1e4, 9.765625e10 curve_stress_mpa = 500, 20 '// &
+                   keys//' /', case, error)
+    call check_no_error(t, 'the case', error)
+    call run_study(case, '', 1, study, error)
+    call check_no_error(t, 'the study', error)
+    call make_table(study, name, table, error)
+    call check_no_error(t, 'the table', error)
+  end subroutine solve
+
+  !> The static load, whose root stress is in proportion: damage by the fifth power of the load, by the time, and by the teeth.
+  subroutine spectra(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: still = 'dynamic_load = .false. mean_stress = ''none'' '
+    type(table_t) :: life, parts, factors
+    real(dp) :: amplitude
+    integer :: i
+
+    call solve(t, still//'rpm = 3000 duration_h = 10', 'life', life)
+    call solve(t, still//'rpm = 3000 duration_h = 10', 'rating_factors', factors)
+    do i = 1, 2
+      ! One pair carries the whole load to the outer point of single contact, where ISO 6336-3 takes it.
+      call check_close(t, 'largest root stress', life%number('largest_root_stress_mpa', i), &
+                       factors%number('nominal_root_mpa', i), 1e-3_dp)
+      amplitude = life%number('largest_root_stress_mpa', i)/2
+      call check_close(t, 'life by Basquin''s line', life%number('life_h', i), &
+                       1e4_dp*(500/amplitude)**5/(60*3000*merge(1.0_dp, 21/34.0_dp, i == 1)), 1e-9_dp)
+      call check_close(t, 'passes', life%number('passes', i), life%number('life_h', i)/10, 1e-12_dp)
+      call check_true(t, 'a life that ends', life%word('kind', i) == 'finite')
+    end do
+    call solve(t, still//'rpm = 3000, 3000, 6000 duration_h = 10, 5, 1 load_factor = 1, 2, 0.5', 'life_parts', parts)
+    do i = 1, 2
+      call check_close(t, 'twice the load, half the time', parts%number('damage', 2 + i), 16*parts%number('damage', i), 1e-9_dp)
+      call check_close(t, 'half the load, twice the speed, a tenth of the time', parts%number('damage', 4 + i), &
+                       0.2_dp/32*parts%number('damage', i), 1e-9_dp)
+    end do
+    call solve(t, still//'rpm = 3000, 3000, 6000 duration_h = 10, 5, 1 load_factor = 1, 2, 0.5', 'life', life)
+    do i = 1, 2
+      call check_close(t, 'Miner''s sum', life%number('damage', i), parts%number('damage', i)*(1 + 16 + 0.2_dp/32), 1e-9_dp)
+      call check_close(t, 'the part that does most harm', life%number('worst_part', i), 2.0_dp, 0.0_dp)
+    end do
+  end subroutine spectra
+
+  !> An idler's teeth see twice the amplitude without a mean; teeth loaded on one flank, half of the largest stress as a mean,
+  !> which Goodman's rule counts.
+  subroutine idlers(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: still = 'dynamic_load = .false. rpm = 3000 duration_h = 10 '
+    type(table_t) :: one, both, goodman
+    real(dp) :: half
+    integer :: i
+
+    call solve(t, still//'mean_stress = ''none''', 'life_parts', one)
+    call solve(t, still//'mean_stress = ''none'' stress_ratio = -1', 'life_parts', both)
+    call solve(t, still//'tensile_strength_mpa = 900', 'life_parts', goodman)
+    do i = 1, 2
+      call check_close(t, 'an idler''s damage', both%number('damage', i), 32*one%number('damage', i), 1e-9_dp)
+      call check_close(t, 'an idler''s mean stress', both%number('mean_mpa', i), 0.0_dp, absolute=1e-9_dp)
+      half = one%number('root_stress_mpa', i)/2
+      call check_close(t, 'mean stress of one flank', one%number('mean_mpa', i), half, 1e-12_dp)
+      call check_close(t, 'by Goodman''s rule', goodman%number('equivalent_amplitude_mpa', i), half/(1 - half/900), 1e-12_dp)
+    end do
+  end subroutine idlers
+
+  !> Without relief and backlash the motion is in proportion to the load, and so is the stress.
+  subroutine loads_of_motions(t)
+    type(tally_t), intent(inout) :: t
+    type(table_t) :: parts
+    integer :: i
+
+    call solve(t, 'rpm = 3000, 3000, 3000 duration_h = 1, 1, 1 load_factor = 1, 2, 0.5 mean_stress = ''none''', &
+               'life_parts', parts)
+    do i = 1, 2
+      call check_close(t, 'twice the load, the same dynamic factor', parts%number('dynamic_factor', 2 + i), &
+                       parts%number('dynamic_factor', i), 2e-6_dp)
+      call check_close(t, 'twice the load, twice the stress', parts%number('root_stress_mpa', 2 + i), &
+                       2*parts%number('root_stress_mpa', i), 2e-6_dp)
+      call check_close(t, 'half the load, half the stress', parts%number('root_stress_mpa', 4 + i), &
+                       parts%number('root_stress_mpa', i)/2, 2e-6_dp)
+      call check_true(t, 'the motion loads the teeth more than the static load does', parts%number('dynamic_factor', i) > 1.01_dp)
+    end do
+  end subroutine loads_of_motions
+end module test_life
