@@ -8,6 +8,7 @@ program check
   use test_sparse, only: run_sparse => run
   use test_attractors, only: run_attractors => run
   use test_beyond, only: run_beyond => run
+  use test_bifurcations, only: run_bifurcations => run
   use test_branches, only: run_branches => run
   use test_calls, only: run_calls => run
   use test_closed_estimates, only: run_closed_estimates => run
@@ -99,6 +100,7 @@ program check
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
     & suite_t('attractors', run_attractors), &
+    & suite_t('bifurcations', run_bifurcations), &
     & suite_t('reliefs', run_reliefs), &
     & suite_t('summary', run_summary), &
     & suite_t('estimates', run_estimates), &

@@ -227,6 +227,8 @@ contains
           line = key//' = 500'
         case ('module_mm')
           line = key//' = 3'
+        case ('last')
+          line = key//' = 40'
         case default
           line = key//' = 20'
         end select

@@ -20,9 +20,9 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(15) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(16) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
-    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'flank: ', 'rating: ', &
+    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'flank: ', 'rating: ', &
     'transient: ', 'life: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
@@ -31,6 +31,8 @@ module test_inputs
   !> What is computed for the sake of these tasks shall not take long.
   character(*), parameter :: few = 'stability damping_count 4;stability tongues 2;poincare settling_periods 20;'// &
                                    'poincare kept_periods 10;hysteresis closeness 1e-2;attractors starts 2;'// &
+                                   'branches first 16000;branches last 20000;branches seeds 2;branches points 10;'// &
+                                   'branches most_periods 1;'// &
                                    'precision most_steps 50;'// &
                                    'precision most_samples 64;precision rpm 18000'
 
@@ -228,6 +230,15 @@ contains
     call add('attractors span', '3')
     call add('attractors most_periods', '1')
     call add('attractors followed_periods', '1')
+    call add('branches parameter', '''damping_ratio''', only='branches first 0.02;branches last 0.2;branches rpm 18000')
+    call add('branches first', '17000')
+    call add('branches last', '21000')
+    call add('branches rpm', '19000', beside='branches parameter ''damping_ratio'';branches first 0.02;branches last 0.2;'// &
+             'branches rpm 18000')
+    call add('branches relief_um', '5')
+    call add('branches most_periods', '2')
+    call add('branches seeds', '3')
+    call add('branches points', '12')
     call add('precision rpm', '17000, 21000')
     call add('precision relief_um', '5')
     call add('precision most_steps', '60')

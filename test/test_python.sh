@@ -16,7 +16,7 @@ build_package || exit
 cd "$work" && ln -s "$root/data" data || exit
 {
   PYTHONPATH=$root "$venv/bin/python" -m pytest -q -rs --tb=short -p no:cacheprovider --doctest-modules \
-    --doctest-glob='*.md' --pyargs gearsweep "$root/doc/python.md" "$root/doc/pictures.md" "$root/doc/stability.md" "$root/doc/precision.md" "$root/python/tests" "$root/validation/tests" "$@"
+    --doctest-glob='*.md' --pyargs gearsweep "$root/doc/python.md" "$root/doc/pictures.md" "$root/doc/stability.md" "$root/doc/branches.md" "$root/doc/precision.md" "$root/python/tests" "$root/validation/tests" "$@"
   echo $? >code
 } | tee said
 code=$(cat code)

@@ -33,13 +33,14 @@ module test_scenes
     '&static positions = 5 field_position = 0 /'// &
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
-    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''precision'', ''flank'', ''rating'', ''transient'','// &
-    '  ''life'' /'// &
+    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''branches'', ''precision'', ''flank'','// &
+    '  ''rating'', ''transient'', ''life'' /'// &
     '&flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
     '&life rpm = 5000 duration_h = 1 tensile_strength_mpa = 900 /'// &
     '&stability damping_count = 3 tongues = 2 /'// &
     '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
     '&attractors rpm = 5000, 7000 relief_um = 0 starts = 3 /'// &
+    '&branches first = 5000 last = 7000 relief_um = 0 seeds = 2 points = 20 most_periods = 1 /'// &
     '&precision relief_um = 8 most_steps = 50 most_samples = 64 most_elements = 4 modes = 1 /'
 
 contains

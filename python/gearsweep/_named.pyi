@@ -681,6 +681,94 @@ class BasinsTable(Table):
     motion: NDArray[int64]
     """the motion of the table attractors that it leads to; 0: none within followed_periods"""
 
+class BranchesTable(Table):
+    """branches of periodic motions over the parameter"""
+
+    branch: NDArray[int64]
+    """which branch"""
+    relief_um: NDArray[float64]
+    """um: amount of relief; NaN where it is the parameter"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    least: NDArray[float64]
+    """least value of the parameter, in the unit of its name"""
+    largest: NDArray[float64]
+    """largest value of the parameter"""
+    largest_dynamic_factor: NDArray[float64]
+    """largest DF on the branch"""
+    points: NDArray[int64]
+    """points followed"""
+    stable_points: NDArray[int64]
+    """of these, where the motion attracts"""
+    first_end: NDArray[str_]
+    """how it ends where its points begin: range: of the parameter; closed: in itself; doubling: in a motion of half the period, whose period doubles there; lost: Newton's method does not go on; length: so many points"""
+    last_end: NDArray[str_]
+    """how it ends where its points end"""
+
+class BranchPointsTable(Table):
+    """points of the branches, from one end to the other"""
+
+    branch: NDArray[int64]
+    """which branch"""
+    point: NDArray[int64]
+    """which of its points"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    damping_ratio: NDArray[float64]
+    """damping ratio"""
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    normal_force_n: NDArray[float64]
+    """N: static load"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    floquet_modulus: NDArray[float64]
+    """largest modulus of the Floquet multipliers"""
+    stability: NDArray[str_]
+    """stable: the motion attracts; unstable: it repels; marginal: neither, to 1e-7"""
+    contact: NDArray[str_]
+    """full; partial: a pair was apart for a while; lost: all were; coast: the coast sides touched"""
+    dte_um: NDArray[float64]
+    """um: dynamic transmission error as a new pair enters"""
+    dte_rate_mm_s: NDArray[float64]
+    """mm/s: rate of the dynamic transmission error as a new pair enters: the motion can be continued from both"""
+
+class BranchChangesTable(Table):
+    """where the motion changes its kind along a branch"""
+
+    branch: NDArray[int64]
+    """which branch"""
+    kind: NDArray[str_]
+    """fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or leaves"""
+    after_point: NDArray[int64]
+    """the point of the branch before it"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    damping_ratio: NDArray[float64]
+    """damping ratio"""
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    normal_force_n: NDArray[float64]
+    """N: static load"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    floquet_modulus: NDArray[float64]
+    """largest modulus of the Floquet multipliers"""
+    stability: NDArray[str_]
+    """stable: the motion attracts; unstable: it repels; marginal: neither, to 1e-7"""
+    contact: NDArray[str_]
+    """full; partial: a pair was apart for a while; lost: all were; coast: the coast sides touched"""
+    phase: NDArray[float64]
+    """of grazing, the mesh phase; NaN where it is not known or no grazing"""
+    in_period: NDArray[int64]
+    """of grazing, in which of the mesh periods; 0 as above"""
+    enclosed: NDArray[float64]
+    """between places so far apart it is enclosed, in the unit of the parameter's name"""
+
 class PrecisionTable(Table):
     """results at several resolutions, with their errors and run times"""
 
@@ -1182,6 +1270,12 @@ class Named:
     def attractor_points(self) -> AttractorPointsTable: ...
     @property
     def basins(self) -> BasinsTable: ...
+    @property
+    def branches(self) -> BranchesTable: ...
+    @property
+    def branch_points(self) -> BranchPointsTable: ...
+    @property
+    def branch_changes(self) -> BranchChangesTable: ...
     @property
     def precision(self) -> PrecisionTable: ...
     @property

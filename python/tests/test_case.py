@@ -46,9 +46,12 @@ def test_complete_case_is_complete(case):
 def test_defaults_of_the_reference():
     """Every plain default that doc/case.md prints is the one in effect."""
     case = Case(GEARED).changed(pinion={'effective_mass_kg': None}, mesh={'model': None})
-    more = ('stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating', 'transient', 'life')
-    case = case.changed(case={'tasks': [*case.tasks, *more]}, flank={'rpm': 3000}, rating={'rpm': 3000}, transient={'rpm': 3000},
-                        life={'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900})
+    more = ('stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'precision', 'flank', 'rating', 'transient',
+            'life')
+    needed = {task: {'rpm': 3000} for task in ('flank', 'rating', 'transient')}
+    needed['life'] = {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900}
+    needed['branches'] = {'first': 3000, 'last': 4000}
+    case = case.changed(case={'tasks': [*case.tasks, *more]}, **needed)
     by_elements = case.changed(mesh={'model': 'fe'})
     keys = (ROOT / 'doc/case.md').read_text().split('## Keys')[1].split('## Finite elements')[0]
     found = 0

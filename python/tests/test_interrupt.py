@@ -21,6 +21,7 @@ LONG = Case(PRESCRIBED).changed(
     relief={'amount_um': [0, 2, 15]},
     sweep={'rpm_step': 2, 'load_rpm': None},
 )
+BRANCHES = LONG.changed(branches={'first': 2000, 'last': 20000, 'seeds': 1000, 'most_periods': 8})
 SHORT = LONG.changed(sweep={'rpm_first': 5000, 'rpm_last': 9000, 'rpm_step': 50})
 
 
@@ -52,8 +53,8 @@ GRID = Case(GEARED).changed(section={'elements_across': 60})
 
 @pytest.mark.parametrize(
     ('case', 'task'),
-    [(LONG, 'sweep'), (LONG, 'optimum'), (MARCHED, 'sweep'), (LONG, 'hysteresis'), (LONG, 'poincare'), (LONG, 'attractors'), (GRID, 'modal'), (GRID, 'mesh')],
-    ids=['sweep', 'optimum', 'march', 'hysteresis', 'poincare', 'attractors', 'modes', 'stiffness'],
+    [(LONG, 'sweep'), (LONG, 'optimum'), (MARCHED, 'sweep'), (LONG, 'hysteresis'), (LONG, 'poincare'), (LONG, 'attractors'), (BRANCHES, 'branches'), (GRID, 'modal'), (GRID, 'mesh')],
+    ids=['sweep', 'optimum', 'march', 'hysteresis', 'poincare', 'attractors', 'branches', 'modes', 'stiffness'],
 )
 def test_ctrl_c_ends_within_a_second(case, task):
     timer, sent = interrupt_after(0.5)

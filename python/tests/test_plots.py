@@ -23,7 +23,7 @@ from gearsweep.plots.along_path import contact_points
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
-MAPS = ('stability', 'hysteresis', 'poincare', 'attractors', 'precision')
+MAPS = ('stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'precision')
 MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
 ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
 ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
@@ -67,6 +67,7 @@ def both(rattling):
 @pytest.fixture(scope='module')
 def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, attractors={'starts': 4},
+                                branches={'first': 4000, 'last': 9000, 'seeds': 2, 'points': 20, 'most_periods': 1},
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
                                 transient={'rpm': [4000, 6000], 'modes': 3, 'samples': 20},
                                 life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
@@ -431,8 +432,8 @@ def test_life_shows_the_parts_beside_the_curve():
 
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'precision', 'flank', 'dynamic_factors', 'transient',
-             'transient_peaks', 'life_parts')  # fmt: skip
+             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'precision', 'flank', 'dynamic_factors',
+             'transient', 'transient_peaks', 'life_parts')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

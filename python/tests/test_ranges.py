@@ -10,7 +10,7 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'precision', 'flank', 'rating', 'transient', 'life'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'precision', 'flank', 'rating', 'transient', 'life'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
@@ -29,6 +29,7 @@ GROUPS = {
     'hysteresis': {},
     'poincare': {},
     'attractors': {},
+    'branches': {'first': 3000, 'last': 4000},
     'precision': {},
     'flank': {'rpm': 3000},
     'rating': {'rpm': 3000},

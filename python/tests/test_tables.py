@@ -27,6 +27,7 @@ PLACES = {
     'Best of the list': 'sweep_summary',
     'Points': 'sweep_summary',
     'Optimum relief': 'optimum',
+    'Branches of periodic motions': 'branches branch_changes',
     'Precision at': 'precision precision_finest',
     'Flanks': 'flank_losses',
     'Rating by': 'rating dynamic_factors',

@@ -2,6 +2,7 @@
 module gearsweep_tasks
   use gearsweep_task, only: task_info_t, task_length, task_t
   use gearsweep_task_attractors, only: attractors_task_t
+  use gearsweep_task_branches, only: branches_task_t
   use gearsweep_task_flank, only: flank_task_t
   use gearsweep_task_geometry, only: geometry_task_t
   use gearsweep_task_hysteresis, only: hysteresis_task_t
@@ -55,6 +56,7 @@ contains
     call add(hysteresis_task_t())
     call add(poincare_task_t())
     call add(attractors_task_t())
+    call add(branches_task_t())
     call add(precision_task_t())
     call add(flank_task_t())
     call add(rating_task_t())

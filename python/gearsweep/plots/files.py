@@ -18,6 +18,7 @@ from ..study import Study
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
+from .branches import plot_branches, reliefs_of
 from .flank import plot_flank
 from .gears import plot_geometry
 from .life import plot_life
@@ -81,6 +82,7 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'poincare': _reliefs('lyapunov', plot_poincare),
         'attractors': _reliefs('attractor_points', plot_attractors),
         'basins': _reliefs('basins', plot_basins),
+        'branches': _branches,
         'precision': _precision,
         'flank': _flank,
         'dynamic_factors': _single(plot_rating, 65),
@@ -130,6 +132,15 @@ def _reliefs(table: str, plot: Callable) -> Callable[[Study], Figure]:
         return figure
 
     return draw
+
+
+def _branches(study: Study) -> Figure:
+    """A panel below the other for each relief."""
+    amounts = reliefs_of(study.branches)
+    figure, axes = _panels(len(amounts), 'reliefs', 1, 90)
+    for ax, amount in zip(axes, amounts):
+        plot_branches(study, ax, relief_um=amount)
+    return figure
 
 
 def _mesh(study: Study) -> Figure:

@@ -8,6 +8,7 @@ module gearsweep_contact_events
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
   use gearsweep_oscillator, only: damping
+  use gearsweep_overlap_watch, only: watch_sub_step
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
   use gearsweep_step_loads, only: loads_over_sub_step, raise_coast_over_sub_step
@@ -323,5 +324,6 @@ contains
       call record(trace, table%pairs(i), spread(map%osc%intervals(table%interval(i))%offset, 1, 2), &
                   table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)]), spread(contact_set, 1, 2), x, load)
     end associate
+    if (allocated(trace%overlaps)) call watch_sub_step(map, l, contact_set, c, trace%overlaps)
   end subroutine record_sub_step
 end module gearsweep_contact_events

@@ -11,6 +11,7 @@ module gearsweep_period
   use gearsweep_literature_period, only: run_literature_period
   use gearsweep_load_peaks, only: add_candidate, candidate_t, settle_candidates
   use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_overlap_watch, only: watch_step
   use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
   use gearsweep_step_ends, only: contact_set_at_begin
   use gearsweep_step_loads, only: loads_over_step, raise_coast_over_step
@@ -332,6 +333,7 @@ contains
       call loads_over_step(map%osc, table, step, contact_set, map%duration(1), states_of(state, 1), x, load)
       call record(trace, table%pairs(step), spread(map%osc%intervals(table%interval(step))%offset, 1, 2), &
                   table%left(step) + [0.0_dp, table%width(step)], spread(contact_set, 1, 2), x, load)
+      if (allocated(trace%overlaps)) call watch_step(map, step, states_of(state, 1), contact_set, trace%overlaps)
     end associate
   end subroutine record_step
 

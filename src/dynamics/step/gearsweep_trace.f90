@@ -1,6 +1,7 @@
 !> The motion over one mesh period, recorded for tables and pictures.
 module gearsweep_trace
   use gearsweep_kinds, only: dp
+  use gearsweep_overlaps, only: overlaps_t
   implicit none
   private
   public :: trace_t, record, pair_paths
@@ -15,6 +16,7 @@ module gearsweep_trace
     !> Dynamic transmission error (m), and the loads of the pairs and of the coast sides (N), each with its first and second
     !> derivative over the step; (0:2, row) and (0:2, contact, row).
     real(dp), allocatable :: x(:, :), load(:, :, :)
+    type(overlaps_t), allocatable :: overlaps    !< recorded too where this is allocated
   end type trace_t
 
 contains
@@ -51,6 +53,7 @@ contains
     allocate (larger%pairs(rows), larger%offset(rows), larger%phase(rows), larger%contact_set(rows))
     allocate (larger%x(0:2, rows), larger%load(0:2, contacts, rows))
     larger%rows = trace%rows
+    if (allocated(trace%overlaps)) call move_alloc(trace%overlaps, larger%overlaps)
     associate (n => trace%rows)
       if (n > 0) then
         larger%pairs(:n) = trace%pairs(:n)

@@ -1,0 +1,206 @@
+!> The task `branches`: whole branches of periodic motions over speed, damping ratio, relief or load, attracting or not, with
+!> their folds, doublings and grazings (see gearsweep_branch_search).
+module gearsweep_task_branches
+  use gearsweep_attractor_search, only: attractor_options_t
+  use gearsweep_branch, only: follow_options_t
+  use gearsweep_branch_search, only: branch_options_t, find_branches, whole_branch_t
+  use gearsweep_branch_tables, only: branch_set_t, fill_branches, fill_changes, fill_points
+  use gearsweep_case_family, only: case_family_t, make_case_family, of_load, of_relief, of_speed, parameter_names, parameter_units
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_motion_equations, only: width
+  use gearsweep_points, only: factor_in
+  use gearsweep_reader, only: reader_t
+  use gearsweep_task, only: includes, stages_t, task_info_t, task_t
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: branches_task_t
+
+  type, extends(task_t) :: branches_task_t
+    integer :: parameter = of_speed              !< of gearsweep_case_family
+    real(dp) :: range(2) = 0                     !< first and last value, SI units
+    real(dp) :: rpm = 0                          !< speed where it is not the parameter, 1/min
+    integer :: most_periods = 4, seeds = 9, points = 200
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, add_report, uses, count_points
+  end type branches_task_t
+
+  character(*), parameter :: group = 'branches'
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t(group, needs='mesh reliefs amounts motion losses', &
+                       tables='branches branch_points branch_changes', fields='', &
+                       gives='whole branches of periodic motions, attracting or not, with folds, doubled periods and grazing')
+  end subroutine describe
+
+  !> The relief as parameter makes those of &relief idle.
+  pure logical function uses(self, stage)
+    class(branches_task_t), intent(in) :: self
+    character(*), intent(in) :: stage
+    type(task_info_t) :: info
+
+    call self%describe(info)
+    uses = includes(info%needs, stage)
+    if (stage == 'amounts') uses = self%parameter /= of_relief
+  end function uses
+
+  subroutine read_keys(self, reader, error)
+    class(branches_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: far = 1e9_dp
+    character(:), allocatable :: parameter
+    logical :: has_rpm
+    integer :: i
+
+    parameter = trim(parameter_names(self%parameter))
+    call reader%add_group(group, 'The task branches, over a range of speed or of another number of the case.')
+    call reader%get(group, 'parameter', parameter, error, tasks=group, allowed=parameter_names, &
+                    meaning='over what the branches are followed: speed, damping ratio, relief or load, in the unit of its name')
+    if (allocated(error)) return
+    do i = 1, size(parameter_names)
+      if (parameter_names(i) == parameter) self%parameter = i
+    end do
+    call reader%get(group, 'first', self%range(1), error, required=.true., tasks=group, at_least=0.0_dp, at_most=far, &
+                    meaning='where the range of the parameter begins')
+    call reader%get(group, 'last', self%range(2), error, required=.true., tasks=group, above=0.0_dp, at_most=far, &
+                    meaning='where it ends')
+    call reader%get(group, 'rpm', self%rpm, error, unit='1/min', tasks=group, given=has_rpm, at_least=1e-6_dp, at_most=far, &
+                    otherwise='parameter = ''rpm'': none', meaning='speed where another number is the parameter')
+    call self%read_reliefs(reader, group, error)
+    call reader%get(group, 'most_periods', self%most_periods, error, tasks=group, at_least=1, at_most=64, &
+                    meaning='mesh periods after which the motions repeat, at most')
+    call reader%get(group, 'seeds', self%seeds, error, tasks=group, at_least=1, at_most=10000, &
+                    meaning='values over the range, its ends among them, at which attracting motions are looked for at first')
+    call reader%get(group, 'points', self%points, error, tasks=group, at_least=10, at_most=100000, &
+                    meaning='points of a branch over the whole range, at least')
+    self%range = self%range*parameter_units(self%parameter)
+    if (.not. allocated(error) .and. self%range(2) > 0) call check_range(self, has_rpm, error)
+  end subroutine read_keys
+
+  !> What the parameter asks for.
+  pure subroutine check_range(self, has_rpm, error)
+    class(branches_task_t), intent(in) :: self
+    logical, intent(in) :: has_rpm
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (self%parameter /= of_speed) then
+      if (.not. has_rpm) call fail(error, code_input, '&branches parameter = '''// &
+        trim(parameter_names(self%parameter))//''': needs rpm, the speed')
+    else if (has_rpm) then
+      call fail(error, code_input, '&branches rpm: the speed is the parameter; its range is first to last')
+    end if
+    if (self%parameter == of_relief .and. allocated(self%own_relief)) &
+      call fail(error, code_input, '&branches relief_um: the relief is the parameter; its range is first to last')
+    if (.not. self%range(1) < self%range(2)) &
+      call fail(error, code_input, '&branches last = '//str(self%range(2)/parameter_units(self%parameter))// &
+                ': must be above first = '//str(self%range(1)/parameter_units(self%parameter)))
+    if (any(self%parameter == [of_speed, of_load]) .and. .not. self%range(1) > 0) &
+      call fail(error, code_input, '&branches first = '//str(self%range(1))//': must be above 0')
+  end subroutine check_range
+
+  !> The values at which motions are looked for.
+  integer function count_points(self, stages) result(points)
+    class(branches_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    integer, allocatable :: which(:)
+
+    points = self%seeds
+    if (.not. self%uses('amounts')) return
+    call self%list_reliefs(stages, which)
+    points = points*size(which)
+  end function count_points
+
+  subroutine run(self, stages, error)
+    class(branches_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    type(branch_set_t), allocatable :: found(:)
+    integer, allocatable :: which(:)
+    integer :: i, total
+    logical :: stopped
+
+    which = [1]
+    if (self%uses('amounts')) call self%list_reliefs(stages, which)
+    allocate (found(size(which)))
+    do i = 1, size(which)
+      call make_family(self, stages, stages%amount(which(i)), found(i)%family, error)
+      if (allocated(error)) return
+      call find_branches(found(i)%family, options_of(self, stages), found(i)%branch, found(i)%unresolved, stopped, error)
+      if (allocated(error) .or. stopped) return
+      call stages%running%tell(self%seeds, stages%accuracy%steady%stop)
+    end do
+    call fill_branches(found, self%tables(self%place('branches')), error)
+    call fill_points(found, self%tables(self%place('branch_points')), error)
+    call fill_changes(found, self%tables(self%place('branch_changes')), error)
+    if (allocated(error)) return
+    self%failed = sum(found%unresolved)
+    self%is_done = .true.
+    total = sum([(size(found(i)%branch), i=1, size(found))])
+    self%log = 'branches: '//str(total)//' branches from motions at '//str(self%seeds*size(which))//' places'
+  end subroutine run
+
+  type(branch_options_t) function options_of(self, stages) result(options)
+    class(branches_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+
+    options%seeds = self%seeds
+    options%follow = follow_options_t(longest=width/self%points, most_points=max(5000, 50*self%points), &
+                                      stop=stages%accuracy%steady%stop)
+    options%search = attractor_options_t(most_cycles=500, most_periods=self%most_periods)
+    options%search%accuracy%steady%stop = stages%accuracy%steady%stop
+  end function options_of
+
+  !> The case with this relief (m), over the parameter.
+  subroutine make_family(self, stages, relief, family, error)
+    class(branches_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    real(dp), intent(in) :: relief
+    type(case_family_t), intent(out) :: family
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: range(2, 2)
+
+    range = 0
+    range(:, 1) = self%range
+    associate (motion => stages%motions_inputs%motion)
+      call make_case_family(stages%motions_inputs, [self%rpm, motion%damping_ratio, relief, motion%load], [self%parameter, 0], &
+                            range, family, error)
+    end associate
+  end subroutine make_family
+
+  pure subroutine add_report(self, lines)
+    class(branches_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer, parameter :: most = 20
+    character(:), allocatable :: name
+    integer :: i
+
+    name = trim(parameter_names(self%parameter))
+    associate (branches => self%tables(self%place('branches')), changes => self%tables(self%place('branch_changes')))
+      call lines%add('')
+      call lines%add('Branches of periodic motions over '//name//', from motions at '//str(self%seeds)//' places')
+      call lines%add('    branch   periods         least       largest  largest DF   ends')
+      do i = 1, min(branches%rows, most)
+        call lines%add(right(str(nint(branches%number('branch', i))), 10)// &
+                       right(str(nint(branches%number('mesh_periods', i))), 10)// &
+                       right(str(branches%number('least', i), 7), 14)//right(str(branches%number('largest', i), 7), 14)// &
+                       factor_in(branches%number('largest_dynamic_factor', i))//'     '// &
+                       trim(branches%word('first_end', i))//', '//trim(branches%word('last_end', i)))
+      end do
+      if (branches%rows > most) call lines%add(left('', 19)//'and '//str(branches%rows - most)//' more')
+      call lines%add('    branch   change at '//left(name, 19)//'DF')
+      do i = 1, min(changes%rows, most)
+        call lines%add(right(str(nint(changes%number('branch', i))), 10)//'   '//left(trim(changes%word('kind', i)), 10)// &
+                       left(str(changes%number(name, i), 10), 15)//factor_in(changes%number('dynamic_factor', i)))
+      end do
+      if (changes%rows > most) call lines%add(left('', 19)//'and '//str(changes%rows - most)//' more')
+    end associate
+  end subroutine add_report
+end module gearsweep_task_branches

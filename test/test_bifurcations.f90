@@ -1,0 +1,366 @@
+!> Whole branches of periodic motions and where they change: against places known to many digits from closed forms, and
+!> identities between one parameter and another.
+module test_bifurcations
+  use gearsweep_arclength, only: tangent_of
+  use gearsweep_error, only: error_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_status, only: has_result
+  use gearsweep_table, only: table_t
+  use gearsweep_tables, only: make_table
+  use gearsweep_text, only: str
+  use quantities, only: answer_t, ask, refusal
+  use reference_rows, only: prescribed
+  use single_points, only: solve
+  use testing, only: check_close, check_equal, check_true, tally_t
+  implicit none
+  private
+  public :: run
+
+  integer, parameter :: word = 32
+
+  !> 25 teeth, 0.8 kg, 7000 N, contact ratio 1.6; stiffness in N/um.
+  character(*), parameter :: pair = '&case tasks = ''branches'' / &pinion teeth = 25 effective_mass_kg = 0.8 /'// &
+    '&gear effective_mass_kg = 0.8 / &load normal_force_n = 7000 / ', &
+    flat = '&mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400 / ', &
+    curved = '&mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400, 0, -110 / ', &
+    damped = '&dynamics damping_ratio = 0.05 / '
+
+contains
+
+  subroutine run(t)
+    type(tally_t), intent(inout) :: t
+
+    if (t%wants('many_digits')) call many_digits(t)
+    if (t%wants('doubling_of_meissner')) call doubling_of_meissner(t)
+    if (t%wants('whole_branches')) call whole_branches(t)
+    if (t%wants('motions_of_the_sweep')) call motions_of_the_sweep(t)
+    if (t%wants('fold_over_damping')) call fold_over_damping(t)
+    if (t%wants('load_and_relief')) call load_and_relief(t)
+    if (t%wants('corners_keep_their_sense')) call corners_keep_their_sense(t)
+    if (t%wants('refused')) call refused(t)
+  end subroutine run
+
+  !> The changes of a study: their kinds, mesh periods, places and dynamic factors.
+  subroutine changes_of(answer, name, kind, periods, place, factor)
+    type(answer_t), intent(in) :: answer
+    character(*), intent(in) :: name             ! of the parameter's column
+    character(word), allocatable, intent(out) :: kind(:)
+    integer, allocatable, intent(out) :: periods(:)
+    real(dp), allocatable, intent(out) :: place(:), factor(:)
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call make_table(answer%study, 'branch_changes', table, error)
+    allocate (kind(table%rows))
+    do i = 1, table%rows
+      kind(i) = table%word('kind', i)
+    end do
+    periods = nint(answer%all_of('branch_changes.mesh_periods'))
+    place = answer%all_of('branch_changes.'//name)
+    factor = answer%all_of('branch_changes.dynamic_factor')
+  end subroutine changes_of
+
+  !> bifurcations.dat: folds, doublings and grazing by Newton's method with 30 digits on closed forms and Taylor series.
+  subroutine many_digits(t)
+    type(tally_t), intent(inout) :: t
+    character(word), allocatable :: kind(:)
+    integer, allocatable :: periods(:)
+    real(dp), allocatable :: place(:), factor(:)
+    type(answer_t) :: answer
+    real(dp) :: coef(3), rpm, there, last
+    character(200) :: line
+    character(8) :: what
+    integer :: unit, stat, n, rows, i
+
+    rows = 0
+    last = 1
+    open (newunit=unit, file='test/reference/bifurcations.dat', status='old', action='read')
+    do
+      read (unit, '(a)', iostat=stat) line
+      if (stat /= 0) exit
+      if (line(1:1) == '#') cycle
+      rows = rows + 1
+      read (line, *) coef, n, what, rpm, there
+      if (abs(coef(3) - last) > 0) then
+        if (coef(3) < 0) then
+          call ask(t, pair//curved//damped//'&branches first = 5500 last = 14000 seeds = 5 most_periods = 1 /', answer)
+        else
+          call ask(t, pair//flat//damped//'&branches first = 6000 last = 12000 seeds = 7 /', answer)
+        end if
+        call changes_of(answer, 'rpm', kind, periods, place, factor)
+        last = coef(3)
+      end if
+      i = minloc(abs(place - rpm), 1, mask=kind == what .and. periods == n)
+      call check_true(t, 'row '//str(rows)//', known', i > 0)
+      if (i == 0) cycle
+      call check_close(t, 'row '//str(rows)//', place', place(i), rpm, relative=1e-9_dp)
+      call check_close(t, 'row '//str(rows)//', dynamic factor', factor(i), there, relative=1e-6_dp)
+    end do
+    close (unit)
+    call check_equal(t, 'rows', rows, 14)
+  end subroutine many_digits
+
+  !> While all pairs carry, the stiffness is a square wave, whose map is the product of two closed ones: the edges of its first
+  !> tongue, where the period doubles.
+  subroutine doubling_of_meissner(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: zeta = 0.03_dp
+    character(word), allocatable :: kind(:)
+    integer, allocatable :: periods(:)
+    real(dp), allocatable :: place(:), factor(:)
+    type(answer_t) :: answer
+    real(dp) :: edge(2), low, high, middle
+    integer :: side, i
+
+    call ask(t, pair//flat//'&dynamics damping_ratio = 0.03 / &branches first = 24000 last = 38000 seeds = 2 '// &
+             'most_periods = 1 /', answer)
+    call changes_of(answer, 'rpm', kind, periods, place, factor)
+    do side = 1, 2
+      low = merge(24000, 30500, side == 1)
+      high = merge(30500, 38000, side == 1)
+      do i = 1, 100
+        middle = (low + high)/2
+        if ((square_wave(zeta, middle) > 0) .eqv. side == 1) then
+          low = middle
+        else
+          high = middle
+        end if
+      end do
+      edge(side) = low
+      call check_close(t, 'edge '//str(side), minval(abs(pack(place, kind == 'doubling') - edge(side))), 0.0_dp, &
+                       absolute=1e-9_dp*edge(side))
+    end do
+    call check_true(t, 'the tongue is open', edge(2) > 1.02_dp*edge(1))
+  end subroutine doubling_of_meissner
+
+  !> det(M + 1) of the pair above in full contact: 0.6 of a period with two pairs, then one.
+  real(dp) function square_wave(zeta, rpm)
+    real(dp), intent(in) :: zeta, rpm
+    real(dp) :: m(2, 2), part(2, 2), omega, damped, time, decay
+    integer :: pairs
+
+    m = reshape([1, 0, 0, 1], [2, 2])
+    do pairs = 2, 1, -1
+      omega = sqrt(pairs*400e6_dp*2/0.8_dp)
+      damped = omega*sqrt(1 - zeta**2)
+      time = merge(0.6_dp, 0.4_dp, pairs == 2)*60/(25*rpm)
+      decay = exp(-zeta*omega*time)
+      part(1, :) = decay*[cos(damped*time) + zeta*omega/damped*sin(damped*time), sin(damped*time)/damped]
+      part(2, :) = decay*[-omega**2/damped*sin(damped*time), cos(damped*time) - zeta*omega/damped*sin(damped*time)]
+      m = matmul(part, m)
+    end do
+    square_wave = 1 + m(1, 1) + m(2, 2) + m(1, 1)*m(2, 2) - m(1, 2)*m(2, 1)
+  end function square_wave
+
+  !> Every branch goes on until it leaves the range, closes or meets the motion whose period doubles, over corners and nearly
+  !> grazing stretches too; neighbouring points are close, and between folds the stability only changes at doublings.
+  subroutine whole_branches(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: answer
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    character(word) :: ends(2)
+    real(dp), allocatable :: branch(:), rpm(:), modulus(:), after(:), of_change(:), factor(:)
+    character(word), allocatable :: kind(:)
+    integer, allocatable :: periods(:)
+    real(dp), allocatable :: place(:), there(:)
+    integer :: i, changes
+    logical :: joined
+
+    call ask(t, pair//flat//damped//'&branches first = 6000 last = 12000 seeds = 5 most_periods = 8 /', &
+             answer)
+    call make_table(answer%study, 'branches', table, error)
+    call check_true(t, 'several', table%rows > 6, str(table%rows))
+    do i = 1, table%rows
+      ends(1) = table%word('first_end', i)
+      ends(2) = table%word('last_end', i)
+      call check_true(t, 'branch '//str(i)//' is whole', all(ends == 'range' .or. ends == 'doubling' .or. ends == 'closed'))
+    end do
+    call doubled_branches(t, answer)
+    branch = answer%all_of('branch_points.branch')
+    rpm = answer%all_of('branch_points.rpm')
+    modulus = answer%all_of('branch_points.floquet_modulus')
+    factor = answer%all_of('branch_points.dynamic_factor')
+    after = answer%all_of('branch_changes.after_point')
+    of_change = answer%all_of('branch_changes.branch')
+    call changes_of(answer, 'rpm', kind, periods, place, there)
+    joined = .true.
+    changes = 0
+    do i = 1, size(rpm) - 1
+      if (abs(branch(i) - branch(i + 1)) > 0) cycle
+      joined = joined .and. abs(rpm(i) - rpm(i + 1)) <= 1.001_dp*6000/200 .and. abs(factor(i) - factor(i + 1)) < 0.2_dp
+      if ((modulus(i) < 1) .eqv. (modulus(i + 1) < 1)) cycle
+      if (abs(modulus(i) - 1) < 1e-6_dp .or. abs(modulus(i + 1) - 1) < 1e-6_dp) cycle
+      changes = changes + 1
+      call check_true(t, 'stability changes at a fold or doubling, near '//str(rpm(i)), &
+                      any(kind /= 'grazing' .and. nint(of_change) == nint(branch(i)) .and. &
+                          min(rpm(i), rpm(i + 1)) - 5 < place .and. place < max(rpm(i), rpm(i + 1)) + 5))
+    end do
+    call check_true(t, 'points are close', joined)
+    call check_true(t, 'stability changes', changes > 5)
+    call check_true(t, 'after_point', all(after > 0))
+  end subroutine whole_branches
+
+  !> Wherever the period doubles, a branch of twice the period ends.
+  subroutine doubled_branches(t, answer)
+    type(tally_t), intent(inout) :: t
+    type(answer_t), intent(in) :: answer
+    character(word), allocatable :: kind(:)
+    integer, allocatable :: periods(:), owner(:), periods_of(:)
+    real(dp), allocatable :: place(:), factor(:), rpm(:)
+    integer :: i, k, doublings
+    logical :: found
+
+    call changes_of(answer, 'rpm', kind, periods, place, factor)
+    owner = nint(answer%all_of('branch_points.branch'))
+    rpm = answer%all_of('branch_points.rpm')
+    periods_of = nint(answer%all_of('branches.mesh_periods'))
+    doublings = 0
+    do i = 1, size(place)
+      if (kind(i) /= 'doubling' .or. periods(i) > 4) cycle
+      doublings = doublings + 1
+      found = .false.
+      do k = 1, size(periods_of)
+        if (periods_of(k) /= 2*periods(i)) cycle
+        associate (first => rpm(findloc(owner, k, 1)), last => rpm(findloc(owner, k, 1, back=.true.)))
+          found = found .or. min(abs(first - place(i)), abs(last - place(i))) < 1e-6_dp*place(i)
+        end associate
+      end do
+      call check_true(t, 'a branch of twice the period ends at '//str(place(i), 8), found)
+    end do
+    call check_true(t, 'periods double', doublings > 5, str(doublings))
+  end subroutine doubled_branches
+
+  !> Where a branch attracts, an operating point that starts on it is the same motion.
+  subroutine motions_of_the_sweep(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: answer
+    type(oscillator_t) :: osc
+    type(point_t) :: point
+    type(error_t), allocatable :: error
+    real(dp), allocatable :: rpm(:), modulus(:), factor(:), x(:), v(:)
+    integer :: i, compared
+
+    call ask(t, pair//curved//damped//'&branches first = 6000 last = 14000 seeds = 3 most_periods = 2 /', answer)
+    rpm = answer%all_of('branch_points.rpm')
+    modulus = answer%all_of('branch_points.floquet_modulus')
+    factor = answer%all_of('branch_points.dynamic_factor')
+    x = 1e-6_dp*answer%all_of('branch_points.dte_um')
+    v = 1e-3_dp*answer%all_of('branch_points.dte_rate_mm_s')
+    call prescribed(1.6_dp, [400.0_dp, 0.0_dp, -110.0_dp], [0.0_dp, 0.0_dp], 1, osc)
+    osc%mesh%teeth = 25
+    osc%mass = 0.8_dp
+    osc%load = 7000
+    osc%damping_ratio = 0.05_dp
+    call make_oscillator(osc, error)
+    compared = 0
+    do i = 1, size(rpm), 17
+      if (modulus(i) > 0.99_dp) cycle
+      call solve(osc, rpm(i), accuracy_t(), point, [x(i), v(i)*60/(25*rpm(i))])
+      if (.not. has_result(point%steady%status)) cycle
+      if (abs(point%steady%state(1) - x(i)) > 1e-3_dp*osc%static_deflection) cycle
+      compared = compared + 1
+      call check_close(t, 'dynamic factor at '//str(rpm(i)), point%dynamic_factor, factor(i), absolute=2*point%estimate + 1e-8_dp)
+    end do
+    call check_true(t, 'motions compared', compared > 10)
+  end subroutine motions_of_the_sweep
+
+  !> At the speed of a fold over the speed there is one over the damping ratio, at the case's.
+  subroutine fold_over_damping(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: over_speed, over_damping
+    character(word), allocatable :: kind(:)
+    integer, allocatable :: periods(:)
+    real(dp), allocatable :: place(:), factor(:)
+    real(dp) :: rpm
+
+    call ask(t, pair//flat//damped//'&branches first = 10000 last = 12000 seeds = 2 most_periods = 1 /', &
+             over_speed)
+    call changes_of(over_speed, 'rpm', kind, periods, place, factor)
+    call check_equal(t, 'folds', count(kind == 'fold'), 1)
+    rpm = sum(place, kind == 'fold')
+    call ask(t, pair//flat//'&branches parameter = ''damping_ratio'' first = 0.02 last = 0.1 seeds = 3 most_periods = 1 '// &
+             'rpm = '//str(rpm, 17)//'/', over_damping)
+    call changes_of(over_damping, 'damping_ratio', kind, periods, place, factor)
+    call check_close(t, 'damping ratio', minval(abs(pack(place, kind == 'fold') - 0.05_dp)), 0.0_dp, absolute=1e-9_dp)
+  end subroutine fold_over_damping
+
+  !> Motions only depend on the relief over the load: where the motion changes over one, it does over the other.
+  subroutine load_and_relief(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: rest = flat//damped//'&relief amount_um = 8 /', &
+      more = ' seeds = 5 most_periods = 2 rpm = 7000 /'
+    type(answer_t) :: over_relief, over_load
+    character(word), allocatable :: kind(:), kind_there(:)
+    integer, allocatable :: periods(:), periods_there(:)
+    real(dp), allocatable :: relief(:), load(:), factor(:), factor_there(:)
+    real(dp) :: known
+    integer :: i, k, compared
+
+    call ask(t, pair//rest//'&branches parameter = ''relief_um'' first = 2 last = 32'//more, over_relief)
+    call ask(t, pair//rest//'&branches parameter = ''normal_force_n'' first = 1750 last = 28000'//more, over_load)
+    call changes_of(over_relief, 'relief_um', kind, periods, relief, factor)
+    call changes_of(over_load, 'normal_force_n', kind_there, periods_there, load, factor_there)
+    compared = 0
+    do i = 1, size(relief)
+      known = 7000*8/relief(i)
+      k = minloc(abs(load - known), 1, mask=kind_there == kind(i) .and. periods_there == periods(i))
+      if (k == 0) cycle
+      if (abs(load(k) - known) > 1e-3_dp*known) cycle
+      compared = compared + 1
+      call check_close(t, trim(kind(i))//' at '//str(relief(i))//' um', load(k), known, relative=1e-8_dp)
+    end do
+    call check_true(t, 'changes compared', compared > 3, str(compared)//' of '//str(size(relief)))
+  end subroutine load_and_relief
+
+  !> Two linear pieces that meet in a face: along the broken line of zeros the tangents of both lead through the face to the
+  !> same side, also where the line turns back.
+  subroutine corners_keep_their_sense(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: face(3) = [0.6_dp, -0.3_dp, 0.2_dp]
+    real(dp) :: a(2, 3), b(2, 3), first(3), second(3)
+    integer :: i, back
+
+    a = reshape([1.0_dp, 0.2_dp, -0.5_dp, 1.3_dp, 0.7_dp, -0.4_dp], [2, 3])
+    back = 0
+    do i = -20, 20
+      b = a
+      b(1, :) = b(1, :) + 0.37_dp*i*face
+      b(2, :) = b(2, :) - 0.61_dp*i*face
+      first = tangent_of(a)
+      second = tangent_of(b)
+      call check_true(t, 'through the face, '//str(i), dot_product(first, face)*dot_product(second, face) > 0)
+      call check_close(t, 'a tangent of length 1', norm2(second), 1.0_dp, 1e-14_dp)
+      call check_close(t, 'along the zeros', maxval(abs(matmul(b, second))), 0.0_dp, absolute=1e-13_dp)
+      if (first(3)*second(3) < 0) back = back + 1
+    end do
+    call check_true(t, 'some turn back', back > 0)
+  end subroutine corners_keep_their_sense
+
+  !> What the parameter asks for.
+  subroutine refused(t)
+    type(tally_t), intent(inout) :: t
+
+    call refuses('&branches parameter = ''damping_ratio'' first = 0 last = 0.1 /', 'needs rpm')
+    call refuses('&branches first = 3000 last = 4000 rpm = 3500 /', 'the speed is the parameter')
+    call refuses('&branches first = 5000 last = 4000 /', 'must be above first')
+    call refuses('&branches first = 0 last = 4000 /', 'must be above 0')
+    call refuses('&branches first = 30000 /', 'last')
+    call refuses('&branches parameter = ''relief_um'' first = 0 last = 10 rpm = 5000 relief_um = 0 / &relief amount_um = 0 /', &
+                 'the relief is the parameter')
+    call refuses('&branches parameter = ''torque'' /', 'parameter')
+
+  contains
+
+    subroutine refuses(branches, words)
+      character(*), intent(in) :: branches, words
+      character(:), allocatable :: message
+
+      message = refusal(pair//flat//branches)
+      call check_true(t, branches, index(message, '&branches') > 0 .and. index(message, words) > 0, message)
+    end subroutine refuses
+  end subroutine refused
+end module test_bifurcations
