@@ -116,7 +116,8 @@ contains
     call reader%get(group, 'tensile_strength_mpa', tensile, error, unit='MPa', tasks=group, refused=no_tensile, &
                     required=len_trim(no_tensile) == 0, above=0.0_dp, at_most=1e6_dp, meaning='tensile strength R_m')
     call reader%get(group, 'yield_strength_mpa', yield_point, error, unit='MPa', tasks=group, refused=no_yield, &
-                    required=len_trim(no_yield) == 0, above=0.0_dp, at_most=1e6_dp, meaning='yield strength R_e')
+                    required=len_trim(no_yield) == 0, above=0.0_dp, at_most=1e6_dp, otherwise='required by soderberg', &
+                    meaning='yield strength R_e')
     self%rule%strength%limit = merge(yield_point, tensile, self%rule%strength%rule == by_soderberg)
   end subroutine read_strength
 

@@ -44,18 +44,25 @@ contains
     type(interval_t), intent(in) :: interval
     integer, intent(in) :: first, last
     type(coefficients_t), intent(inout) :: table
-    integer :: i, k
+    real(dp) :: phase
+    integer :: i, j, k
 
-    associate (n => size(interval%shared, 2))
-      do i = first, last
-        do k = 1, 3
-          table%node_shared(:n, k, i) = interval%shared_at( &
-            table%left(i) + table%width(i)*merge(stiff_nodes(k), nodes(k), table%kind(i)%stiff))
-        end do
-        table%end_shared(:, :n, 1, i) = interval%shared_with_slopes(table%left(i))
-        table%end_shared(:, :n, 2, i) = interval%shared_with_slopes(table%left(i) + table%width(i))
+    do i = first, last
+      do j = 1, size(interval%shared, 2)
+        associate (c0 => interval%shared(0, j), c1 => interval%shared(1, j), c2 => interval%shared(2, j))
+          do k = 1, 3
+            phase = table%left(i) + table%width(i)*merge(stiff_nodes(k), nodes(k), table%kind(i)%stiff)
+            table%node_shared(j, k, i) = c0 + phase*(c1 + phase*c2)
+          end do
+          do k = 1, 2
+            phase = table%left(i) + (k - 1)*table%width(i)
+            table%end_shared(0, j, k, i) = c0 + phase*(c1 + phase*c2)
+            table%end_shared(1, j, k, i) = c1 + 2*phase*c2
+            table%end_shared(2, j, k, i) = 2*c2
+          end do
+        end associate
       end do
-    end associate
+    end do
   end subroutine fill_shared
 
   !> omega^2 (1/s^2) and sum of k e (m/s^2) of a contact set of coupled pairs at a node of a step.

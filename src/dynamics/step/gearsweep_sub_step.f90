@@ -188,43 +188,64 @@ contains
     integer, intent(in) :: contact_set           !< of the motion
     real(dp), intent(in), dimension(0:2, map%osc%pairs, 2) :: own, own_error   !< of `own_at_ends`
     logical, intent(in) :: bent
-    real(dp) :: working(0:2, map%osc%pairs, 2), w(0:2, 2), shared(0:2, size(c%shared, 2), 2), a(0:2), b(0:2)
+    real(dp) :: working(0:2, map%osc%pairs, 2), w(0:2, 2), shared(0:2, 2), a(0:2), b(0:2)
     integer :: end, j
 
     w(0, :) = c%x(l, :)
     w(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
     w(2, :) = 0
     if (bent) w(2, :) = second_derivatives_of_motion(map, l, c)
-    if (map%osc%shared > 0) then
-      do j = 1, max(1, map%table%pairs(c%step) - 1)
-        shared(:1, j, :) = derivatives(c, l, [c%shared(:, j), 0.0_dp, 0.0_dp, 0.0_dp])
-        shared(2, j, :) = 2*c%shared(2, j)*c%width(l)**2
-      end do
-      associate (p => map%table%pairs(c%step))
-        if (map%table%coupled(c%step)) then
-          working = coupled_at_ends(ibits(contact_set, 0, p), map%osc%mesh%disc%shared_beyond(), p, shared, own, own_error, w)
-          return
-        end if
-        do end = 1, 2
-          call sum_pairs(contact_set, own(:, :p, end), own_error(:, :p, end), a, b)
-          w(:, end) = working_deflection(shared(:, 1, end), a, b, w(:, end))
-        end do
-      end associate
+    if (map%table%coupled(c%step)) then
+      working = coupled_at_ends(map, l, c, contact_set, own, own_error, w)
+      return
     end if
-    working = spread(w, 2, map%osc%pairs)
+    if (map%osc%shared > 0) then
+      shared = shared_at_ends(c, l, 1)
+      do end = 1, 2
+        associate (p => map%table%pairs(c%step))
+          call sum_pairs(contact_set, own(:, :p, end), own_error(:, :p, end), a, b)
+        end associate
+        w(:, end) = working_deflection(shared(:, end), a, b, w(:, end))
+      end do
+    end if
+    do j = 1, map%table%pairs(c%step)
+      working(:, j, :) = w
+    end do
   end function working_at_ends
 
-  !> The same for p coupled pairs.
-  pure function coupled_at_ends(contact_set, others, p, shared, own, own_error, x) result(w)
-    integer, intent(in) :: contact_set, p
-    real(dp), intent(in) :: others                         !< by pairs that are no neighbours, m/N
-    real(dp), intent(in) :: shared(0:, :, :)               !< by neighbours, m/N; (0:2, pair but the last, end)
-    real(dp), intent(in), dimension(0:, :, :) :: own, own_error    !< of `own_at_ends`
-    real(dp), intent(in) :: x(0:2, 2)                      !< m
-    real(dp) :: w(0:2, size(own, 2), 2), c(0:2, p, p)
-    real(dp), dimension(0:2, p) :: k, e, g, h
-    integer :: end, j
+  !> What pair j and the next one share at both ends of the sub-step of motion l (m/N), with its derivatives over the sub-step;
+  !> (0:2, end).
+  pure function shared_at_ends(c, l, j) result(shared)
+    type(sub_steps_t), intent(in) :: c
+    integer, intent(in) :: l, j
+    real(dp) :: shared(0:2, 2), t(2)
 
+    associate (q0 => c%shared(0, j), q1 => c%shared(1, j), q2 => c%shared(2, j), width => c%width(l))
+      t = c%left(l) + [0.0_dp, width]
+      shared(0, :) = (q2*t + q1)*t + q0
+      shared(1, :) = (2*q2*t + q1)*width
+      shared(2, :) = 2*q2*width**2
+    end associate
+  end function shared_at_ends
+
+  !> What each of coupled pairs works on, from the deflection x (m) at both ends.
+  pure function coupled_at_ends(map, l, sub, contact_set, own, own_error, x) result(w)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    type(sub_steps_t), intent(in) :: sub
+    integer, intent(in) :: contact_set
+    real(dp), intent(in), dimension(0:, :, :) :: own, own_error    !< of `own_at_ends`
+    real(dp), intent(in) :: x(0:2, 2)
+    real(dp) :: w(0:2, size(own, 2), 2)
+    real(dp) :: c(0:2, map%table%pairs(sub%step), map%table%pairs(sub%step))
+    real(dp), dimension(0:2, map%table%pairs(sub%step)) :: k, e, g, h
+    real(dp) :: shared(0:2, map%table%pairs(sub%step) - 1, 2)
+    integer :: end, j, p
+
+    p = map%table%pairs(sub%step)
+    do j = 1, p - 1
+      shared(:, j, :) = shared_at_ends(sub, l, j)
+    end do
     w = 0
     k = 0
     e = 0
@@ -234,8 +255,8 @@ contains
         k(:, j) = own(:, j, end)
         e(:, j) = own_error(:, j, end)
       end do
-      c = compliances(k, shared(:, :p - 1, end), others)
-      call respond(contact_set, c, e, g, h)
+      c = compliances(k, shared(:, :, end), map%osc%mesh%disc%shared_beyond())
+      call respond(ibits(contact_set, 0, p), c, e, g, h)
       do j = 1, p
         w(:, j, end) = left_for(j, c, g, h, x(:, end))
       end do
