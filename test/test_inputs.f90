@@ -20,10 +20,10 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(16) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(17) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
     'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'flank: ', 'rating: ', &
-    'transient: ', 'life: ']
+    'transient: ', 'life: ', 'body_modes: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -89,8 +89,8 @@ contains
     end do
     do k = 1, size(tasks)
       ! These need a gear.
-      if (any(tasks(k) == [character(9) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
-                          'life'])) cycle
+      if (any(tasks(k) == [character(10) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
+                          'life', 'body_modes'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', merge(8, 1, tasks(k) == 'precision'), &
                                      k, changes)
     end do
@@ -312,6 +312,14 @@ contains
     call add('life endless', '.false.', 'g', 'life curve_cycles 1e4, 1e8;life curve_stress_mpa 5000, 3000')
     call add('dynamics damping_ratio', '0.03', 'g', 'life dynamic_load .false.')
     call add('dynamics friction', '0.05', 'g', 'flank dynamic_load .false.')
+    call add('body_modes modes', '2', 'g')
+    call add('body_modes nodal_diameters', '1', 'g')
+    call add('body_modes held', '''radial'', ''tangential''', 'g')
+    call add('body_modes held', '''nothing''', 'g')
+    call add('body_modes hub_diameter_mm', '26', 'g', 'body_modes hub_diameter_mm 24;pinion web_thickness_mm 5;'// &
+             'pinion rim_thickness_mm 7')
+    call add('body_modes elements_across', '3', 'g')
+    call add('body_modes shapes', '2', 'g')
     call add('numerics tolerance', '1e-10', 'g', 'flank dynamic_load .false.')
     call add('material young_gpa', '200', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
     call add('material poisson', '0.28', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
@@ -381,7 +389,9 @@ contains
              'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;rating rpm 20000;'// &
              'transient rpm 20000;transient modes 2;transient positions 9;transient samples 20;'// &
              'life rpm 20000;life duration_h 9;'// &
-             'life tensile_strength_mpa 1500;'//few)
+             'life tensile_strength_mpa 1500;'// &
+             'body_modes modes 1;body_modes nodal_diameters 0;body_modes elements_across 2;body_modes shapes 1;'//few)
+    if (task == 'body_modes') call set(settings, 'pinion bore_mm 20;gear bore_mm 30')
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
     select case (model)

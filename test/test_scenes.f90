@@ -28,13 +28,14 @@ module test_scenes
   public :: run
 
   character(*), parameter :: text = &
-    '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 /'// &
+    '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 bore_mm = 12 / &gear teeth = 34 / &load torque_nm = 100 /'// &
     '&relief amount_um = 0, 8, 20 / &mesh model = ''fe'' / &section elements_across = 4 /'// &
     '&static positions = 5 field_position = 0 /'// &
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
     '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''branches'', ''precision'', ''flank'','// &
-    '  ''rating'', ''transient'', ''life'' /'// &
+    '  ''rating'', ''transient'', ''life'','// &
+    '  ''body_modes'' / &body_modes nodal_diameters = 2 elements_across = 2 /'// &
     '&flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
     '&life rpm = 5000 duration_h = 1 tensile_strength_mpa = 900 /'// &
     '&stability damping_count = 3 tongues = 2 /'// &
@@ -146,7 +147,7 @@ contains
       end if
       call its_tables(t, alone, i)
       call check_true(t, trim(names(i))//' alone: stiffness only where it is needed', allocated(alone%mesh) .eqv. &
-                      .not. any(names(i) == [character(8) :: 'geometry', 'section', 'modal']))
+                      .not. any(names(i) == [character(10) :: 'geometry', 'section', 'modal', 'body_modes']))
     end do
   end subroutine single_tasks
 

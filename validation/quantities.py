@@ -186,6 +186,11 @@ def mode(name, k):
     return result('modal', name).frequency_hz[k - 1]
 
 
+def body_mode(name, k):
+    """Natural frequency of a whole gear in three dimensions, Hz."""
+    return result('body_modes', name).frequency_hz[k - 1]
+
+
 def _at(name, letter):
     """Path coordinate of a point, base pitches from A."""
     return result('contact_points', name).at(point=letter).s

@@ -14,7 +14,7 @@ NUMBER = re.compile(r'(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?')
 SHOWN = {
     'dogan2021': ('df_1', 'df1_1', 'df2_1', 'n1_1', 'n2_1', 'best_1', 'df2_15', 'df_2', 'df1_2', 'n1_2', 'df1_28'),
     'hassan2009': ('mode_1_hz', 'mode_5_hz', 'step_4_sigma_y_mpa', 'rayleigh_frequency_rad_s'),
-    'thamba2020': ('f1_involute', 'r_10'),
+    'thamba2020': ('f1_involute', 'f2_involute', 'f3_involute', 'r_10'),
 }
 NAMES = {'dogan2021': 'Dogan 2021', 'hassan2009': 'Hassan 2009', 'thamba2020': 'Thamba 2020'}
 

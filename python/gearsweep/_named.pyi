@@ -1094,6 +1094,105 @@ class TransientPeaksTable(Table):
     """estimated discretisation error of the stresses, relative"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
+class GearBodyTable(Table):
+    """the gear as a body, and the grid of half a tooth sector"""
+
+    member: str
+    """pinion or gear"""
+    mass_kg: float
+    """kg: mass"""
+    polar_inertia_kgm2: float
+    """kg*m**2: moment of inertia about the axis"""
+    rigid_motions: int
+    """motions as a rigid body that the bore leaves; they are not among the modes"""
+    sectors: int
+    """tooth sectors"""
+    nodes: int
+    """nodes of the grid, three displacements each"""
+    elements: int
+    """its bricks"""
+
+class BodyModesTable(Table):
+    """natural modes of the gear body"""
+
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    frequency_hz: NDArray[float64]
+    """Hz: natural frequency"""
+    mode_name: NDArray[str_]
+    """torsion, umbrella, rocking, ... by nodal diameter, symmetry and energy"""
+    nodal_diameter: NDArray[int64]
+    """waves around the gear"""
+    symmetry: NDArray[str_]
+    """of the displacements in the plane about the middle plane"""
+    order: NDArray[int64]
+    """from the lowest of this nodal diameter and symmetry"""
+    multiplicity: NDArray[int64]
+    """modes of this frequency, equal but for a turn about the axis"""
+    error_estimate: NDArray[float64]
+    """estimated discretisation error, relative"""
+    residual: NDArray[float64]
+    """residual of the eigenvalue problem, relative"""
+    radial_share: NDArray[float64]
+    """kinetic energy of the radial motion over the whole"""
+    tangential_share: NDArray[float64]
+    """kinetic energy of the tangential motion over the whole"""
+    axial_share: NDArray[float64]
+    """kinetic energy of the axial motion over the whole"""
+
+class BodyNodesTable(Table):
+    """nodes on the front of the tooth sector"""
+
+    node: NDArray[int64]
+    """its number"""
+    x_mm: NDArray[float64]
+    """mm: across the tooth"""
+    y_mm: NDArray[float64]
+    """mm: along the tooth, from the axis of the gear"""
+    z_mm: NDArray[float64]
+    """mm: along the axis of the gear, from the middle plane"""
+
+class BodyElementsTable(Table):
+    """elements on the front of the tooth sector: four corners anticlockwise, then the midsides behind each"""
+
+    element: NDArray[int64]
+    """its number"""
+    node_1: NDArray[int64]
+    """number of this node"""
+    node_2: NDArray[int64]
+    """number of this node"""
+    node_3: NDArray[int64]
+    """number of this node"""
+    node_4: NDArray[int64]
+    """number of this node"""
+    node_5: NDArray[int64]
+    """number of this node"""
+    node_6: NDArray[int64]
+    """number of this node"""
+    node_7: NDArray[int64]
+    """number of this node"""
+    node_8: NDArray[int64]
+    """number of this node"""
+
+class BodyShapesTable(Table):
+    """mode shapes on the front, for unit modal mass of the gear: k sectors on, against the clock, the displacement is cos(n k pitch) times the first part less sin(n k pitch) times the second"""
+
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    node: NDArray[int64]
+    """its number"""
+    radial_cos: NDArray[float64]
+    """kg**-0.5: radial displacement, first part"""
+    radial_sin: NDArray[float64]
+    """kg**-0.5: radial displacement, second part"""
+    tangential_cos: NDArray[float64]
+    """kg**-0.5: tangential displacement, first part"""
+    tangential_sin: NDArray[float64]
+    """kg**-0.5: tangential displacement, second part"""
+    axial_cos: NDArray[float64]
+    """kg**-0.5: axial displacement, first part"""
+    axial_sin: NDArray[float64]
+    """kg**-0.5: axial displacement, second part"""
 
 class MotionTable(Table):
     """load, masses and stiffness of the mesh, and its natural frequency"""
@@ -1296,6 +1395,15 @@ class Named:
     def transient_points(self) -> TransientPointsTable: ...
     @property
     def transient_peaks(self) -> TransientPeaksTable: ...
+    def gear_body(self) -> GearBodyTable: ...
+    @property
+    def body_modes(self) -> BodyModesTable: ...
+    @property
+    def body_nodes(self) -> BodyNodesTable: ...
+    @property
+    def body_elements(self) -> BodyElementsTable: ...
+    @property
+    def body_shapes(self) -> BodyShapesTable: ...
     @property
     def motion(self) -> MotionTable: ...
     @property

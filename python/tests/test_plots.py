@@ -71,8 +71,9 @@ def everything():
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
                                 transient={'rpm': [4000, 6000], 'modes': 3, 'samples': 20},
                                 life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
+                                pinion={'bore_mm': 20}, body_modes={'nodal_diameters': 2, 'elements_across': 2, 'shapes': 3},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating', 'transient', 'life'))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating', 'transient', 'life', 'body_modes'))
 
 
 def all_plots():
@@ -380,6 +381,29 @@ def test_flank_shows_the_columns_of_its_table_at_one_speed():
         plots.plot_flank(study, quantity='heat')
 
 
+def test_body_modes_turn_round_the_gear(everything):
+    """A rotation about the axis moves all alike; a mode of n nodal diameters is the same after a whole turn, and opposite
+    after half a wave."""
+    from gearsweep.plots.body_modes import whole_gear
+
+    modes = everything.body_modes
+    nodes, element, moved = whole_gear(everything, 1)
+    teeth = everything.case.get('pinion', 'teeth')
+    assert len(nodes) == teeth * everything.body_nodes.rows
+    assert element.max() == len(nodes) - 1
+    assert np.isfinite(moved).all()
+    for mode in range(1, 4):
+        moved = whole_gear(everything, mode)[2].reshape(teeth, -1, 3)
+        if modes.nodal_diameter[mode - 1] == 0:
+            assert np.allclose(moved[:, :, 2], moved[0, :, 2])
+        else:
+            assert np.allclose(moved[:, :, 2].sum(axis=0), 0, atol=1e-9 * np.abs(moved).max())
+    ax = plots.plot_body_modes(everything, Figure().subplots(), mode=2)
+    assert modes.mode_name[1] in ax.get_title()
+    with pytest.raises(ValueError, match='mode = 4: must be from 1 to 3'):
+        plots.plot_body_modes(everything, mode=4)
+
+
 def test_rating_shows_the_dynamic_factor_by_both_methods():
     study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, rating={'rpm': [3000, 4000, 6000]}), 'rating')
     ax = plots.plot_rating(study, Figure().subplots())
@@ -433,7 +457,7 @@ def test_life_shows_the_parts_beside_the_curve():
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
              'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'precision', 'flank', 'dynamic_factors',
-             'transient', 'transient_peaks', 'life_parts')  # fmt: skip
+             'transient', 'transient_peaks', 'life_parts', 'body_modes')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

@@ -10,10 +10,10 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'precision', 'flank', 'rating', 'transient', 'life'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'precision', 'flank', 'rating', 'transient', 'life', 'body_modes'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
-    'pinion': {'teeth': 21, 'effective_mass_kg': 0.5},
+    'pinion': {'teeth': 21, 'effective_mass_kg': 0.5, 'bore_mm': 20},
     'gear': {'teeth': 34, 'effective_mass_kg': 0.9},
     'material': {},
     'load': {'normal_force_n': 4000},
@@ -35,6 +35,7 @@ GROUPS = {
     'rating': {'rpm': 3000},
     'transient': {'rpm': 3000, 'modes': 5},
     'life': {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900},
+    'body_modes': {},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

@@ -33,6 +33,7 @@ PLACES = {
     'Rating by': 'rating dynamic_factors',
     'Root stress while': 'transient_peaks',
     'Life of the tooth roots': 'life',
+    'Natural modes of the': 'body_modes gear_body',
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.

@@ -33,7 +33,8 @@ def studies() -> list[gearsweep.Study]:
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
               'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
               'transient': {'rpm': 1600, 'modes': 2, 'samples': 2},
-              'life': {'rpm': 1600, 'duration_h': 1, 'tensile_strength_mpa': 900}}  # fmt: skip
+              'life': {'rpm': 1600, 'duration_h': 1, 'tensile_strength_mpa': 900}, 'pinion': {'bore_mm': 20},
+              'body_modes': {'nodal_diameters': 1, 'elements_across': 2, 'shapes': 1}}  # fmt: skip
     whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)
     printed = gearsweep.Case.read(ROOT / 'data/hassan.nml').changed(case={'tasks': 'geometry'})
     with warnings.catch_warnings():

@@ -33,7 +33,8 @@ contains
     support = unless(case%needs('body') .or. case%needs_elements(), &
                      'static, modal, precision, transient or a stiffness by elements')
     ! Printed values may be a tooth's of this member.
-    looks = unless(case%needs('section') .or. allocated(case%published), 'section, static, modal, precision or transient')
+    looks = unless(case%needs('section') .or. case%needs('solid') .or. allocated(case%published), &
+                   'section, static, modal, precision, transient or body_modes')
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
@@ -67,7 +68,8 @@ contains
     member = 'pinion'
     call reader%get('section', 'member', member, error, waits=looks, refused=geared, &
                     allowed=[character(6) :: 'pinion', 'gear'], &
-                    meaning='the gear whose section the tasks section, static, modal, precision and transient take')
+                    meaning='the gear whose section the tasks section, static, modal, precision and transient take, and whose '// &
+                    'body body_modes')
     case%member = merge(2, 1, member == 'gear')
   end subroutine read_section
 end module gearsweep_body_keys

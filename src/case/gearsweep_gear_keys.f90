@@ -116,8 +116,10 @@ contains
       call read_web(reader, group, member, case, geared, error)
       call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, refused=geared, &
                       waits=bore_waits(case, member), at_least=0.0_dp, &
+                      required=case%needs('solid') .and. member == case%member, &
+                      otherwise='none; required by the task body_modes', &
                       meaning='bore diameter, below the root diameter; it ends the section where rim_mm is not given, and '// &
-                      'takes its part off the mass of a solid disc')
+                      'the body of the task body_modes, and takes its part off the mass of a solid disc')
     end associate
   end subroutine read_member
 
@@ -191,15 +193,16 @@ contains
     logical :: given(2)
 
     waits = for_iso(case)
+    if (case%needs('solid') .and. member == case%member) waits = ''
     call reader%get(group, 'web_thickness_mm', case%iso%web_thickness(member), error, unit='mm', given=given(1), &
                     waits=waits, refused=geared, above=0.0_dp, otherwise='a solid disc', &
-                    meaning='thickness of the web b_s, for C_R of a stiffness by iso6336')
+                    meaning='thickness of the web b_s, for C_R of a stiffness by iso6336 and the task body_modes')
     call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(member), error, unit='mm', given=given(2), &
                     waits=waits, refused=geared, above=0.0_dp, otherwise='a solid disc', &
                     meaning='thickness of the rim s_R below the root circle, for C_R of a stiffness by iso6336 and Y_B of '// &
-                    'the task rating')
+                    'the task rating, and for the task body_modes')
     if (given(1) .neqv. given(2)) call fail(error, code_input, '&'//group//' '//trim(merge('rim_thickness_mm', &
-      'web_thickness_mm', given(1)))//': missing; C_R of ISO 6336-1 needs web_thickness_mm and rim_thickness_mm')
+      'web_thickness_mm', given(1)))//': missing; a web has web_thickness_mm and rim_thickness_mm')
   end subroutine read_web
 
   !> The bore ends the section where no rim is stated, and takes its part off the mass of a solid body.
@@ -210,6 +213,7 @@ contains
     logical :: ends
 
     ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs('section') .and. member == case%member))
+    ends = ends .or. (case%needs('solid') .and. member == case%member)
     waits = unless(case%weighs(member) .or. ends, 'a section that ends at it or a mass that is not stated')
   end function bore_waits
 end module gearsweep_gear_keys

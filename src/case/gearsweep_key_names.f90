@@ -41,7 +41,11 @@ module gearsweep_key_names
     & key_name_t('static stress', '&static'), &
     & key_name_t('tangent at the fillet (deg)', '&static tangent_deg'), &
     & key_name_t('step of the passage (s)', '&transient time_step_s'), &
-    & key_name_t('number of modes', '&modal modes')]
+    & key_name_t('number of modes', '&modal modes'), &
+    & key_name_t('number of body modes', '&body_modes modes'), &
+    & key_name_t('nodal diameters', '&body_modes nodal_diameters'), &
+    & key_name_t('hub diameter (mm)', '&body_modes hub_diameter_mm'), &
+    & key_name_t('elements across a tooth of the body', '&body_modes elements_across')]
 
   !> The same of a member, which stands before its quantity, as in `pinion profile shift`.
   type(key_name_t), parameter :: member_key_names(*) = [ &
@@ -52,6 +56,8 @@ module gearsweep_key_names
     & key_name_t('grinding stock (mm)', 'grinding_stock_mm'), &
     & key_name_t('profile shift', 'profile_shift'), &
     & key_name_t('bore diameter (mm)', 'bore_mm'), &
+    & key_name_t('web thickness (mm)', 'web_thickness_mm'), &
+    & key_name_t('rim thickness (mm)', 'rim_thickness_mm'), &
     & key_name_t('tip diameter (mm)', 'tip_diameter_mm'), &
     & key_name_t('tip chamfer (mm)', 'tip_chamfer_mm'), &
     & key_name_t('tip rounding (mm)', 'tip_rounding_mm'), &

@@ -6,7 +6,7 @@ module gearsweep_study
   use gearsweep_case, only: case_t, speed_count, speeds
   use gearsweep_error, only: error_t
   use gearsweep_files, only: beside, read_text
-  use gearsweep_inputs, only: body_inputs_t, choice_t, same, same_but_amounts
+  use gearsweep_inputs, only: body_inputs_t, choice_t, same, same_but_amounts, solid_inputs_t
   use gearsweep_key_names, only: name_key
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory, settle_memory
@@ -91,6 +91,8 @@ contains
         call build_pair(case, study%pair, error)
         if (allocated(error)) return
         study%body_inputs = body_inputs_t(study%pair%gear(case%member), case%material(case%member), case%section)
+        study%solid_inputs = solid_inputs_t(study%pair%gear(case%member), case%material(case%member), &
+                                            case%iso%web_thickness(case%member), case%iso%rim_thickness(case%member))
       end if
       if (case%needs('mesh')) then
         call mesh_and_motion(study, folder, error, earlier)
@@ -139,7 +141,7 @@ contains
       associate (slot => study%tasks(i))
         if (.not. (slot%is_wanted .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
         if (includes(slot%info%needs, 'kept') .neqv. last) cycle
-        if (slot%takes('body') .or. slot%takes('motion')) then
+        if (slot%takes('body') .or. slot%takes('solid') .or. slot%takes('motion')) then
           if (ends_here(study, slot%info)) cycle
         end if
       end associate
@@ -196,7 +198,8 @@ contains
     integer, intent(in) :: i                     ! which task
 
     associate (slot => study%tasks(i), before => earlier%tasks(i))
-      known = before%is_wanted .and. (slot%takes('mesh') .or. slot%takes('body')) .and. before%given == slot%given
+      known = before%is_wanted .and. before%given == slot%given
+      if (known) known = slot%takes('mesh') .or. slot%takes('body') .or. slot%takes('solid')
       if (known) known = before%task%is_done .and. .not. before%task%is_stopped
       if (known) known = same_gears(study, earlier, slot)
       if (known .and. slot%takes('mesh')) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs)
@@ -216,6 +219,7 @@ contains
 
     known = .true.
     if (slot%takes('body')) known = same(study%body_inputs, earlier%body_inputs)
+    if (slot%takes('solid')) known = known .and. same(study%solid_inputs, earlier%solid_inputs)
     associate (a => study%material, b => earlier%material)
       if (known .and. slot%takes('elasticity')) known = same([a%young, a%poisson], [b%young, b%poisson])
       if (known .and. slot%takes('density')) known = same([a%density], [b%density])

@@ -17,7 +17,7 @@ module gearsweep_inputs
   use gearsweep_section, only: section_options_t
   implicit none
   private
-  public :: elements_inputs_t, body_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
+  public :: elements_inputs_t, body_inputs_t, solid_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t
   public :: motions_inputs_t, choice_t, same, same_but_amounts
 
   !> Of the pair stiffness by finite elements, with its disc.
@@ -34,6 +34,13 @@ module gearsweep_inputs
     type(material_t) :: material
     type(section_options_t) :: options
   end type body_inputs_t
+
+  !> Of one member's body in three dimensions.
+  type :: solid_inputs_t
+    type(gear_t) :: gear
+    type(material_t) :: material
+    real(dp) :: web = 0, rim = 0                 !< thickness, m; 0: a solid disc
+  end type solid_inputs_t
 
   !> Of the root stress under unit loads.
   type :: unit_inputs_t
@@ -83,7 +90,7 @@ module gearsweep_inputs
   end type choice_t
 
   interface same
-    module procedure same_elements, same_bodies, same_units, same_choices, same_list, same_number
+    module procedure same_elements, same_bodies, same_solids, same_units, same_choices, same_list, same_number
   end interface same
 
   !> Every component: numbers with all their digits.
@@ -109,6 +116,15 @@ contains
     write (words(2), all) b
     same = words(1) == words(2)
   end function same_bodies
+
+  pure logical function same_solids(a, b) result(same)
+    type(solid_inputs_t), intent(in) :: a, b
+    character(storage_size(a)) :: words(2)
+
+    write (words(1), all) a
+    write (words(2), all) b
+    same = words(1) == words(2)
+  end function same_solids
 
   pure logical function same_units(a, b) result(same)
     type(unit_inputs_t), intent(in) :: a, b

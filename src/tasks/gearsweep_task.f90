@@ -10,7 +10,7 @@ module gearsweep_task
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_grid, only: grid_t
-  use gearsweep_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t
+  use gearsweep_inputs, only: body_inputs_t, elements_inputs_t, motions_inputs_t, solid_inputs_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t
   use gearsweep_material, only: material_t
@@ -52,6 +52,7 @@ module gearsweep_task
     type(iso_options_t) :: iso                   !< application factor and the gears' blanks
     integer :: member = 1                        !< the gear whose body is looked at: 1 pinion, 2 gear
     type(body_inputs_t) :: body_inputs           !< of that body
+    type(solid_inputs_t) :: solid_inputs         !< of the same in three dimensions
     type(elements_inputs_t), allocatable :: elements_inputs  !< of the pair stiffness, where that is by finite elements
     type(mesh_t), allocatable :: mesh            !< without relief
     real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
@@ -74,6 +75,7 @@ module gearsweep_task
   !>   geometry  gears, which a prescribed mesh has not
   !>   section   the section of one gear
   !>   body      the same held and factored, by finite elements
+  !>   solid     the gear in three dimensions: teeth, bore, web and rim, with its material
   !>   elasticity  the moduli and Poisson's ratios of the materials, whatever the mesh takes of them
   !>   density   their densities
   !>   blanks    application factor and the gears' blanks, whatever the mesh takes of them

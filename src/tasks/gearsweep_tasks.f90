@@ -2,6 +2,7 @@
 module gearsweep_tasks
   use gearsweep_task, only: task_info_t, task_length, task_t
   use gearsweep_task_attractors, only: attractors_task_t
+  use gearsweep_task_body_modes, only: body_modes_task_t
   use gearsweep_task_branches, only: branches_task_t
   use gearsweep_task_flank, only: flank_task_t
   use gearsweep_task_geometry, only: geometry_task_t
@@ -62,6 +63,7 @@ contains
     call add(rating_task_t())
     call add(transient_task_t())
     call add(life_task_t())
+    call add(body_modes_task_t())
     allocate (slots(n))
     do i = 1, n
       slots(i)%info = room(i)%info

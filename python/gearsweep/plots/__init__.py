@@ -22,6 +22,7 @@ except ImportError as error:
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
+from .body_modes import plot_body_modes
 from .branches import plot_branches
 from .files import draw_all, figures, save
 from .flank import plot_flank
@@ -40,6 +41,7 @@ __all__ = [
     'figures',
     'plot_attractors',
     'plot_basins',
+    'plot_body_modes',
     'plot_branches',
     'plot_flank',
     'plot_geometry',

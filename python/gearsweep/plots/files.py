@@ -18,6 +18,7 @@ from ..study import Study
 from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
+from .body_modes import plot_body_modes
 from .branches import plot_branches, reliefs_of
 from .flank import plot_flank
 from .gears import plot_geometry
@@ -89,6 +90,7 @@ def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
         'transient': _transient,
         'transient_peaks': _single(plot_transient_peaks, 65),
         'life_parts': _single(plot_life, 65),
+        'body_modes': _body_modes,
     }
     for name, draw in drawings.items():
         if name in study and (not names or name in names):
@@ -191,6 +193,15 @@ def _flank(study: Study) -> Figure:
             legend.remove()
     if len(shown) < len(speeds):
         figure.supxlabel(f'The first {len(shown)} of {len(speeds)} speeds')
+    return figure
+
+
+def _body_modes(study: Study) -> Figure:
+    """A panel for each mode that has a shape."""
+    count = len(study.body_shapes.axial_cos)
+    figure, axes = _panels(count, 'modes', 2, 85)
+    for mode, ax in enumerate(axes, 1):
+        plot_body_modes(study, ax, mode=mode)
     return figure
 
 
