@@ -17,6 +17,7 @@ from report import Report, first_line, machine
 
 GRIDS = (2, 3)  # elements across a tooth
 OF_EACH = 1  # modes of each nodal diameter and symmetry
+OTHERS = 30  # modes of each symmetry by CalculiX
 EDGE = 1e-3  # relative gap below the first mode that a nodal diameter may have beyond those wanted
 
 body_modes = pathlib.Path(sys.argv[1]).resolve() / 'body_modes'
@@ -51,22 +52,22 @@ def compare(across, folder):
     for symmetry in (1, 2):
         ours = modes[modes[:, 0] == symmetry]
         frequencies = np.sort(np.repeat(ours[:, 3], ours[:, 2].astype(int)))
-        taken = calculix(across, symmetry, len(frequencies), folder)
+        taken = calculix(across, symmetry, OTHERS, folder)
         others = np.array((others[0] + taken[0], max(others[1], taken[1])))
         # The whole gear also has second modes of a nodal diameter among its lowest: each of ours must be one of its own.
         inside = frequencies[frequencies < taken[2][-1] * (1 - EDGE)]
         apart = max(apart, *(np.abs(taken[2] / frequency - 1).min() for frequency in inside))
-    return [f'{int(head.split()[1])}', f'{len(modes)}', seconds, memory, others[0], others[1], others[0] / seconds, f'{apart:.1e}']
+    return [head.split()[1], f'{modes[:, 2].sum():.0f}', seconds, memory, others[0], others[1], others[0] / seconds, f'{apart:.1e}']
 
 
 def main():
     report = Report('body_modes', 'Modes of a gear in three dimensions: one sector beside the whole gear')
     report.add(f'{machine()}, one thread; CalculiX {first_line("ccx", "-v").split()[-1]}. Gear of 60 teeth; unknowns of the half sector; '
-               'processor seconds and megabytes of gearsweep, all nodal diameters, and of CalculiX with as many modes; last the '
+               'processor seconds and megabytes of gearsweep, all nodal diameters, and of CalculiX, the lowest; last the '
                'largest relative difference of a frequency.\n')
     with tempfile.TemporaryDirectory() as name:
         rows = [compare(across, pathlib.Path(name)) for across in GRIDS]
-    report.table(('unknowns', 'modes', 's', 'MB', 'CalculiX s', 'MB', 'faster by', 'differs by'), rows)
+    report.table(('unknowns', 'modes', 's', 'MB', f'CalculiX s, {2 * OTHERS} modes', 'MB', 'faster by', 'differs by'), rows)
     report.save()
 
 

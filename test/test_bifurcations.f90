@@ -34,6 +34,7 @@ contains
 
     if (t%wants('many_digits')) call many_digits(t)
     if (t%wants('doubling_of_meissner')) call doubling_of_meissner(t)
+    if (t%wants('slow_sweeps')) call slow_sweeps(t)
     if (t%wants('whole_branches')) call whole_branches(t)
     if (t%wants('motions_of_the_sweep')) call motions_of_the_sweep(t)
     if (t%wants('fold_over_damping')) call fold_over_damping(t)
@@ -154,6 +155,46 @@ contains
     end do
     square_wave = 1 + m(1, 1) + m(2, 2) + m(1, 1)*m(2, 2) - m(1, 2)*m(2, 1)
   end function square_wave
+
+  !> slow_sweeps.dat: a march through all mesh periods while the speed rises slowly jumps behind the fold, the less the slower,
+  !> and the fold that two rates make of it is ours.
+  subroutine slow_sweeps(t)
+    type(tally_t), intent(inout) :: t
+    character(word), allocatable :: kind(:)
+    integer, allocatable :: periods(:)
+    real(dp), allocatable :: place(:), factor(:)
+    type(answer_t) :: answer
+    real(dp) :: zeta, jump, extrapolated, fold, last_zeta, last_jump
+    character(200) :: line
+    integer :: unit, stat, marched, rows
+
+    rows = 0
+    last_zeta = 0
+    last_jump = huge(last_jump)
+    fold = 0
+    open (newunit=unit, file='test/reference/slow_sweeps.dat', status='old', action='read')
+    do
+      read (unit, '(a)', iostat=stat) line
+      if (stat /= 0) exit
+      if (line(1:1) == '#') cycle
+      rows = rows + 1
+      read (line, *) zeta, marched, jump, extrapolated
+      if (abs(zeta - last_zeta) > 0) then
+        call ask(t, pair//flat//'&dynamics damping_ratio = '//str(zeta)//' / &branches first = 10000 last = 12000 seeds = 3 '// &
+                 'most_periods = 1 /', answer)
+        call changes_of(answer, 'rpm', kind, periods, place, factor)
+        fold = maxval(place, mask=kind == 'fold')
+        last_jump = huge(last_jump)
+      end if
+      call check_true(t, 'row '//str(rows)//', behind the fold', jump > fold .and. jump < fold + 0.5_dp)
+      call check_true(t, 'row '//str(rows)//', the less the slower', jump < last_jump)
+      if (marched > 200000) call check_close(t, 'row '//str(rows)//', fold', fold, extrapolated, absolute=2e-3_dp)
+      last_zeta = zeta
+      last_jump = jump
+    end do
+    close (unit)
+    call check_equal(t, 'rows', rows, 6)
+  end subroutine slow_sweeps
 
   !> Every branch goes on until it leaves the range, closes or meets the motion whose period doubles, over corners and nearly
   !> grazing stretches too; neighbouring points are close, and between folds the stability only changes at doublings.

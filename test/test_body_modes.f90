@@ -2,6 +2,7 @@
 !> published ones.
 module test_body_modes
   use, intrinsic :: iso_c_binding, only: c_null_ptr
+  use gearsweep_blas, only: hold_blas, release_blas
   use gearsweep_body_modes, only: body_modes_t, body_options_t, find_body_modes, name_of
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
@@ -32,6 +33,7 @@ contains
   subroutine run(t)
     type(tally_t), intent(inout) :: t
 
+    call hold_blas()
     if (t%wants('torsion')) call torsion(t)
     if (t%wants('rod')) call rod(t)
     if (t%wants('breathing')) call breathing(t)
@@ -42,6 +44,7 @@ contains
     if (t%wants('thamba')) call thamba(t)
     if (t%wants('honest_estimates')) call honest_estimates(t)
     if (t%wants('refusals')) call refusals(t)
+    call release_blas()
   end subroutine run
 
   !> Modes of a ring, the bore on one side.

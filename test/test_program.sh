@@ -157,6 +157,10 @@ begin() {
     s/rpm_step =/rpm_step = 500/
     s/load_rpm =/load_rpm = 5500/
     s/ rpm =/ rpm = 5500/
+    s/ first = 0/ first = 5000/
+    s/ last =/ last = 6000/
+    s/duration_h =/duration_h = 1/
+    s/tensile_strength_mpa =/tensile_strength_mpa = 900/
   }'
 }
 tasks=$("$program" --describe tasks | sed -n 's/^  {"name": "\([a-z_]*\)".*/\1/p')

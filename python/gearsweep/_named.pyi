@@ -376,8 +376,6 @@ class SweepTable(Table):
     """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
     error_estimate: NDArray[float64]
     """estimated error of DF; NaN where there is no answer or it is not known"""
-    coast_factor: NDArray[float64]
-    """largest load on the coast sides over the static load; 0 where they do not touch; NaN where there is no answer"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
     contact: NDArray[str_]
@@ -394,12 +392,14 @@ class SweepTable(Table):
     """with direction up or down, 1: the motion at the speed before led to none here, and this point was solved by itself; else 0"""
     frequency_ratio: NDArray[float64]
     """mesh frequency over the natural frequency of the mean mesh stiffness"""
+    coast_factor: NDArray[float64]
+    """largest load on the coast sides over the static load; 0 where they do not touch; NaN where there is no answer"""
     motions: NDArray[float64]
-    """with direction all: how many motions attract at this speed; else NaN"""
+    """with direction all: how many motions attract at this speed"""
     largest_dynamic_factor: NDArray[float64]
-    """with direction all: largest DF of these; else NaN"""
+    """with direction all: largest DF of these"""
     share: NDArray[float64]
-    """with direction all: share of the starts that lead to the motion of this row; else NaN"""
+    """with direction all: share of the starts that lead to the motion of this row"""
 
 class SweepWorstTable(Table):
     """largest dynamic factor of the sweep for each relief"""
@@ -1094,6 +1094,67 @@ class TransientPeaksTable(Table):
     """estimated discretisation error of the stresses, relative"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
+
+class LifeTable(Table):
+    """how long the tooth roots last"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    member: NDArray[str_]
+    """pinion or gear"""
+    kind: NDArray[str_]
+    """finite: damage adds up; endless: no cycle harms; overloaded: the mean stress of some cycle alone is above the strength; unknown: some part has no motion"""
+    damage: NDArray[float64]
+    """Miner's sum of one pass of the spectrum"""
+    passes: NDArray[float64]
+    """of the spectrum until the sum is 1; NaN unless finite"""
+    life_h: NDArray[float64]
+    """h: time until then"""
+    largest_root_stress_mpa: NDArray[float64]
+    """MPa: largest tooth root stress of all parts"""
+    worst_part: NDArray[int64]
+    """part that does most harm; 0 where none does"""
+
+class LifePartsTable(Table):
+    """what each part of the load spectrum does to the tooth roots"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    part: NDArray[int64]
+    """of the load spectrum, from 1"""
+    member: NDArray[str_]
+    """pinion or gear"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    load_factor: NDArray[float64]
+    """load over that of the case"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer, and for the static load"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    engagements: NDArray[float64]
+    """how often a tooth carries"""
+    root_stress_mpa: NDArray[float64]
+    """MPa: largest tooth root stress, by ISO 6336-3 with the load where it acts"""
+    amplitude_mpa: NDArray[float64]
+    """MPa: stress amplitude of the cycle that does most harm"""
+    mean_mpa: NDArray[float64]
+    """MPa: mean stress of that cycle"""
+    equivalent_amplitude_mpa: NDArray[float64]
+    """MPa: amplitude that does the same harm without mean stress; NaN where the mean stress alone is above the strength"""
+    cycles: NDArray[float64]
+    """cycles of an engagement, by the rainflow method"""
+    damage: NDArray[float64]
+    """Miner's sum of this part in one pass"""
+
+class LifeCurveTable(Table):
+    """the S-N curve, fully reversed"""
+
+    failure_cycles: NDArray[float64]
+    """cycles to failure"""
+    amplitude_mpa: NDArray[float64]
+    """MPa: stress amplitude"""
+
 class GearBodyTable(Table):
     """the gear as a body, and the grid of half a tooth sector"""
 
@@ -1395,6 +1456,13 @@ class Named:
     def transient_points(self) -> TransientPointsTable: ...
     @property
     def transient_peaks(self) -> TransientPeaksTable: ...
+    @property
+    def life(self) -> LifeTable: ...
+    @property
+    def life_parts(self) -> LifePartsTable: ...
+    @property
+    def life_curve(self) -> LifeCurveTable: ...
+    @property
     def gear_body(self) -> GearBodyTable: ...
     @property
     def body_modes(self) -> BodyModesTable: ...

@@ -23,7 +23,7 @@ from gearsweep.plots.along_path import contact_points
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
-MAPS = ('stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'precision')
+MAPS = ('stability', 'hysteresis', 'poincare', 'attractors', 'precision')
 MANY = {'relief': {'amount_um': list(range(0, 24, 2))}}
 ONE_SPEED = {'sweep': {'rpm_first': 7000, 'rpm_last': 7000}}
 ASYMMETRIC = {'pair': {'pressure_angle_deg': 25, 'coast_angle_deg': 20}}
@@ -73,7 +73,7 @@ def everything():
                                 life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
                                 pinion={'bore_mm': 20}, body_modes={'nodal_diameters': 2, 'elements_across': 2, 'shapes': 3},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS, 'flank', 'rating', 'transient', 'life', 'body_modes'))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'flank', 'rating', 'transient', 'life', 'body_modes'))
 
 
 def all_plots():

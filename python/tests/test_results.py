@@ -224,8 +224,10 @@ def test_stress_on_the_section():
         study = gearsweep.run(case, 'static')
         static, load, stress = study.static.at(side='drive'), study.stress_load, study.stress
         nodes, element = grid_of(study)
-        relief, worst = np.unravel_index(static.sigma_mpa.argmax(), static.sigma_mpa.shape)
-        assert (load.relief_um, load.position, load.s) == (static.relief_um[relief], worst + 1, static.s[worst])
+        # Where the tension is largest along the whole fillet; the table has that at one tangent.
+        relief, worst = list(static.relief_um).index(load.relief_um), int(load.position) - 1
+        assert load.s == static.s[worst] and static.sigma_mpa[relief, worst] > 0.99 * static.sigma_mpa.max()
+        assert study.root_stress.tension_mpa[relief] == study.root_stress.tension_mpa.max()
         assert (load.radius_mm, load.load_share) == (static.radius_mm[relief, worst], static.load_share[relief, worst])
         loaded = np.unique(element[study.elements.tooth == 2])
         fillet = loaded[(nodes[loaded, 0] > 0) & (np.hypot(*nodes[loaded].T) < 30)]

@@ -6,6 +6,7 @@ The names, units and meanings are those of the tables of a study with all tasks,
 import json
 import warnings
 from pathlib import Path
+from typing import Any
 
 import gearsweep
 from gearsweep import _library
@@ -27,8 +28,8 @@ def studies() -> list[gearsweep.Study]:
     """Together they have every table: of all tasks on coarse grids, and printed values beside ours."""
     tasks = json.loads(_library.describe('tasks'))
     tasks = [task if isinstance(task, str) else task['name'] for task in tasks]
-    coarse = {'section': {'elements_across': 3}, 'static': {'positions': 2, 'field_position': 0}, 'modal': {'modes': 1}, 'relief': {'amount_um': 0},
-              'sweep': {'rpm_step': 19000, 'load_rpm': 1600}, 'poincare': {'settling_periods': 0, 'kept_periods': 1},
+    coarse: dict[str, dict[str, Any]] = {'section': {'elements_across': 3}, 'static': {'positions': 2, 'field_position': 0}, 'modal': {'modes': 1}, 'relief': {'amount_um': 0},
+              'sweep': {'rpm_step': 19000, 'load_rpm': 1600, 'direction': 'all'}, 'poincare': {'settling_periods': 0, 'kept_periods': 1},
               'attractors': {'starts': 1}, 'branches': {'first': 3000, 'last': 4000, 'seeds': 1, 'points': 10, 'most_periods': 1},
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
               'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},

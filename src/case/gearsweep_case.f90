@@ -129,13 +129,14 @@ contains
     what = unless(case%needs(stage), trim(case%tasks_for(stage)))
   end function for_stage
 
-  !> What a key of ISO 6336 waits for.
-  pure function for_iso(case) result(what)
+  !> What a key of ISO 6336 waits for: tasks that need this stage, or a stiffness by ISO 6336.
+  pure function for_iso(case, stage) result(what)
     type(case_t), intent(in) :: case
+    character(*), intent(in) :: stage
     character(sentence_length) :: what
 
-    what = unless(case%needs('blanks') .or. case%needs('mesh') .and. case%model == 'iso6336', &
-                  trim(case%tasks_for('blanks'))//' or a stiffness by iso6336')
+    what = unless(case%needs(stage) .or. case%needs('mesh') .and. case%model == 'iso6336', &
+                  trim(case%tasks_for(stage))//' or a stiffness by iso6336')
   end function for_iso
 
   !> Does a task need both members' stiffness by finite elements?

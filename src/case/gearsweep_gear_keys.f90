@@ -189,18 +189,22 @@ contains
     integer, intent(in) :: member
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(sentence_length) :: waits
+    character(sentence_length) :: web, rim
     logical :: given(2)
 
-    waits = for_iso(case)
-    if (case%needs('solid') .and. member == case%member) waits = ''
+    web = for_iso(case, 'webs')
+    rim = for_iso(case, 'rims')
+    if (case%needs('solid') .and. member == case%member) then
+      web = ''
+      rim = ''
+    end if
     call reader%get(group, 'web_thickness_mm', case%iso%web_thickness(member), error, unit='mm', given=given(1), &
-                    waits=waits, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+                    waits=web, refused=geared, above=0.0_dp, otherwise='a solid disc', &
                     meaning='thickness of the web b_s, for C_R of a stiffness by iso6336 and the task body_modes')
     call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(member), error, unit='mm', given=given(2), &
-                    waits=waits, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+                    waits=rim, refused=geared, above=0.0_dp, otherwise='a solid disc', &
                     meaning='thickness of the rim s_R below the root circle, for C_R of a stiffness by iso6336 and Y_B of '// &
-                    'the task rating, and for the task body_modes')
+                    'the tasks rating and life, and for the task body_modes')
     if (given(1) .neqv. given(2)) call fail(error, code_input, '&'//group//' '//trim(merge('rim_thickness_mm', &
       'web_thickness_mm', given(1)))//': missing; a web has web_thickness_mm and rim_thickness_mm')
   end subroutine read_web

@@ -65,9 +65,10 @@ contains
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='force on the line of action')
     call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=case%tasks_for('mesh'), &
                     at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
-    call reader%get('load', 'application_factor', case%iso%application_factor, error, waits=for_iso(case), &
+    call reader%get('load', 'application_factor', case%iso%application_factor, error, waits=for_iso(case, 'rims'), &
                     at_least=0.1_dp, at_most=10.0_dp, otherwise='1, a steady load', &
-                    meaning='K_A of ISO 6336-1, for the task rating; a stiffness by iso6336 takes it below 100 N/mm of F_t K_A/b')
+                    meaning='K_A of ISO 6336-1, for the tasks rating and life; a stiffness by iso6336 takes it '// &
+                    'below 100 N/mm of F_t K_A/b')
   end subroutine read_load
 
   !> After the tasks' own keys, as the load of the root stress need not be shared by the mesh.

@@ -35,7 +35,7 @@ contains
     real(dp), intent(in) :: stress(:)            !< one turn of the history, Pa
     type(cycle_t), allocatable :: cycles(:)
     type(cycle_t) :: found(size(stress))
-    real(dp) :: open(size(stress) + 1)
+    real(dp) :: turn(size(stress) + 1)
     integer :: first, i, n, m
 
     n = 0
@@ -43,23 +43,23 @@ contains
     first = maxloc(stress, 1)
     do i = 0, size(stress)
       m = m + 1
-      open(m) = stress(1 + modulo(first - 1 + i, size(stress)))
+      turn(m) = stress(1 + modulo(first - 1 + i, size(stress)))
       ! A value between its neighbours is no turn.
       if (m > 2) then
-        if ((open(m) - open(m - 1))*(open(m - 1) - open(m - 2)) >= 0) then
-          open(m - 1) = open(m)
+        if ((turn(m) - turn(m - 1))*(turn(m - 1) - turn(m - 2)) >= 0) then
+          turn(m - 1) = turn(m)
           m = m - 1
         end if
       end if
       do while (m > 3)
         ! The range in the middle closes where it is not above the ranges on both sides.
-        if (abs(open(m - 1) - open(m - 2)) > min(abs(open(m) - open(m - 1)), abs(open(m - 2) - open(m - 3)))) exit
-        call add_cycle(open(m - 2), open(m - 1), found, n)
-        open(m - 2) = open(m)
+        if (abs(turn(m - 1) - turn(m - 2)) > min(abs(turn(m) - turn(m - 1)), abs(turn(m - 2) - turn(m - 3)))) exit
+        call add_cycle(turn(m - 2), turn(m - 1), found, n)
+        turn(m - 2) = turn(m)
         m = m - 2
       end do
     end do
-    if (m == 3) call add_cycle(open(1), open(2), found, n)
+    if (m == 3) call add_cycle(turn(1), turn(2), found, n)
     cycles = found(:n)
   end function count_cycles
 

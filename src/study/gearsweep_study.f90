@@ -225,8 +225,9 @@ contains
       if (known .and. slot%takes('density')) known = same([a%density], [b%density])
     end associate
     associate (a => study%iso, b => earlier%iso)
-      if (known .and. slot%takes('blanks')) known = same([a%application_factor, a%web_thickness, a%rim_thickness], &
-                                                         [b%application_factor, b%web_thickness, b%rim_thickness])
+      if (known .and. slot%takes('rims')) known = same([a%application_factor, a%rim_thickness], &
+                                                       [b%application_factor, b%rim_thickness])
+      if (known .and. slot%takes('webs')) known = same([a%web_thickness], [b%web_thickness])
     end associate
   end function same_gears
 

@@ -78,7 +78,8 @@ module gearsweep_task
   !>   solid     the gear in three dimensions: teeth, bore, web and rim, with its material
   !>   elasticity  the moduli and Poisson's ratios of the materials, whatever the mesh takes of them
   !>   density   their densities
-  !>   blanks    application factor and the gears' blanks, whatever the mesh takes of them
+  !>   rims      application factor and the gears' rims, whatever the mesh takes of them
+  !>   webs      their webs
   !>   mesh      load, masses and stiffness
   !>   reliefs   the result depends on the relief
   !>   amounts   there is one result for each amount of relief

@@ -68,7 +68,7 @@ contains
     do i = 1, size(parameter_names)
       if (parameter_names(i) == parameter) self%parameter = i
     end do
-    call reader%get(group, 'first', self%range(1), error, required=.true., tasks=group, at_least=0.0_dp, at_most=far, &
+    call reader%get(group, 'first', self%range(1), error, required=.true., tasks=group, at_least=0.0_dp, below=far, &
                     meaning='where the range of the parameter begins')
     call reader%get(group, 'last', self%range(2), error, required=.true., tasks=group, above=0.0_dp, at_most=far, &
                     meaning='where it ends')

@@ -32,7 +32,7 @@ module gearsweep_task_life
   end type life_task_t
 
   character(*), parameter :: group = 'life'
-  character(*), parameter :: stages_needed = 'geometry blanks mesh reliefs amounts motion losses accuracy kept'
+  character(*), parameter :: stages_needed = 'geometry rims mesh reliefs amounts motion losses accuracy kept'
   real(dp), parameter :: mega = 1e-6_dp, hour = 3600
   integer, parameter :: word_length = 10
 
@@ -132,10 +132,10 @@ contains
 
     self%rule%curve = structural_steel()
     call reader%get(group, 'curve_cycles', self%rule%curve%cycles, error, tasks=group, given=has(1), refused=geared, &
-                    at_least=1.0_dp, at_most=1e30_dp, min_size=2, max_size=most, otherwise='structural steel', &
+                    at_least=1.0_dp, at_most=1e30_dp, max_size=most, otherwise='structural steel', &
                     meaning='cycles to failure at the points of an S-N curve, ascending')
     call reader%get(group, 'curve_stress_mpa', self%rule%curve%stress, error, unit='MPa', tasks=group, given=has(2), &
-                    refused=geared, above=0.0_dp, at_most=1e6_dp, min_size=2, max_size=most, otherwise='structural steel', &
+                    refused=geared, above=0.0_dp, at_most=1e6_dp, max_size=most, otherwise='structural steel', &
                     meaning='stress amplitude at these points, fully reversed, descending')
     call reader%get(group, 'endless', self%rule%curve%is_endless, error, tasks=group, refused=geared, &
                     meaning='amplitudes below the last point of the curve do no harm; false: its last line goes on')
@@ -147,6 +147,8 @@ contains
       else if (size(cycles) /= size(stress)) then
         call fail(error, code_input, '&life curve_stress_mpa: has '//str(size(stress))//' numbers, curve_cycles has '// &
                   str(size(cycles)))
+      else if (size(cycles) < 2) then
+        call fail(error, code_input, '&life curve_cycles: a curve has two points or more')
       end if
       if (allocated(error)) return
       do i = 2, size(cycles)
@@ -297,7 +299,7 @@ contains
     integer, intent(in) :: member
     real(dp), intent(out) :: damage, largest
     integer, intent(out) :: worst
-    character(*), intent(out) :: word
+    character(word_length), intent(out) :: word
     type(root_life_t) :: root(size(parts))
     real(dp) :: harm(size(parts))
     integer :: k

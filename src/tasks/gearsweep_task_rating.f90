@@ -59,7 +59,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry elasticity blanks mesh reliefs amounts motion losses accuracy kept', &
+    info = task_info_t(group, needs='geometry elasticity rims webs mesh reliefs amounts motion losses accuracy kept', &
                        tables='rating rating_factors dynamic_factors', fields='', &
                        gives='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
   end subroutine describe

@@ -96,7 +96,6 @@ contains
     call table%add_index('rpm', '1/min', of_speed, over_and_over(sweep%rpm, m))
     call table%add('dynamic_factor', '', of_factor, [sweep%dynamic_factor])
     call table%add('error_estimate', '', of_estimate, [sweep%estimate])
-    call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
     call table%add_words('status', of_status, words_of([sweep%status]))
     call table%add_words('contact', 'full; partial: a pair was apart for a while; lost: all were; coast: the coast sides '// &
                          'touched', contact_name([sweep%contact]))
@@ -110,10 +109,11 @@ contains
                    'point was solved by itself; else 0', merge(1, 0, [sweep%branch_lost]))
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
                    over_and_over(frequency_ratio(stages%motion(1), sweep%rpm), m))
-    call table%add('motions', '', 'with direction all: how many motions attract at this speed; else NaN', [motions%motions])
-    call table%add('largest_dynamic_factor', '', 'with direction all: largest DF of these; else NaN', [motions%largest])
-    call table%add('share', '', 'with direction all: share of the starts that lead to the motion of this row; else NaN', &
-                   [motions%share])
+    call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
+    if (stages%direction /= all_motions) return
+    call table%add('motions', '', 'with direction all: how many motions attract at this speed', [motions%motions])
+    call table%add('largest_dynamic_factor', '', 'with direction all: largest DF of these', [motions%largest])
+    call table%add('share', '', 'with direction all: share of the starts that lead to the motion of this row', [motions%share])
   end subroutine fill_sweep
 
   !> The largest dynamic factor of each relief.
@@ -250,12 +250,24 @@ contains
       if (worst%rows > 1 .and. .not. ieee_is_nan(all_points%number('rpm'))) call lines%add(left('Best of the list', 19)// &
         str(all_points%number('best_relief_um'))//' um: worst DF '//fixed(all_points%number('worst_dynamic_factor'), 4))
       call add_quality(all_points, lines)
-      i = count(sweep%numbers('motions') > 1)
-      if (i > 0) call lines%add(left('', 19)//str(i)//' with several motions; the largest DF of all is '// &
-                                fixed(maxval(sweep%numbers('largest_dynamic_factor'), &
-                                             mask=sweep%numbers('motions') > 0), 4))
     end associate
+    call add_motions(self%tables(self%place('sweep')), lines)
   end subroutine add_report
+
+  !> Where several motions attract, as far as that was looked for.
+  pure subroutine add_motions(sweep, lines)
+    type(table_t), intent(in) :: sweep
+    type(lines_t), intent(inout) :: lines
+    real(dp), allocatable :: motions(:), largest(:)
+
+    if (sweep%position('motions') == 0) return
+    motions = sweep%numbers('motions')
+    largest = sweep%numbers('largest_dynamic_factor')
+    largest = pack(largest, .not. ieee_is_nan(largest))
+    motions = pack(motions, .not. ieee_is_nan(motions))
+    if (any(motions > 1)) call lines%add(left('', 19)//str(count(motions > 1))// &
+      ' with several motions; the largest DF of all is '//fixed(maxval(largest), 4))
+  end subroutine add_motions
 
   !> How exact, and what failed.
   pure subroutine add_quality(all_points, lines)
