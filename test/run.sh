@@ -49,6 +49,10 @@ add_counts() {
   failed=$((failed + ${line##* }))
 }
 
+# What runs beside a shell ignores interrupts, and so would all that it starts; tests send interrupts.
+interruptible=
+env --default-signal=INT,QUIT true 2>/dev/null && interruptible=--default-signal=INT,QUIT
+
 # run_part NAME COMMAND...: what it says goes to NAME.said, its code to NAME.code.
 run_part() {
   part=$1
@@ -57,7 +61,7 @@ run_part() {
   mkfifo "$work/$part.pipe" || exit
   tee "$work/$part.said" <"$work/$part.pipe" | tell "$part" &
   telling=$!
-  "$@" </dev/null >"$work/$part.pipe" 2>&1 &
+  env $interruptible "$@" </dev/null >"$work/$part.pipe" 2>&1 &
   doing=$!
   wait "$doing"
   echo $? >"$work/$part.code"

@@ -38,7 +38,7 @@ def plot_life(study: Study, ax: Axes | None = None) -> Axes:
                 ax.plot(often[:, member], amplitude[:, member], mark, color=reliefs.style(amount)['color'], markersize=4)
         more = [Line2D([], [], color=INK, label='S-N curve')]
         more += [Line2D([], [], color=GREY, linestyle='', marker=mark, label=label) for mark, label in zip(MARKS, parts.member)]
-        reliefs.legend(ax, more)
+        reliefs.legend(ax, more, filled=True)
         ax.set_xlabel('Cycles, of one pass and to failure (–)')
         ax.set_ylabel('Stress amplitude (MPa)')
     return ax
