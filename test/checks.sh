@@ -37,3 +37,23 @@ need() {
     command -v "$tool" >/dev/null || fails "$tool is missing"
   done
 }
+
+# run_pytest ARGUMENTS: pytest in $work, away from the checkout, so that the installed package is what is tested. The last line is
+# `N passed, N failed`, as pytest counts.
+run_pytest() {
+  cd "$work" || exit
+  {
+    "$venv/bin/python" -m pytest -q -rs --tb=short -p no:cacheprovider "$@"
+    echo $? >code
+  } | tee said
+  code=$(cat code)
+  passed=$(told passed)
+  failed=$(($(told failed) + $(told error)))
+  # No tests, a usage error, an interruption: no count tells of it.
+  [ "$code" = 0 ] || [ "$code" = 1 ] || failed=$((failed + 1))
+  echo "$passed passed, $failed failed"
+  [ "$failed" = 0 ] && [ "$passed" -gt 0 ]
+}
+
+# told WORD: how many of these pytest's last line tells.
+told() { tail -n 1 said | grep -Eo "[0-9]+ $1s?\b" | grep -Eo '[0-9]+' || echo 0; }

@@ -7,16 +7,4 @@ root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/test/checks.sh"
 build_package && install_browser || exit
 
-cd "$work" || exit
-{
-  "$venv/bin/python" -m pytest -q -rs --tb=short -p no:cacheprovider "$root/test/panel" "$@"
-  echo $? >code
-} | tee said
-code=$(cat code)
-# number WORD: how many of these pytest's last line tells.
-number() { tail -n 1 said | grep -Eo "[0-9]+ $1s?\b" | grep -Eo '[0-9]+' || echo 0; }
-passed=$(number passed)
-failed=$(($(number failed) + $(number error)))
-[ "$code" = 0 ] || [ "$code" = 1 ] || failed=$((failed + 1))
-echo "$passed passed, $failed failed"
-[ "$failed" = 0 ] && [ "$passed" -gt 0 ]
+run_pytest "$root/test/panel" "$@"
