@@ -1,6 +1,7 @@
 """Pictures: what is drawn is what the result holds, whole and legible. Nothing is compared by pixels."""
 
 import io
+import itertools
 import pathlib
 import re
 import subprocess
@@ -9,12 +10,12 @@ import sys
 import matplotlib
 import numpy as np
 import pytest
-from conftest import GEARED, PARTIAL, PRESCRIBED, grid_of
+from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT, grid_of
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.path import Path
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 
 import gearsweep
 from gearsweep import Case, plots
@@ -78,6 +79,10 @@ def everything():
 
 def all_plots():
     return [getattr(plots, name) for name in plots.__all__ if name.startswith('plot_')]
+
+
+def legend_titles(ax):
+    return [legend.get_title().get_text() for legend in ax.findobj(Legend) if legend.get_title().get_text()]
 
 
 def curves(ax, n):
@@ -160,7 +165,11 @@ def test_undamped_motion_is_marginal_throughout(ax):
 def test_optimum_shows_its_curve_and_names_the_least(study, ax):
     optimum, tried = study.optimum, study.optimum_curve
     plots.plot_optimum(study, ax, points=[(10, 1.2)])
-    np.testing.assert_array_equal(curves(ax, 1)[0], [tried.relief_um, tried.worst_dynamic_factor])
+    bounds = tried.at_least == 1  # from a few speeds: no part of the curve
+    assert bounds.any()
+    np.testing.assert_array_equal(curves(ax, 1)[0], [tried.relief_um, np.where(bounds, np.nan, tried.worst_dynamic_factor)])
+    triangles = next(line for line in ax.lines if line.get_marker() == '^')
+    np.testing.assert_array_equal(triangles.get_data(), [tried.relief_um[bounds], tried.worst_dynamic_factor[bounds]])
     best = next(line for line in ax.lines if line.get_marker() == 'D')
     assert tuple(np.ravel(best.get_data())) == (optimum.relief_um, optimum.worst_dynamic_factor)
     assert f'{optimum.relief_um:.4g} µm' in ax.texts[-1].get_text()
@@ -175,6 +184,46 @@ def test_mesh_pictures_show_its_arrays(study, ax, kind, field):
         np.testing.assert_array_equal(curve, [mesh.s[rows], getattr(mesh, field)[rows]])
     letters = {text.get_text(): text.xy[0] for text in ax.texts if text.get_text() in tuple('ABPDE')}
     assert letters == dict(zip('ABPDE', study.contact_points.s))
+
+
+# Of protanopes, deuteranopes and tritanopes, by Machado, Oliveira and Fernandes 2009, for linear RGB.
+SIGHTS = {
+    'normal': np.eye(3),
+    'protan': [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    'deutan': [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    'tritan': [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+
+
+def lab(color, sight='normal'):
+    """CIE L*a*b* (D65) of a colour as a sight has it."""
+    rgb = np.array(matplotlib.colors.to_rgb(color))
+    linear = np.clip(np.array(SIGHTS[sight]) @ np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4), 0, 1)
+    xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    part = (xyz @ linear) / xyz.sum(axis=1)
+    x, y, z = np.where(part > 216 / 24389, np.cbrt(part), (24389 / 27 * part + 16) / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize('sight', SIGHTS)
+def test_kinds_are_told_apart_by_all_eyes(sight):
+    """A difference of 2.3 can just be seen (Mahy and others 1994)."""
+    from gearsweep.plots.attractors import HUES
+    from gearsweep.plots.kinds import KINDS
+    from gearsweep.plots.precision import COLOURS
+
+    for colors, least in ((KINDS.values(), 20), (COLOURS, 20), ((*HUES, '#222222', '#c8c8c8'), 10)):
+        seen = [lab(color, sight) for color in colors]
+        assert min(np.linalg.norm(a - b) for a, b in itertools.combinations(seen, 2)) > least
+
+
+def test_twelve_reliefs_are_told_apart_in_grey_print_too(ax):
+    """Curves of the same dashes differ in lightness, by 20 of 100."""
+    plots.plot_sweep(gearsweep.run(Case(PRESCRIBED).changed(**MANY), 'sweep'), ax)
+    looks = [(str(line._dash_pattern), lab(line.get_color())[0]) for line in ax.lines[:12]]
+    assert len(set(looks)) == 12 and len({dashes for dashes, _ in looks[:6]}) == 6
+    for (dashes, light), (other, weight) in itertools.combinations(looks, 2):
+        assert dashes != other or abs(light - weight) > 20
 
 
 def test_harmonics_are_bars(study, ax):
@@ -195,6 +244,19 @@ def test_load_shows_the_speed_asked_for(study, ax):
     assert '6000 1/min' in ax.get_ylabel()
     with pytest.raises(ValueError, match='rpm = 5000: must be one of 4000, 6000'):
         plots.plot_load(load, ax, rpm=5000)
+
+
+def test_a_subharmonic_load_is_a_path_for_each_pair(ax):
+    """No line runs back along the path of contact."""
+    case = Case(PRESCRIBED).changed(dynamics={'damping_ratio': 0.01}, relief={'amount_um': 2}, sweep={'load_rpm': 5600})
+    load = gearsweep.run(case, 'load').load
+    assert load.mesh_periods[0] == 2
+    plots.plot_load(load, ax)
+    paths = [line for line in ax.lines if len(line.get_xdata()) > 2]
+    for pair, line in enumerate(paths, 1):
+        np.testing.assert_array_equal(line.get_data(), [load.s[load.pair == pair], load.pair_load_n[load.pair == pair]])
+        assert (np.diff(line.get_xdata()) > -1e-9).all()  # equal places may differ by rounding
+    assert len(paths) == 2
 
 
 def test_load_names_reliefs_without_an_answer(ax):
@@ -274,6 +336,32 @@ def test_section_shows_every_edge_once(study, ax):
     assert len(np.unique(element[:, :4])) - edges + len(element) == 1
 
 
+@pytest.mark.parametrize('member', ['pinion', 'gear'])
+@pytest.mark.parametrize('teeth', [1, 2, 3, 4, 0])
+def test_the_load_arrow_ends_on_the_loaded_flank(teeth, member, ax):
+    """On the boundary of the grid, from outside, along the tangent to the base circle; and there the stress is largest."""
+    section = {'teeth': teeth, 'member': member, 'fixed': ['rim'] if teeth == 0 else ['sides', 'rim']}
+    case = Case(GEARED).changed(mesh={'model': 'weber'}, section=section, static={'field_position': 2}, relief={'amount_um': 0})
+    study = gearsweep.run(case, 'static')
+    plots.plot_stress(study, ax)
+    arrow = next(text for text in ax.texts if text.arrow_patch)
+    foot, tail = np.array(arrow.xy), np.array(arrow.xyann)
+    nodes, element = grid_of(study)
+    assert np.hypot(*foot) == pytest.approx(study.stress_load.radius_mm, rel=1e-6)
+    along = -tail / np.hypot(*tail)  # which way the load points
+    base = study.gears.at(member=member).base_diameter_mm / 2
+    assert abs(foot[0] * along[1] - foot[1] * along[0]) == pytest.approx(base, rel=1e-4)
+
+    def is_inside(point):
+        return any(Path(nodes[corners[[0, 4, 1, 5, 2, 6, 3, 7]]]).contains_point(point) for corners in element)
+
+    assert is_inside(foot + 0.05 * along) and not is_inside(foot - 0.05 * along)
+    stress = study.stress
+    value = np.abs(principal(stress.sigma_x_mpa, stress.sigma_y_mpa, stress.tau_xy_mpa))
+    value[np.hypot(*nodes.T) < study.gears.at(member=member).form_diameter_mm / 2] = 0  # without the fillets
+    assert np.hypot(*(nodes[value.argmax()] - foot)) < 0.7  # nodes are as far from each other
+
+
 def test_principal_stress():
     rng = np.random.default_rng(4)
     x, y, xy = rng.normal(size=(3, 50))
@@ -325,6 +413,7 @@ def test_hysteresis_shows_both_branches_cut_at_jumps(both, ax):
     arrows = [(text.xyann, text.xy) for text in ax.texts if text.arrow_patch]
     expected = [tuple(zip((rpm[0], rpm[0]), factor)) for rpm, factor in zip(rpm_ends[jumps], factor_ends[jumps])]
     assert sorted(arrows) == sorted(expected)
+    assert legend_titles(ax) == ['Tip relief 0 µm']
     largest = changes.rpm_before[np.nanargmax(np.abs(after - before))]
     assert f'{largest:.0f}' in {text.get_text() for text in ax.texts}
 
@@ -454,6 +543,14 @@ def test_life_shows_the_parts_beside_the_curve():
     assert {'S-N curve', 'pinion', 'gear', '0', '10'} == set(labels)
 
 
+def test_the_page_lists_every_picture_with_its_caption():
+    rows = re.findall(r'^\| (`plot_.*?) \| .*? \| `(\w+)` \| (.*) \|$', (ROOT / 'doc/pictures.md').read_text(), re.MULTILINE)
+    assert {name for _, name, _ in rows} == set(plots.PICTURES)
+    for _, name, shown in rows:
+        assert shown.lower() == plots.PICTURES[name].caption.lower()
+    assert {name for names, _, _ in rows for name in re.findall(r'plot_\w+', names)} == {plot.__name__ for plot in all_plots()}
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
              'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'precision', 'flank', 'dynamic_factors',
@@ -514,11 +611,14 @@ def check_text(figures, monkeypatch):
         drawn.clear()
         plots.save(figure, io.BytesIO(), 'png')
         assert drawn
+        arrows = [text for text in figure.findobj(Annotation) if text.arrow_patch and not text.get_text()]
         for i, (words, (box, page)) in enumerate(drawn.items()):
             assert words.get_fontsize() >= 7
             assert page.x0 <= box.x0 and page.y0 <= box.y0 and box.x1 <= page.x1 and box.y1 <= page.y1, (name, words)
             over = [other for other, (taken, _) in list(drawn.items())[:i] if taken.overlaps(box)]
             assert not over, (name, words, over)
+            shafts = [Path(one.axes.transData.transform([one.xy, one.xyann])) for one in arrows if one.anncoords == 'data']
+            assert not any(shaft.intersects_bbox(box, filled=False) for shaft in shafts), (name, words)
 
 
 def test_without_a_display_and_without_pyplot(tmp_path):

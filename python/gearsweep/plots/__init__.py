@@ -24,7 +24,7 @@ from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
 from .branches import plot_branches
-from .files import draw_all, figures, save
+from .files import PICTURES, draw_all, figures, save
 from .flank import plot_flank
 from .gears import plot_geometry
 from .life import plot_life
@@ -37,6 +37,7 @@ from .stress import plot_stress
 from .transient import plot_transient, plot_transient_peaks
 
 __all__ = [
+    'PICTURES',
     'draw_all',
     'figures',
     'plot_attractors',

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from ..study import Study
 from ..table import Table
 from .look import ASIDE, CROSS, FAINT, GREY, HALO, INK, VISIBLE, canvas
-from .reliefs import Integers, Reals, Reliefs, paths, table_of
+from .reliefs import Integers, Reals, Reliefs, one_of, paths, table_of
 
 
 def plot_stiffness(mesh: Study | Table, ax: Axes | None = None) -> Axes:
@@ -95,10 +95,7 @@ def plot_load(load: Study | Table, ax: Axes | None = None, *, rpm: float | None 
         The case has no such `load_rpm`.
     """
     load = table_of(load, 'load')
-    speeds = np.atleast_1d(load.case.get('sweep', 'load_rpm'))
-    rpm = speeds[0] if rpm is None else rpm
-    if not np.isclose(speeds, rpm).any():
-        raise ValueError(f'rpm = {rpm:g}: must be one of {", ".join(f"{speed:g}" for speed in speeds)}')
+    rpm = one_of(load.rpm, rpm, 'rpm')
     here = np.isclose(load.rpm, rpm) & np.isfinite(load.pair_load_n)
     with canvas(ax) as ax:
         found = _curves(ax, load, paths(load.s[here], load.pair_load_n[here], load.relief_um[here]))

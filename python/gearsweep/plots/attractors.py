@@ -11,11 +11,12 @@ from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import FAINT, GREY, HOLLOW, INK, MM, PAGE, canvas, legends_above
-from .stability import KINDS
+from .kinds import KINDS, in_words
+from .look import BLUE, FAINT, GREEN, HOLLOW, INK, MM, ORANGE, PAGE, PURPLE, SKY, VERMILION, WINE, YELLOW, canvas, legends_above
+from .reliefs import study_of
 
-#: The motions at one speed, the one with most starts first; further ones are grey.
-HUES = ('#1f5f8b', '#e0a458', '#3f8f5f', '#c9503c', '#8c6bb1', '#7fb7d4', '#8c2d55', '#b5bd61')
+#: The motions at one speed, the one with most starts first; further ones are black.
+HUES = (BLUE, ORANGE, SKY, WINE, YELLOW, GREEN, VERMILION, PURPLE)
 
 
 def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
@@ -37,7 +38,7 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
     -------
     Axes
     """
-    study = attractors if isinstance(attractors, Study) else attractors.study
+    study = study_of(attractors)
     found = study.attractors
     relief_um = study.attractor_points.relief_um[0] if relief_um is None else relief_um
     points = study.attractor_points.at(relief_um=relief_um)
@@ -55,12 +56,11 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
             edges = [INK if one else 'none' for one in drawn]
             sizes = 2 + 25 * found.share[mine]
             ax.scatter(found.rpm[mine], found.dynamic_factor[mine], sizes, color, edgecolors=edges, linewidths=0.6)
-            periods = found.mesh_periods[mine]
-            label = {1: 'repeats with the mesh', 2: 'after 2 periods', 3: f'after 3 to {max(3, periods.max())} periods'}[kind]
+            label = in_words(kind, found.mesh_periods[mine])
             entries.append(Line2D([], [], linestyle='', marker='o', color=color, label=label))
         outline: dict[str, Any] = {'marker': 'o', 'color': 'none', 'markeredgecolor': INK, 'markeredgewidth': 0.6}
         entries.append(Line2D([], [], linestyle='', label='shown by a sweep', **outline))
-        legends_above(ax, ('', entries))
+        legends_above(ax, (f'Tip relief {relief_um:g} µm', entries))
         if not here.any():
             ax.set_xlim(np.min(points.rpm), np.max(points.rpm) + 1)
         ax.set_xlabel('Speed of the pinion (1/min)')
@@ -89,7 +89,7 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
     -------
     Axes
     """
-    study = basins if isinstance(basins, Study) else basins.study
+    study = study_of(basins)
     relief_um = study.basins.relief_um[0] if relief_um is None else relief_um
     points = study.attractor_points.at(relief_um=relief_um)
     rpm = points.rpm[np.argmax(points.motions)] if rpm is None else rpm
@@ -99,7 +99,7 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
     grid = starts.dte_um.reshape(across, across), starts.dte_rate_mm_s.reshape(across, across)
     most = len(HUES)
     with canvas(ax, height=95 * MM) as ax:
-        shades = ListedColormap([FAINT, *HUES, GREY])
+        shades = ListedColormap([FAINT, *HUES, INK])
         norm = BoundaryNorm(np.arange(-0.5, most + 2), most + 2)
         motion = np.minimum(starts.motion, most + 1).reshape(across, across)
         ax.pcolormesh(*grid, motion, cmap=shades, norm=norm, shading='nearest', rasterized=True)
@@ -108,7 +108,7 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
             limits(values.min() - half, values.max() + half)
         entries = []
         for i in here:
-            color = HUES[found.motion[i] - 1] if found.motion[i] <= most else GREY
+            color = HUES[found.motion[i] - 1] if found.motion[i] <= most else INK
             mark: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markerfacecolor': color, 'markeredgecolor': INK}
             ax.plot(found.dte_um[i], found.dte_rate_mm_s[i], **mark)
             if found.motion[i] <= most:
@@ -116,7 +116,7 @@ def plot_basins(basins: Study | Table, ax: Axes | None = None, *, rpm: float | N
                 if found.mesh_periods[i] > 1:
                     label += f', {found.mesh_periods[i]} periods'
                 entries.append(Line2D([], [], label=label, **mark))
-        legends_above(ax, ('', entries))
+        legends_above(ax, (f'{rpm:g} 1/min, tip relief {relief_um:g} µm', entries))
         ax.set_xlabel('Transmission error as a pair enters (µm)')
         ax.set_ylabel('Its rate (mm/s)')
     return ax

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from ..study import Study
 from ..table import Table
 from .look import ACCENT, GREY, INK, MM, canvas, in_mm
-from .reliefs import Integers, Reals
+from .reliefs import Integers, Reals, study_of
 
 #: Lines that a vector file should not have to hold.
 MANY = 3000
@@ -42,7 +42,7 @@ def plot_modal(modal: Study | Table, ax: Axes | None = None, *, mode: int = 1) -
     -------
     Axes
     """
-    study = modal if isinstance(modal, Study) else modal.study
+    study = study_of(modal)
     modal = study.modal
     if not 1 <= mode <= modal.rows:
         raise ValueError(f'mode = {mode}: must be from 1 to {modal.rows}')
@@ -59,7 +59,7 @@ def plot_modal(modal: Study | Table, ax: Axes | None = None, *, mode: int = 1) -
 
 def grid_of(result: Study | Table) -> tuple[Reals, Integers]:
     """Nodes (x and y in mm), and those of each element, counted from 0."""
-    study = result if isinstance(result, Study) else result.study
+    study = study_of(result)
     element = np.column_stack([study.elements[f'node_{corner}'] for corner in range(1, 9)]) - 1
     return np.column_stack((study.nodes.x_mm, study.nodes.y_mm)), element
 

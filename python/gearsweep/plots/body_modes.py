@@ -11,7 +11,7 @@ from ..study import Study
 from ..table import Table
 from .body import edges
 from .look import GREY, INK, MM, canvas
-from .reliefs import Integers, Reals
+from .reliefs import Integers, Reals, study_of
 from .stress import TRIANGLES
 
 
@@ -34,7 +34,7 @@ def plot_body_modes(modes: Study | Table, ax: Axes | None = None, *, mode: int =
     -------
     Axes
     """
-    study = modes if isinstance(modes, Study) else modes.study
+    study = study_of(modes)
     modes = study.body_modes
     most = len(study.body_shapes.axial_cos)
     if not 1 <= mode <= most:

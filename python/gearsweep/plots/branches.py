@@ -10,8 +10,9 @@ from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
+from .kinds import KINDS, in_words
 from .look import CROSS, GREY, HOLLOW, INK, MM, PAGE, canvas, legends_above
-from .stability import KINDS
+from .reliefs import study_of
 
 #: What the axis says of the parameter.
 PARAMETERS = {
@@ -56,35 +57,33 @@ def plot_branches(branches: Study | Table, ax: Axes | None = None, *, relief_um:
     -------
     Axes
     """
-    study = branches if isinstance(branches, Study) else branches.study
+    study = study_of(branches)
     found, points, changes = study.branches, study.branch_points, study.branch_changes
     name = study.case.get('branches', 'parameter', 'rpm').lower()
     amounts = reliefs_of(found)
     relief_um = amounts[0] if relief_um is None else relief_um
     shown = found.branch if relief_um is None else found.branch[found.relief_um == relief_um]
     with canvas(ax, height=90 * MM, width=PAGE) as ax:
-        present: dict[int, int] = {}
+        present: dict[int, list[int]] = {}
         for number in shown:
             here = points.branch == number
             periods = int(points.mesh_periods[here][0])
             kind = min(periods, 3)
-            present[kind] = max(present.get(kind, 0), periods)
+            present.setdefault(kind, []).append(periods)
             across, factor = points[name][here], points.dynamic_factor[here]
             attracts = points.stability[here] != 'unstable'
             for solid, line in LINES.items():
                 _stretches(ax, across, factor, attracts == solid, {'color': KINDS[kind], **line})
         entries = []
-        for kind, most in sorted(present.items()):
-            many = 'after 3 periods' if most == 3 else f'after 3 to {most} periods'
-            label = {1: 'repeats with the mesh', 2: 'after 2 periods', 3: many}[kind]
-            entries.append(Line2D([], [], color=KINDS[kind], label=label))
+        for kind, all_periods in sorted(present.items()):
+            entries.append(Line2D([], [], color=KINDS[kind], label=in_words(kind, np.array(all_periods))))
         entries.append(Line2D([], [], color=GREY, **LINES[False], label='repels'))
         for word, mark in CHANGES.items():
             there = (changes.kind == word) & np.isin(changes.branch, shown)
             if there.any():
                 ax.plot(changes[name][there], changes.dynamic_factor[there], **mark, zorder=4)
                 entries.append(Line2D([], [], **mark, label=WORDS[word]))
-        legends_above(ax, ('', entries))
+        legends_above(ax, ('' if relief_um is None else f'Tip relief {relief_um:g} µm', entries))
         ax.set_xlabel(PARAMETERS[name])
         ax.set_ylabel('Dynamic factor (–)')
     return ax

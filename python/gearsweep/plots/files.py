@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
+from dataclasses import dataclass
 from math import ceil
 from typing import BinaryIO
 
@@ -30,6 +31,15 @@ from .rating import plot_rating
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 from .transient import plot_transient, plot_transient_peaks
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What is said below a picture, and how it is drawn."""
+
+    caption: str
+    draw: Callable[[Study], Figure]
+
 
 #: No more panels than this in a picture; it says how many there would be.
 MOST = 20
@@ -67,35 +77,10 @@ def draw_all(
 
 def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
     """Name and figure of each picture that `draw_all` writes, or of those named: as the table that it mainly shows."""
-    drawings = {
-        'outline': _single(plot_geometry, 52),
-        'section': _single(plot_section, 80),
-        'mesh': _mesh,
-        'harmonics': _single(plot_harmonics, 60),
-        'static': _single(plot_static, 65),
-        'stress': _single(plot_stress, 55),
-        'modal': _modes,
-        'load': _loads,
-        'sweep': _single(plot_sweep, 80, PAGE),
-        'optimum_curve': _single(plot_optimum, 60),
-        'stability': _single(plot_stability, 80, PAGE),
-        'hysteresis': _reliefs('hysteresis', plot_hysteresis),
-        'poincare': _reliefs('lyapunov', plot_poincare),
-        'attractors': _reliefs('attractor_points', plot_attractors),
-        'basins': _reliefs('basins', plot_basins),
-        'branches': _branches,
-        'precision': _precision,
-        'flank': _flank,
-        'dynamic_factors': _single(plot_rating, 65),
-        'transient': _transient,
-        'transient_peaks': _single(plot_transient_peaks, 65),
-        'life_parts': _single(plot_life, 65),
-        'body_modes': _body_modes,
-    }
-    for name, draw in drawings.items():
+    for name, picture in PICTURES.items():
         if name in study and (not names or name in names):
             with style():
-                figure = draw(study)
+                figure = picture.draw(study)
             yield name, figure
 
 
@@ -123,26 +108,17 @@ def _single(plot: Callable, height: float, width: float = COLUMN) -> Callable[[S
     return draw
 
 
-def _reliefs(table: str, plot: Callable) -> Callable[[Study], Figure]:
-    """A panel below the other for each relief."""
+def _reliefs(table: str, plot: Callable, height: float = 80) -> Callable[[Study], Figure]:
+    """A panel below the other for each relief; one where the relief is no index."""
 
     def draw(study: Study) -> Figure:
-        amounts = study[table].relief_um
-        figure, axes = _panels(len(amounts), 'reliefs', 1, 80)
+        amounts = reliefs_of(study[table])
+        figure, axes = _panels(len(amounts), 'reliefs', 1, height)
         for ax, amount in zip(axes, amounts):
             plot(study, ax, relief_um=amount)
         return figure
 
     return draw
-
-
-def _branches(study: Study) -> Figure:
-    """A panel below the other for each relief."""
-    amounts = reliefs_of(study.branches)
-    figure, axes = _panels(len(amounts), 'reliefs', 1, 90)
-    for ax, amount in zip(axes, amounts):
-        plot_branches(study, ax, relief_um=amount)
-    return figure
 
 
 def _mesh(study: Study) -> Figure:
@@ -156,29 +132,23 @@ def _mesh(study: Study) -> Figure:
     return figure
 
 
-def _loads(study: Study) -> Figure:
+def _speeds(table: str, plot: Callable) -> Callable[[Study], Figure]:
     """A panel for each speed."""
-    speeds = np.atleast_1d(study.case.get('sweep', 'load_rpm'))
-    figure, axes = _panels(len(speeds), 'speeds', 2, 60)
-    for ax, rpm in zip(axes, speeds):
-        plot_load(study, ax, rpm=rpm)
-    _one_legend(axes)
-    return figure
 
+    def draw(study: Study) -> Figure:
+        speeds = list(dict.fromkeys(study[table].rpm))
+        figure, axes = _panels(len(speeds), 'speeds', 2, 60)
+        for ax, rpm in zip(axes, speeds):
+            plot(study, ax, rpm=rpm)
+        _one_legend(axes)
+        return figure
 
-def _transient(study: Study) -> Figure:
-    """A panel for each speed."""
-    speeds = np.atleast_1d(study.case.get('transient', 'rpm'))
-    figure, axes = _panels(len(speeds), 'speeds', 2, 60)
-    for ax, rpm in zip(axes, speeds):
-        plot_transient(study, ax, rpm=rpm)
-    _one_legend(axes)
-    return figure
+    return draw
 
 
 def _flank(study: Study) -> Figure:
     """Pressure, sliding, flash temperature and film below each other, a column for each of at most two speeds."""
-    speeds = np.atleast_1d(study.case.get('flank', 'rpm'))
+    speeds = list(dict.fromkeys(study.flank.rpm))
     shown = speeds[:2]
     figure = Figure((COLUMN if len(shown) == 1 else PAGE, 190 * MM), layout='constrained')
     rows = figure.subplots(4, len(shown), sharex=True, squeeze=False)
@@ -242,3 +212,39 @@ def _one_legend(axes: Sequence[Axes]) -> None:
     for ax in axes[1:]:
         if (legend := ax.get_legend()) and legend.get_title().get_text():
             legend.remove()
+
+
+#: All pictures, by the table that each mainly shows.
+PICTURES = {
+    'outline': Picture('Both gears in mesh, the line of action with A, B, P, D, E, and the working pitch circles', _single(plot_geometry, 52)),
+    'section': Picture('Finite-element grid', _single(plot_section, 80)),
+    'mesh': Picture('Along the path of contact: stiffness of all pairs and of one, load share, static transmission error', _mesh),
+    'harmonics': Picture("Amplitudes of the static transmission error's harmonics", _single(plot_harmonics, 60)),
+    'static': Picture('Root stress on both sides while the load moves; ISO 6336-3 and Lewis', _single(plot_static, 65)),
+    'stress': Picture('Principal stress around the tooth, with the load at one place', _single(plot_stress, 55)),
+    'modal': Picture('Mode shapes over the outline at rest, with their frequencies', _modes),
+    'load': Picture('Load of one pair along its path, a panel for each speed', _speeds('load', plot_load)),
+    'sweep': Picture('Dynamic factor over speed, a curve for each relief', _single(plot_sweep, 80, PAGE)),
+    'optimum_curve': Picture('Largest dynamic factor over relief, the least marked', _single(plot_optimum, 60)),
+    'stability': Picture('Largest Floquet multiplier over speed and damping, tongues of instability and the damping that closes them',
+                         _single(plot_stability, 80, PAGE)),
+    'hysteresis': Picture('Dynamic factor on a slow run up and on one down, jumps with their speeds, doubled periods',
+                          _reliefs('hysteresis', plot_hysteresis)),
+    'poincare': Picture('Transmission error once a mesh period over speed: what repeats, with doubled periods, chaos',
+                        _reliefs('lyapunov', plot_poincare)),
+    'attractors': Picture('Dynamic factors of all attracting motions over speed, the more starts lead to one the larger',
+                          _reliefs('attractor_points', plot_attractors)),
+    'basins': Picture('Which starts lead to which motion at one speed', _reliefs('basins', plot_basins)),
+    'branches': Picture('Bifurcation diagram: dynamic factor of all branches, solid where the motion attracts, dashed where it repels, '
+                        'with folds, doublings and grazing', _reliefs('branches', plot_branches, 90)),
+    'precision': Picture("Relative error over run time, a curve for each method, the methods' own estimates beside it", _precision),
+    'flank': Picture("Pressure, sliding, flash temperature and film along the path of contact, under the motion's load and, fine, the static one",
+                     _flank),
+    'dynamic_factors': Picture('Dynamic factor over speed by Method A of ISO 6336-1, the motion, and by Method B', _single(plot_rating, 65)),
+    'transient': Picture('Stress along both fillets over time while the load passes, and, fine, under the same load at rest; a panel for each speed',
+                         _speeds('transient', plot_transient)),
+    'transient_peaks': Picture('Largest tension and compression of the fillets over speed', _single(plot_transient_peaks, 65)),
+    'life_parts': Picture('S-N curve, with the stress amplitude and number of engagements of each part of the load spectrum',
+                          _single(plot_life, 65)),
+    'body_modes': Picture('Modes of a whole gear seen from the front, with the displacement along the axis or in the plane', _body_modes),
+}  # fmt: skip

@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from ..study import Study
 from ..table import Table
 from .along_path import finish
-from .look import GREY, canvas
-from .reliefs import Reliefs, paths, table_of
+from .look import FINE, GREY, canvas
+from .reliefs import Reliefs, one_of, paths, table_of
 
 #: Columns of the table `flank` that `plot_flank` shows, with their labels.
 QUANTITIES = {
@@ -27,7 +27,6 @@ QUANTITIES = {
 
 #: Neither the load nor the relief changes these.
 GEOMETRIC = ('sliding_m_s', 'specific_sliding')
-FINE: dict[str, Any] = {'linewidth': 0.6, 'alpha': 0.6}
 
 
 def plot_flank(
@@ -58,10 +57,7 @@ def plot_flank(
         The case has no such speed, or there is no such quantity.
     """
     flank = table_of(flank, 'flank')
-    speeds = np.atleast_1d(flank.case.get('flank', 'rpm'))
-    rpm = speeds[0] if rpm is None else rpm
-    if not np.isclose(speeds, rpm).any():
-        raise ValueError(f'rpm = {rpm:g}: must be one of {", ".join(f"{speed:g}" for speed in speeds)}')
+    rpm = one_of(flank.rpm, rpm, 'rpm')
     if quantity not in QUANTITIES:
         raise ValueError(f"quantity = '{quantity}': must be one of {', '.join(QUANTITIES)}")
     here = np.isclose(flank.rpm, rpm) & np.isfinite(flank.s)

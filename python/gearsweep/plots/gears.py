@@ -10,7 +10,7 @@ from .._outline import contact_path, first_tooth, rotated, turn_to, whole
 from ..study import Study
 from ..table import Table
 from .look import ACCENT, GREY, HALO, INK, MM, canvas, in_mm
-from .reliefs import Reals
+from .reliefs import Reals, study_of
 
 FILL = {'pinion': '#dbe6ee', 'gear': '#ececec'}
 
@@ -22,7 +22,7 @@ def plot_geometry(study: Study | Table, ax: Axes | None = None) -> Axes:
     gears are drawn whole, so that `ax.autoscale()` shows all of them; of a gear with more than 500 teeth,
     those nearby.
     """
-    study = study if isinstance(study, Study) else study.study
+    study = study_of(study)
     geometry = study.geometry
     centre = np.array([0, geometry.centre_distance_mm])
     touch = contact_path(study, np.array([geometry.contact_ratio / 2]))[0]
@@ -39,6 +39,8 @@ def plot_geometry(study: Study | Table, ax: Axes | None = None) -> Axes:
         ax.plot(*path.T, color=ACCENT, marker='o', markersize=3, markerfacecolor='white', markeredgewidth=0.7)
         for name, place, rise in zip(study.contact_points.point, path, (4, -10, 4, -10, 4)):
             ax.annotate(name, place, (0, rise), textcoords='offset points', ha='center', color=ACCENT, path_effects=HALO)
+        for name, height, va in (('pinion', 0.03, 'bottom'), ('gear', 0.97, 'top')):
+            ax.annotate(name, (0.02, height), xycoords='axes fraction', va=va, path_effects=HALO)
         in_mm(ax)
         reach = 1.1 * geometry.base_pitch_mm * max(1.6, geometry.contact_ratio)
         ax.set_xlim(touch[0] - reach, touch[0] + reach)

@@ -6,22 +6,23 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..study import Study
+from ..table import Table
 from .look import GREY, INK, canvas
-from .reliefs import Reliefs
+from .reliefs import Reliefs, study_of
 
 #: Of pinion and gear.
 MARKS = ('o', 's')
 
 
-def plot_life(study: Study, ax: Axes | None = None) -> Axes:
+def plot_life(life: Study | Table, ax: Axes | None = None) -> Axes:
     """The S-N curve, and how often each part of the load spectrum comes in one pass with which stress amplitude, for each relief.
 
     What lies left of the curve lasts longer than one pass. Amplitudes are those that do the same harm without mean stress.
 
     Parameters
     ----------
-    study : Study
-        With the tables `life_parts` and `life_curve`.
+    life : Study or Table
+        A study, or its table `life_parts`.
     ax : Axes, optional
         Where to draw; otherwise a figure is made.
 
@@ -29,7 +30,8 @@ def plot_life(study: Study, ax: Axes | None = None) -> Axes:
     -------
     Axes
     """
-    parts, curve = study['life_parts'], study['life_curve']
+    study = study_of(life)
+    parts, curve = study.life_parts, study.life_curve
     reliefs = Reliefs(study.case)
     with canvas(ax) as ax:
         ax.loglog(curve.failure_cycles, curve.amplitude_mpa, color=INK)

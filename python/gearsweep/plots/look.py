@@ -24,6 +24,11 @@ GREY = '#767676'
 FAINT = '#c8c8c8'
 ACCENT = '#1f5f8b'
 
+# Colours of kinds, which people of all kinds of colour vision tell apart (Okabe and Ito 2008, Color universal design; wine and the
+# pale grey for the fewest kinds that lie farthest from each other).
+BLUE, ORANGE, SKY, WINE, PALE = '#0072B2', '#E69F00', '#56B4E9', '#882255', '#999999'
+YELLOW, GREEN, VERMILION, PURPLE = '#F0E442', '#009E73', '#D55E00', '#CC79A7'
+
 # The first four are alike in their measures, so that a picture is laid out alike; the last comes with matplotlib.
 FONTS = ('Arial', 'Helvetica', 'Liberation Sans', 'Nimbus Sans', 'DejaVu Sans')
 
@@ -59,10 +64,11 @@ STYLE = {
 }
 
 #: Curves of a family go from dark to light; these tell them apart in grey print too.
-DASHES = ('-', (0, (5, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2)), (0, (9, 2)))
+DASHES = ('-', (0, (6, 2)), (0, (6, 1.5, 1, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)), (0, (2.5, 1.5)))
 
 #: A line beside a family of curves, and marks.
 ASIDE: dict[str, Any] = {'color': INK, 'linewidth': 0.7, 'linestyle': (0, (2, 2))}
+FINE: dict[str, Any] = {'linewidth': 0.6, 'alpha': 0.6}  #: the same without motion, or by a rule of thumb
 HOLLOW: dict[str, Any] = {'linestyle': '', 'markersize': 3, 'markerfacecolor': 'white', 'markeredgewidth': 0.7}
 CROSS: dict[str, Any] = {'linestyle': '', 'marker': 'x', 'markersize': 3, 'markeredgewidth': 0.8}
 PUBLISHED: dict[str, Any] = {**HOLLOW, 'marker': 'o', 'markersize': 5, 'markeredgewidth': 1.1, 'markerfacecolor': 'none'}

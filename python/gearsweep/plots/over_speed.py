@@ -59,7 +59,7 @@ def plot_optimum(curve_of: Study | Table, ax: Axes | None = None, *, points: Seq
     """Largest dynamic factor over all speeds against the relief, its least value marked.
 
     Reliefs at which some speeds have no answer are hollow; those at which none has one are a gap, with a cross
-    at the lower edge. Triangles are reliefs that a few speeds showed not to be the best.
+    at the lower edge. Triangles, which no line joins, are reliefs that a few speeds showed not to be the best.
 
     Parameters
     ----------
@@ -75,15 +75,16 @@ def plot_optimum(curve_of: Study | Table, ax: Axes | None = None, *, points: Seq
     Axes
     """
     tried = table_of(curve_of, 'optimum_curve')
-    relief, worst, whole = tried.relief_um, tried.worst_dynamic_factor, tried.points_without_answer == 0
+    bounds = tried.at_least == 1
+    relief, worst, whole = tried.relief_um, tried.worst_dynamic_factor, (tried.points_without_answer == 0) & ~bounds
     with canvas(ax) as ax:
-        curve(ax, relief, worst, {'color': ACCENT})
+        curve(ax, relief, np.where(bounds, np.nan, worst), {'color': ACCENT})
         ax.plot(relief[whole], worst[whole], 'o', color=ACCENT, markersize=2.5)
         more = _published(ax, [(*point[:2], INK) for point in points])
-        if np.isfinite(worst[~whole]).any():
-            ax.plot(relief[~whole], worst[~whole], marker='o', markeredgecolor=ACCENT, **HOLLOW)
+        some = ~whole & ~bounds & np.isfinite(worst)
+        if some.any():
+            ax.plot(relief[some], worst[some], marker='o', markeredgecolor=ACCENT, **HOLLOW)
             more.append(Line2D([], [], marker='o', markeredgecolor=ACCENT, label='some speeds without answer', **HOLLOW))
-        bounds = tried.at_least == 1
         if bounds.any():
             look: dict[str, Any] = {'marker': '^', 'color': ACCENT, 'linestyle': '', 'markersize': 4}
             ax.plot(relief[bounds], worst[bounds], **look)

@@ -11,7 +11,8 @@ from matplotlib.ticker import NullFormatter
 
 from ..study import Study
 from ..table import Table
-from .look import ACCENT, ASIDE, GREY, HOLLOW, INK, canvas, legends_above
+from .look import ASIDE, BLUE, GREY, HOLLOW, INK, ORANGE, SKY, WINE, canvas, legends_above
+from .reliefs import study_of
 
 #: What a panel shows, and under which of the names in the column quantity it lies.
 PANELS = {
@@ -19,7 +20,7 @@ PANELS = {
     'Harmonics of the static transmission error': ('ste_harmonic',),
     'Finite elements': ('natural_frequency', 'root_tension', 'pair_stiffness'),
 }
-COLOURS = (ACCENT, '#c9772b', '#3f8f5f', '#8c2d55')
+COLOURS = (BLUE, ORANGE, SKY, WINE)
 MARKS = ('o', 's', '^', 'D')
 
 
@@ -45,7 +46,7 @@ def plot_precision(precision: Study | Table, ax: Axes | None = None, *, quantiti
     -------
     Axes
     """
-    study = precision if isinstance(precision, Study) else precision.study
+    study = study_of(precision)
     shown, reference = study.precision, study.precision_finest
     curves = [
         (quantity, method)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import GREY, canvas
+from .look import FINE, GREY, canvas
 from .over_speed import curve
 from .reliefs import Reliefs, table_of
-
-FINE: dict[str, Any] = {'linewidth': 0.6, 'alpha': 0.6}
 
 
 def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:

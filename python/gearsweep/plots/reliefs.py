@@ -26,6 +26,26 @@ def table_of(result: Study | Table, name: str) -> Table:
     return result[name] if isinstance(result, Study) else result
 
 
+def study_of(result: Study | Table) -> Study:
+    """The study, or that of the table, which is given."""
+    return result if isinstance(result, Study) else result.study
+
+
+def one_of(values: NDArray[np.float64], wanted: float | None, name: str) -> float:
+    """The value of a column that is wanted, or the first.
+
+    Raises
+    ------
+    ValueError
+        The column has no such value.
+    """
+    if wanted is None:
+        return float(values[0])
+    if not np.isclose(values, wanted).any():
+        raise ValueError(f'{name} = {wanted:g}: must be one of {", ".join(f"{value:g}" for value in dict.fromkeys(values))}')
+    return wanted
+
+
 class Reliefs:
     """The reliefs (um) that a case lists, each with its line style."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+import itertools
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,9 +11,10 @@ from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import ACCENT, ASIDE, CROSS, FAINT, GREY, HALO, HOLLOW, INK, MM, PAGE, canvas, legends_above, line_styles
+from .kinds import KINDS, in_words
+from .look import ASIDE, CROSS, FAINT, GREY, HALO, HOLLOW, INK, MM, PAGE, canvas, legends_above, line_styles
 from .over_speed import crosses, curve
-from .reliefs import Reals
+from .reliefs import Reals, study_of
 
 #: From what dies out at once to what just dies out, at 1 white; from there on, what grows.
 SHADES = LinearSegmentedColormap.from_list(
@@ -22,9 +23,6 @@ SHADES = LinearSegmentedColormap.from_list(
 
 #: Above 1 by this is rounding, as without damping.
 NEUTRAL = 1e-7
-
-#: Motions that repeat with the mesh, after two periods, after more; chaos; what is not known.
-KINDS: dict[int | str, str] = {1: ACCENT, 2: '#c9772b', 3: '#3f8f5f', 'chaotic': '#8c2d55', 'undecided': GREY}
 
 
 def plot_stability(stability: Study | Table, ax: Axes | None = None) -> Axes:
@@ -45,7 +43,7 @@ def plot_stability(stability: Study | Table, ax: Axes | None = None) -> Axes:
     -------
     Axes
     """
-    study = stability if isinstance(stability, Study) else stability.study
+    study = study_of(stability)
     shown = study.stability
     rpm, damping = shown.rpm, shown.damping_ratio
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
@@ -118,10 +116,10 @@ def plot_hysteresis(hysteresis: Study | Table, ax: Axes | None = None, *, relief
     -------
     Axes
     """
-    study = hysteresis if isinstance(hysteresis, Study) else hysteresis.study
+    study = study_of(hysteresis)
     relief_um = study.hysteresis.relief_um[0] if relief_um is None else relief_um
-    runs, changes = study.hysteresis.at(relief_um=relief_um), study.hysteresis_changes
-    changes = changes.at(relief_um=relief_um) if relief_um in changes.relief_um else None
+    runs, every = study.hysteresis.at(relief_um=relief_um), study.hysteresis_changes
+    changes = every.at(relief_um=relief_um) if relief_um in every.relief_um else None
     looks = line_styles(2)
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         for way, look in zip(runs.direction, looks):
@@ -134,7 +132,7 @@ def plot_hysteresis(hysteresis: Study | Table, ax: Axes | None = None, *, relief
         words = ', '.join(dict.fromkeys(runs.status[missing]))
         rows = [(runs.rpm[gaps], look['color']) for gaps, look in zip(missing, looks)]
         ways = [Line2D([], [], label=f'speed goes {way}', **look) for way, look in zip(runs.direction, looks)]
-        legends_above(ax, ('', ways + more + crosses(ax, rows, f'no answer: {words}')))
+        legends_above(ax, (f'Tip relief {relief_um:g} µm', ways + more + crosses(ax, rows, f'no answer: {words}')))
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Dynamic factor (–)')
     return ax
@@ -180,21 +178,28 @@ def _changes(ax: Axes, changes: Table, looks: list[dict]) -> list[Line2D]:
 
 
 def _arrows(ax: Axes, runs: Table, changes: Table, looks: list[dict]) -> None:
-    """Jumps, the largest first, with their speed on the side from which they come, unless another stands there."""
-    taken: list[tuple[float, float]] = []
+    """Jumps as arrows, with their speeds beside them where nothing else stands, those of the largest first."""
     ax.autoscale_view()  # so that places are known
-    height = changes.dynamic_factor_after - changes.dynamic_factor_before
-    for i in sorted(np.flatnonzero(leaps(runs, changes)), key=lambda i: -abs(height[i])):
-        rpm, up = changes.rpm_before[i], changes.direction[i] == 'up'
-        factor = np.array([changes.dynamic_factor_before[i], changes.dynamic_factor_after[i]])
-        arrow = {'arrowstyle': '-|>', 'color': looks[int(not up)]['color'], 'linewidth': 0.8, 'mutation_scale': 7}
-        ax.annotate('', (rpm, factor[1]), (rpm, factor[0]), arrowprops={**arrow, 'shrinkA': 0, 'shrinkB': 0})
-        x, y = 72 / ax.figure.dpi * ax.transData.transform((rpm, factor.mean()))  # in points
-        x -= 32 * up
-        if all(abs(x - other[0]) > 32 or abs(y - other[1]) > 10 for other in taken):
-            place: dict[str, Any] = {'xytext': (-3 if up else 3, 0), 'textcoords': 'offset points', 'ha': 'right' if up else 'left'}
-            ax.annotate(f'{rpm:.0f}', (rpm, factor.mean()), **place, va='center', path_effects=HALO)
-            taken.append((x, y))
+    jumps = np.flatnonzero(leaps(runs, changes))
+    rpm = changes.rpm_before[jumps]
+    factor = np.column_stack((changes.dynamic_factor_before, changes.dynamic_factor_after))[jumps]
+    up = changes.direction[jumps] == 'up'
+    for x, (before, after), rises in zip(rpm, factor, up):
+        arrow = {'arrowstyle': '-|>', 'color': looks[int(not rises)]['color'], 'linewidth': 0.8, 'mutation_scale': 7}
+        ax.annotate('', (x, after), (x, before), arrowprops={**arrow, 'shrinkA': 0, 'shrinkB': 0})
+    points = 72 / ax.figure.dpi * ax.transData.transform(np.column_stack((np.repeat(rpm, 2), factor.ravel()))).reshape(-1, 2, 2)
+    # Boxes (left, bottom, right, top) in points: of arrows, and of the speeds that are written.
+    taken = [(left - 3, low - 2, left + 3, high + 2) for (left, low), (_, high) in np.sort(points, axis=1)]
+    for k in np.argsort(-np.abs(np.diff(factor, axis=1)[:, 0])):
+        for part, left in itertools.product((0.5, 0.3, 0.7, 0.15, 0.85), (up[k], not up[k])):
+            x, y = points[k, 0, 0], points[k, :, 1] @ (1 - part, part)
+            box = (x - 30 if left else x + 3, y - 5, x - 3 if left else x + 30, y + 5)
+            if all(box[2] <= other[0] or other[2] <= box[0] or box[3] <= other[1] or other[3] <= box[1]
+                   for m, other in enumerate(taken) if m != k):  # fmt: skip
+                ax.annotate(f'{rpm[k]:.0f}', (rpm[k], factor[k] @ (1 - part, part)), (-4 if left else 4, 0), textcoords='offset points',
+                            ha='right' if left else 'left', va='center', path_effects=HALO)  # fmt: skip
+                taken.append(box)
+                break
 
 
 def plot_poincare(poincare: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
@@ -216,7 +221,7 @@ def plot_poincare(poincare: Study | Table, ax: Axes | None = None, *, relief_um:
     -------
     Axes
     """
-    study = poincare if isinstance(poincare, Study) else poincare.study
+    study = study_of(poincare)
     relief_um = study.poincare.relief_um[0] if relief_um is None else relief_um
     seen, motion = study.poincare.at(relief_um=relief_um), study.lyapunov.at(relief_um=relief_um)
     kind = np.minimum(motion.mesh_periods, 3).astype(object)
@@ -232,18 +237,9 @@ def plot_poincare(poincare: Study | Table, ax: Axes | None = None, *, relief_um:
             dte = seen.dte_um[there]
             rpm = np.broadcast_to(seen.rpm[there, None], dte.shape)
             ax.plot(rpm.ravel(), dte.ravel(), '.', color=color, markersize=size, markeredgewidth=0, rasterized=True)
-            label = _words(name, motion.mesh_periods[there])
+            label = in_words(name, motion.mesh_periods[there])
             entries.append(Line2D([], [], linestyle='', marker='.', color=color, label=label))
-        legends_above(ax, ('', entries))
+        legends_above(ax, (f'Tip relief {relief_um:g} µm', entries))
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Transmission error as a pair enters (µm)')
     return ax
-
-
-def _words(kind: int | str, periods: np.ndarray) -> str:
-    if isinstance(kind, str):
-        return kind
-    if kind == 1:
-        return 'repeats with the mesh'
-    least, most = periods.min(), periods.max()
-    return f'after {most} periods' if least == most else f'after {least} to {most} periods'

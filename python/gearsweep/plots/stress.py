@@ -8,7 +8,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
-from .._outline import flank_angle
 from ..study import Study
 from ..table import Table
 from .body import edges, grid_of
@@ -51,11 +50,12 @@ def plot_stress(stress: Study | Table, ax: Axes | None = None) -> Axes:
     with canvas(ax, height=55 * MM) as ax:
         fill = ax.tricontourf(net, value, levels, cmap='RdBu_r', extend='both')
         ax.tricontour(net, value, levels, colors=INK, linewidths=0.25)
-        ax.add_collection(LineCollection([*edges(nodes, element)[1]], colors=INK, linewidths=0.7))
+        outer = edges(nodes, element)[1]
+        ax.add_collection(LineCollection([*outer], colors=INK, linewidths=0.7))
         ax.figure.colorbar(fill, ax=ax, label='Principal stress (MPa)', ticks=told, spacing='proportional')
-        _arrow(ax, study, member)
+        _arrow(ax, study, member, outer)
         in_mm(ax)
-        ax.set_title(f'{100 * load.load_share:.3g} % of the load at s = {load.s:.3g}, tip relief {load.relief_um:g} µm')
+        ax.set_title(f'{100 * load.load_share:.3g} % of the load, tip relief {load.relief_um:g} µm,\nat s = {load.s:.3g} base pitches')
         _look_at_tooth(ax, nodes, tip, root)
     return ax
 
@@ -66,15 +66,30 @@ def principal(x: Reals, y: Reals, xy: Reals) -> Reals:
     return mean + np.copysign(np.hypot((x - y) / 2, xy), mean)
 
 
-def _arrow(ax: Axes, study: Study, member: str) -> None:
-    """The load, along the line of action."""
+def _arrow(ax: Axes, study: Study, member: str, outer: Reals) -> None:
+    """The load, along the line of action, onto the drive flank of the loaded tooth."""
     load, base = study.stress_load, study.gears.at(member=member).base_diameter_mm / 2
-    flank = flank_angle(study, member, load.radius_mm)
+    flank = flank_angle(study, member, outer, load.radius_mm)
     along = flank - np.arccos(min(1, base / load.radius_mm))
     point = load.radius_mm * np.array([np.sin(flank), np.cos(flank)])
     tail = 28 * np.array([np.cos(along), -np.sin(along)])  # printer's points
     arrow = {'arrowstyle': '-|>', 'color': INK, 'linewidth': 0.9, 'shrinkA': 0, 'shrinkB': 0, 'mutation_scale': 7}
     ax.annotate('', (point[0], point[1]), (tail[0], tail[1]), textcoords='offset points', arrowprops=arrow)
+
+
+def flank_angle(study: Study, member: str, outer: Reals, radius: float) -> float:
+    """Angle (rad) from y to the loaded tooth's drive flank at this radius (mm), off the boundary of the grid.
+
+    That tooth is the middle one of the section; of an even number, the one left of the middle.
+    """
+    teeth = study.case.get(member, 'teeth')
+    axis = 0.0 if (study.case.get('section', 'teeth') or teeth) % 2 else -np.pi / teeth
+    first, last = outer[:, :-1].reshape(-1, 2), outer[:, 1:].reshape(-1, 2)
+    rise = np.hypot(*first.T) - radius, np.hypot(*last.T) - radius
+    crosses = (rise[0] <= 0) != (rise[1] <= 0)
+    part = (rise[0] / (rise[0] - rise[1]))[crosses, None]
+    found = np.arctan2(*(first[crosses] + part * (last - first)[crosses]).T) - axis
+    return axis + float(found[(found > 0) & (found < np.pi / teeth)].max())
 
 
 def _look_at_tooth(ax: Axes, nodes: Reals, tip: float, root: float) -> None:

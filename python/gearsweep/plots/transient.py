@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import GREY, canvas
+from .look import FINE, GREY, canvas
 from .over_speed import curve
-from .reliefs import Reliefs, table_of
-
-FINE: dict[str, Any] = {'linewidth': 0.6, 'alpha': 0.6}
+from .reliefs import Reliefs, one_of, table_of
 
 
 def plot_transient(
@@ -43,8 +39,8 @@ def plot_transient(
         The case has no such speed or point.
     """
     table = table_of(transient, 'transient')
-    rpm = _one_of(table.rpm, rpm, 'rpm')
-    tangent = _one_of(table.tangent_deg, tangent_deg, 'tangent_deg')
+    rpm = one_of(table.rpm, rpm, 'rpm')
+    tangent = one_of(table.tangent_deg, tangent_deg, 'tangent_deg')
     reliefs = Reliefs(table.case)
     with canvas(ax) as ax:
         for relief in dict.fromkeys(table.relief_um):
@@ -89,13 +85,3 @@ def plot_transient_peaks(peaks: Study | Table, ax: Axes | None = None) -> Axes:
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Largest root stress (MPa)')
     return ax
-
-
-def _one_of(values: np.ndarray, wanted: float | None, name: str) -> float:
-    """The value of this column that is wanted, or the first."""
-    if wanted is None:
-        return float(values[0])
-    if not np.isclose(values, wanted).any():
-        there = ', '.join(f'{value:g}' for value in dict.fromkeys(values))
-        raise ValueError(f'{name} = {wanted:g}: must be one of {there}')
-    return wanted
