@@ -12,6 +12,7 @@ import unicodedata
 from dataclasses import dataclass
 
 from . import Case, Code, Error, Study, __version__
+from ._page import write as write_page
 from ._watch import Line
 from .study import attempt
 
@@ -25,6 +26,8 @@ usage: python -m gearsweep CASE.nml [options]      (- reads the case from standa
   --threads N     threads of the sweep (all); the answer is the same for any number
   --resume        go on from where a run of this case was interrupted
   --no-pictures   draw none
+  --report FILE   also write one page of HTML with all of it, to read and to print: warnings, answer, input, formulas,
+                  pictures, tables
   --verbose       also say which stages ran and what was left out
   --quiet         print errors only
   --version       print the version
@@ -44,6 +47,7 @@ class Arguments:
     resume: bool = False
     threads: int = 0
     pictures: bool = True
+    report: str = ''
     verbose: bool = False
     quiet: bool = False
 
@@ -110,7 +114,7 @@ def arguments(words: list[str]) -> Arguments:
             setattr(found, word[2:], True)
         elif word == '--no-pictures':
             found.pictures = False
-        elif word in ('--out', '--name', '--threads'):
+        elif word in ('--out', '--name', '--threads', '--report'):
             value = next(rest, None)
             if value is None:
                 raise usage(f'{word}: a value must follow')
@@ -118,7 +122,7 @@ def arguments(words: list[str]) -> Arguments:
                 raise usage(f'{word}: the value is empty')
             if word == '--name' and '/' in value:
                 raise usage(f'--name: {value} must be a name without a folder')
-            if word in ('--out', '--name'):
+            if word in ('--out', '--name', '--report'):
                 setattr(found, word[2:], value)
             elif value.isascii() and value.isdigit() and 1 <= int(value) <= 1024:
                 found.threads = int(value)
@@ -156,6 +160,12 @@ def answer(wanted: Arguments) -> None:
         raise Error(f'name = {name}: must not have control characters')
     case.complete()  # refuses what is no case before anything is made
     made = make_folder(wanted.out)
+    try:
+        if wanted.report:
+            try_file(wanted.report)
+    except Error:
+        remove_folder(wanted.out, made)
+        raise
     kept = f'{wanted.out}/{name}.checkpoint'
     shown = Line() if sys.stderr.isatty() and not wanted.quiet else None
     study, error, _ = attempt(Case(case.text, folder), wanted.threads, None, shown, kept if wanted.resume else '', kept)
@@ -179,8 +189,13 @@ def answer(wanted: Arguments) -> None:
     if failure is not None:
         remove_folder(wanted.out, made)
         raise failure
-    if wanted.pictures and (error is None or error.code == Code.PARTIAL):
-        draw(study, wanted, name)
+    if error is None or error.code == Code.PARTIAL:
+        if wanted.pictures:
+            draw(study, wanted, name)
+        if wanted.report:
+            write_page(study, wanted.report, wanted.pictures)
+            if not wanted.quiet:
+                say(f'Wrote              {wanted.report}')
     if error is not None:
         raise error
 
@@ -198,6 +213,18 @@ def make_folder(path: str) -> bool:
         reason = 'Not a directory' if isinstance(error, FileExistsError) else error.strerror
         raise Error(f'cannot write to the folder {path}: {reason}', Code.FILE) from error
     return made
+
+
+def try_file(path: str) -> None:
+    """Tries, before anything is computed, whether a file of this name can be written."""
+    if any(map(is_control, path)):
+        raise Error(f'--report {path}: must not have control characters')
+    if os.path.isdir(path):
+        raise Error(f'cannot write {path}: Is a directory', Code.FILE)
+    try:
+        tempfile.TemporaryDirectory(prefix='.gearsweep-', dir=os.path.dirname(path) or '.').cleanup()
+    except OSError as error:
+        raise Error(f'cannot write {path}: {error.strerror}', Code.FILE) from error
 
 
 def remove_folder(path: str, made: bool) -> None:

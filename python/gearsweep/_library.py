@@ -7,11 +7,14 @@ include/gearsweep.h.
 from __future__ import annotations
 
 import enum
+import functools
+import json
 import os
 import threading
 import weakref
 from collections.abc import Callable
 from operator import index
+from typing import Any
 
 import numpy as np
 
@@ -75,6 +78,12 @@ def version() -> str:
 def describe(what: str) -> str:
     """What the library has, as JSON."""
     return _text(_flat.gs_describe, _bytes(what))
+
+
+@functools.cache
+def declared() -> dict[str, list[dict[str, Any]]]:
+    """All tasks, groups and keys, as the library declares them."""
+    return {what: json.loads(describe(what)) for what in ('tasks', 'groups', 'keys')}
 
 
 def edit(action: str, text: str, group: str = '', key: str = '', value: str = '') -> str:

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from .. import _library
+from .._given import given
 from .._library import Code, Error
 from ..case import written
 from ..study import Study, attempt
-from .given import given
 from .places import Places, description
 from .scene import scene
 

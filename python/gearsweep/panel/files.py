@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .._library import Error
+from .._page import drawings, page
 from ..study import Study
-from .report import drawings, report
 
 
 @dataclass
@@ -40,7 +40,7 @@ def made(desk: Any, what: str, asked: dict[str, str]) -> File:
                 return File(path, 'text/csv; charset=utf-8', content)
         raise Error(f'{table}: this study has no such file')
     if what == 'report':
-        return File(f'{name}.html', 'text/html; charset=utf-8', report(study, drawings(study, 'svg')).encode('utf-8', 'replace'))
+        return File(f'{name}.html', 'text/html; charset=utf-8', page(study, drawings(study, 'svg')).encode('utf-8', 'replace'))
     if what == 'all':
         return File(f'{name}.zip', 'application/zip', archive(study, name))
     raise Error(f'{what}: there is no such file')
@@ -60,7 +60,7 @@ def archive(study: Study, name: str) -> bytes:
     with zipfile.ZipFile(buffer, 'w', zipfile.ZIP_DEFLATED) as file:
         file.writestr(f'{name}/{name}.nml', study.case.text.encode('utf-8', 'surrogateescape'))
         file.writestr(f'{name}/{name}.txt', study.report().encode('utf-8', 'surrogateescape'))
-        file.writestr(f'{name}/{name}.html', report(study, pictures).encode('utf-8', 'replace'))
+        file.writestr(f'{name}/{name}.html', page(study, pictures).encode('utf-8', 'replace'))
         for path, content in written(study, name):
             file.writestr(f'{name}/{path}', content)
         for table, files in pictures.items():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 import os
 import re
 from pathlib import Path
@@ -20,9 +19,8 @@ _TITLE = re.compile(r"^[^!\n]*\btitle\s*=\s*'((?:[^'\n]|'')*)'", re.MULTILINE | 
 
 @functools.cache
 def description() -> dict[str, Any]:
-    """All tasks, groups and keys, as the library declares them."""
-    about = {what: json.loads(_library.describe(what)) for what in ('tasks', 'groups', 'keys')}
-    return {'version': _library.version(), **about}
+    """All that the library declares, and its version."""
+    return {'version': _library.version(), **_library.declared()}
 
 
 class Places:

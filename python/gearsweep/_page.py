@@ -1,0 +1,187 @@
+"""A study as one page of HTML that stands alone: warnings, answer, input, formulas, pictures, tables."""
+
+from __future__ import annotations
+
+import html
+import io
+import os
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from . import _library
+from ._files import replacing
+from ._formulas import Formula, formulas
+from ._given import given
+from .case import written
+from .study import Study
+from .table import Table, in_short
+
+#: Tables with more rows are folded, and printed in short; with more than that they are for files.
+LONG, LONGEST = 40, 2000
+STYLE = """:root { color-scheme: light }
+body { font: 15px/1.45 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; background: #fff }
+h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid #999 } h3 { font-size: 1rem; margin-top: 1.4rem }
+pre { background: #f5f5f3; padding: .8rem; overflow-x: auto; font-size: .8rem }
+table { border-collapse: collapse; font-size: .85rem } td, th { padding: .15rem .7rem .15rem 0; text-align: left; vertical-align: top }
+th { border-bottom: 1px solid #999 } figure { margin: 1rem 0; overflow-x: auto } figure svg { max-width: 100%; height: auto }
+figcaption, .meaning { color: #555 } td.number { text-align: right; font-variant-numeric: tabular-nums }
+.scroll { overflow-x: auto } .formula { margin: .6rem 0 .6rem 1.5rem } .clause { color: #555; float: right }
+.warning { border-left: 3px solid #b3261e; padding-left: .6rem }
+@media print {
+  body { font-size: 10pt; max-width: none; margin: 0; padding: 0 } h2, h3 { break-after: avoid } figure, .formula, tr { break-inside: avoid }
+  pre { white-space: pre-wrap; overflow-wrap: anywhere } .scroll { overflow: visible } table { font-size: 7.5pt } td, th { padding-right: .3rem; overflow-wrap: anywhere }
+  thead { display: table-header-group } details:not([open]) { display: none }
+}"""
+
+
+def write(study: Study, path: str | os.PathLike, pictures: bool = True) -> None:
+    """Writes the page to a file, with pictures where they are wanted and matplotlib is installed.
+
+    Raises
+    ------
+    Error
+        The file cannot be written.
+    """
+    with replacing(path) as new:
+        Path(new).write_text(page(study, drawings(study, 'svg') if pictures else {}), 'utf-8', 'replace')
+
+
+def drawings(study: Study, *formats: str) -> dict[str, dict[str, bytes]]:
+    """Each picture in these formats, by the table that it mainly shows; none where matplotlib is not installed."""
+    try:
+        from .plots import figures, save
+    except ImportError:
+        return {}
+    found: dict[str, dict[str, bytes]] = {}
+    for table, figure in figures(study):
+        for ending in formats:
+            buffer = io.BytesIO()
+            save(figure, buffer, ending)
+            found.setdefault(table, {})[ending] = buffer.getvalue()
+    return found
+
+
+def page(study: Study, drawn: Mapping[str, Mapping[str, bytes]]) -> str:
+    """The page, with these pictures, of which it takes the SVG."""
+    title = html.escape(study.case.get('case', 'title') or 'A spur-gear pair')
+    parts = [
+        '<!doctype html>', '<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">', f'<title>{title}</title>',
+        f'<style>{STYLE}</style></head><body>', f'<h1>{title}</h1>',
+        f'<p class="meaning">Computed by gearsweep {html.escape(study.version)}.</p>',
+        '<h2>Warnings</h2>', *_warnings(study),
+        '<h2>Answer</h2>', f'<pre>{html.escape(study.report())}</pre>',
+        '<h2>Input</h2>', f'<pre>{html.escape(study.case.text)}</pre>', *_inputs(study),
+        *_formulas(study), *_pictures(drawn),
+        '<h2>Tables</h2>', *map(_table, study), '</body></html>',
+    ]  # fmt: skip
+    return '\n'.join(parts)
+
+
+def _warnings(study: Study) -> list[str]:
+    """What a reader must know before using a number."""
+    found = []
+    for table in study:
+        if 'status' in table:
+            status = np.atleast_1d(table.status)
+            words, counts = np.unique(status[status != 'ok'], return_counts=True)
+            told = ', '.join(f'{count} {word}' for word, count in zip(words, counts))
+            if told:
+                found.append(f'Table {table.name}: of {status.size} rows {told}; the column status says what that means.')
+    if not study.is_complete:
+        found.append('Some operating points have no result.')
+    found += [f'Given, but not used by the tasks of this case; it would count for {line}.' for line in study.case.unused]
+    return [f'<p class="warning">{html.escape(line)}</p>' for line in found] or ['<p>None: all rows have a plain result, and all keys count.</p>']
+
+
+def _inputs(study: Study) -> Iterator[str]:
+    """All values in effect, with units, meanings and where they come from."""
+    typed, values = given(study.case.text), study.case.values
+    yield '<details open><summary>All values in effect</summary><div class="scroll"><table id="input"><thead>'
+    yield '<tr><th>key</th><th>value</th><th>unit</th><th>from</th><th>meaning</th></tr></thead>'
+    for key in _library.declared()['keys']:
+        group, name = key['group'], key['name']
+        if name in values.get(group, {}):
+            origin = 'case' if name in typed.get(group, {}) else 'default'
+            cells = (f'&{group} {name}', written(values[group][name]), key['unit'], origin, key['meaning'])
+            yield '<tr>' + ''.join(f'<td>{html.escape(cell)}</td>' for cell in cells) + '</tr>'
+    yield '</table></div></details>'
+
+
+def _formulas(study: Study) -> Iterator[str]:
+    for i, (heading, found) in enumerate(formulas(study)):
+        if i == 0:
+            yield '<h2>Formulas</h2><p class="meaning">With the numbers of this case; all factors are in the table rating_factors.</p>'
+        yield f'<h3>{html.escape(heading)}</h3>'
+        yield from map(_formula, found)
+
+
+def _formula(one: Formula) -> str:
+    unit = f' {html.escape(one.unit)}' if one.unit else ''
+    return (f'<p class="formula"><span class="clause">{one.clause}</span>{_maths(one.symbol)} = {_maths(one.expression)}<br>'
+            f'= <span class="numbers">{_maths(one.numbers)}</span> = <b>{one.result:.6g}</b>{unit}</p>')  # fmt: skip
+
+
+def _maths(words: str) -> str:
+    """Letters as the standard prints them: parts behind underlines below the line, Greek ones by their letters."""
+
+    def name(found: re.Match) -> str:
+        if found[0] in ('sqrt', 'pi'):
+            return {'sqrt': '&radic;', 'pi': '&pi;'}[found[0]]
+        first, *below = (GREEK.get(part, part) for part in found[0].split('_'))
+        return f'<i>{first}</i>' + (f'<sub>{"".join(below)}</sub>' if below else '')
+
+    return re.sub(r'(?<![\w.])[A-Za-z]\w*', name, words).replace('*', '&middot;')
+
+
+GREEK = {'cprime': 'c&prime;', 'sigma': '&sigma;', 'eps': '&epsilon;', 'alpha': '&alpha;', 'beta': '&beta;', 'gamma': '&gamma;'}
+
+
+def _pictures(drawn: Mapping[str, Mapping[str, bytes]]) -> Iterator[str]:
+    if not drawn:
+        yield '<h2>Pictures</h2><p class="meaning">None: they need matplotlib, and a task that has some.</p>'
+        return
+    from .plots import PICTURES
+
+    yield '<h2>Pictures</h2>'
+    for table, files in drawn.items():
+        drawing = files['svg'].decode()
+        # Names inside the drawings would clash on one page.
+        drawing = re.sub(r'(id="|xlink:href="#|href="#|url\(#)', rf'\g<1>{table}-', drawing[drawing.index('<svg') :])
+        yield f'<figure id="picture-{table}">{drawing}<figcaption>{html.escape(PICTURES[table].caption)}</figcaption></figure>'
+
+
+def _table(table: Table) -> str:
+    """A table as it is; of one row, and of very many, its columns below each other."""
+    title = f'<h3 id="table-{table.name}">{table.name}</h3><p class="meaning">{html.escape(table.meaning)}: {table.rows} rows</p>'
+    if 1 < table.rows <= LONG:
+        return title + _rows(table)
+    if LONG < table.rows <= LONGEST:
+        return f'{title}{_upright(table)}<details><summary>All rows</summary>{_rows(table)}</details>'
+    return title + _upright(table)
+
+
+def _rows(table: Table) -> str:
+    columns = {name: table._read(name).tolist() for name in table}
+    head = ''.join(f'<th title="{html.escape(table.meanings[name])}">{name}</th>' for name in columns)
+    body = ''.join(f'<tr>{"".join(map(_cell, row))}</tr>' for row in zip(*columns.values()))
+    return f'<div class="scroll"><table class="rows"><thead><tr>{head}</tr></thead>{body}</table></div>'
+
+
+def _upright(table: Table) -> str:
+    """A line for each column: its value, or the least and largest."""
+    lines = ''.join(
+        f'<tr><td>{name}</td>{_cell(table._read(name)[0]) if table.rows == 1 else f"<td>{html.escape(in_short(table[name]))}</td>"}'
+        f'<td>{html.escape(table.units[name])}</td><td class="meaning">{html.escape(table.meanings[name])}</td></tr>'
+        for name in table
+    )
+    return f'<div class="scroll"><table>{lines}</table></div>'
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, str):
+        return f'<td>{html.escape(value)}</td>'
+    return f'<td class="number">{value:.6g}</td>' if value == value else '<td class="number">–</td>'
