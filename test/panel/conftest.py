@@ -42,6 +42,22 @@ MORE = """&case tasks = 'static', 'modal', 'stability', 'hysteresis', 'poincare'
 &attractors rpm = 12000, 16000, 20000 starts = 4 /
 &rating rpm = 5000, 10000, 15000 /
 """
+# The tasks that no other case here asks for.
+REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes' /
+&pair module_mm = 3 face_width_mm = 20 backlash_um = 60 /
+&pinion teeth = 21 bore_mm = 20 /
+&gear teeth = 34 /
+&load torque_nm = 20 /
+&relief amount_um = 0, 10 /
+&mesh model = 'weber' /
+&section elements_across = 3 /
+&dynamics damping_ratio = 0.01 /
+&sweep rpm_first = 8000 rpm_last = 10000 rpm_step = 1000 load_rpm = 9000 direction = 'all' /
+&transient rpm = 4000, 6000 modes = 3 samples = 20 /
+&branches first = 12000 last = 20000 seeds = 2 points = 20 most_periods = 1 /
+&life rpm = 4000, 6000 duration_h = 10, 20 tensile_strength_mpa = 900 /
+&body_modes nodal_diameters = 2 elements_across = 2 shapes = 3 /
+"""
 LONG = """&case tasks = 'poincare' /
 &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
 &load normal_force_n = 6858 / &relief amount_um = 0 /
@@ -71,6 +87,7 @@ def folder(tmp_path_factory):
     (path / 'small.nml').write_text(SMALL)
     (path / 'long.nml').write_text(LONG)
     (path / 'more.nml').write_text(MORE)
+    (path / 'rest.nml').write_text(REST)
     return path
 
 

@@ -115,6 +115,7 @@ PICTURES = {
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
     'precision.nml': ['precision'],
     'more.nml': ['stress', 'stability', 'tongues', 'hysteresis', 'poincare', 'section_plane', 'lyapunov', 'attractors', 'basins', 'rating'],
+    'rest.nml': ['largest', 'coast', 'dte_harmonics', 'load_harmonics', 'transient', 'transient_peaks', 'branches', 'life', 'gear_modes'],
 }
 
 
@@ -126,7 +127,7 @@ def test_every_picture_is_drawn_here():
 @pytest.mark.parametrize('scheme', ['light', 'dark'])
 @pytest.mark.parametrize('name', PICTURES)
 def test_pictures_are_drawn(name, scheme, browser, front):
-    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name == 'more.nml' else 'data')
+    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name in ('more.nml', 'rest.nml') else 'data')
     for picture in PICTURES[name]:
         window.page.select_option('#picture', picture)
         window.page.locator(f'#view[data-picture={picture}]').wait_for()

@@ -5,7 +5,7 @@ import re
 import zipfile
 
 import pytest
-from conftest import LONG, SMALL, Front, Window, shown
+from conftest import LONG, REST, SMALL, Front, Window, shown
 
 import gearsweep
 
@@ -234,6 +234,55 @@ def test_tables_pictures_and_reports_are_files(window, small, tmp_path):
     assert name == 'small.html' and small.report().splitlines()[0].encode() in content
     name, content = saved(window, lambda: window.page.click('text=Everything (ZIP)'))
     assert {'small/small.sweep.csv', 'small/small.sweep.png', 'small/small.nml'} <= set(zipfile.ZipFile(io.BytesIO(content)).namelist())
+
+
+# --- pictures -----------------------------------------------------------------------
+
+
+def curves(window, picture):
+    """Label, x and y of each curve that a picture has."""
+    window.page.select_option('#picture', picture)
+    window.page.locator(f'#view[data-picture={picture}] svg.chart').wait_for()
+    return window.page.evaluate("() => document.querySelector('#view svg.chart').places.spec.series.map((one) => [one.label, one.x, one.y])")
+
+
+def test_pictures_of_the_newer_tasks_show_the_librarys_numbers(browser, front):
+    window = Window(browser, front.address).open('rest.nml')
+    study = gearsweep.run(gearsweep.Case(REST))
+    table = study.transient
+    first = (table.relief_um == 0) & (table.rpm == 4000)
+    for label, x, y in curves(window, 'transient'):
+        here = first & (table.side == label.split(',')[0].removeprefix('side '))
+        assert x == list(table.time_ms[here]) and y == list((table.static_mpa if 'static' in label else table.sigma_mpa)[here])
+    peaks = study.transient_peaks
+    found = {label: y for label, _, y in curves(window, 'transient_peaks')}
+    assert found['relief 10 µm, static compression'] == list(peaks.static_compression_mpa[1]) and len(found) == 8
+    points, drawn = study.branch_points, curves(window, 'branches')
+    # Each branch is drawn once in all; where it changes its stability, both pieces have the point.
+    assert {(a, b) for _, x, y in drawn for a, b in zip(x, y) if b is not None} == set(zip(points.rpm, points.dynamic_factor))
+    dashes = window.page.evaluate("() => document.querySelector('#view svg.chart').places.spec.series.map((one) => one.dash)")
+    repelling = {(a, b) for dash, (_, x, y) in zip(dashes, drawn) if dash for a, b in zip(x, y) if b is not None}
+    assert set(zip(points.rpm[points.stability == 'unstable'], points.dynamic_factor[points.stability == 'unstable'])) <= repelling
+    curve, *parts = curves(window, 'life')
+    assert curve == ['S-N curve', list(study.life_curve.failure_cycles), list(study.life_curve.amplitude_mpa)]
+    for member, (_, x, y) in enumerate(parts):
+        assert x == list(study.life_parts.engagements[0, :, member]) and y == list(study.life_parts.equivalent_amplitude_mpa[0, :, member])
+    largest = {label: y for label, _, y in curves(window, 'largest')}
+    assert largest['relief 10 µm, largest dynamic factor'] == list(study.sweep.largest_dynamic_factor[1])
+    harmonics = study.motion_harmonics
+    for (_, x, y), relief in zip(curves(window, 'dte_harmonics'), (0, 10), strict=True):
+        here = (harmonics.relief_um == relief) & (harmonics.harmonic > 0)
+        assert x == list(harmonics.harmonic[here]) and y == list(harmonics.dte_amplitude_um[here])
+    assert window.said == []
+    window.close()
+
+
+def test_a_picture_asks_for_the_key_that_it_needs(window):
+    """The largest DF of all motions needs a sweep over all of them."""
+    window.page.select_option('#picture', 'largest')
+    window.page.locator('button', has_text="&sweep direction = 'all'").click()
+    window.page.locator('#view[data-picture=largest] svg.chart').wait_for()
+    assert "direction = 'all'" in window.text()
 
 
 # --- windows ------------------------------------------------------------------------

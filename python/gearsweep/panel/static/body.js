@@ -7,22 +7,30 @@ export function stopBody() { cancelAnimationFrame(frame); }
 const TRIANGLES = [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 7], [5, 6, 7]];
 const AROUND = [0, 4, 1, 5, 2, 6, 3, 7];
 
+const CORNERS = Array.from({ length: 8 }, (_, i) => `node_${i + 1}`);
+
 export async function bodyOf(place, bar, one, state, need, save) {
   stopBody();
-  const study = state.study, columns = { nodes: ['x_mm', 'y_mm'], elements: Array.from({ length: 8 }, (_, i) => `node_${i + 1}`) };
+  const isWhole = one.kind === 'gear_modes', grids = isWhole ? ['body_nodes', 'body_elements'] : ['nodes', 'elements'];
+  const study = state.study, columns = { [grids[0]]: ['x_mm', 'y_mm'], [grids[1]]: CORNERS };
+  if (isWhole) Object.assign(columns, { body_modes: ['mode_name', 'frequency_hz', 'nodal_diameter', 'axial_share'], body_shapes: null, gear_body: ['sectors'] });
   if (one.kind === 'stress') Object.assign(columns, { stress: ['sigma_x_mpa', 'sigma_y_mpa', 'tau_xy_mpa'], stress_load: null, root_stress: null });
   if (one.kind === 'modes') Object.assign(columns, { mode_shapes: ['mode', 'shape_x', 'shape_y'], modal: ['mode', 'frequency_hz'] });
   const data = await need(study, columns);
   if (study !== state.study) return;
-  const elements = data.elements.node_1.map((_, e) => Array.from({ length: 8 }, (_, i) => data.elements[`node_${i + 1}`][e] - 1));
+  const elements = data[grids[1]].node_1.map((_, e) => CORNERS.map((name) => data[grids[1]][name][e] - 1));
   const board = el('canvas', { className: 'bodyboard', role: 'img', 'aria-label': one.title });
   const note = el('p', { className: 'readout', role: 'status' });
-  const shape = { x: data.nodes.x_mm, y: data.nodes.y_mm, elements };
+  const shape = isWhole ? wholeGear(data, elements) : { x: data.nodes.x_mm, y: data.nodes.y_mm, elements };
   const buttons = [el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('png', board, `${state.name}.${one.id}`) }, 'PNG')];
   place.replaceChildren(bar, board, note);
   size(board, place);
   place.dataset.picture = one.id;
-  if (one.kind === 'modes') modes(bar, board, note, shape, data, buttons);
+  if (one.kind === 'modes') {
+    const { modal, mode_shapes: { shape_x: dx, shape_y: dy } } = data, n = shape.x.length;
+    const all = modal.mode.map((mode, i) => ({ name: `${mode}: ${shown(modal.frequency_hz[i], 5)} Hz`, dx: dx.slice(i * n, (i + 1) * n), dy: dy.slice(i * n, (i + 1) * n) }));
+    modes(bar, board, note, shape, all, buttons);
+  } else if (isWhole) modes(bar, board, note, shape, gearModes(data, shape), buttons);
   else {
     bar.append(...buttons);
     if (one.kind === 'stress') stress(board, note, shape, data);
@@ -100,22 +108,62 @@ function stress(board, note, shape, data) {
   note.textContent = `The larger principal stress: red is tension, blue compression, full colour from ${shown(most, 3)} MPa on. Load at s = ${shown(load.s[0], 3)}, relief ${shown(load.relief_um[0])} µm, with ${shown(100 * load.load_share[0], 3)} % of the whole.`;
 }
 
-function modes(bar, board, note, shape, data, buttons) {
-  const n = data.modal.mode.length, all = shape.x.length;
-  const select = el('select', {}, ...data.modal.mode.map((mode, i) => el('option', { value: i }, `${mode}: ${shown(data.modal.frequency_hz[i], 5)} Hz`)));
+/** The front of all tooth sectors, from that of one. */
+function wholeGear({ body_nodes: nodes, gear_body: { sectors: [sectors] } }, elements) {
+  const x = [], y = [], all = [], n = nodes.x_mm.length;
+  for (let k = 0; k < sectors; k++) {
+    const cos = Math.cos(2 * Math.PI * k / sectors), sin = Math.sin(2 * Math.PI * k / sectors);
+    for (let i = 0; i < n; i++) { x.push(nodes.x_mm[i] * cos - nodes.y_mm[i] * sin); y.push(nodes.x_mm[i] * sin + nodes.y_mm[i] * cos); }
+    for (const corners of elements) all.push(corners.map((node) => node + k * n));
+  }
+  return { x, y, elements: all, sectors };
+}
+
+/** Modes of the whole gear: k sectors on, the first part of a shape counts by the cosine of k n pitches, the second by less the sine. */
+function gearModes({ body_modes: about, body_shapes: parts }, { x, y, sectors }) {
+  const n = x.length / sectors, found = [];
+  for (let mode = 0; (mode + 1) * n <= parts.axial_cos.length; mode++) {
+    const one = { name: `${mode + 1}: ${about.mode_name[mode]}, ${shown(about.frequency_hz[mode], 5)} Hz`, dx: [], dy: [], along: [], isAxial: about.axial_share[mode] > 0.5 };
+    for (let i = 0; i < x.length; i++) {
+      const at = mode * n + i % n, turn = 2 * Math.PI * Math.floor(i / n) * about.nodal_diameter[mode] / sectors;
+      const [radial, tangential, axial] = ['radial', 'tangential', 'axial'].map((way) => Math.cos(turn) * parts[`${way}_cos`][at] - Math.sin(turn) * parts[`${way}_sin`][at]);
+      const angle = Math.atan2(y[i], x[i]);
+      one.dx.push(radial * Math.cos(angle) - tangential * Math.sin(angle));
+      one.dy.push(radial * Math.sin(angle) + tangential * Math.cos(angle));
+      one.along.push(axial);
+    }
+    found.push(one);
+  }
+  return found;
+}
+
+/** Modes that swing: what they do in the plane, and, of axial ones, their displacement along the axis as a colour. */
+function modes(bar, board, note, shape, all, buttons) {
+  const select = el('select', {}, ...all.map((one, i) => el('option', { value: i }, one.name)));
   bar.append(el('label', {}, 'Mode ', select), ...buttons);
   const extent = Math.max(...shape.x) - Math.min(...shape.x);
   const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
   const step = (now) => {
-    const at = Number(select.value) * all, shift = still ? 1 : Math.sin(now / 350);
-    const dx = data.mode_shapes.shape_x.slice(at, at + all), dy = data.mode_shapes.shape_y.slice(at, at + all);
-    const most = Math.max(...dx.map((value, i) => Math.hypot(value, dy[i])));
+    const one = all[Number(select.value)], shift = still ? 1 : Math.sin(now / 350);
+    const most = one.dx.reduce((size, value, i) => Math.max(size, Math.hypot(value, one.dy[i], one.along?.[i] ?? 0)), 0);
     const scale = 0.06 * extent / most * shift;
-    const x = shape.x.map((value, i) => value + scale * dx[i]), y = shape.y.map((value, i) => value + scale * dy[i]);
-    grid(board, shape, x, y);
+    const x = shape.x.map((value, i) => value + scale * one.dx[i]), y = shape.y.map((value, i) => value + scale * one.dy[i]);
+    if (one.isAxial) axial(board, shape, x, y, one.along.map((value) => value / most * shift));
+    else grid(board, shape, x, y);
     if (!still && document.contains(board)) frame = requestAnimationFrame(step);
   };
   select.addEventListener('change', () => { if (still) step(0); });
-  note.textContent = `${n} modes; the deformation has no scale.`;
+  note.textContent = `${all.length} modes; the deformation has no scale.${all.some((one) => one.isAxial) ? ' Of axial ones, red moves towards the eye and blue away.' : ''}`;
   frame = requestAnimationFrame(step);
+}
+
+/** Elements in the colour of their middle, over the outline in the plane. */
+function axial(board, shape, x, y, value) {
+  const draw = pen(board, shape);
+  for (const nodes of shape.elements) {
+    trace(draw, [nodes], x, y);
+    draw.fillStyle = draw.strokeStyle = warm(nodes.reduce((sum, node) => sum + value[node], 0) / nodes.length);
+    draw.fill();
+    draw.stroke();
+  }
 }

@@ -123,17 +123,20 @@ function drawSeries(drawing, spec, x, y) {
   const body = svg('g', { class: 'body' });
   const bottom = spec.kind === 'bars' ? y(0) : 0;
   const n = spec.series.length;
+  const places = spec.kind === 'bars' ? [...new Set(spec.series.flatMap((one) => one.x))].sort((a, b) => a - b) : [];
+  const step = places.reduce((least, one, i) => (i ? Math.min(least, one - places[i - 1]) : least), 1);
   // Few points are drawn large enough to tell their shapes.
   const size = spec.series.reduce((sum, one) => sum + one.x.length, 0) < 300 ? 4 : 1.8;
   spec.series.forEach((series, i) => {
-    if (spec.kind === 'bars') {
-      const wide = Math.max(2, 0.8 * Math.abs(x(1) - x(0)) / n);
+    const kind = series.kind ?? spec.kind;
+    if (kind === 'bars') {
+      const wide = Math.max(2, 0.8 * step * Math.abs(x(1) - x(0)) / n);
       series.x.forEach((value, k) => {
         if (series.y[k] === null) return;
         const top = y(series.y[k]);
         body.append(svg('rect', { x: x(value) - wide * (n / 2 - i), width: wide * 0.9, y: Math.min(top, bottom), height: Math.abs(bottom - top), fill: series.color }));
       });
-    } else if (spec.kind === 'points') {
+    } else if (kind === 'points') {
       body.append(svg('path', { d: marks(series, x, y, spec, size), fill: series.color, stroke: series.color, 'stroke-width': 0.6 }));
     } else {
       body.append(svg('path', { d: curve(series, x, y, spec), stroke: series.color, 'stroke-dasharray': series.dash, 'stroke-width': series.width ?? 1.8, class: 'curve', 'data-series': i }));

@@ -1,23 +1,31 @@
 // Which pictures there are, and how a table becomes one. What is not listed can be drawn as any column over another.
-import { labelled, shown, title, unit } from './util.js';
+import { color, labelled, shown, title, unit } from './util.js';
 import { style } from './chart.js';
 
 const ALONG = { needs: { contact_points: ['point', 's'] }, marks: 'points' };
 const SPEED = { needs: { motion: ['resonance_rpm'] }, marks: 'resonance' };
 
+/** What the branches may go along: their table has one of these columns. */
+const PARAMETERS = ['rpm', 'damping_ratio', 'relief_um', 'normal_force_n'];
+const BODIES = ['stress', 'modes', 'grid', 'gear_modes'];
+
 /** Kind (curves where none is given), table, columns, and what else is fetched. */
 export const PICTURES = [
   { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', ...SPEED },
+  { id: 'largest', title: 'Largest dynamic factor of all motions over speed', table: 'sweep', x: 'rpm', y: ['dynamic_factor', 'largest_dynamic_factor'], yname: 'Dynamic factor', set: ['sweep', 'direction', 'all'], ...SPEED },
+  { id: 'coast', title: 'Load on the coast flanks over speed', table: 'sweep', x: 'rpm', y: 'coast_factor', ...SPEED },
   { id: 'sweep_map', title: 'Dynamic factor over speed and relief', table: 'sweep', kind: 'map', x: 'rpm', y: 'relief_um', z: 'dynamic_factor' },
   { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', needs: { optimum: ['relief_um'] }, marks: 'optimum' },
   { id: 'load', title: 'Load of one pair in motion', table: 'load', x: 's', y: 'pair_load_n', fromZero: true, ...ALONG },
   { id: 'dte', title: 'Dynamic transmission error', table: 'load', x: 's', y: 'dte_um', ...ALONG },
+  { id: 'dte_harmonics', title: 'Harmonics of the dynamic transmission error', table: 'motion_harmonics', task: 'load', kind: 'bars', x: 'harmonic', y: 'dte_amplitude_um', above: 0 },
+  { id: 'load_harmonics', title: 'Harmonics of the load of the mesh', table: 'motion_harmonics', task: 'load', kind: 'bars', x: 'harmonic', y: 'mesh_load_amplitude_n', above: 0 },
   { id: 'share', title: 'Static load share of one pair', table: 'mesh', x: 's', y: 'load_share', ...ALONG },
   { id: 'ste', title: 'Static transmission error', table: 'mesh', x: 's', y: 'ste_um', ...ALONG },
   { id: 'stiffness', title: 'Mesh stiffness', table: 'mesh', x: 's', y: 'mesh_stiffness_n_um', fromZero: true, ...ALONG },
   { id: 'pair_stiffness', title: 'Stiffness of one pair', table: 'mesh', x: 's', y: 'pair_stiffness_n_um', fromZero: true, ...ALONG },
   { id: 'profile_error', title: 'Profile error of a pair', table: 'mesh', x: 's', y: 'profile_error_um', ...ALONG },
-  { id: 'harmonics', title: 'Harmonics of the static transmission error', table: 'harmonics', kind: 'bars', x: 'harmonic', y: 'amplitude_um', from: 1 },
+  { id: 'harmonics', title: 'Harmonics of the static transmission error', table: 'harmonics', kind: 'bars', x: 'harmonic', y: 'amplitude_um', above: 0 },
   { id: 'root', title: 'Root stress over the path of contact', table: 'static', x: 's', y: 'sigma_mpa', yname: 'Stress at the root tangent (MPa)', ...ALONG },
   { id: 'stress', title: 'Stress on the tooth', table: 'stress', task: 'static', kind: 'stress', set: ['static', 'field_position', '16'] },
   { id: 'modes', title: 'Natural modes, moving', table: 'mode_shapes', task: 'modal', kind: 'modes' },
@@ -35,7 +43,13 @@ export const PICTURES = [
   { id: 'sliding', title: 'Sliding speed', table: 'flank', x: 's', y: 'sliding_m_s', ...ALONG },
   { id: 'flash', title: 'Flash temperature', table: 'flank', x: 's', y: 'flash_temperature_k', fromZero: true, ...ALONG },
   { id: 'film', title: 'Oil film', table: 'flank', x: 's', y: 'film_thickness_um', fromZero: true, ...ALONG },
-  { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor', 'dynamic_factor_b'] },
+  { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor', 'dynamic_factor_b'], yname: 'Dynamic factor' },
+  { id: 'transient', title: 'Root stress while the load passes over a tooth', table: 'transient', x: 'time_ms', y: ['sigma_mpa', 'static_mpa'], yname: 'Stress at the root tangent (MPa)', first: 'side' },
+  { id: 'transient_peaks', title: 'Largest root stress over speed', table: 'transient_peaks', task: 'transient', x: 'rpm', y: ['tension_mpa', 'static_tension_mpa', 'compression_mpa', 'static_compression_mpa'], yname: 'Largest root stress (MPa)' },
+  { id: 'branches', title: 'Branches of periodic motions', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dynamic_factor', also: ['mesh_periods', 'stability'] },
+  { id: 'life', title: 'Stress amplitudes beside the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Stress amplitude (MPa)', xname: 'Cycles, of one pass and to failure', xlog: true, ylog: true, first: 'member', without: ['part'],
+    needs: { life_curve: ['failure_cycles', 'amplitude_mpa'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'amplitude_mpa', label: 'S-N curve' } },
+  { id: 'gear_modes', title: 'Modes of the whole gear, moving', table: 'body_shapes', task: 'body_modes', kind: 'gear_modes' },
 ];
 
 /** The picture of any columns of any table. */
@@ -44,12 +58,21 @@ export const own = (table, x, y) => ({ id: 'own', title: `${title(y)} over ${tit
 export const byName = (id) => PICTURES.find((one) => one.id === id);
 const list = (one) => [one].flat();
 
+/** Is it drawn as a body, on a canvas? */
+export const isBody = (picture) => BODIES.includes(picture.kind);
+
+/** Has a study what this picture shows? Some columns are there only where a key asks for them. */
+export function isThere(picture, about) {
+  const names = about[picture.table]?.columns.map((one) => one.name);
+  return Boolean(names) && (isBody(picture) || list(picture.y).every((name) => names.includes(name)));
+}
+
 /** The columns of each table that a picture is drawn from. */
 export function columnsOf(picture, about) {
   const table = about[picture.table];
-  if (!table || picture.kind === 'stress' || picture.kind === 'modes' || picture.kind === 'grid') return {};
+  if (!table || isBody(picture)) return {};
   const index = table.columns.filter((one) => one.index).map((one) => one.name);
-  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? [])]);
+  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? [])]);
   const there = table.columns.map((one) => one.name);
   const found = { [picture.table]: [...wanted].filter((name) => there.includes(name)) };
   for (const [name, columns] of Object.entries(picture.needs ?? {})) if (about[name]) found[name] = columns;
@@ -99,6 +122,7 @@ export function drawn(picture, about, data, chosen) {
   const column = (name) => table.columns.find((one) => one.name === name);
   const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog, fromZero: picture.fromZero,
     xlabel: picture.xname ?? labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
+  if (picture.kind === 'branches') return { ...spec, xlabel: labelled(column(parameterOf(columns))), kind: undefined, series: branches(columns), lines: [], families: [] };
   if (picture.kind === 'map') {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
@@ -114,7 +138,7 @@ export function drawn(picture, about, data, chosen) {
   const ys = list(picture.y), xs = list(picture.x);
   let series = [];
   groups.forEach((group, g) => {
-    const rows = rowsWhere(columns, group.where).filter((i) => picture.from === undefined || columns[picture.x][i] >= picture.from);
+    const rows = rowsWhere(columns, group.where).filter((i) => picture.above === undefined || columns[picture.x][i] > picture.above);
     for (const yname of ys) for (const xname of xs) {
       const more = ys.length > 1 ? title(yname, column(yname).unit) : '';
       series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => columns[yname][i]), group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
@@ -123,9 +147,38 @@ export function drawn(picture, about, data, chosen) {
   });
   series = merged(series, first);
   const n = groups.length;
-  for (const one of series) Object.assign(one, style(one.group, n), ys.length > 1 && one.part ? { dash: '2 3' } : {});
+  for (const one of series) Object.assign(one, style(one.group, n), ys.length > 1 ? { dash: PARTS[one.part % PARTS.length] } : {});
   if (spec.kind === 'points') series.forEach((one, i) => { one.mark = i; });
-  return { ...spec, series, lines: marked(picture, data), families: further, ylabel: ys.length > 1 ? 'Dynamic factor' : spec.ylabel };
+  if (picture.beside) series.unshift(lineOf(picture.beside, data));
+  return { ...spec, series, lines: marked(picture, data), families: further };
+}
+
+/** Dashes of the columns of one picture. */
+const PARTS = ['', '2 3', '8 3', '8 3 2 3'];
+
+/** A curve of another table among points. */
+const lineOf = ({ table, x, y, label }, data) => ({ x: data[table][x], y: data[table][y], label, kind: 'line', color: color('ink'), dash: '' });
+
+const parameterOf = (columns) => PARAMETERS.find((name) => name in columns);
+
+/** Of each branch what attracts, solid, and what repels, dashed, in a colour for the mesh periods after which it repeats. */
+function branches(columns) {
+  const x = columns[parameterOf(columns)], found = [], told = new Set();
+  const periods = [...new Set(columns.mesh_periods)].sort((a, b) => a - b);
+  for (const branch of new Set(columns.branch)) {
+    const rows = columns.branch.flatMap((one, i) => (one === branch ? [i] : []));
+    const of = columns.mesh_periods[rows[0]];
+    for (const repels of [false, true]) {
+      const is = (i) => (columns.stability[i] === 'unstable') === repels;
+      // A piece goes on to the point where the other begins.
+      const y = rows.map((i, k) => (is(i) || (k > 0 && is(rows[k - 1])) ? columns.dynamic_factor[i] : null));
+      if (!rows.some(is)) continue;
+      const label = `${of === 1 ? 'repeats with the mesh' : `after ${of} periods`}${repels ? ', repels' : ''}`;
+      found.push({ ...style(periods.indexOf(of), periods.length), x: rows.map((i) => x[i]), y, label: told.has(label) ? '' : label, dash: repels ? '4 3' : '' });
+      told.add(label);
+    }
+  }
+  return found;
 }
 
 /** Curves that are the same for all of the family are one. */

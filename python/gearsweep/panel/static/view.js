@@ -1,7 +1,7 @@
 // The right side: numbers at a glance, and tabs for pictures, tables, the answer, comparisons and the case's text.
 import { byId, download, el, labelled, shown, title, unit } from './util.js';
 import { chart, nearest, told } from './chart.js';
-import { PICTURES, beside, byName, columnsOf, drawn, own } from './pictures.js';
+import { PICTURES, beside, byName, columnsOf, drawn, isBody, isThere, own } from './pictures.js';
 import { bodyOf, stopBody } from './body.js';
 import { remember, state, tablesOf } from './state.js';
 import { file, need } from './work.js';
@@ -44,8 +44,8 @@ function present() {
 
 /** Of a case that was opened, a picture that there is. */
 export function pickPicture() {
-  if (!state.study || present().table in tablesOf(state.study)) return;
-  state.picture = PICTURES.find((one) => one.table in tablesOf(state.study))?.id ?? 'own';
+  if (!state.study || isThere(present(), tablesOf(state.study))) return;
+  state.picture = PICTURES.find((one) => isThere(one, tablesOf(state.study)))?.id ?? 'own';
   remember();
   refresh();
 }
@@ -88,9 +88,12 @@ function numbers() {
 
 const taskOf = (one) => one.task ?? about.tasks.find((task) => task.tables.includes(one.table))?.name;
 
+/** What these results lack for a picture, in words. */
+const askOf = (one, there) => (one.table in there ? `&${one.set[0]} ${one.set[1]} = '${one.set[2]}'` : `task ${taskOf(one)}`);
+
 function picker(there) {
-  const options = PICTURES.map((one) => el('option', { value: one.id }, one.table in there ? one.title : `${one.title} (task ${taskOf(one)})`));
-  const here = options.filter((one) => byName(one.value).table in there), elsewhere = options.filter((one) => !(byName(one.value).table in there));
+  const options = PICTURES.map((one) => el('option', { value: one.id }, isThere(one, there) ? one.title : `${one.title} (${askOf(one, there)})`));
+  const here = options.filter((one) => isThere(byName(one.value), there)), elsewhere = options.filter((one) => !isThere(byName(one.value), there));
   const select = el('select', { id: 'picture', 'aria-label': 'Picture' }, el('optgroup', { label: 'Of these results' }, ...here, el('option', { value: 'own' }, 'Any column over another …')),
     elsewhere.length ? el('optgroup', { label: 'With another task' }, ...elsewhere) : null);
   select.value = state.picture;
@@ -134,15 +137,15 @@ async function pictureTab(isSliding) {
   const place = byId('view'), there = tablesOf(state.study);
   if (state.picture === 'own' && !(state.own.table in there)) state.own = firstOwn(there);
   const one = present(), bar = el('div', { className: 'bar' }, picker(there), ...(state.picture === 'own' ? ownPicker(there) : []));
-  if (!(one.table in there)) {
+  if (!isThere(one, there)) {
     stopBody();
     const task = taskOf(one);
     const asked = (state.values.case?.tasks ?? '').match(/\w+/g) ?? [];
-    const add = el('button', { type: 'button', onclick: () => addTask(one, task, asked) }, asked.includes(task) ? 'Compute it' : `Compute ${task}, too`);
+    const add = el('button', { type: 'button', onclick: () => addTask(one, task, asked) }, asked.includes(task) ? `Compute it${one.table in there ? `, with ${askOf(one, there)}` : ''}` : `Compute ${task}, too`);
     place.replaceChildren(bar, el('p', { className: 'empty' }, `This picture is of the task ${task}: ${about.tasks.find((found) => found.name === task)?.meaning ?? ''}.`), add);
     return;
   }
-  if (['stress', 'modes', 'grid'].includes(one.kind)) {
+  if (isBody(one)) {
     await bodyOf(place, bar, one, state, need, save);
     return;
   }
@@ -168,7 +171,7 @@ async function others(one) {
 }
 
 async function addTask(one, task, asked) {
-  if (one.set && !state.given[one.set[0]]?.[one.set[1]]) await does.change(...one.set);
+  if (one.set && (one.table in tablesOf(state.study) || !state.given[one.set[0]]?.[one.set[1]])) await does.change(...one.set);
   if (!asked.includes(task)) await does.change('case', 'tasks', [...asked, task].map((word) => `'${word}'`).join(', '));
   if (state.error?.key) goTo(state.error.group, state.error.key);
   else if (state.isStale && !state.error) await does.calculate();
@@ -197,7 +200,7 @@ function legend(spec) {
     const key = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
     key.setAttribute('width', 30);
     key.setAttribute('height', 10);
-    key.innerHTML = spec.kind === 'bars' ? '<rect x="8" y="0" width="14" height="10"/>' : spec.kind === 'points' ? '<circle cx="15" cy="5" r="3.5"/>' : `<line x1="0" x2="30" y1="5" y2="5" stroke-dasharray="${one.dash}" stroke-width="${one.width ?? 2}"/>${one.kept ? '<circle cx="15" cy="5" r="3"/>' : ''}`;
+    key.innerHTML = spec.kind === 'bars' ? '<rect x="8" y="0" width="14" height="10"/>' : spec.kind === 'points' && one.kind !== 'line' ? '<circle cx="15" cy="5" r="3.5"/>' : `<line x1="0" x2="30" y1="5" y2="5" stroke-dasharray="${one.dash}" stroke-width="${one.width ?? 2}"/>${one.kept ? '<circle cx="15" cy="5" r="3"/>' : ''}`;
     key.style.stroke = key.style.fill = one.color;
     return el('li', {}, key, one.label);
   });
