@@ -8,7 +8,7 @@ module reference_rows
   use gearsweep_stiffness, only: polynomial_stiffness
   implicit none
   private
-  public :: row_t, read_rows, row_of, oscillator_of, complete, prescribed
+  public :: row_t, next_row, read_rows, row_of, oscillator_of, complete, prescribed
 
   type :: row_t
     integer :: id = 0, teeth(2) = 0, n_coef = 0, shape = 0, loss = 0
@@ -18,19 +18,29 @@ module reference_rows
 
 contains
 
+  !> Reads the next row of a file that is open; remarks, which begin with #, are passed over. False at its end.
+  logical function next_row(unit, line)
+    integer, intent(in) :: unit
+    character(1000), intent(out) :: line
+    integer :: status
+
+    do
+      read (unit, '(a)', iostat=status) line
+      next_row = status == 0
+      if (.not. next_row .or. line(1:1) /= '#') return
+    end do
+  end function next_row
+
   subroutine read_rows(path, rows)
     character(*), intent(in) :: path
     type(row_t), allocatable, intent(out) :: rows(:)
     type(row_t) :: row
     character(1000) :: line
-    integer :: unit, stat
+    integer :: unit
 
     allocate (rows(0))
     open (newunit=unit, file=path, status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       read (line, *) row%id, row%teeth, row%angle, row%contact_ratio, row%pitch_point, row%n_coef, row%coef, &
         row%mass, row%load, row%zeta, row%friction, row%backlash, row%relief, row%shape, row%rpm, &
         row%dynamic_factor, row%multiplier, row%x, row%v, row%loss

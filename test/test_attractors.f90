@@ -13,7 +13,7 @@ module test_attractors
   use gearsweep_study, only: run_study, study_t
   use gearsweep_tables, only: column_of
   use gearsweep_text, only: str
-  use reference_rows, only: oscillator_of, row_of, row_t
+  use reference_rows, only: next_row, oscillator_of, row_of, row_t
   use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
   implicit none
   private
@@ -136,14 +136,11 @@ contains
     character(1000) :: line
     character(10) :: word
     real(dp) :: factor, modulus, x, v, share
-    integer :: unit, stat, periods, loss
+    integer :: unit, periods, loss
 
     allocate (rows(0))
     open (newunit=unit, file=path, status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       read (line, *) word
       select case (word)
       case ('row')

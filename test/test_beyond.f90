@@ -18,7 +18,7 @@ module test_beyond
   use gearsweep_stability, only: map_stability, stability_t
   use gearsweep_sweep, only: down, each, run_sweep, sweep_options_t, sweep_t, up
   use gearsweep_text, only: str
-  use reference_rows, only: complete, row_t
+  use reference_rows, only: complete, next_row, row_t
   use single_points, only: solve
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none
@@ -56,14 +56,11 @@ contains
     type(corner_row_t), allocatable, intent(out) :: rows(:)
     type(corner_row_t) :: r
     character(1000) :: line
-    integer :: unit, stat
+    integer :: unit
 
     allocate (rows(0))
     open (newunit=unit, file='test/reference/corner_motion.dat', status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       read (line, *) r%id, r%contact_ratio, r%n_coef, r%coef, r%soften, r%gap, r%reach, r%relief, r%shared, r%change, &
         r%decline, r%mass, r%load, &
         r%zeta, r%friction, r%angle, r%teeth, r%pitch_point, r%backlash, r%rpm, r%dynamic_factor, r%state, r%difference, &

@@ -11,7 +11,7 @@ module test_bifurcations
   use gearsweep_tables, only: make_table
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask, refusal
-  use reference_rows, only: prescribed
+  use reference_rows, only: next_row, prescribed
   use single_points, only: solve
   use testing, only: check_close, check_equal, check_true, tally_t
   implicit none
@@ -72,17 +72,14 @@ contains
     real(dp), allocatable :: place(:), factor(:)
     type(answer_t) :: answer
     real(dp) :: coef(3), rpm, there, last
-    character(200) :: line
+    character(1000) :: line
     character(8) :: what
-    integer :: unit, stat, n, rows, i
+    integer :: unit, n, rows, i
 
     rows = 0
     last = 1
     open (newunit=unit, file='test/reference/bifurcations.dat', status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       rows = rows + 1
       read (line, *) coef, n, what, rpm, there
       if (abs(coef(3) - last) > 0) then
@@ -165,18 +162,15 @@ contains
     real(dp), allocatable :: place(:), factor(:)
     type(answer_t) :: answer
     real(dp) :: zeta, jump, extrapolated, fold, last_zeta, last_jump
-    character(200) :: line
-    integer :: unit, stat, marched, rows
+    character(1000) :: line
+    integer :: unit, marched, rows
 
     rows = 0
     last_zeta = 0
     last_jump = huge(last_jump)
     fold = 0
     open (newunit=unit, file='test/reference/slow_sweeps.dat', status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       rows = rows + 1
       read (line, *) zeta, marched, jump, extrapolated
       if (abs(zeta - last_zeta) > 0) then

@@ -14,7 +14,7 @@ module test_branches
   use gearsweep_error, only: error_t
   use gearsweep_status, only: has_result, status_chaotic, status_name, status_ok, status_subharmonic
   use gearsweep_text, only: str
-  use reference_rows, only: prescribed
+  use reference_rows, only: next_row, prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private
@@ -56,16 +56,13 @@ contains
     real(dp), parameter :: jump = 0.02_dp, closeness = 1e-6_dp
     type(branch_t) :: branch
     real(dp) :: coef(3), zeta, rpm, rpm_end, factor, last_step
-    character(200) :: line
+    character(1000) :: line
     character(:), allocatable :: name
-    integer :: unit, stat, row, direction, kind, i
+    integer :: unit, row, direction, kind, i
 
     row = 0
     open (newunit=unit, file='test/reference/jumps.dat', status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       row = row + 1
       name = 'row '//str(row)//', '
       read (line, *) coef, zeta, rpm, direction, rpm_end, kind, factor, last_step
@@ -124,15 +121,12 @@ contains
     type(levels_t), allocatable :: tables
     type(oscillator_t) :: osc
     real(dp) :: zeta, rpm, exponent, deviation, start(2)
-    character(200) :: line
-    integer :: unit, stat, rows
+    character(1000) :: line
+    integer :: unit, rows
 
     rows = 0
     open (newunit=unit, file='test/reference/chaos.dat', status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       rows = rows + 1
       read (line, *) zeta, rpm, exponent, deviation
       osc = mesh_of(constant, zeta)

@@ -4,6 +4,7 @@ module test_hub
   use gearsweep_kinds, only: dp, pi
   use gearsweep_text, only: str
   use quantities, only: answer_t, ask
+  use reference_rows, only: next_row
   use testing, only: tally_t, check_true, check_close
   implicit none
   private
@@ -62,17 +63,14 @@ contains
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: within(3) = [5e-3_dp, 12e-3_dp, 8e-2_dp], bores(3) = [20, 10, 5]
     type(answer_t) :: plain, answer
-    character(200) :: line
+    character(1000) :: line
     real(dp) :: row(7), last
-    integer :: unit, status, rows
+    integer :: unit, rows
 
     open (newunit=unit, file='test/reference/hub.dat', status='old', action='read')
     rows = 0
     last = 0
-    do
-      read (unit, '(a)', iostat=status) line
-      if (status /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       read (line, *) row
       rows = rows + 1
       if (abs(row(1) - last) > 0) call ask(t, text_of(row, ''), plain)

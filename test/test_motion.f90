@@ -12,7 +12,7 @@ module test_motion
   use gearsweep_transient, only: by_marching
   use gearsweep_status, only: has_result, status_marginal, status_name, status_ok, status_unresolved
   use gearsweep_text, only: str
-  use reference_rows, only: row_t, read_rows, oscillator_of
+  use reference_rows, only: next_row, oscillator_of, read_rows, row_t
   use single_points, only: mesh_of, solve
   use testing, only: tally_t, check_true, check_close, check_equal
   implicit none
@@ -257,15 +257,12 @@ contains
   subroutine meissner_boundaries(t)
     type(tally_t), intent(inout) :: t
     real(dp) :: ratio, stiffness, mass(2), rpm, closing(2), boundary(2)
-    integer :: unit, stat, teeth, tongue, rows
-    character(300) :: line
+    integer :: unit, teeth, tongue, rows
+    character(1000) :: line
 
     open (newunit=unit, file='test/reference/meissner.dat', status='old', action='read')
     rows = 0
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       rows = rows + 1
       read (line, *) teeth, ratio, stiffness, mass, rpm, tongue, closing
       if (modulo(rows, 2) == 1) then

@@ -1,6 +1,6 @@
 !> Many reliefs at once: one map for all amounts against each amount by itself, and what the search for the optimum leaves out.
 module test_reliefs
-  use gearsweep_convex_bounds, only: bound_curves, known_t, may_be_largest
+  use gearsweep_convex_bounds, only: bound_curves, known_curve_t, may_be_largest
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_optimum, only: find_optimum, optimum_t, peak_t, worst_of
@@ -99,7 +99,7 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: curves = 200, lines = 4, trials = 200
     type(random_t) :: random
-    type(known_t) :: three(3)
+    type(known_curve_t) :: three(3)
     real(dp) :: offset(curves, lines), slope(curves, lines), places(5)
     real(dp), dimension(curves) :: lower, upper, value
     logical :: candidates(curves)

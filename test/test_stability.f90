@@ -9,7 +9,7 @@ module test_stability
   use gearsweep_error, only: error_t
   use gearsweep_piecewise, only: polynomial
   use gearsweep_text, only: str
-  use reference_rows, only: prescribed
+  use reference_rows, only: next_row, prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
   private
@@ -52,16 +52,13 @@ contains
   subroutine read_tongues(rows)
     type(tongue_row_t), allocatable, intent(out) :: rows(:)
     type(tongue_row_t) :: row
-    integer :: unit, stat, k
-    character(300) :: line
+    integer :: unit, k
+    character(1000) :: line
 
     allocate (rows(0))
     k = 1
     open (newunit=unit, file='test/reference/meissner.dat', status='old', action='read')
-    do
-      read (unit, '(a)', iostat=stat) line
-      if (stat /= 0) exit
-      if (line(1:1) == '#') cycle
+    do while (next_row(unit, line))
       read (line, *) row%teeth, row%ratio, row%stiffness, row%mass, row%edge(k), row%tongue, row%closing_damping, &
         row%closing_rpm
       if (k == 2) rows = [rows, row]

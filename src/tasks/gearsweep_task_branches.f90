@@ -3,7 +3,7 @@
 module gearsweep_task_branches
   use gearsweep_attractor_search, only: attractor_options_t
   use gearsweep_branch, only: follow_options_t
-  use gearsweep_branch_search, only: branch_options_t, find_branches, whole_branch_t
+  use gearsweep_branch_search, only: branch_search_options_t, find_branches, whole_branch_t
   use gearsweep_branch_tables, only: branch_set_t, fill_branches, fill_changes, fill_points
   use gearsweep_case_family, only: case_family_t, make_case_family, of_load, of_relief, of_speed, parameter_names, parameter_units
   use gearsweep_error, only: code_input, error_t, fail
@@ -147,7 +147,7 @@ contains
     self%log = 'branches: '//str(total)//' branches from motions at '//str(self%seeds*size(which))//' places'
   end subroutine run
 
-  type(branch_options_t) function options_of(self, stages) result(options)
+  type(branch_search_options_t) function options_of(self, stages) result(options)
     class(branches_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
 

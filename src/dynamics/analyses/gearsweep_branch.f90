@@ -148,8 +148,8 @@ contains
         if (angle < most_angle/3) step = min(options%longest, 1.5_dp*step)
         if (angle < most_angle .or. step < options%shortest) return
       else if (step < options%shortest) then
-        call leap(equations, sense, here, options%shortest, there, accepted)
-        if (.not. accepted) call turn_corner(equations, sense, here, options%shortest, there, accepted)
+        call leap(equations, sense, here, options%shortest, .false., there, accepted)
+        if (.not. accepted) call leap(equations, sense, here, options%shortest, .true., there, accepted)
         return
       end if
       step = step/2
@@ -182,50 +182,36 @@ contains
     if (ok) call measure(equations, z, sense, there, ok)
   end subroutine try_step
 
-  !> Over a gap: where contact begins or ends, the rounding and the error of the steps change, and with them the motion a little,
-  !> the more the nearer two branches meet.
-  subroutine leap(equations, sense, here, shortest, there, ok)
+  !> By longer steps to the next point: over a gap, as where contact begins or ends, the rounding and the error of the steps
+  !> change, and with them the motion a little, the more the nearer two branches meet; or, with `turns`, round a corner in which
+  !> the branch turns back, so that there is no point ahead. There, the tangent of what lies beyond the corner, oriented as all
+  !> others, leads on.
+  subroutine leap(equations, sense, here, shortest, turns, there, ok)
     class(motion_equations_t), intent(inout) :: equations
     integer, intent(in) :: sense
     type(branch_point_t), intent(in) :: here
     real(dp), intent(in) :: shortest
+    logical, intent(in) :: turns
     type(branch_point_t), intent(out) :: there
     logical, intent(out) :: ok
-    integer, parameter :: most = 7
-    integer :: trial
-
-    do trial = 1, most
-      call try_step(equations, sense, here, here%tangent, 4**trial*shortest, there, ok)
-      if (ok) ok = angle_between(here%tangent, there%tangent) < 1
-      if (ok) return
-    end do
-  end subroutine leap
-
-  !> Where the branch turns back at a corner there is no point ahead. The tangent of what lies beyond the corner, oriented
-  !> as all others, leads on.
-  subroutine turn_corner(equations, sense, here, shortest, there, ok)
-    class(motion_equations_t), intent(inout) :: equations
-    integer, intent(in) :: sense
-    type(branch_point_t), intent(in) :: here
-    real(dp), intent(in) :: shortest
-    type(branch_point_t), intent(out) :: there
-    logical, intent(out) :: ok
-    integer, parameter :: most = 5
-    type(branch_point_t) :: beyond
+    type(branch_point_t) :: from
     real(dp) :: step
     integer :: trial
 
-    do trial = 1, most
+    from = here
+    do trial = 1, merge(5, 7, turns)
       step = 4**trial*shortest
-      call measure(equations, here%z + step*here%tangent, sense, beyond, ok)
-      if (.not. ok) cycle
-      beyond%z = here%z
-      call try_step(equations, sense, beyond, beyond%tangent, step, there, ok)
-      ! In the same plane, there is also the way back.
-      if (ok) ok = angle_between(beyond%tangent, there%tangent) < 1
+      if (turns) then
+        call measure(equations, here%z + step*here%tangent, sense, from, ok)
+        if (.not. ok) cycle
+        from%z = here%z
+      end if
+      call try_step(equations, sense, from, from%tangent, step, there, ok)
+      ! In the plane of a corner, there is also the way back.
+      if (ok) ok = angle_between(from%tangent, there%tangent) < 1
       if (ok) return
     end do
-  end subroutine turn_corner
+  end subroutine leap
 
   !> What is said of a motion, and the direction of its branch.
   subroutine measure(equations, z, sense, point, ok)
@@ -263,13 +249,9 @@ contains
   subroutine append(point, curve)
     type(branch_point_t), intent(in) :: point
     type(curve_t), intent(inout) :: curve
-    type(branch_point_t), allocatable :: longer(:)
 
-    if (curve%count == size(curve%point)) then
-      allocate (longer(2*curve%count))
-      longer(:curve%count) = curve%point
-      call move_alloc(longer, curve%point)
-    end if
+    ! Room for as many points again.
+    if (curve%count == size(curve%point)) curve%point = [curve%point, curve%point]
     curve%count = curve%count + 1
     curve%point(curve%count) = point
   end subroutine append

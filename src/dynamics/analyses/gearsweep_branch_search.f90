@@ -12,15 +12,15 @@ module gearsweep_branch_search
   use gearsweep_status, only: status_ok, status_stopped
   implicit none
   private
-  public :: branch_options_t, whole_branch_t, find_branches
+  public :: branch_search_options_t, whole_branch_t, find_branches
 
-  type :: branch_options_t
+  type :: branch_search_options_t
     integer :: seeds = 9                         !< values of the parameter at which attracting motions are looked for
     integer :: most_branches = 200
     real(dp) :: angle = 0.2_dp                   !< of the natural motion in a step, rad
     type(follow_options_t) :: follow
     type(attractor_options_t) :: search          !< `most_periods` bounds the branches' periods too
-  end type branch_options_t
+  end type branch_search_options_t
 
   type :: whole_branch_t
     integer :: periods = 1                       !< mesh periods until its motions repeat
@@ -36,7 +36,7 @@ contains
   !> the speed is too low to be searched.
   subroutine find_branches(family, options, branches, unresolved, stopped, error)
     class(family_t), intent(in) :: family
-    type(branch_options_t), intent(in) :: options
+    type(branch_search_options_t), intent(in) :: options
     type(whole_branch_t), allocatable, intent(out) :: branches(:)
     integer, intent(out) :: unresolved
     logical, intent(out) :: stopped
@@ -83,7 +83,7 @@ contains
   subroutine add_from(equations, z, options, branches)
     class(motion_equations_t), intent(inout) :: equations    ! with the motion's periods
     real(dp), intent(in) :: z(3)
-    type(branch_options_t), intent(in) :: options
+    type(branch_search_options_t), intent(in) :: options
     type(whole_branch_t), allocatable, intent(inout) :: branches(:)
     type(whole_branch_t), allocatable :: longer(:)
     type(whole_branch_t) :: branch
@@ -161,7 +161,7 @@ contains
   subroutine follow_both_ways(equations, z, options, branch)
     class(motion_equations_t), intent(inout) :: equations
     real(dp), intent(in) :: z(3)
-    type(branch_options_t), intent(in) :: options
+    type(branch_search_options_t), intent(in) :: options
     type(whole_branch_t), intent(out) :: branch
     type(curve_t) :: curve(2)
     integer :: i, n
@@ -195,7 +195,7 @@ contains
   !> The last point of a curve, which has passed the motion of half the period, becomes that motion where its period doubles.
   subroutine end_at_doubling(equations, options, curve)
     class(motion_equations_t), intent(inout) :: equations
-    type(branch_options_t), intent(in) :: options
+    type(branch_search_options_t), intent(in) :: options
     type(curve_t), intent(inout) :: curve
     type(special_t), allocatable :: found(:)
     type(follow_options_t) :: short
@@ -237,7 +237,7 @@ contains
   !> Adds the branches of doubled period of all branches behind the first `done`, of theirs, and so on.
   subroutine add_doubled(equations, options, done, branches)
     class(motion_equations_t), intent(inout) :: equations
-    type(branch_options_t), intent(in) :: options
+    type(branch_search_options_t), intent(in) :: options
     integer, intent(inout) :: done
     type(whole_branch_t), allocatable, intent(inout) :: branches(:)
     type(special_t), allocatable :: specials(:)

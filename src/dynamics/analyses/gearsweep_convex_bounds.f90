@@ -5,20 +5,20 @@ module gearsweep_convex_bounds
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: known_t, bound_curves, may_be_largest
+  public :: known_curve_t, bound_curves, may_be_largest
 
   !> Many curves at one place.
-  type :: known_t
+  type :: known_curve_t
     real(dp) :: place = 0
     !> Between these each curve lies there; unallocated where nothing is known or the curves are not convex; (curve)
     real(dp), allocatable :: lower(:), upper(:)
-  end type known_t
+  end type known_curve_t
 
 contains
 
   !> Bounds at a place between the first and the last of three.
   pure subroutine bound_curves(three, place, lower, upper)
-    type(known_t), intent(in) :: three(3)        !< by place, ascending, all known
+    type(known_curve_t), intent(in) :: three(3)        !< by place, ascending, all known
     real(dp), intent(in) :: place
     real(dp), intent(out) :: lower(:), upper(:)  !< (curve)
     integer :: near, far
@@ -34,7 +34,7 @@ contains
 
   !> The curves that may be the largest at one of these places, among curves that are known up to so much.
   pure subroutine may_be_largest(three, places, slack, candidates)
-    type(known_t), intent(in) :: three(3)        !< by place, ascending
+    type(known_curve_t), intent(in) :: three(3)        !< by place, ascending
     real(dp), intent(in) :: places(:)
     real(dp), intent(in) :: slack
     logical, intent(inout) :: candidates(:)      !< all where too little is known; (curve)

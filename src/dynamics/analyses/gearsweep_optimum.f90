@@ -3,7 +3,7 @@
 module gearsweep_optimum
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use gearsweep_convex_bounds, only: bound_curves, known_t, may_be_largest
+  use gearsweep_convex_bounds, only: bound_curves, known_curve_t, may_be_largest
   use gearsweep_error, only: error_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: status_stopped
@@ -137,7 +137,7 @@ contains
     !> One for each sweep: with them, another call goes on from where this one was ended.
     type(sweep_state_t), intent(inout), optional :: states(most_sweeps)
     type(sweep_options_t) :: rough
-    type(known_t), allocatable :: known(:)
+    type(known_curve_t), allocatable :: known(:)
     real(dp) :: low, high
     integer :: round, i
 
@@ -195,8 +195,8 @@ contains
   !> The best relief and its neighbours are all that the next round takes from what is known.
   pure subroutine keep_bracket(optimum, known)
     type(optimum_t), intent(in) :: optimum
-    type(known_t), allocatable, intent(inout) :: known(:)  !< by place
-    type(known_t) :: three(3)
+    type(known_curve_t), allocatable, intent(inout) :: known(:)  !< by place
+    type(known_curve_t) :: three(3)
     integer :: i, k
 
     do i = 1, 3
@@ -216,12 +216,12 @@ contains
     real(dp), intent(in) :: amount(:), rpm(:)
     type(sweep_options_t), intent(in) :: options
     type(optimum_t), intent(inout) :: optimum
-    type(known_t), allocatable, intent(inout) :: known(:)
+    type(known_curve_t), allocatable, intent(inout) :: known(:)
     logical, intent(out) :: is_left(:)           !< of the other reliefs nothing is known yet; (relief)
     type(error_t), allocatable, intent(inout) :: error
     type(sweep_options_t) :: of_linear
     type(sweep_t) :: sweep
-    type(known_t) :: more(size(amount))
+    type(known_curve_t) :: more(size(amount))
     logical :: needed(size(rpm))
     integer :: i
 

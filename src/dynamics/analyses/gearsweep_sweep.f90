@@ -9,7 +9,7 @@ module gearsweep_sweep
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_periodic_orbit, only: steady_t
   use gearsweep_refinement, only: forget_levels, levels_t
-  use gearsweep_relief_family, only: family_t, find_family
+  use gearsweep_relief_family, only: relief_family_t, find_family
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_sweep_state, only: begin_state, counter_t, down, each, find_final, fits, progress_of_sweep, sweep_options_t, &
                                    sweep_state_t, units_done, up
@@ -81,7 +81,7 @@ contains
     procedure(progress_of_sweep), optional :: progress
     type(levels_t), allocatable :: levels
     type(counter_t) :: counter
-    type(family_t) :: family
+    type(relief_family_t) :: family
     integer, allocatable :: missing(:)              ! blocks of each relief
     integer :: i, relief, left
     type(c_ptr) :: traps

@@ -10,7 +10,7 @@ module gearsweep_operating_point
   use gearsweep_period_map, only: period_map_t, set_durations
   use gearsweep_periodic_orbit, only: distance, near, settled, shoot, solve_full_contact, steady_t
   use gearsweep_refinement, only: first_level, given_resolution, given_steps, last_level, level_steps, levels_t, need_given, &
-                                  need_level, next_level, per_doubling, resolution_of, search_level
+                                  need_batch_level, need_level, next_level, per_doubling, resolution_of, search_level
   use gearsweep_status, only: has_result, status_unresolved
   use gearsweep_steady, only: find_batch, find_beside, find_settled, find_steady, is_one_branch
   use gearsweep_transient, only: by_shooting, steady_options_t
@@ -167,12 +167,12 @@ contains
     type(point_t), intent(out) :: points(batch_size)
     logical, intent(out) :: solved(batch_size)       !< the others are for `solve_point`
     ! The solution with half the steps counts a twentieth, so that its Newton iterations may end so much earlier.
-    real(dp), parameter :: most_batch_steps = 4096, loose = 1000
+    real(dp), parameter :: loose = 1000
     type(steady_t) :: half(batch_size), full(batch_size)
     type(resolution_t) :: graded
     real(dp) :: longest
     integer :: level, trial
-    logical :: done
+    logical :: done, ready
 
     solved = .false.
     if (levels%lacks) return
@@ -186,10 +186,8 @@ contains
     level = first_level(osc, longest, options, levels)
     do trial = 1, most_trials
       solved = .false.
-      if (level_steps(level) > min(most_batch_steps, real(options%most_steps, dp)) .or. &
-          level_steps(level) < 2*resolving_steps(osc, longest)) return
-      call need_level(osc, level, levels)
-      if (levels%lacks) return
+      call need_batch_level(osc, level, longest, options, levels, ready)
+      if (.not. ready) return
       associate (coarse => levels%level(level - per_doubling)%map, fine => levels%level(level)%map)
         call set_durations(coarse, duration)
         call find_batch(coarse, loose*options%steady%tolerance, half)

@@ -10,7 +10,7 @@ module gearsweep_refinement
   implicit none
   private
   public :: levels_t, forget_levels, resolution_of, level_steps, level_for, first_level, last_level, search_level
-  public :: need_level, next_level
+  public :: need_level, need_batch_level, next_level
   public :: first_guess, root, need_given, given_resolution, given_steps
 
   real(dp), parameter :: root = 1.0_dp/order
@@ -119,6 +119,22 @@ contains
       if (.not. levels%made(i)) levels%lacks = .true.
     end do
   end subroutine need_level
+
+  !> The same for a batch of speeds, whose coefficients are to stay small and to follow the natural motion at all of them.
+  pure subroutine need_batch_level(osc, level, longest, options, levels, ready)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: level
+    real(dp), intent(in) :: longest              !< duration of the mesh period at the lowest speed, s
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels      !< lacks: the memory does not hold them
+    logical, intent(out) :: ready                !< false: the speeds are for one by one
+    real(dp), parameter :: most = 4096
+
+    ready = level_steps(level) <= min(most, real(options%most_steps, dp)) .and. &
+            level_steps(level) >= 2*resolving_steps(osc, longest)
+    if (ready) call need_level(osc, level, levels)
+    ready = ready .and. .not. levels%lacks
+  end subroutine need_batch_level
 
   !> Discretises the number of steps that is given, and half of it, unless they are there.
   pure subroutine need_given(osc, options, levels)

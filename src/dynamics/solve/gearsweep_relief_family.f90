@@ -1,25 +1,25 @@
 !> Operating points of many amounts of one relief at once, as far as all pairs stay in contact: one map serves all.
 module gearsweep_relief_family
   use gearsweep_coefficients, only: resolution_t, scheme_collocation
-  use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t, resolving_steps
+  use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_graded_point, only: graded_resolution, most_trials
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_periodic_orbit, only: settled, steady_t
   use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_refinement, only: first_level, level_steps, levels_t, need_level, next_level, per_doubling, resolution_of
+  use gearsweep_refinement, only: first_level, levels_t, need_batch_level, next_level, per_doubling, resolution_of
   use gearsweep_superposition, only: superpose
   use gearsweep_transient, only: by_shooting
   implicit none
   private
-  public :: family_t, find_family, solve_family
+  public :: relief_family_t, find_family, solve_family
 
   !> Oscillators that differ in the amount of their relief alone.
-  type :: family_t
+  type :: relief_family_t
     integer :: reference = 0                     !< that with the largest profile error; 0: they are no family
     real(dp), allocatable :: part(:)             !< of that profile error that each has; (oscillator)
-  end type family_t
+  end type relief_family_t
 
 contains
 
@@ -27,7 +27,7 @@ contains
   pure subroutine find_family(osc, options, family)
     type(oscillator_t), intent(in) :: osc(:)
     type(accuracy_t), intent(in) :: options
-    type(family_t), intent(out) :: family
+    type(relief_family_t), intent(out) :: family
     integer :: i, reference
     logical :: is_part
 
@@ -90,10 +90,9 @@ contains
     logical, intent(out) :: solved(:, :)             !< the others are to be solved by themselves; (speed, amount)
     type(steady_t), dimension(batch_size, size(part)) :: half, full
     type(resolution_t) :: graded
-    real(dp), parameter :: most_batch_steps = 4096
     real(dp) :: longest
     integer :: level, trial
-    logical :: done
+    logical :: done, ready
 
     solved = .false.
     if (levels%lacks) return
@@ -103,10 +102,8 @@ contains
     level = first_level(osc, longest, options, levels)
     do trial = 1, most_trials
       solved = .false.
-      if (level_steps(level) > min(most_batch_steps, real(options%most_steps, dp)) .or. &
-          level_steps(level) < 2*resolving_steps(osc, longest)) return
-      call need_level(osc, level, levels)
-      if (levels%lacks) return
+      call need_batch_level(osc, level, longest, options, levels, ready)
+      if (.not. ready) return
       associate (coarse => levels%level(level - per_doubling)%map, fine => levels%level(level)%map)
         coarse%speeds = batch_size
         coarse%duration = duration

@@ -45,14 +45,10 @@ contains
   pure subroutine add(overlap, overlaps)
     type(overlap_t), intent(in) :: overlap
     type(overlaps_t), intent(inout) :: overlaps
-    type(overlap_t), allocatable :: longer(:)
 
     if (.not. allocated(overlaps%list)) allocate (overlaps%list(32))
-    if (overlaps%count == size(overlaps%list)) then
-      allocate (longer(2*overlaps%count))
-      longer(:overlaps%count) = overlaps%list
-      call move_alloc(longer, overlaps%list)
-    end if
+    ! Room for as many again.
+    if (overlaps%count == size(overlaps%list)) overlaps%list = [overlaps%list, overlaps%list]
     overlaps%count = overlaps%count + 1
     overlaps%list(overlaps%count) = overlap
   end subroutine add
