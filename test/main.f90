@@ -55,6 +55,7 @@ program check
   use test_resonances, only: run_resonances => run
   use test_resume, only: run_resume => run
   use test_scenes, only: run_scenes => run
+  use test_sensitivity, only: run_sensitivity => run
   use test_stability, only: run_stability => run
   use test_summary, only: run_summary => run
   use test_sweep, only: run_sweep => run
@@ -101,6 +102,7 @@ program check
     & suite_t('branches', run_branches), &
     & suite_t('attractors', run_attractors), &
     & suite_t('bifurcations', run_bifurcations), &
+    & suite_t('sensitivity', run_sensitivity), &
     & suite_t('reliefs', run_reliefs), &
     & suite_t('summary', run_summary), &
     & suite_t('estimates', run_estimates), &

@@ -20,10 +20,10 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(17) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(18) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
-    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'flank: ', 'rating: ', &
-    'transient: ', 'life: ', 'body_modes: ']
+    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'sensitivity: ', 'flank: ', &
+    'rating: ', 'transient: ', 'life: ', 'body_modes: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -32,13 +32,13 @@ module test_inputs
   character(*), parameter :: few = 'stability damping_count 4;stability tongues 2;poincare settling_periods 20;'// &
                                    'poincare kept_periods 10;hysteresis closeness 1e-2;attractors starts 2;'// &
                                    'branches first 16000;branches last 20000;branches seeds 2;branches points 10;'// &
-                                   'branches most_periods 1;'// &
+                                   'branches most_periods 1;sensitivity rpm 20000;'// &
                                    'precision most_steps 50;'// &
                                    'precision most_samples 64;precision rpm 18000'
 
   !> A value that a case gives to a key; a blank one takes the key out.
   type :: setting_t
-    character(10) :: group
+    character(12) :: group
     character(24) :: key
     character(60) :: value = ''
   end type setting_t
@@ -239,6 +239,9 @@ contains
     call add('branches most_periods', '2')
     call add('branches seeds', '3')
     call add('branches points', '12')
+    call add('sensitivity rpm', '17000')
+    call add('sensitivity relief_um', '5')
+    call add('sensitivity harmonics', '1')
     call add('precision rpm', '17000, 21000')
     call add('precision relief_um', '5')
     call add('precision most_steps', '60')

@@ -33,7 +33,7 @@ module test_scenes
     '&static positions = 5 field_position = 0 /'// &
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
-    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''branches'', ''precision'', ''flank'','// &
+    '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''branches'', ''sensitivity'', ''precision'', ''flank'','// &
     '  ''rating'', ''transient'', ''life'','// &
     '  ''body_modes'' / &body_modes nodal_diameters = 2 elements_across = 2 /'// &
     '&flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
@@ -42,6 +42,7 @@ module test_scenes
     '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
     '&attractors rpm = 5000, 7000 relief_um = 0 starts = 3 /'// &
     '&branches first = 5000 last = 7000 relief_um = 0 seeds = 2 points = 20 most_periods = 1 /'// &
+    '&sensitivity rpm = 5000 relief_um = 8 /'// &
     '&precision relief_um = 8 most_steps = 50 most_samples = 64 most_elements = 4 modes = 1 /'
 
 contains
@@ -120,9 +121,10 @@ contains
     type(case_t), intent(in) :: case
     type(study_t) :: all_tasks, alone
     !> Tasks that take a motion from the sweep, and the tables in which they tell its dynamic factor.
-    character(task_length), parameter :: with_motion(4) = [character(task_length) :: 'load', 'flank', 'rating', 'life']
-    character(table_length), parameter :: told(4) = [character(table_length) :: 'load_points', 'flank_losses', 'dynamic_factors', &
-      'life_parts']
+    character(task_length), parameter :: with_motion(5) = [character(task_length) :: 'load', 'flank', 'rating', 'life', &
+      'sensitivity']
+    character(table_length), parameter :: told(5) = [character(table_length) :: 'load_points', 'flank_losses', 'dynamic_factors', &
+      'life_parts', 'sensitivity']
     character(task_length), allocatable :: names(:)
     character(table_length) :: where_told
     integer :: i

@@ -61,6 +61,7 @@ _PLOTS = (
     'plot_precision',
     'plot_rating',
     'plot_section',
+    'plot_sensitivity',
     'plot_sharing',
     'plot_stability',
     'plot_static',

@@ -769,6 +769,66 @@ class BranchChangesTable(Table):
     enclosed: NDArray[float64]
     """between places so far apart it is enclosed, in the unit of the parameter's name"""
 
+class SensitivityTable(Table):
+    """how the dynamic factor changes with each number of the case"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    number: NDArray[str_]
+    """which number of the case, with its unit"""
+    value: NDArray[float64]
+    """its value, in the unit of its name"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
+    slope: NDArray[float64]
+    """derivative of DF, for one unit more of the number; NaN where there is none"""
+    error_estimate: NDArray[float64]
+    """estimated error of the slope; NaN where it is not known"""
+    slope_below: NDArray[float64]
+    """derivative to smaller values; NaN where there are none or contact changes"""
+    slope_above: NDArray[float64]
+    """derivative to larger values"""
+    relative_slope: NDArray[float64]
+    """by how many per cent DF grows where the number grows by one per cent"""
+    derivative: NDArray[str_]
+    """smooth: there is a derivative; least: to larger values only, as there are no smaller ones; peak: the largest load changes its place; contact: a pair that enters or leaves begins or ceases to touch; grazing: flanks on the path do; fold: the motion ceases to be; none: no motion"""
+
+class DteSensitivityTable(Table):
+    """how mean and harmonics of the dynamic transmission error change with each number of the case"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    number: NDArray[str_]
+    """which number of the case, with its unit"""
+    harmonic: NDArray[int64]
+    """0 for the mean, 1, 2 ... for the mesh frequency"""
+    dte_slope_um: NDArray[float64]
+    """um: derivative of its amplitude, for one unit more of the number; NaN where there is none"""
+    error_estimate: NDArray[float64]
+    """estimated error of the slope; NaN where it is not known"""
+    derivative: NDArray[str_]
+    """smooth: there is a derivative; least: to larger values only, as there are no smaller ones; peak: the largest load changes its place; contact: a pair that enters or leaves begins or ceases to touch; grazing: flanks on the path do; fold: the motion ceases to be; none: no motion"""
+
+class SteSensitivityTable(Table):
+    """how mean and harmonics of the static transmission error change with each number of the case"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    number: NDArray[str_]
+    """which number of the case, with its unit"""
+    harmonic: NDArray[int64]
+    """0 for the mean, 1, 2 ... for the mesh frequency"""
+    ste_slope_um: NDArray[float64]
+    """um: derivative of its amplitude, for one unit more of the number; NaN where there is none"""
+    error_estimate: NDArray[float64]
+    """estimated error of the slope; NaN where it is not known"""
+    derivative: NDArray[str_]
+    """smooth: there is a derivative; least: to larger values only, as there are no smaller ones; peak: the largest load changes its place; contact: a pair that enters or leaves begins or ceases to touch; grazing: flanks on the path do; fold: the motion ceases to be; none: no motion"""
+
 class PrecisionTable(Table):
     """results at several resolutions, with their errors and run times"""
 
@@ -1436,6 +1496,12 @@ class Named:
     def branch_points(self) -> BranchPointsTable: ...
     @property
     def branch_changes(self) -> BranchChangesTable: ...
+    @property
+    def sensitivity(self) -> SensitivityTable: ...
+    @property
+    def dte_sensitivity(self) -> DteSensitivityTable: ...
+    @property
+    def ste_sensitivity(self) -> SteSensitivityTable: ...
     @property
     def precision(self) -> PrecisionTable: ...
     @property

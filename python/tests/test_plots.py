@@ -21,6 +21,7 @@ import gearsweep
 from gearsweep import Case, plots
 from gearsweep._outline import contact_path
 from gearsweep.plots.along_path import contact_points
+from gearsweep.plots.sensitivity import NUMBERS
 from gearsweep.plots.stress import principal
 
 ALONG_PATH = {'stiffness': 'mesh_stiffness_n_um', 'sharing': 'load_share', 'ste': 'ste_um'}
@@ -69,12 +70,13 @@ def both(rattling):
 def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, attractors={'starts': 4},
                                 branches={'first': 4000, 'last': 9000, 'seeds': 2, 'points': 20, 'most_periods': 1},
+                                sensitivity={'rpm': [4000, 6000]},
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
                                 transient={'rpm': [4000, 6000], 'modes': 3, 'samples': 20},
                                 life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
                                 pinion={'bore_mm': 20}, body_modes={'nodal_diameters': 2, 'elements_across': 2, 'shapes': 3},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'flank', 'rating', 'transient', 'life', 'body_modes'))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'sensitivity', 'flank', 'rating', 'transient', 'life', 'body_modes'))
 
 
 def all_plots():
@@ -551,10 +553,19 @@ def test_the_page_lists_every_picture_with_its_caption():
     assert {name for names, _, _ in rows for name in re.findall(r'plot_\w+', names)} == {plot.__name__ for plot in all_plots()}
 
 
+def test_sensitivity_shows_a_bar_for_each_number(everything):
+    table = everything.sensitivity
+    ax = plots.plot_sensitivity(everything, Figure().subplots(), rpm=6000, relief_um=table.relief_um[-1])
+    rows = (table.rpm == 6000) & (table.relief_um == table.relief_um[-1]) & np.isfinite(table.relative_slope)
+    widths = {label.get_text(): bar.get_width() for label, bar in zip(ax.get_yticklabels(), ax.patches)}
+    assert widths == {NUMBERS[name]: slope for name, slope in zip(table.number[rows], table.relative_slope[rows])}
+    assert len(widths) > 5 and list(np.abs(list(widths.values()))) == sorted(np.abs(list(widths.values())))
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'precision', 'flank', 'dynamic_factors',
-             'transient', 'transient_peaks', 'life_parts', 'body_modes')  # fmt: skip
+             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'sensitivity', 'precision', 'flank',
+             'dynamic_factors', 'transient', 'transient_peaks', 'life_parts', 'body_modes')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

@@ -28,6 +28,7 @@ PLACES = {
     'Points': 'sweep_summary',
     'Optimum relief': 'optimum',
     'Branches of periodic motions': 'branches branch_changes',
+    'By how many per cent the dynamic factor': 'sensitivity',
     'Precision at': 'precision precision_finest',
     'Flanks': 'flank_losses',
     'Rating by': 'rating dynamic_factors',

@@ -58,6 +58,7 @@ module gearsweep_inputs
     integer :: shape = 0
     character(8) :: start = ''                   !< hpstc, pitch, length, roll
     real(dp) :: length = 0, roll(2) = 0          !< m, rad
+    real(dp) :: shift(2) = 0                     !< by which the reliefs of pinion and gear begin later, base pitches
   end type relief_inputs_t
 
   !> Of an oscillator, beside pair stiffness and amount of relief.

@@ -11,7 +11,7 @@ module gearsweep_motions
   use gearsweep_text, only: str
   implicit none
   private
-  public :: build_motion, deepest_relief
+  public :: build_motion, deepest_relief, relief_start
 
 contains
 
@@ -103,6 +103,7 @@ contains
       case default
         start = [aint(ratio), ratio - aint(ratio)]
       end select
+      start = start + inputs%shift
     end associate
   end function relief_start
 end module gearsweep_motions

@@ -18,6 +18,7 @@ module gearsweep_tasks
   use gearsweep_task_section, only: section_task_t
   use gearsweep_task_stability, only: stability_task_t
   use gearsweep_task_static, only: static_task_t
+  use gearsweep_task_sensitivity, only: sensitivity_task_t
   use gearsweep_task_sweep, only: sweep_task_t
   use gearsweep_task_transient, only: transient_task_t
   use gearsweep_uses, only: sentence_length
@@ -58,6 +59,7 @@ contains
     call add(poincare_task_t())
     call add(attractors_task_t())
     call add(branches_task_t())
+    call add(sensitivity_task_t())
     call add(precision_task_t())
     call add(flank_task_t())
     call add(rating_task_t())

@@ -32,6 +32,7 @@ from .look import style
 from .over_speed import plot_optimum, plot_sweep
 from .precision import plot_precision
 from .rating import plot_rating
+from .sensitivity import plot_sensitivity
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 from .transient import plot_transient, plot_transient_peaks
@@ -56,6 +57,7 @@ __all__ = [
     'plot_precision',
     'plot_rating',
     'plot_section',
+    'plot_sensitivity',
     'plot_sharing',
     'plot_stability',
     'plot_static',

@@ -28,6 +28,7 @@ from .look import COLUMN, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
 from .precision import PANELS, plot_precision
 from .rating import plot_rating
+from .sensitivity import plot_sensitivity
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 from .transient import plot_transient, plot_transient_peaks
@@ -119,6 +120,15 @@ def _reliefs(table: str, plot: Callable, height: float = 80) -> Callable[[Study]
         return figure
 
     return draw
+
+
+def _sensitivity(study: Study) -> Figure:
+    """A panel for each relief and speed."""
+    points = list(dict.fromkeys(zip(study.sensitivity.relief_um, study.sensitivity.rpm)))
+    figure, axes = _panels(len(points), 'operating points', 2, 70)
+    for ax, (amount, rpm) in zip(axes, points):
+        plot_sensitivity(study, ax, rpm=rpm, relief_um=amount)
+    return figure
 
 
 def _mesh(study: Study) -> Figure:
@@ -237,6 +247,7 @@ PICTURES = {
     'basins': Picture('Which starts lead to which motion at one speed', _reliefs('basins', plot_basins)),
     'branches': Picture('Bifurcation diagram: dynamic factor of all branches, solid where the motion attracts, dashed where it repels, '
                         'with folds, doublings and grazing', _reliefs('branches', plot_branches, 90)),
+    'sensitivity': Picture('By how many per cent the dynamic factor changes with one per cent of each number of the case', _sensitivity),
     'precision': Picture("Relative error over run time, a curve for each method, the methods' own estimates beside it", _precision),
     'flank': Picture("Pressure, sliding, flash temperature and film along the path of contact, under the motion's load and, fine, the static one",
                      _flank),

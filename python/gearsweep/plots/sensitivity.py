@@ -1,0 +1,65 @@
+"""How much the dynamic factor changes with each number of the case."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..study import Study
+from ..table import Table
+from .look import ACCENT, INK, canvas
+from .reliefs import table_of
+
+#: What the axis says of a number.
+NUMBERS = {
+    'rpm': 'speed',
+    'normal_force_n': 'load',
+    'damping_ratio': 'damping ratio',
+    'friction': 'coefficient of friction',
+    'pinion_mass_kg': 'mass of the pinion',
+    'gear_mass_kg': 'mass of the gear',
+    'stiffness_factor': 'stiffness',
+    'pinion_relief_um': "pinion's relief",
+    'gear_relief_um': "gear's relief",
+    'pinion_relief_start': "start of the pinion's relief",
+    'gear_relief_start': "start of the gear's relief",
+    'profile_factor': 'profile error',
+    'backlash_um': 'backlash',
+}
+
+
+def plot_sensitivity(
+    sensitivity: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, relief_um: float | None = None
+) -> Axes:
+    """By how many per cent the dynamic factor grows where each number grows by one per cent: a bar for each, the longest on top.
+
+    Numbers by which there is no derivative are left out.
+
+    Parameters
+    ----------
+    sensitivity : Study or Table
+        A study, or its table `sensitivity`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    rpm : float, optional
+        The speed; otherwise the first.
+    relief_um : float, optional
+        The relief; otherwise the first.
+
+    Returns
+    -------
+    Axes
+    """
+    table = table_of(sensitivity, 'sensitivity')
+    rpm = table.rpm[0] if rpm is None else rpm
+    relief_um = table.relief_um[0] if relief_um is None else relief_um
+    rows = np.flatnonzero((table.rpm == rpm) & (table.relief_um == relief_um) & np.isfinite(table.relative_slope))
+    rows = rows[np.argsort(np.abs(table.relative_slope[rows]), kind='stable')]
+    with canvas(ax) as ax:
+        ax.barh(np.arange(len(rows)), table.relative_slope[rows], height=0.6, color=ACCENT)
+        ax.set_yticks(np.arange(len(rows)), [NUMBERS[name] for name in table.number[rows]])
+        ax.axvline(0, color=INK, linewidth=0.6)
+        ax.set_title(f'{rpm:g} rpm, relief {relief_um:g} µm')
+        ax.set_ylabel('Number of the case (–)')
+        ax.set_xlabel('Change of the dynamic factor over that of the number (–)')
+    return ax

@@ -1,0 +1,232 @@
+!> The task `sensitivity`: how the dynamic factor and the harmonics of dynamic and static transmission error change with each
+!> number of the case, at chosen speeds (see gearsweep_sensitivity).
+module gearsweep_task_sensitivity
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_case_numbers, only: case_number_t, is_static, list_numbers, number_names, number_units
+  use gearsweep_decimal, only: in_um
+  use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_error_estimate, only: point_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_oscillator, only: mesh_period
+  use gearsweep_points, only: of_factor, of_relief, of_speed
+  use gearsweep_motion_reading, only: differentiable_t
+  use gearsweep_reader, only: reader_t
+  use gearsweep_sensitivity, only: differentiate_motion, differentiate_static, prepare_motion, slope_name, slopes_t
+  use gearsweep_status, only: has_result
+  use gearsweep_stop, only: wants_stop
+  use gearsweep_table, only: no_number, table_t
+  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_text, only: str
+  implicit none
+  private
+  public :: sensitivity_task_t
+
+  type, extends(task_t) :: sensitivity_task_t
+    integer :: harmonics = 3
+  contains
+    procedure, nopass :: describe
+    procedure :: read_keys, run, add_report
+  end type sensitivity_task_t
+
+  !> One number of a motion, or of the mesh at rest (speed 0).
+  type :: row_t
+    real(dp) :: relief = 0, rpm = 0              !< m, 1/min
+    integer :: which = 0                         !< of `number_names`
+    real(dp) :: value = 0, dynamic_factor = 0
+    type(slopes_t) :: slopes
+  end type row_t
+
+  character(*), parameter :: group = 'sensitivity', of_unit = ', for one unit more of the number', &
+    of_harmonic = '0 for the mean, 1, 2 ... for the mesh frequency', of_number = 'which number of the case, with its unit', &
+    of_kind = 'smooth: there is a derivative; least: to larger values only, as there are no smaller ones; peak: the largest '// &
+      'load changes its place; contact: a pair that enters or leaves begins or ceases to touch; grazing: flanks on the path '// &
+      'do; fold: the motion ceases to be; none: no motion'
+  real(dp), parameter :: micro = 1e6_dp
+
+contains
+
+  pure subroutine describe(info)
+    type(task_info_t), intent(out) :: info
+
+    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy kept', &
+                       tables='sensitivity dte_sensitivity ste_sensitivity', fields='', &
+                       gives='derivatives of dynamic factor and transmission error by each number of the case')
+  end subroutine describe
+
+  !> Where a sweep takes the speeds too, it keeps its motions there.
+  subroutine read_keys(self, reader, error)
+    class(sensitivity_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+
+    call reader%add_group(group, 'The task sensitivity, at speeds of its own.')
+    call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, at_least=1e-6_dp, &
+                    at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion')
+    if (allocated(self%own_rpm)) self%keep = self%own_rpm
+    call self%read_reliefs(reader, group, error)
+    call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, at_least=1, at_most=100, &
+                    meaning='harmonics of the mesh frequency whose amplitudes are differentiated')
+  end subroutine read_keys
+
+  subroutine run(self, stages, error)
+    class(sensitivity_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(error_t), allocatable, intent(inout) :: error
+    type(row_t), allocatable :: rows(:), static(:)
+    integer, allocatable :: which(:)
+    integer :: i, k
+
+    call self%list_reliefs(stages, which)
+    allocate (rows(0), static(0))
+    do i = 1, size(which)
+      call add_static(self, stages, which(i), static)
+      do k = 1, size(self%own_rpm)
+        if (wants_stop(stages%accuracy%steady%stop)) return
+        call add_motion(self, stages, which(i), self%own_rpm(k), rows, error)
+        if (allocated(error)) return
+        call stages%running%tell(1, stages%accuracy%steady%stop)
+      end do
+    end do
+    call fill_factors(rows, self%tables(self%place('sensitivity')), error)
+    call fill_harmonics(rows, self%harmonics, 'dte', self%tables(self%place('dte_sensitivity')), error)
+    call fill_harmonics(static, self%harmonics, 'ste', self%tables(self%place('ste_sensitivity')), error)
+    self%is_done = .true.
+    self%log = 'sensitivity: '//str(size(rows))//' derivatives'
+  end subroutine run
+
+  !> The motion with a relief at a speed, by each number.
+  subroutine add_motion(self, stages, which, rpm, rows, error)
+    class(sensitivity_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: which
+    real(dp), intent(in) :: rpm
+    type(row_t), allocatable, intent(inout) :: rows(:)
+    type(error_t), allocatable, intent(inout) :: error
+    type(case_number_t), allocatable :: numbers(:)
+    type(differentiable_t) :: motion
+    type(point_t) :: point
+    type(row_t) :: row
+    logical :: lacks
+    integer :: i
+
+    call stages%find_point(which, rpm, point, lacks)
+    if (lacks) call fail(error, code_memory, '&sensitivity rpm = '//str(rpm)//': the memory does not hold the motion')
+    if (allocated(error)) return
+    if (.not. has_result(point%steady%status)) self%failed = self%failed + 1
+    associate (osc => stages%motion(which))
+      call prepare_motion(osc, mesh_period(osc%mesh%teeth(1), rpm), point, self%harmonics, motion)
+    end associate
+    call list_numbers(stages%motions_inputs, stages%amount(which), rpm, numbers)
+    do i = 1, size(numbers)
+      row = row_t(stages%amount(which), rpm, numbers(i)%which, numbers(i)%value, no_number())
+      if (has_result(point%steady%status)) row%dynamic_factor = point%dynamic_factor
+      call differentiate_motion(motion, numbers(i), row%slopes)
+      rows = [rows, row]
+    end do
+  end subroutine add_motion
+
+  !> The mesh with a relief, by each number that it depends on.
+  subroutine add_static(self, stages, which, rows)
+    class(sensitivity_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: which
+    type(row_t), allocatable, intent(inout) :: rows(:)
+    type(case_number_t), allocatable :: numbers(:)
+    type(row_t) :: row
+    integer :: i
+
+    call list_numbers(stages%motions_inputs, stages%amount(which), 0.0_dp, numbers)
+    do i = 1, size(numbers)
+      if (.not. is_static(numbers(i)%which)) cycle
+      numbers(i)%rpm = 1
+      row = row_t(stages%amount(which), 0.0_dp, numbers(i)%which, numbers(i)%value, no_number())
+      call differentiate_static(numbers(i), self%harmonics, row%slopes)
+      rows = [rows, row]
+    end do
+  end subroutine add_static
+
+  !> A row for each relief, speed and number.
+  subroutine fill_factors(rows, table, error)
+    type(row_t), intent(in) :: rows(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: unit(size(rows)), part(size(rows))
+
+    call table%begin('how the dynamic factor changes with each number of the case', size(rows), 11, error)
+    if (allocated(error)) return
+    unit = number_units(rows%which)
+    part = rows%value*rows%slopes%dynamic_factor/rows%dynamic_factor
+    call table%add_index('relief_um', 'um', of_relief, in_um(rows%relief))
+    call table%add_index('rpm', '1/min', of_speed, [rows%rpm])
+    call table%add_index('number', '', of_number, [number_names(rows%which)])
+    call table%add('value', '', 'its value, in the unit of its name', rows%value/unit)
+    call table%add('dynamic_factor', '', of_factor, [rows%dynamic_factor])
+    call table%add('slope', '', 'derivative of DF'//of_unit//'; NaN where there is none', rows%slopes%dynamic_factor*unit)
+    call table%add('error_estimate', '', 'estimated error of the slope; NaN where it is not known', rows%slopes%estimate*unit)
+    call table%add('slope_below', '', 'derivative to smaller values; NaN where there are none or contact changes', &
+                   rows%slopes%below*unit)
+    call table%add('slope_above', '', 'derivative to larger values', rows%slopes%above*unit)
+    call table%add('relative_slope', '', 'by how many per cent DF grows where the number grows by one per cent', part)
+    call table%add_words('derivative', of_kind, slope_name(rows%slopes%kind))
+  end subroutine fill_factors
+
+  !> A row for each relief, speed, number and harmonic; without speed for the static transmission error.
+  subroutine fill_harmonics(rows, harmonics, name, table, error)
+    type(row_t), intent(in) :: rows(:)
+    integer, intent(in) :: harmonics
+    character(*), intent(in) :: name             ! dte or ste
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: values(size(rows)*(harmonics + 1), 4)
+    integer :: which(size(rows)*(harmonics + 1)), harmonic(size(rows)*(harmonics + 1)), kind(size(rows)*(harmonics + 1))
+    integer :: i, k, n
+
+    if (allocated(error)) return
+    n = 0
+    do i = 1, size(rows)
+      do k = 0, harmonics
+        n = n + 1
+        which(n) = rows(i)%which
+        harmonic(n) = k
+        kind(n) = rows(i)%slopes%kind
+        values(n, :) = [rows(i)%relief, rows(i)%rpm, rows(i)%slopes%amplitude(k), rows(i)%slopes%amplitude_estimate(k)]
+        values(n, 3:) = values(n, 3:)*number_units(which(n))
+      end do
+    end do
+    call table%begin('how mean and harmonics of the '//trim(merge('dynamic', 'static ', name == 'dte'))// &
+                     ' transmission error change with each number of the case', n, 7, error)
+    if (allocated(error)) return
+    call table%add_index('relief_um', 'um', of_relief, in_um(values(:, 1)))
+    if (name == 'dte') call table%add_index('rpm', '1/min', of_speed, values(:, 2))
+    call table%add_index('number', '', of_number, [number_names(which)])
+    call table%add_index('harmonic', '', of_harmonic, harmonic)
+    call table%add(name//'_slope_um', 'um', 'derivative of its amplitude'//of_unit//'; NaN where there is none', &
+                   micro*values(:, 3))
+    call table%add('error_estimate', '', 'estimated error of the slope; NaN where it is not known', micro*values(:, 4))
+    call table%add_words('derivative', of_kind, slope_name(kind))
+  end subroutine fill_harmonics
+
+  pure subroutine add_report(self, lines)
+    class(sensitivity_task_t), intent(in) :: self
+    type(lines_t), intent(inout) :: lines
+    integer, parameter :: most = 60
+    integer :: i
+
+    associate (table => self%tables(self%place('sensitivity')))
+      call lines%add('')
+      call lines%add('By how many per cent the dynamic factor grows where a number grows by one per cent')
+      call lines%add('   relief um         rpm   number                      value   per cent')
+      do i = 1, min(table%rows, most)
+        call lines%put(right(str(table%number('relief_um', i)), 12)//right(str(table%number('rpm', i)), 12)//'   '// &
+                       left(table%word('number', i), 20)//right(str(table%number('value', i), 5), 13))
+        if (ieee_is_nan(table%number('relative_slope', i))) then
+          call lines%add('          -   '//trim(table%word('derivative', i)))
+        else
+          call lines%add(right(str(table%number('relative_slope', i), 4), 11))
+        end if
+      end do
+      if (table%rows > most) call lines%add(left('', 15)//'and '//str(table%rows - most)//' more')
+    end associate
+  end subroutine add_report
+end module gearsweep_task_sensitivity
