@@ -60,7 +60,7 @@ def test_all_is_reached_by_the_keyboard(browser, front):
     for _ in range(400):
         page.keyboard.press('Tab')
         reached.add(page.evaluate('() => document.activeElement.id || document.activeElement.tagName'))
-    for name in ('cases', 'open', 'save', 'tour', 'look', 'calculate', 'auto', 'find', 'pinion.teeth', 'relief.amount_um', 'case.tasks.stability', 'play', 'phase', 'loading', 'tab.pictures', 'picture'):
+    for name in ('cases', 'new', 'open', 'save', 'tour', 'look', 'calculate', 'auto', 'find', 'pinion.teeth', 'relief.amount_um', 'case.tasks.stability', 'play', 'phase', 'loading', 'tab.pictures', 'picture'):
         assert name in reached or (name == 'tab.pictures' and any(one.startswith('tab.') for one in reached)), name
     page.focus('#tab\\.pictures')
     page.keyboard.press('ArrowRight')

@@ -236,6 +236,24 @@ def test_tables_pictures_and_reports_are_files(window, small, tmp_path):
     assert {'small/small.sweep.csv', 'small/small.sweep.png', 'small/small.nml'} <= set(zipfile.ZipFile(io.BytesIO(content)).namelist())
 
 
+def test_a_pair_of_ones_own_has_no_number_of_a_paper(window):
+    """Effective masses and resonance are those of its own gears."""
+    window.page.click('#new')
+    window.until(lambda: 'torque_nm = 100' in window.text() and window.page.title().startswith('new '))
+    window.settled()
+    assert window.page.locator('#changed').is_hidden()
+    case = gearsweep.Case(window.text())
+    assert case.get('pinion', 'effective_mass_kg') is None
+    window.type('pinion', 'teeth', '27')
+    assert window.page.locator('#changed').is_visible()
+    study = gearsweep.run(case.changed(pinion={'teeth': 27}), ('mesh', 'optimum'))
+    assert window.number('Resonance') == f'{shown(study.motion.resonance_rpm)} 1/min'
+    assert window.number('Optimum relief') == f'{shown(study.optimum.relief_um, 4)} µm'
+    window.page.click('#undo')
+    window.settled()
+    assert window.page.locator('#changed').is_hidden()
+
+
 # --- pictures -----------------------------------------------------------------------
 
 

@@ -73,8 +73,20 @@ async function follow(isSliding) {
   await work.calculate(isSliding && asked.includes(task) ? [...new Set(['mesh', task])].filter((one) => asked.includes(one)) : null);
 }
 
+/** A pair of one's own begins with what has no default; masses follow from its gears. */
+const NEW = `&case tasks = 'mesh', 'sweep', 'optimum' /
+&pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 /
+&gear teeth = 34 /
+&load torque_nm = 100 /
+&relief amount_um = 0, 10, 20 /
+&mesh model = 'fe' /
+&sweep rpm_first = 1000 rpm_last = 20000 rpm_step = 100 /
+`;
+
 /** Shows a case that was opened, and computes it. */
 async function show(answer, name) {
+  state.opened = answer.text;
   put({ text: answer.text, place: answer.place ?? '', name: name ?? answer.name });
   settle(answer);
   await results();
@@ -103,6 +115,7 @@ async function undo(from, to) {
 
 function showState() {
   const place = byId('state'), now = work.progress();
+  byId('changed').hidden = state.text === state.opened;
   byId('undo').disabled = state.past.length === 0;
   byId('redo').disabled = state.future.length === 0;
   byId('cancel').hidden = !now;
@@ -131,6 +144,7 @@ function buttons() {
   byId('undo').addEventListener('click', () => undo(state.past, state.future).catch(told));
   byId('redo').addEventListener('click', () => undo(state.future, state.past).catch(told));
   byId('save').addEventListener('click', save);
+  byId('new').addEventListener('click', () => openText(NEW, 'new'));
   byId('open').addEventListener('click', () => byId('file').click());
   byId('file').addEventListener('change', async (event) => {
     const [file] = event.target.files;
@@ -208,7 +222,7 @@ async function start() {
   if (recall()) settle(await check());
   else {
     const answer = await call('open', about.start);
-    Object.assign(state, { text: answer.text, place: answer.place, name: answer.name });
+    Object.assign(state, { text: answer.text, opened: answer.text, place: answer.place, name: answer.name });
     settle(answer);
   }
   await results();

@@ -1,7 +1,7 @@
 // What this window holds: the case, its past, results and what is looked at. A reload brings it back; no other window sees it.
 
 export const state = {
-  text: '', place: '', name: 'case', given: {}, values: {}, unused: [], error: null,
+  text: '', opened: '', place: '', name: 'case', given: {}, values: {}, unused: [], error: null,
   past: [], future: [],
   study: null,      // the present results: name of the study, tables, report, columns that are here
   isStale: false,   // the case has changed since
@@ -9,7 +9,7 @@ export const state = {
   tab: 'pictures', picture: 'sweep', chosen: {}, own: {}, table: '',
 };
 
-const KEPT = ['text', 'place', 'name', 'past', 'future', 'tab', 'picture', 'own', 'table'];
+const KEPT = ['text', 'opened', 'place', 'name', 'past', 'future', 'tab', 'picture', 'own', 'table'];
 
 /** Keeps what a reload of this window is to bring back; results are computed again. */
 export function remember() {
