@@ -13,6 +13,6 @@ build_package || exit
 
 # Rows of the ledger that are open or not reproducible are expected failures, which count neither as passed nor as failed.
 ln -s "$root/data" "$work/data" || exit
-for page in python pictures stability branches sensitivity precision; do set -- "$root/doc/$page.md" "$@"; done
+for page in python pictures stability branches sensitivity precision asymmetric; do set -- "$root/doc/$page.md" "$@"; done
 export PYTHONPATH=$root
 run_pytest --doctest-modules --doctest-glob='*.md' --pyargs gearsweep "$root/python/tests" "$root/validation/tests" "$@"

@@ -53,6 +53,10 @@ VARIANTS = {
     'tangent-30-deg': {'static': {'tangent_deg': 30}},
 }
 
+# Pressure angles of the loaded flanks and of the others, as Karpat et al. compare them.
+ANGLES = ((20, 20), (25, 20), (30, 20), (20, 25), (20, 30))
+VARIANTS |= {f'angles-{drive}-{coast}': {'pair': {'pressure_angle_deg': drive, 'coast_angle_deg': coast}} for drive, coast in ANGLES}
+
 # Where between two nodes of Hassan's the load doubles, which is not stated; without any of them it does so all along.
 JUMPS = tuple(f'jump-{fifth}' for fifth in range(6))
 VARIANTS |= {name: {'transient': {'jump_at': fifth / 5}} for fifth, name in enumerate(JUMPS)}

@@ -23,13 +23,13 @@ def block(outcomes):
     """The counts by paper, and some rows, as Markdown."""
     by_name = {outcome.row.name: outcome for outcome in outcomes}
     rows = [_row(by_name[f'{paper}:{id}']) for paper, ids in SHOWN.items() for id in ids]
-    some = _table(('what', 'printed', 'gearsweep', 'inputs'), rows)
-    return f'{_table(*report.summary(outcomes))}\n\nSome of them:\n\n{some}'
+    some = markdown(('what', 'printed', 'gearsweep', 'inputs'), rows)
+    return f'{markdown(*report.summary(outcomes))}\n\nSome of them:\n\n{some}'
 
 
 def current():
     """The block as README.md holds it."""
-    return _parts()[1].strip()
+    return parts(PATH, BEGIN, END)[1].strip()
 
 
 def same(text, other):
@@ -41,16 +41,16 @@ def same(text, other):
 
 
 def update(outcomes):
-    before, _, after = _parts()
+    before, _, after = parts(PATH, BEGIN, END)
     PATH.write_text(f'{before}{block(outcomes)}\n{after}', encoding='utf-8')
 
 
-def _parts():
-    """README.md up to the block, the block, and the rest; the marks stay with the neighbours."""
-    pattern = f'(.*{re.escape(BEGIN)}\n)(.*)({re.escape(END)}.*)'
-    found = re.fullmatch(pattern, PATH.read_text(encoding='utf-8'), re.DOTALL)
+def parts(path, begin, end):
+    """A page up to a block, the block, and the rest; the marks stay with the neighbours."""
+    pattern = f'(.*{re.escape(begin)}\n)(.*)({re.escape(end)}.*)'
+    found = re.fullmatch(pattern, path.read_text(encoding='utf-8'), re.DOTALL)
     if not found:
-        raise ValueError(f'{PATH} lacks {BEGIN} or {END}')
+        raise ValueError(f'{path} lacks {begin} or {end}')
     return found.groups()
 
 
@@ -61,6 +61,7 @@ def _row(outcome):
     return (f'{NAMES[row.paper]}: {row.quantity}', f'{row.printed}{unit}', f'{outcome.ours:.5g}', row.inputs + reason)
 
 
-def _table(header, rows):
+def markdown(header, rows):
+    """A table."""
     lines = [header, ['---'] * len(header), *rows]
     return '\n'.join('| ' + ' | '.join(map(str, line)) + ' |' for line in lines)

@@ -545,6 +545,24 @@ def test_life_shows_the_parts_beside_the_curve():
     assert {'S-N curve', 'pinion', 'gear', '0', '10'} == set(labels)
 
 
+def test_compare_draws_a_column_of_several_studies(ax):
+    cases = {f'zeta {zeta}': Case(PRESCRIBED).changed(dynamics={'damping_ratio': zeta}) for zeta in (0.1, 0.2)}
+    studies = {name: gearsweep.run(case, ('sweep', 'mesh')) for name, case in cases.items()}
+    plots.compare(studies, 'sweep', 'dynamic_factor', ax, relief_um=15)
+    for line, (name, study) in zip(ax.lines, studies.items(), strict=True):
+        assert line.get_label() == name
+        np.testing.assert_array_equal(line.get_data(), [study.sweep.rpm, study.sweep.dynamic_factor[1]])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ('Speed of the pinion (1/min)', 'Dynamic factor (–)')
+    ax = plots.compare(studies, 'harmonics', 'amplitude_um', Figure().subplots(), relief_um=0)
+    for bars, study in zip(ax.containers, studies.values(), strict=True):
+        np.testing.assert_array_equal([bar.get_height() for bar in bars], study.harmonics.amplitude_um[0, 1:])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ('Harmonic (–)', 'Amplitude (µm)')
+    with pytest.raises(ValueError, match=r'sweep of zeta 0\.1: one index column must vary, not 2; say a value of all but one of relief_um, rpm'):
+        plots.compare(studies, 'sweep', 'dynamic_factor', ax)
+    with pytest.raises(TypeError, match='no index column speed'):
+        plots.compare(studies, 'sweep', 'dynamic_factor', ax, speed=1)
+
+
 def test_the_page_lists_every_picture_with_its_caption():
     rows = re.findall(r'^\| (`plot_.*?) \| .*? \| `(\w+)` \| (.*) \|$', (ROOT / 'doc/pictures.md').read_text(), re.MULTILINE)
     assert {name for _, name, _ in rows} == set(plots.PICTURES)

@@ -38,7 +38,7 @@ PLACES = {
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
-WORDS = ('ISO 6336-3', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '1e-2     1e-4     1e-6')
+WORDS = ('ISO 6336-3', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '1e-2     1e-4     1e-6')
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
 
 

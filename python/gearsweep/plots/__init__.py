@@ -35,10 +35,12 @@ from .rating import plot_rating
 from .sensitivity import plot_sensitivity
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
+from .studies import compare
 from .transient import plot_transient, plot_transient_peaks
 
 __all__ = [
     'PICTURES',
+    'compare',
     'draw_all',
     'figures',
     'plot_attractors',
