@@ -6,7 +6,10 @@ module test_life
   use gearsweep_error, only: error_t
   use gearsweep_fatigue, only: by_gerber, by_goodman, by_soderberg, count_cycles, curve_t, cycle_t, damage_of, &
     equivalent_amplitude, mean_ignored, strength_t, structural_steel
+  use gearsweep_form, only: iso_form, nominal_root_stress
+  use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
   use gearsweep_kinds, only: dp
+  use gearsweep_pair, only: make_pair, pair_t
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: make_table
@@ -31,6 +34,7 @@ contains
     if (t%wants('spectra')) call spectra(t)
     if (t%wants('idlers')) call idlers(t)
     if (t%wants('loads_of_motions')) call loads_of_motions(t)
+    if (t%wants('histories_of_motions')) call histories_of_motions(t)
   end subroutine run
 
   ! --- cycles ----------------------------------------------------------------------
@@ -158,20 +162,28 @@ contains
     type(tally_t), intent(inout) :: t
     character(*), intent(in) :: keys, name
     type(table_t), intent(out) :: table
+
+    call solve_case(t, '&pinion teeth = 21 / &gear teeth = 34 / &mesh model = ''iso6336'' corner_contact = .false. / '// &
+                    '&life curve_cycles = 1e4, 9.765625e10 curve_stress_mpa = 500, 20 '//keys//' /', name, table)
+  end subroutine solve
+
+  !> The same with all these groups beside what all cases have.
+  subroutine solve_case(t, groups, name, table)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: groups, name
+    type(table_t), intent(out) :: table
     type(study_t) :: study
     type(case_t) :: case
     type(error_t), allocatable :: error
 
-    call read_case('&case tasks = ''life'', ''rating'' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / '// &
-                   '&gear teeth = 34 / &load normal_force_n = 4000 / &mesh model = ''iso6336'' corner_contact = .false. / '// &
-                   '&rating rpm = 3000 / &life curve_cycles = 1e4, 9.765625e10 curve_stress_mpa = 500, 20 '// &
-                   keys//' /', case, error)
+    call read_case('&case tasks = ''life'', ''rating'' / &pair module_mm = 3 face_width_mm = 20 / '// &
+                   '&load normal_force_n = 4000 / &rating rpm = 3000 / '//groups, case, error)
     call check_no_error(t, 'the case', error)
     call run_study(case, '', 1, study, error)
     call check_no_error(t, 'the study', error)
     call make_table(study, name, table, error)
     call check_no_error(t, 'the table', error)
-  end subroutine solve
+  end subroutine solve_case
 
   !> The static load, whose root stress is in proportion: damage by the fifth power of the load, by the time, and by the teeth.
   subroutine spectra(t)
@@ -245,4 +257,102 @@ contains
       call check_true(t, 'the motion loads the teeth more than the static load does', parts%number('dynamic_factor', i) > 1.01_dp)
     end do
   end subroutine loads_of_motions
+
+  !> Between pairs of constant stiffness the motion swings several times within an engagement, and each swing is a cycle. It is
+  !> followed here by Runge-Kutta from rest until it repeats; with a curve of the slope 1 the damage is in proportion to the sum
+  !> of all amplitudes, small ones too.
+  subroutine histories_of_motions(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: masses = 'effective_mass_kg = 0.5 / '
+    type(pair_t) :: pair
+    type(table_t) :: parts
+    type(cycle_t), allocatable :: cycles(:)
+    real(dp), allocatable :: stress(:)
+    integer :: i
+
+    call solve_case(t, '&pinion teeth = 21 '//masses//'&gear teeth = 34 '//masses//'&dynamics damping_ratio = 0.05 / '// &
+                    '&mesh model = ''polynomial'' coefficients = 300 / &life mean_stress = ''none'' rpm = 3000 duration_h = 1 '// &
+                    'curve_cycles = 1e4, 5e9 curve_stress_mpa = 500, 1e-3 /', 'life_parts', parts)
+    call make_stated_pair(t, pair)
+    do i = 1, 2
+      call swinging_stress(pair, i, 4000.0_dp, 3e8_dp, 0.5_dp, 0.05_dp, 60/(21*3000.0_dp), stress)
+      cycles = count_cycles([stress, 0.0_dp])
+      call check_true(t, 'a history with swings', count(cycles%amplitude > 0.02_dp*maxval(stress)) > 3)
+      call check_close(t, 'largest stress of the history', parts%number('root_stress_mpa', i), maxval(stress)/mega, 2e-3_dp)
+      call check_close(t, 'sum of the amplitudes', parts%number('damage', i)/parts%number('engagements', i), &
+                       sum(cycles%amplitude)/(5e6_dp*mega), 5e-3_dp)
+    end do
+  end subroutine histories_of_motions
+
+  !> The pair of the cases above.
+  subroutine make_stated_pair(t, pair)
+    type(tally_t), intent(inout) :: t
+    type(pair_t), intent(out) :: pair
+    type(gear_t) :: gear(2)
+    type(error_t), allocatable :: error
+    integer, parameter :: teeth(2) = [21, 34]
+    character(6), parameter :: members(2) = [character(6) :: 'pinion', 'gear']
+    integer :: i
+
+    do i = 1, 2
+      call make_gear(gear_spec_t(trim(members(i)), teeth(i), 0.003_dp, face_width=0.02_dp), gear(i), error)
+      call check_no_error(t, 'gear', error)
+    end do
+    call make_pair(gear(1), gear(2), 0.0825_dp, pair, error)
+    call check_no_error(t, 'pair', error)
+  end subroutine make_stated_pair
+
+  !> Root stress (Pa) of one engagement under the motion m/2 (x" + 2 zeta w x' + w^2 x) = F, w^2 = n k 2/m, with n pairs of
+  !> stiffness k in contact, once it repeats; each carries k x.
+  subroutine swinging_stress(pair, member, load, stiffness, mass, damping, period, stress)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: member
+    real(dp), intent(in) :: load, stiffness, mass, damping, period
+    real(dp), allocatable, intent(out) :: stress(:)
+    integer, parameter :: steps = 2000, turns = 200
+    real(dp) :: x(2), slope(2, 4), h, deflection(0:2*steps), s, radius
+    integer :: i, n, turn, pairs
+
+    x = [load/(2*stiffness), 0.0_dp]
+    do turn = 1, turns
+      do i = 0, 2*steps - 1
+        ! Two pairs while the one ahead has not left, and one from there to the period's end; so no step meets the change.
+        if (i < steps) then
+          h = (pair%contact_ratio - 1)*period/steps
+          pairs = 2
+        else
+          h = (2 - pair%contact_ratio)*period/steps
+          pairs = 1
+        end if
+        deflection(i) = x(1)
+        slope(:, 1) = rate(x)
+        slope(:, 2) = rate(x + h/2*slope(:, 1))
+        slope(:, 3) = rate(x + h/2*slope(:, 2))
+        slope(:, 4) = rate(x + h*slope(:, 3))
+        x = x + h/6*(slope(:, 1) + 2*slope(:, 2) + 2*slope(:, 3) + slope(:, 4))
+      end do
+      deflection(2*steps) = x(1)
+    end do
+    ! A pair goes through two pairs, one, and two again.
+    allocate (stress(3*steps))
+    do i = 1, 3*steps
+      n = modulo(i - 1, steps)
+      if (i <= steps) s = (pair%contact_ratio - 1)*n/steps
+      if (i > steps) s = pair%contact_ratio - 1 + (2 - pair%contact_ratio)*n/steps
+      if (i > 2*steps) s = 1 + (pair%contact_ratio - 1)*n/steps
+      radius = min(pair%gear(member)%tip_radius, pair%radius(member, s))
+      stress(i) = nominal_root_stress(pair, member, iso_form(pair%gear(member), radius), &
+                                      stiffness*deflection(modulo(i - 1, 2*steps)))
+    end do
+
+  contains
+
+    pure function rate(now)
+      real(dp), intent(in) :: now(2)
+      real(dp) :: rate(2), w
+
+      w = sqrt(2*pairs*stiffness/mass)
+      rate = [now(2), 2*load/mass - 2*damping*w*now(2) - w**2*now(1)]
+    end function rate
+  end subroutine swinging_stress
 end module test_life

@@ -1,4 +1,4 @@
-!> The load of a pair of teeth along its path of contact, static or of the motion, as the task `flank` takes it.
+!> The load of a pair of teeth along its path of contact, static or of the motion, as the tasks `flank` and `life` take it.
 module gearsweep_flank_paths
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_flank, only: contact_t
@@ -10,7 +10,6 @@ module gearsweep_flank_paths
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_table, only: no_number
-  use gearsweep_task, only: stages_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -61,16 +60,16 @@ contains
     path%estimate = no_number()
   end subroutine follow_static
 
-  !> The load of the motion with relief number `relief` at the path's speed. `error`: the memory does not hold the motion.
-  subroutine follow_motion(stages, relief, path, error)
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: relief
+  !> The load of a motion under the load `static` (N). `key`: of the speed, for messages. `error`: the memory does not hold it.
+  subroutine follow_motion(pair, response, static, key, path, error)
+    type(pair_t), intent(in) :: pair
+    type(response_t), intent(in) :: response
+    real(dp), intent(in) :: static
+    character(*), intent(in) :: key
     type(path_t), intent(inout) :: path
     type(error_t), allocatable, intent(inout) :: error
-    type(response_t) :: response
 
-    call stages%find_motion(relief, path%rpm, response)
-    if (response%lacks) call fail(error, code_memory, '&flank rpm = '//str(path%rpm)//': the memory does not hold the motion')
+    if (response%lacks) call fail(error, code_memory, key//' = '//str(response%rpm)//': the memory does not hold the motion')
     if (allocated(error)) return
     path%is_dynamic = .true.
     path%status = response%point%steady%status
@@ -78,8 +77,10 @@ contains
     path%s = response%s
     path%load = response%load
     path%loss_factor = no_number()
+    path%dynamic_factor = no_number()
+    path%estimate = no_number()
     if (.not. has_result(path%status)) return
-    path%loss_factor = followed_loss_factor(stages%pair, path%pair, path%s, path%load, stages%load)
+    path%loss_factor = followed_loss_factor(pair, path%pair, path%s, path%load, static)
     path%dynamic_factor = response%point%dynamic_factor
     path%estimate = response%point%estimate
   end subroutine follow_motion

@@ -1,16 +1,14 @@
 !> One part of a load spectrum, as the task `life` takes it: the motion, or the static load, and what it does to the tooth roots.
 module gearsweep_life_parts
-  use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_error, only: error_t
   use gearsweep_fatigue, only: curve_t, strength_t
-  use gearsweep_flank_paths, only: follow_static, path_t
+  use gearsweep_flank_paths, only: follow_motion, follow_static, path_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_response, only: find_response, response_t
   use gearsweep_root_life, only: root_life, root_life_t
   use gearsweep_status, only: has_result, status_ok
-  use gearsweep_table, only: no_number
   use gearsweep_task, only: stages_t
-  use gearsweep_text, only: str
   implicit none
   private
   public :: life_rule_t, part_t, follow_part
@@ -44,16 +42,25 @@ contains
     type(life_rule_t), intent(in) :: rule
     type(part_t), intent(out) :: part
     type(error_t), allocatable, intent(inout) :: error
+    type(oscillator_t), allocatable :: osc
+    type(response_t) :: response
     type(path_t) :: path
     real(dp) :: factor
     integer :: i
 
-    if (rule%dynamic_load) then
-      call follow_motion(stages, relief, rpm, load_factor, path, error)
-    else
-      call follow_share(stages, relief, load_factor, path, error)
-    end if
+    call load_with(stages, relief, load_factor, osc, error)
     if (allocated(error)) return
+    if (.not. rule%dynamic_load) then
+      call follow_static(stages%pair, osc, path)
+    else
+      if (abs(load_factor - 1) > 0) then
+        call find_response(osc, rpm, stages%accuracy, response)
+      else
+        call stages%find_motion(relief, rpm, response)
+      end if
+      call follow_motion(stages%pair, response, osc%load, '&life rpm', path, error)
+      if (allocated(error)) return
+    end if
     part%status = path%status
     part%dynamic_factor = path%dynamic_factor
     associate (teeth => stages%pair%gear%spec%teeth)
@@ -66,44 +73,6 @@ contains
                                rule%stress_ratio, rule%strength, rule%curve)
     end do
   end subroutine follow_part
-
-  subroutine follow_motion(stages, relief, rpm, load_factor, path, error)
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: relief
-    real(dp), intent(in) :: rpm, load_factor
-    type(path_t), intent(inout) :: path
-    type(error_t), allocatable, intent(inout) :: error
-    type(response_t) :: response
-    type(oscillator_t), allocatable :: osc
-
-    if (abs(load_factor - 1) > 0) then
-      call load_with(stages, relief, load_factor, osc, error)
-      if (allocated(error)) return
-      call find_response(osc, rpm, stages%accuracy, response)
-    else
-      call stages%find_motion(relief, rpm, response)
-    end if
-    if (response%lacks) call fail(error, code_memory, '&life rpm = '//str(rpm)//': the memory does not hold the motion')
-    if (allocated(error)) return
-    path%status = response%point%steady%status
-    path%pair = response%pair
-    path%s = response%s
-    path%load = response%load
-    path%dynamic_factor = no_number()
-    if (has_result(path%status)) path%dynamic_factor = response%point%dynamic_factor
-  end subroutine follow_motion
-
-  subroutine follow_share(stages, relief, load_factor, path, error)
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: relief
-    real(dp), intent(in) :: load_factor
-    type(path_t), intent(inout) :: path
-    type(error_t), allocatable, intent(inout) :: error
-    type(oscillator_t), allocatable :: osc
-
-    call load_with(stages, relief, load_factor, osc, error)
-    if (.not. allocated(error)) call follow_static(stages%pair, osc, path)
-  end subroutine follow_share
 
   !> The equation of motion under another load, with the stiffness of the case.
   subroutine load_with(stages, relief, load_factor, osc, error)

@@ -28,7 +28,7 @@ module gearsweep_task
   use gearsweep_text, only: str
   implicit none
   private
-  public :: task_t, task_info_t, stages_t, running_t, check_reliefs, includes, split_names
+  public :: task_t, task_info_t, stages_t, running_t, check_reliefs, includes, includes_if_moving, split_names
 
   integer, parameter, public :: task_length = 12, table_length = 18
   character(*), parameter, public :: members(2) = [character(6) :: 'pinion', 'gear']
@@ -214,6 +214,15 @@ contains
 
     includes = index(' '//needs//' ', ' '//stage//' ') > 0
   end function includes
+
+  !> The same of a task that takes the load of the motion only sometimes: when it does not (`moving`), nothing of the motion counts.
+  pure logical function includes_if_moving(needs, stage, moving) result(includes_it)
+    character(*), intent(in) :: needs, stage
+    logical, intent(in) :: moving
+
+    includes_it = includes(needs, stage)
+    if (.not. moving) includes_it = includes_it .and. .not. includes('motion losses accuracy kept', stage)
+  end function includes_if_moving
 
   !> The words of a list with blanks between them.
   pure subroutine split_names(list, names)

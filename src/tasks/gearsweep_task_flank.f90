@@ -13,10 +13,11 @@ module gearsweep_task_flank
   use gearsweep_mesh_losses, only: even_load_factor, friction_rule_t, half_shares_factor, mean_friction
   use gearsweep_points, only: of_estimate, of_factor, of_relief, of_speed, of_status, words_of
   use gearsweep_reader, only: reader_t
+  use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: no_number, table_t
-  use gearsweep_task, only: check_reliefs, includes, stages_t, task_info_t, task_t
+  use gearsweep_task, only: check_reliefs, includes_if_moving, stages_t, task_info_t, task_t
   use gearsweep_text, only: fixed, str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
@@ -54,8 +55,7 @@ contains
     class(flank_task_t), intent(in) :: self
     character(*), intent(in) :: stage
 
-    uses = includes(stages_needed, stage)
-    if (any(stage == [character(8) :: 'motion', 'losses', 'accuracy', 'kept'])) uses = uses .and. self%dynamic_load
+    uses = includes_if_moving(stages_needed, stage, self%dynamic_load)
   end function uses
 
   subroutine read_keys(self, reader, error)
@@ -172,6 +172,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(path_t), allocatable :: found(:)
     type(path_t) :: static
+    type(response_t) :: response
     integer, allocatable :: which(:)
     integer :: i, k, n, kinds
 
@@ -196,7 +197,8 @@ contains
           if (.not. self%dynamic_load) cycle
           n = n + 1
           found(n) = static
-          call follow_motion(stages, which(i), found(n), error)
+          call stages%find_motion(which(i), static%rpm, response)
+          call follow_motion(stages%pair, response, stages%load, '&flank rpm', found(n), error)
           if (allocated(error)) return
           call stages%running%tell(1, stages%accuracy%steady%stop)
         end do

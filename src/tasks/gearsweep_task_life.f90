@@ -14,7 +14,7 @@ module gearsweep_task_life
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, no_number, over_and_over, table_t
-  use gearsweep_task, only: check_reliefs, includes, members, stages_t, task_info_t, task_t
+  use gearsweep_task, only: check_reliefs, includes_if_moving, members, stages_t, task_info_t, task_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
@@ -50,8 +50,7 @@ contains
     class(life_task_t), intent(in) :: self
     character(*), intent(in) :: stage
 
-    uses = includes(stages_needed, stage)
-    if (any(stage == [character(8) :: 'motion', 'losses', 'accuracy', 'kept'])) uses = uses .and. self%rule%dynamic_load
+    uses = includes_if_moving(stages_needed, stage, self%rule%dynamic_load)
   end function uses
 
   subroutine read_keys(self, reader, error)
