@@ -12,6 +12,7 @@ module test_elastic_modes
   use gearsweep_section, only: section_options_t, section_t, make_section
   use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_text, only: str
+  use hassan_gears, only: hassan_gear, hassan_options
   use random_bodies, only: random_body_t, random_body
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
@@ -230,12 +231,6 @@ contains
     call check_true(t, 'estimates hold twofold in 95 %', 20*optimistic <= bodies*modes, str(optimistic)//' of '//str(bodies*modes))
   end subroutine honest_estimates
 
-  type(gear_t) function hassan_gear() result(gear)
-    type(error_t), allocatable :: error
-
-    call make_gear(gear_spec_t('pinion', 30, 0.025_dp, face_width=0.125_dp, rack_tip_radius=0.30_dp), gear, error)
-  end function hassan_gear
-
   !> Modes of Hassan's section on two grids.
   subroutine hassan_modes(material, across, count, modal, error)
     type(material_t), intent(in) :: material
@@ -244,7 +239,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(section_body_t) :: grids(2)
 
-    call make_two_grids(hassan_gear(), material, hassan_options(across), grids, error)
+    call make_two_grids(hassan_gear(30), material, hassan_options(across), grids, error)
     if (.not. allocated(error)) call section_modes(grids, count, modal, error)
   end subroutine hassan_modes
 
@@ -275,14 +270,6 @@ contains
     call check_true(t, 'mode 1 lives in the middle tooth', fine%modes%participation(2, 1) > 0.8_dp)
   end subroutine hassan_section
 
-  type(section_options_t) function hassan_options(across) result(options)
-    integer, intent(in) :: across
-
-    options%half_angle = 17.5_dp*pi/180
-    options%rim = 0.140625_dp
-    options%elements_across = across
-  end function hassan_options
-
   !> The factored grids know neither width nor stiffness; the modes are those of a body that has its own.
   subroutine own_material(t)
     type(tally_t), intent(inout) :: t
@@ -295,7 +282,7 @@ contains
 
     call hassan_modes(hassan_steel, 6, 5, modal, error)
     call check_no_error(t, 'modes on two grids', error)
-    call make_section(hassan_gear(), hassan_options(6), section, error)
+    call make_section(hassan_gear(30), hassan_options(6), section, error)
     call make_body(section%grid, hassan_steel, .false., section%gear%spec%face_width, spread(section%is_held(), 1, 2), &
                    1e9_dp, body, error)
     call find_modes(body, 5, own, error)

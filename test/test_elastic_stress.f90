@@ -8,12 +8,12 @@ module test_elastic_stress
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive, coast
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
-  use gearsweep_pair, only: pair_t, make_pair
   use gearsweep_section, only: section_t, section_options_t, make_section
   use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_stress, only: root_stress_t, root_stress
   use gearsweep_text, only: str
   use gearsweep_vtu, only: vtu_field_t, vtu_text
+  use hassan_gears, only: hassan_gear, hassan_options, hassan_pair
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
   implicit none
   private
@@ -32,27 +32,6 @@ contains
     if (t%wants('outline')) call outline(t)
     if (t%wants('picture')) call picture(t)
   end subroutine run
-
-  type(gear_t) function hassan_gear(teeth) result(gear)
-    integer, intent(in) :: teeth
-    type(error_t), allocatable :: error
-
-    call make_gear(gear_spec_t('pinion', teeth, 0.025_dp, face_width=0.125_dp, rack_tip_radius=0.30_dp), gear, error)
-  end function hassan_gear
-
-  type(pair_t) function hassan_pair() result(pair)
-    type(error_t), allocatable :: error
-
-    call make_pair(hassan_gear(30), hassan_gear(60), 1.125_dp, pair, error)
-  end function hassan_pair
-
-  type(section_options_t) function hassan_options(across) result(options)
-    integer, intent(in) :: across
-
-    options%half_angle = 17.5_dp*pi/180
-    options%rim = 0.140625_dp
-    options%elements_across = across
-  end function hassan_options
 
   subroutine stress_of(gear, material, options, radius, line_load, stress, error)
     type(gear_t), intent(in) :: gear

@@ -8,6 +8,7 @@ module gearsweep_root_rating
   use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: pair_t
   use gearsweep_sharing, only: load_share
+  use gearsweep_sorting, only: sorted
   use gearsweep_stress, only: root_stress_t
   use gearsweep_text, only: str
   implicit none
@@ -162,23 +163,6 @@ contains
       s = max(0.0_dp, min(pair%contact_ratio, s))
     end if
   end function load_positions
-
-  pure function sorted(values) result(list)
-    real(dp), intent(in) :: values(:)
-    real(dp) :: list(size(values))
-    real(dp) :: key
-    integer :: i, j
-
-    list = values
-    do i = 2, size(list)
-      key = list(i)
-      do j = i - 1, 1, -1
-        if (list(j) <= key) exit
-        list(j + 1) = list(j)
-      end do
-      list(j + 1) = key
-    end do
-  end function sorted
 
   !> Where the load acts on the member at the positions `s` (m).
   pure function load_radius(pair, options, s) result(radius)

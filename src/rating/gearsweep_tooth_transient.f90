@@ -4,8 +4,9 @@ module gearsweep_tooth_transient
   use gearsweep_gear, only: coast, drive
   use gearsweep_kinds, only: dp, pi
   use gearsweep_passage, only: passage_t
+  use gearsweep_sorting, only: sorted
   use gearsweep_stress, only: find_peaks, peak_difference, root_stress_t
-  use gearsweep_modal_superposition, only: motion_record_t, superpose
+  use gearsweep_modal_superposition, only: load_history_t, motion_record_t, superpose
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: per_point, tooth_modes_t
   implicit none
@@ -38,6 +39,8 @@ module gearsweep_tooth_transient
 
   !> So often a period of the highest mode is looked at, and so often at most in all.
   integer, parameter :: per_period = 8, most_looks = 10000, most_steps = 1000000
+  !> Points on either side of the largest whose times are looked at.
+  integer, parameter :: about = 2
 
 contains
 
@@ -70,7 +73,7 @@ contains
     type(tooth_transient_t), intent(out) :: product
     type(error_t), allocatable, intent(inout) :: error
     type(motion_record_t) :: coarse
-    type(root_stress_t) :: coarse_peaks
+    type(root_stress_t) :: seen, coarsely_seen
     real(dp), allocatable :: sample(:)
     integer :: finer, k
 
@@ -85,12 +88,12 @@ contains
       allocate (product%s, source=[(at_time(history%time, passage%s, sample(k)), k=1, size(sample))])
       allocate (product%load, source=[(at_time(history%time, history%load, sample(k)), k=1, size(sample))])
     end associate
-    call gather_peaks(tooth(1), product%record%highest, product%record%lowest, product%peaks)
-    call gather_peaks(tooth(2), coarse%highest, coarse%lowest, coarse_peaks)
-    call gather_peaks(tooth(1), product%record%static_highest, product%record%static_lowest, product%static)
-    product%peaks%error_estimate = max(peak_difference(product%peaks, coarse_peaks, product%peaks%tension), &
-                                       peak_difference(product%peaks, coarse_peaks, product%peaks%compression)) &
-                                   /abs(step_ratio**2 - 1)
+    call find_moments(tooth(1), passage%history, look%corrected, product, error)
+    if (allocated(error)) return
+    call fill_fillets(tooth(1), extremes(product%record), seen)
+    call fill_fillets(tooth(2), extremes(coarse), coarsely_seen)
+    product%peaks%error_estimate = max(peak_difference(seen, coarsely_seen, seen%tension), &
+                                       peak_difference(seen, coarsely_seen, seen%compression))/abs(step_ratio**2 - 1)
     call compare_points(tooth, step_ratio, product, coarse)
   end subroutine follow_tooth
 
@@ -132,22 +135,73 @@ contains
     rows = [(tooth%row_of(1) + i, i=1, size(rows))]
   end function chosen_rows
 
-  !> The largest of the fillets, between their points too, from the largest of all rows.
-  pure subroutine gather_peaks(tooth, highest, lowest, peaks)
+  !> The largest stresses of the fillets in motion and at rest, between their points too. Neighbouring points may see their largest
+  !> at different times, so that no curve through those is a stress there ever is: the fillets are looked at as they are at the
+  !> times at which the points around the largest see theirs.
+  subroutine find_moments(tooth, history, corrected, product, error)
     type(tooth_modes_t), intent(in) :: tooth
-    real(dp), intent(in) :: highest(:), lowest(:)
-    type(root_stress_t), intent(out) :: peaks
+    type(load_history_t), intent(in) :: history
+    logical, intent(in) :: corrected
+    type(tooth_transient_t), intent(inout) :: product
+    type(error_t), allocatable, intent(inout) :: error
+    type(motion_record_t) :: moments
+    real(dp), allocatable :: at_rest(:, :), time(:)
+    integer :: high(2*about + 1), low(2*about + 1), i
+
+    associate (record => product%record, n => size(tooth%side(drive)%along) + size(tooth%side(coast)%along))
+      high = around(tooth, maxloc(record%highest(:n), 1))
+      low = around(tooth, minloc(record%lowest(:n), 1))
+      time = sorted([record%time_highest(high), record%time_lowest(low)])
+      call superpose(tooth%model, history, [(i, i=1, n)], [history%time(1), time], 1, corrected, moments, error)
+      if (allocated(error)) return
+      call fill_fillets(tooth, moments%value, product%peaks)
+      ! At rest the stress is linear between the points of the history, and so largest at one of them.
+      at_rest = matmul(tooth%model%static(:n, :), history%weight*spread(history%load, 1, size(history%weight, 1)))
+      high = around(tooth, maxloc(maxval(at_rest, 2), 1))
+      low = around(tooth, minloc(minval(at_rest, 2), 1))
+      at_rest = at_rest(:, [maxloc(at_rest(high, :), 2), minloc(at_rest(low, :), 2)])
+      call fill_fillets(tooth, at_rest, product%static)
+    end associate
+  end subroutine find_moments
+
+  !> The rows about a row of a fillet, on the same side.
+  pure function around(tooth, row) result(rows)
+    type(tooth_modes_t), intent(in) :: tooth
+    integer, intent(in) :: row
+    integer :: rows(2*about + 1)
+    integer :: first, i
+
+    first = tooth%first_of_side(merge(drive, coast, row <= tooth%first_of_side(coast)))
+    associate (n => merge(size(tooth%side(drive)%along), size(tooth%side(coast)%along), first == 0))
+      rows = [(max(first + 1, min(first + n, row + i)), i=-about, about)]
+    end associate
+  end function around
+
+  !> The largest and the least that each row sees, each at a time of its own.
+  pure function extremes(record) result(values)
+    type(motion_record_t), intent(in) :: record
+    real(dp) :: values(size(record%highest), 2)
+
+    values(:, 1) = record%highest
+    values(:, 2) = record%lowest
+  end function extremes
+
+  !> Stresses (row, column) along the fillets as columns, and their largest.
+  pure subroutine fill_fillets(tooth, rows, fillets)
+    type(tooth_modes_t), intent(in) :: tooth
+    real(dp), intent(in) :: rows(:, :)
+    type(root_stress_t), intent(out) :: fillets
     integer :: side
 
-    peaks%gear = tooth%unit%gear
-    peaks%side = tooth%side
+    fillets%gear = tooth%unit%gear
+    fillets%side = tooth%side
     do side = drive, coast
       associate (first => tooth%first_of_side(side), n => size(tooth%side(side)%along))
-        peaks%side(side)%stress = reshape([highest(first + 1:first + n), lowest(first + 1:first + n)], [n, 2])
+        fillets%side(side)%stress = rows(first + 1:first + n, :)
       end associate
     end do
-    call find_peaks(peaks)
-  end subroutine gather_peaks
+    call find_peaks(fillets)
+  end subroutine fill_fillets
 
   !> By how much the two grids differ at the chosen points, for second order.
   pure subroutine compare_points(tooth, step_ratio, product, coarse)
