@@ -34,6 +34,7 @@ program check
   use test_extremes, only: run_extremes => run
   use test_flank, only: run_flank => run
   use test_found, only: run_found => run
+  use test_frequency_response, only: run_frequency_response => run
   use test_geometry, only: run_geometry => run
   use test_grading, only: run_grading => run
   use test_honesty, only: run_honesty => run
@@ -112,6 +113,7 @@ program check
     & suite_t('flank', run_flank), &
     & suite_t('iso_rating', run_iso_rating), &
     & suite_t('transient', run_transient), &
+    & suite_t('frequency_response', run_frequency_response), &
     & suite_t('life', run_life), &
     & suite_t('closed_stress', run_closed_stress), &
     & suite_t('closed_estimates', run_closed_estimates), &

@@ -20,10 +20,10 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(18) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(19) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
     'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'sensitivity: ', 'flank: ', &
-    'rating: ', 'transient: ', 'life: ', 'body_modes: ']
+    'rating: ', 'transient: ', 'harmonic: ', 'life: ', 'body_modes: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -90,7 +90,7 @@ contains
     do k = 1, size(tasks)
       ! These need a gear.
       if (any(tasks(k) == [character(10) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
-                          'life', 'body_modes'])) cycle
+                          'harmonic', 'life', 'body_modes'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', merge(8, 1, tasks(k) == 'precision'), &
                                      k, changes)
     end do
@@ -296,6 +296,15 @@ contains
     call add('transient samples', '30', 'g')
     call add('transient time_step_s', '1e-5', 'g', 'transient samples ')
     call add('mesh nonlinear_contact', '.false.', 'g', 'transient sharing ''equal''')
+    call add('harmonic frequency_hz', '0, 9e4', 'g')
+    call add('harmonic modes', '3', 'g')
+    call add('harmonic rayleigh_alpha_1_s', '200', 'g')
+    call add('harmonic rayleigh_beta_s', '1e-7', 'g')
+    call add('harmonic damping_ratio', '0.02', 'g')
+    call add('harmonic tangent_deg', '35', 'g')
+    call add('harmonic s', '0.9', 'g')
+    call add('harmonic amplitude_n', '100', 'g')
+    call add('harmonic harmonics', '3', 'g')
     call add('relief shape', '''parabolic''', 'g', 'transient sharing ''equal''')
     call add('dynamics damping_ratio', '0.03', 'g', 'transient sharing ''motion''')
     call add('life rpm', '17000', 'g')
@@ -391,6 +400,7 @@ contains
              'section teeth 1;section elements_across 3;static positions 9;modal modes 2;dynamics damping_ratio 0.02;'// &
              'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;rating rpm 20000;'// &
              'transient rpm 20000;transient modes 2;transient positions 9;transient samples 20;'// &
+             'harmonic frequency_hz 0, 1e5;harmonic modes 2;'// &
              'life rpm 20000;life duration_h 9;'// &
              'life tensile_strength_mpa 1500;'// &
              'body_modes modes 1;body_modes nodal_diameters 0;body_modes elements_across 2;body_modes shapes 1;'//few)

@@ -34,9 +34,10 @@ module test_scenes
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
     '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''branches'', ''sensitivity'', ''precision'', ''flank'','// &
-    '  ''rating'', ''transient'', ''life'','// &
+    '  ''rating'', ''transient'', ''harmonic'', ''life'','// &
     '  ''body_modes'' / &body_modes nodal_diameters = 2 elements_across = 2 /'// &
     '&flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
+    '&harmonic frequency_hz = 0, 1e5 modes = 3 /'// &
     '&life rpm = 5000 duration_h = 1 tensile_strength_mpa = 900 /'// &
     '&stability damping_count = 3 tongues = 2 /'// &
     '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &

@@ -1155,6 +1155,74 @@ class TransientPeaksTable(Table):
     status: NDArray[str_]
     """how the operating point ended, in a word"""
 
+class HarmonicTable(Table):
+    """stress, strain and displacement at points of the fillets over the frequency of the load"""
+
+    s: NDArray[float64]
+    """path coordinate of the load, in base pitches from A"""
+    tangent_deg: NDArray[float64]
+    """deg: angle of the fillet's tangent at this point to the tooth's axis"""
+    side: NDArray[str_]
+    """drive (the loaded side) or coast"""
+    frequency_hz: NDArray[float64]
+    """Hz: frequency of the load"""
+    stress_mpa: NDArray[float64]
+    """MPa: amplitude of the stress along the surface"""
+    stress_phase_deg: NDArray[float64]
+    """deg: by how much it runs ahead of the load"""
+    strain_um_m: NDArray[float64]
+    """um/m: amplitude of the strain along the surface"""
+    displacement_x_um: NDArray[float64]
+    """um: amplitude of the displacement across the tooth"""
+    phase_x_deg: NDArray[float64]
+    """deg: by how much it runs ahead of the load"""
+    displacement_y_um: NDArray[float64]
+    """um: amplitude of the displacement along the tooth's axis"""
+    phase_y_deg: NDArray[float64]
+    """deg: by how much it runs ahead of the load"""
+    error_estimate: NDArray[float64]
+    """estimated discretisation error of the stress at this frequency, relative"""
+
+class SectionResonancesTable(Table):
+    """where each mode of the section peaks in the stress at points of the fillets"""
+
+    s: NDArray[float64]
+    """path coordinate of the load, in base pitches from A"""
+    tangent_deg: NDArray[float64]
+    """deg: angle of the fillet's tangent at this point to the tooth's axis"""
+    side: NDArray[str_]
+    """drive (the loaded side) or coast"""
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    natural_frequency_hz: NDArray[float64]
+    """Hz: natural frequency"""
+    frequency_error: NDArray[float64]
+    """its estimated discretisation error, relative"""
+    damping_ratio: NDArray[float64]
+    """damping ratio of the mode"""
+    peak_frequency_hz: NDArray[float64]
+    """Hz: frequency of the load at which the stress is largest about this mode"""
+    stress_mpa: NDArray[float64]
+    """MPa: amplitude of the stress along the surface there"""
+    amplification: NDArray[float64]
+    """the same over that under the load at rest"""
+    error_estimate: NDArray[float64]
+    """estimated discretisation error of this stress, relative"""
+
+class CampbellTable(Table):
+    """speeds at which harmonics of the mesh frequency meet natural frequencies"""
+
+    system: NDArray[str_]
+    """gears: both gears on the mean mesh stiffness; section: the teeth of one gear"""
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    harmonic: NDArray[int64]
+    """of the mesh frequency"""
+    frequency_hz: NDArray[float64]
+    """Hz: natural frequency"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion at which this harmonic meets it"""
+
 class LifeTable(Table):
     """how long the tooth roots last"""
 
@@ -1522,6 +1590,12 @@ class Named:
     def transient_points(self) -> TransientPointsTable: ...
     @property
     def transient_peaks(self) -> TransientPeaksTable: ...
+    @property
+    def harmonic(self) -> HarmonicTable: ...
+    @property
+    def section_resonances(self) -> SectionResonancesTable: ...
+    @property
+    def campbell(self) -> CampbellTable: ...
     @property
     def life(self) -> LifeTable: ...
     @property

@@ -73,10 +73,12 @@ def everything():
                                 sensitivity={'rpm': [4000, 6000]},
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
                                 transient={'rpm': [4000, 6000], 'modes': 3, 'samples': 20},
+                                harmonic={'frequency_hz': [0, 1e5], 'modes': 3},
                                 life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
                                 pinion={'bore_mm': 20}, body_modes={'nodal_diameters': 2, 'elements_across': 2, 'shapes': 3},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
-    return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'sensitivity', 'flank', 'rating', 'transient', 'life', 'body_modes'))
+    return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'sensitivity', 'flank', 'rating', 'transient', 'harmonic', 'life',
+                                'body_modes'))  # fmt: skip
 
 
 def all_plots():
@@ -530,6 +532,33 @@ def test_transient_shows_both_fillets_over_time_and_their_largest_stress_over_sp
         plots.plot_transient(study, tangent_deg=25)
 
 
+def test_frequency_response_shows_both_fillets_and_campbell_where_harmonics_meet_frequencies():
+    case = Case(GEARED).changed(mesh={'model': 'weber'}, section={'elements_across': 3, 'member': 'gear'}, gear={'bore_mm': 30},
+                                body_modes={'nodal_diameters': 2, 'elements_across': 2, 'modes': 1},
+                                harmonic={'frequency_hz': [0, 1e5], 'tangent_deg': [20, 30], 'modes': 2, 's': [0.5, 0.9],
+                                          'harmonics': 3})  # fmt: skip
+    study = gearsweep.run(case, ('harmonic', 'body_modes'))
+    table = study.harmonic
+    ax = plots.plot_frequency_response(study, Figure().subplots(), tangent_deg=30)
+    drawn = {tuple(line.get_ydata()) for line in ax.lines}
+    assert list(table.s) == [0.5, 0.9] and list(table.side) == ['drive', 'coast'] and np.isclose(table.tangent_deg, [20, 30]).all()
+    for place in range(2):
+        for side in range(2):
+            assert tuple(table.stress_mpa[place, 1, side]) in drawn
+    with pytest.raises(ValueError, match='tangent_deg = 25: must be one of 20, 30'):
+        plots.plot_frequency_response(study, tangent_deg=25)
+    ax = plots.plot_campbell(study, Figure().subplots())
+    speeds = study.campbell
+    marks = {(x, y) for line in ax.lines if line.get_marker() == 'o' for x, y in zip(*line.get_data())}
+    assert marks == {(rpm / 1000, hz / 1000) for rpm, hz in zip(speeds.rpm, speeds.frequency_hz)}
+    # A wave of two nodal diameters that runs with the gear, which turns 21 times for 34 turns of the pinion.
+    modes = study.body_modes
+    which = list(modes.nodal_diameter).index(2)
+    rise = [np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0] for line in ax.lines
+            if np.isclose(line.get_ydata()[0], modes.frequency_hz[which] / 1000) and line.get_marker() != 'o']  # fmt: skip
+    assert np.isclose(sorted(rise), [-2 / 60 * 21 / 34, 2 / 60 * 21 / 34]).all()
+
+
 def test_life_shows_the_parts_beside_the_curve():
     spectrum = {'rpm': [3000, 4000, 6000], 'duration_h': [1, 20, 300], 'load_factor': [1.5, 1, 0.5], 'tensile_strength_mpa': 900}
     study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, life=spectrum), 'life')
@@ -583,7 +612,7 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
              'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'sensitivity', 'precision', 'flank',
-             'dynamic_factors', 'transient', 'transient_peaks', 'life_parts', 'body_modes')  # fmt: skip
+             'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

@@ -33,6 +33,7 @@ PLACES = {
     'Flanks': 'flank_losses',
     'Rating by': 'rating dynamic_factors',
     'Root stress while': 'transient_peaks',
+    'Resonances of the section': 'section_resonances',
     'Life of the tooth roots': 'life',
     'Natural modes of the': 'body_modes gear_body',
     'Printed values and ours': 'published',

@@ -34,7 +34,7 @@ def studies() -> list[gearsweep.Study]:
               'sensitivity': {'rpm': 1600},
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
               'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
-              'transient': {'rpm': 1600, 'modes': 2, 'samples': 2},
+              'transient': {'rpm': 1600, 'modes': 2, 'samples': 2}, 'harmonic': {'frequency_hz': [0, 1e5], 'modes': 2},
               'life': {'rpm': 1600, 'duration_h': 1, 'tensile_strength_mpa': 900}, 'pinion': {'bore_mm': 20},
               'body_modes': {'nodal_diameters': 1, 'elements_across': 2, 'shapes': 1}}  # fmt: skip
     whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)

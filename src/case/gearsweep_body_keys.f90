@@ -25,16 +25,16 @@ contains
     with_body = trim(sentence_of(case%tasks, 'section'))//', '//sentence_of(case%tasks, 'mesh', but='static')
     with_support = 'modal, '//case%tasks_for('mesh')
     shape = unless(case%needs('section') .or. case%needs_elements(), &
-                   'section, static, modal, precision, transient or a stiffness by elements')
+                   'section, static, modal, precision, transient, harmonic or a stiffness by elements')
     ! The task precision has a fineness of its own.
     fineness = unless(case%asks('section') .or. case%asks('static') .or. case%asks('modal') .or. &
-                      case%asks('transient') .or. case%needs_elements(), &
-                      'section, static, modal, transient or a stiffness by elements')
+                      case%asks('transient') .or. case%asks('harmonic') .or. case%needs_elements(), &
+                      'section, static, modal, transient, harmonic or a stiffness by elements')
     support = unless(case%needs('body') .or. case%needs_elements(), &
-                     'static, modal, precision, transient or a stiffness by elements')
+                     'static, modal, precision, transient, harmonic or a stiffness by elements')
     ! Printed values may be a tooth's of this member.
     looks = unless(case%needs('section') .or. case%needs('solid') .or. allocated(case%published), &
-                   'section, static, modal, precision, transient or body_modes')
+                   'section, static, modal, precision, transient, harmonic or body_modes')
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
@@ -68,8 +68,8 @@ contains
     member = 'pinion'
     call reader%get('section', 'member', member, error, waits=looks, refused=geared, &
                     allowed=[character(6) :: 'pinion', 'gear'], &
-                    meaning='the gear whose section the tasks section, static, modal, precision and transient take, and whose '// &
-                    'body body_modes')
+                    meaning='the gear whose section the tasks section, static, modal, precision, transient and harmonic take, '// &
+                    'and whose body body_modes')
     case%member = merge(2, 1, member == 'gear')
   end subroutine read_section
 end module gearsweep_body_keys

@@ -23,9 +23,9 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length), parameter :: users(*) = [character(sentence_length) :: &
-      'modal, precision, flank, rating, transient, body_modes or a stiffness that is computed', &
-      'static, modal, precision, flank, rating, transient, body_modes or a stiffness that depends on it', &
-      'modal, precision, flank, transient, body_modes or a mass that is not stated']
+      'modal, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed', &
+      'static, modal, precision, flank, rating, transient, harmonic, body_modes or a stiffness that depends on it', &
+      'modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated']
     logical :: counts(3, 2), own(3, 2)
     character(sentence_length) :: geared, waits(3)
     type(material_t) :: common
@@ -62,7 +62,7 @@ contains
     yields = case%needs('mesh') .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
     ! Printed values may be a tooth's as a beam.
     vibrates = case%asks('modal') .or. case%asks('precision') .or. case%asks('transient') .or. &
-               case%needs('solid') .or. allocated(case%published)
+               case%asks('harmonic') .or. case%needs('solid') .or. allocated(case%published)
     vibrates = vibrates .and. member == case%member
     touches = case%needs('elasticity')
     uses(young) = yields .or. vibrates .or. touches

@@ -7,7 +7,7 @@ module gearsweep_task_transient
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
-  use gearsweep_passage, only: pass_path, pass_static, passage_options_t, passage_t
+  use gearsweep_passage, only: load_places, pass_path, pass_static, passage_options_t, passage_t, place_radius
   use gearsweep_points, only: words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
@@ -15,7 +15,7 @@ module gearsweep_task_transient
   use gearsweep_section_body, only: step_ratio
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_stop, only: wants_stop
-  use gearsweep_task, only: check_reliefs, includes, stages_t, task_info_t, task_t
+  use gearsweep_task, only: check_reliefs, includes_if_moving, stages_t, task_info_t, task_t
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: tooth_modes_t
   use gearsweep_tooth_transient, only: damping_t, follow_tooth, look_t
@@ -61,9 +61,8 @@ contains
     class(transient_task_t), intent(in) :: self
     character(*), intent(in) :: stage
 
-    uses = includes(stages_needed, stage)
     associate (sharing => self%passage%root%sharing)
-      if (any(stage == [character(8) :: 'motion', 'losses', 'accuracy', 'kept'])) uses = uses .and. sharing == shared_by_motion
+      uses = includes_if_moving(stages_needed, stage, sharing == shared_by_motion)
       if (stage == 'reliefs') uses = uses .and. (sharing == shared_by_motion .or. sharing == shared_by_mesh)
     end associate
   end function uses
@@ -189,7 +188,8 @@ contains
     if (allocated(error)) return
     self%passage%root%member = stages%member
     self%passage%inwards = self%travel == inwards .or. (self%travel == driving .and. stages%member == 2)
-    call find_unit_teeth(stages, self%choice, group, self%passage, teeth, error)
+    call find_unit_teeth(stages, self%choice, group, &
+                         place_radius(stages%pair, self%passage, load_places(stages%pair, self%passage)), teeth, error)
     if (allocated(error)) return
     call self%follow(stages, teeth, runs, error)
     if (allocated(error)) return

@@ -6,6 +6,7 @@ module gearsweep_tasks
   use gearsweep_task_branches, only: branches_task_t
   use gearsweep_task_flank, only: flank_task_t
   use gearsweep_task_geometry, only: geometry_task_t
+  use gearsweep_task_harmonic, only: harmonic_task_t
   use gearsweep_task_hysteresis, only: hysteresis_task_t
   use gearsweep_task_life, only: life_task_t
   use gearsweep_task_load, only: load_task_t
@@ -64,6 +65,7 @@ contains
     call add(flank_task_t())
     call add(rating_task_t())
     call add(transient_task_t())
+    call add(harmonic_task_t())
     call add(life_task_t())
     call add(body_modes_task_t())
     allocate (slots(n))

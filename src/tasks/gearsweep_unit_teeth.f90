@@ -3,7 +3,6 @@
 module gearsweep_unit_teeth
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_passage, only: load_places, passage_options_t, place_radius
   use gearsweep_reader, only: reader_t
   use gearsweep_task, only: stages_t
   use gearsweep_tooth_modes, only: find_tooth_modes, tooth_modes_t
@@ -51,20 +50,18 @@ contains
                     'of the tooth; they must lie on the fillet')
   end subroutine read_keys
 
-  !> The tooth on both grids, the finer first, loaded at the places of a passage. `group`: for messages.
-  subroutine find_unit_teeth(stages, choice, group, passage, teeth, error)
+  !> The tooth on both grids, the finer first, loaded at some radii (m). `group`: for messages.
+  subroutine find_unit_teeth(stages, choice, group, radius, teeth, error)
     type(stages_t), intent(in) :: stages
     type(tooth_choice_t), intent(in) :: choice
     character(*), intent(in) :: group
-    type(passage_options_t), intent(in) :: passage
+    real(dp), intent(in) :: radius(:)
     type(tooth_modes_t), intent(out) :: teeth(2)
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: radius(:)
     integer :: i
 
     call stages%running%need_modes(stages%body_inputs, choice%modes, error)
     if (.not. allocated(error)) then
-      allocate (radius, source=place_radius(stages%pair, passage, load_places(stages%pair, passage)))
       associate (running => stages%running)
         call find_tooth_modes(running%bodies(1), running%modal%modes, radius, choice%tangent, teeth(1), error)
         call find_tooth_modes(running%bodies(2), running%modal%coarse, radius, choice%tangent, teeth(2), error)

@@ -26,6 +26,7 @@ from .body_modes import plot_body_modes
 from .branches import plot_branches
 from .files import PICTURES, draw_all, figures, save
 from .flank import plot_flank
+from .frequency import plot_campbell, plot_frequency_response
 from .gears import plot_geometry
 from .life import plot_life
 from .look import style
@@ -47,7 +48,9 @@ __all__ = [
     'plot_basins',
     'plot_body_modes',
     'plot_branches',
+    'plot_campbell',
     'plot_flank',
+    'plot_frequency_response',
     'plot_geometry',
     'plot_harmonics',
     'plot_hysteresis',

@@ -22,6 +22,7 @@ from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
 from .branches import plot_branches, reliefs_of
 from .flank import plot_flank
+from .frequency import plot_campbell, plot_frequency_response
 from .gears import plot_geometry
 from .life import plot_life
 from .look import COLUMN, MM, PAGE, style
@@ -255,6 +256,8 @@ PICTURES = {
     'transient': Picture('Stress along both fillets over time while the load passes, and, fine, under the same load at rest; a panel for each speed',
                          _speeds('transient', plot_transient)),
     'transient_peaks': Picture('Largest tension and compression of the fillets over speed', _single(plot_transient_peaks, 65)),
+    'harmonic': Picture('Amplitude of the stress along both fillets over the frequency of the load', _single(plot_frequency_response, 75)),
+    'campbell': Picture('Harmonics of the mesh frequency over speed, and the natural frequencies that they meet', _single(plot_campbell, 80)),
     'life_parts': Picture('S-N curve, with the stress amplitude and number of engagements of each part of the load spectrum',
                           _single(plot_life, 65)),
     'body_modes': Picture('Modes of a whole gear seen from the front, with the displacement along the axis or in the plane', _body_modes),
