@@ -30,6 +30,7 @@ program check
   use test_elastic_modes, only: run_elastic_modes => run
   use test_elastic_stiffness, only: run_elastic_stiffness => run
   use test_elastic_stress, only: run_elastic_stress => run
+  use test_energy, only: run_energy => run
   use test_estimates, only: run_estimates => run
   use test_extremes, only: run_extremes => run
   use test_flank, only: run_flank => run
@@ -104,6 +105,7 @@ program check
     & suite_t('attractors', run_attractors), &
     & suite_t('bifurcations', run_bifurcations), &
     & suite_t('sensitivity', run_sensitivity), &
+    & suite_t('energy', run_energy), &
     & suite_t('reliefs', run_reliefs), &
     & suite_t('summary', run_summary), &
     & suite_t('estimates', run_estimates), &

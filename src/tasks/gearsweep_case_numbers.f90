@@ -61,7 +61,8 @@ contains
       matters(of_friction) = motion%friction > 0
       matters(of_profile) = allocated(inputs%profile_error%breaks)
       if (matters(of_profile)) matters(of_profile) = any(abs(inputs%profile_error%coef) > 0)
-      matters(of_amount) = .not. allocated(inputs%profile_error%breaks)
+      ! Without relief, where and how it begins does not matter.
+      matters(of_amount) = relief > 0 .and. .not. allocated(inputs%profile_error%breaks)
       matters(of_start) = matters(of_amount) .and. all(of_amount)%value > 0
       matters(of_backlash) = motion%has_backlash
     end associate
