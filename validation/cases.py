@@ -9,7 +9,7 @@ DATA = pathlib.Path(__file__).parent.parent / 'data'
 
 # The task that fills a table, where it has another name.
 TASKS = {'gears': 'geometry', 'contact_points': 'geometry', 'motion': 'mesh', 'transmission_error': 'mesh', 'harmonics': 'mesh',
-         'root_stress': 'static', 'flank_losses': 'flank', 'root_rating': 'static', 'transient_points': 'transient',
+         'root_stress': 'static', 'flank_losses': 'flank', 'root_rating': 'static', 'rating_factors': 'rating', 'dynamic_factors': 'rating', 'transient_points': 'transient',
          'transient_peaks': 'transient', 'resonances': 'sweep', 'optimum_curve': 'optimum'}
 
 _NO_SECTION = {'teeth': None, 'fixed': None, 'plane': None}

@@ -176,6 +176,16 @@ def root_section(name, which):
     return result('root_rating', name)[f'iso_{which}']
 
 
+def rating_factor(name, column):
+    """A factor of the pinion's rating by ISO 6336."""
+    return result('rating_factors', name)[column][0]
+
+
+def dynamic_factor_b(name):
+    """K_v by ISO 6336-1, Method B, at the first speed."""
+    return result('dynamic_factors', name).dynamic_factor_b.ravel()[0]
+
+
 def root_tension(name):
     """Largest stress in the fillets."""
     return result('root_stress', name).tension_mpa[0]

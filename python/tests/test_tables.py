@@ -39,7 +39,7 @@ PLACES = {
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
-WORDS = ('ISO 6336-3', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '1e-2     1e-4     1e-6')
+WORDS = ('ISO 6336-3', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '1e-2     1e-4     1e-6')
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
 
 
@@ -62,7 +62,7 @@ def read(path):
     lines = path.read_text().splitlines()
     told = {}
     for line in lines[lines.index('# columns:') + 1 : lines.index('# case:')]:
-        name, unit, meaning = re.fullmatch(r'#   (\w+)(?: \((\S+)\))?: (.+)', line).groups()
+        name, unit, meaning = re.fullmatch(r'#   (\w+)(?: \((.+?)\))?: (.+)', line).groups()
         told[name] = (unit or '', meaning)
     rows = list(csv.reader(line for line in lines if not line.startswith('#')))
     assert list(told) == rows[0]
