@@ -263,6 +263,27 @@ def test_a_subharmonic_load_is_a_path_for_each_pair(ax):
     assert len(paths) == 2
 
 
+def test_motion_shows_its_transmission_error_and_harmonics(ax):
+    case = Case(PRESCRIBED).changed(dynamics={'damping_ratio': 0.01}, relief={'amount_um': [2, 15]}, sweep={'load_rpm': [3000, 5600]})
+    study = gearsweep.run(case, 'load')
+    load, harmonics = study.load, study.motion_harmonics
+    plots.plot_dte(study, ax, rpm=3000)
+    found = [line for line in ax.lines if len(line.get_xdata()) > 2]
+    for line, relief in zip(found, (2, 15), strict=True):
+        rows = (load.relief_um == relief) & (load.rpm == 3000)
+        np.testing.assert_array_equal(line.get_data(), [load.s[rows], load.dte_um[rows]])
+    ax = plots.plot_motion_harmonics(study, Figure().subplots(), rpm=5600)
+    assert 0.5 in harmonics.harmonic[harmonics.rpm == 5600]  # every other mesh period
+    for bars, relief in zip(ax.containers, (2, 15), strict=True):
+        rows = (harmonics.relief_um == relief) & (harmonics.rpm == 5600) & (harmonics.harmonic > 0)
+        np.testing.assert_array_equal([bar.get_height() for bar in bars], harmonics.dte_amplitude_um[rows])
+    ends = sorted((bar.get_x(), bar.get_x() + bar.get_width()) for bars in ax.containers for bar in bars)
+    assert all(end <= begin for (_, end), (begin, _) in itertools.pairwise(ends))  # no bar hides another
+    for plot in (plots.plot_dte, plots.plot_motion_harmonics):
+        with pytest.raises(ValueError, match='rpm = 5000: must be one of 3000, 5600'):
+            plot(study, rpm=5000)
+
+
 def test_load_names_reliefs_without_an_answer(ax):
     case = Case(PRESCRIBED).changed(numerics={'steps_per_period': 20}, sweep={'load_rpm': 1})
     with pytest.warns(gearsweep.PartialWarning):
@@ -610,14 +631,14 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
 
 
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
-    names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'sweep', 'optimum_curve',
+    names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'sweep', 'optimum_curve',
              'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'sensitivity', 'precision', 'flank',
              'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)
     few = plots.draw_all(prescribed, tmp_path, formats=['pdf'])
-    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'sweep', 'optimum_curve')]
+    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'motion_harmonics', 'sweep', 'optimum_curve')]
 
 
 def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):
@@ -689,7 +710,7 @@ assert 'matplotlib.pyplot' not in sys.modules
 print(gearsweep.plot_sweep(study.sweep).get_ylabel())
 """
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, env={}, cwd=tmp_path, check=False)
-    assert done.stdout == '10\nDynamic factor (–)\n', done.stderr
+    assert done.stdout == '12\nDynamic factor (–)\n', done.stderr
 
 
 def test_without_matplotlib_the_message_says_what_to_install(tmp_path):

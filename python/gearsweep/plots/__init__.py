@@ -19,7 +19,16 @@ try:
 except ImportError as error:
     raise ImportError("gearsweep's pictures need matplotlib, which is not installed: pip install matplotlib") from error
 
-from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .along_path import (
+    plot_dte,
+    plot_harmonics,
+    plot_load,
+    plot_motion_harmonics,
+    plot_sharing,
+    plot_static,
+    plot_ste,
+    plot_stiffness,
+)
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
@@ -49,6 +58,7 @@ __all__ = [
     'plot_body_modes',
     'plot_branches',
     'plot_campbell',
+    'plot_dte',
     'plot_flank',
     'plot_frequency_response',
     'plot_geometry',
@@ -57,6 +67,7 @@ __all__ = [
     'plot_life',
     'plot_load',
     'plot_modal',
+    'plot_motion_harmonics',
     'plot_optimum',
     'plot_poincare',
     'plot_precision',

@@ -94,16 +94,86 @@ def plot_load(load: Study | Table, ax: Axes | None = None, *, rpm: float | None 
     ValueError
         The case has no such `load_rpm`.
     """
-    load = table_of(load, 'load')
-    rpm = one_of(load.rpm, rpm, 'rpm')
-    here = np.isclose(load.rpm, rpm) & np.isfinite(load.pair_load_n)
+    return _motion(table_of(load, 'load'), ax, rpm, 'pair_load_n', 'Pair load at {:g} 1/min (N)')
+
+
+def plot_dte(load: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
+    """Dynamic transmission error while a pair passes along its path of contact, at one speed.
+
+    A relief without an answer has no curve; the legend names it.
+
+    Parameters
+    ----------
+    load : Study or Table
+        A study, or its table `load`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    rpm : float, optional
+        One of the case's `load_rpm`; otherwise the first.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        The case has no such `load_rpm`.
+    """
+    return _motion(table_of(load, 'load'), ax, rpm, 'dte_um', 'DTE at {:g} 1/min (µm)')
+
+
+def plot_motion_harmonics(harmonics: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
+    """Amplitudes of the harmonics of the dynamic transmission error at one speed, a bar for each relief.
+
+    A motion that repeats after several mesh periods has parts between the harmonics of the mesh frequency.
+
+    Parameters
+    ----------
+    harmonics : Study or Table
+        A study, or its table `motion_harmonics`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    rpm : float, optional
+        One of the case's `load_rpm`; otherwise the first.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        The case has no such `load_rpm`.
+    """
+    harmonics = table_of(harmonics, 'motion_harmonics')
+    rpm = one_of(harmonics.rpm, rpm, 'rpm')
+    here = np.isclose(harmonics.rpm, rpm) & (harmonics.harmonic > 0) & np.isfinite(harmonics.dte_amplitude_um)
+    reliefs = Reliefs(harmonics.case)
+    count = len(reliefs.amounts)
+    width = 0.84 / max(2, count) * min(1.0, np.min(harmonics.harmonic[here], initial=1.0))  # the first is 1 over the periods
     with canvas(ax) as ax:
-        found = _curves(ax, load, paths(load.s[here], load.pair_load_n[here], load.relief_um[here]))
+        for i, amount in enumerate(reliefs.amounts):
+            mine = here & (harmonics.relief_um == amount)
+            place = harmonics.harmonic[mine] + width * (i - (count - 1) / 2)
+            ax.bar(place, harmonics.dte_amplitude_um[mine], 0.94 * width, color=reliefs.styles[i]['color'])
+        ax.set_xlabel(f'Harmonic of the mesh frequency at {rpm:g} 1/min (–)')
+        ax.set_ylabel('Amplitude of the DTE (µm)')
+        reliefs.legend(ax, [], filled=True)
+    return ax
+
+
+def _motion(load: Table, ax: Axes | None, rpm: float | None, column: str, label: str) -> Axes:
+    """A column of the motion along the path of a pair, at one speed."""
+    rpm = one_of(load.rpm, rpm, 'rpm')
+    here = np.isclose(load.rpm, rpm) & np.isfinite(load[column])
+    with canvas(ax) as ax:
+        found = _curves(ax, load, paths(load.s[here], load[column][here], load.relief_um[here]))
         missing = [f'{amount:g}' for i, amount in enumerate(Reliefs(load.case).amounts) if i not in found]
         cross = Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(missing)} µm')
-        if 'motion' in load.study:
+        if column == 'pair_load_n' and 'motion' in load.study:
             _level(ax, load.study.motion.load_n, 'static load')
-        finish(ax, load, f'Pair load at {rpm:g} 1/min (N)', [cross] if missing else [])
+        finish(ax, load, label.format(rpm), [cross] if missing else [])
     return ax
 
 

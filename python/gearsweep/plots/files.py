@@ -16,7 +16,16 @@ from matplotlib.legend import Legend
 
 from .._files import replacing
 from ..study import Study
-from .along_path import plot_harmonics, plot_load, plot_sharing, plot_static, plot_ste, plot_stiffness
+from .along_path import (
+    plot_dte,
+    plot_harmonics,
+    plot_load,
+    plot_motion_harmonics,
+    plot_sharing,
+    plot_static,
+    plot_ste,
+    plot_stiffness,
+)
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
@@ -157,6 +166,17 @@ def _speeds(table: str, plot: Callable) -> Callable[[Study], Figure]:
     return draw
 
 
+def _loads(study: Study) -> Figure:
+    """A row for each speed: load of a pair, and transmission error."""
+    speeds = list(dict.fromkeys(study.load.rpm))
+    figure, axes = _panels(2 * len(speeds), 'panels', 2, 60)
+    for left, right, rpm in zip(axes[::2], axes[1::2], speeds):
+        plot_load(study, left, rpm=rpm)
+        plot_dte(study, right, rpm=rpm)
+    _one_legend(axes)
+    return figure
+
+
 def _flank(study: Study) -> Figure:
     """Pressure, sliding, flash temperature and film below each other, a column for each of at most two speeds."""
     speeds = list(dict.fromkeys(study.flank.rpm))
@@ -234,7 +254,9 @@ PICTURES = {
     'static': Picture('Root stress on both sides while the load moves; ISO 6336-3 and Lewis', _single(plot_static, 65)),
     'stress': Picture('Principal stress around the tooth, with the load at one place', _single(plot_stress, 55)),
     'modal': Picture('Mode shapes over the outline at rest, with their frequencies', _modes),
-    'load': Picture('Load of one pair along its path, a panel for each speed', _speeds('load', plot_load)),
+    'load': Picture('Load of one pair along its path, and dynamic transmission error, a row for each speed', _loads),
+    'motion_harmonics': Picture("Amplitudes of the dynamic transmission error's harmonics, a panel for each speed",
+                                _speeds('motion_harmonics', plot_motion_harmonics)),
     'sweep': Picture('Dynamic factor over speed, a curve for each relief', _single(plot_sweep, 80, PAGE)),
     'optimum_curve': Picture('Largest dynamic factor over relief, the least marked', _single(plot_optimum, 60)),
     'stability': Picture('Largest Floquet multiplier over speed and damping, tongues of instability and the damping that closes them',
