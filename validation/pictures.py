@@ -35,8 +35,8 @@ PICTURES = (
             (('rpm_2', 'df_2', 'relief_2_0'), ('n1_2', 'df1_2', 'relief_2_0'), ('n1_2', 'df1_28', 'relief_2_28'))),
     Picture('dogan2021', 'optimum_curve', 'case2', 'Fig. 8b', f'Largest dynamic factor over relief, case 2; {CIRCLES}',
             (('relief_2_0', 'df1_2'), ('best_2', 'df1_28'))),
-    Picture('dogan2021', 'load', 'case1', 'Fig. 5', 'Load of one pair along its path at 1600 rpm, case 1.'),
-    Picture('dogan2021', 'load', 'case2', 'Fig. 6', 'Load of one pair along its path at 1000 rpm, case 2.'),
+    Picture('dogan2021', 'load', 'case1', 'Fig. 5', 'Load of one pair along its path at 1600 rpm, case 1, and dynamic transmission error.'),
+    Picture('dogan2021', 'load', 'case2', 'Fig. 6', 'Load of one pair along its path at 1000 rpm, case 2, and dynamic transmission error.'),
     Picture('karpat2012', 'mesh', 'case1', 'Fig. 6a', 'Static transmission error over the path of contact, with the stiffness '
             'and the load sharing it comes from; the paper gives no gears, the first case of Dogan et al. 2021 stands in.'),
     Picture('karpat2012', 'harmonics', 'case1', 'Fig. 6b', 'Harmonics of that static transmission error.'),

@@ -43,7 +43,7 @@ MORE = """&case tasks = 'static', 'modal', 'stability', 'hysteresis', 'poincare'
 &rating rpm = 5000, 10000, 15000 /
 """
 # The tasks that no other case here asks for.
-REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes' /
+REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes', 'harmonic' /
 &pair module_mm = 3 face_width_mm = 20 backlash_um = 60 /
 &pinion teeth = 21 bore_mm = 20 /
 &gear teeth = 34 /
@@ -54,6 +54,7 @@ REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_
 &dynamics damping_ratio = 0.01 /
 &sweep rpm_first = 8000 rpm_last = 10000 rpm_step = 1000 load_rpm = 9000 direction = 'all' /
 &transient rpm = 4000, 6000 modes = 3 samples = 20 /
+&harmonic frequency_hz = 0, 1e5 modes = 3 /
 &branches first = 12000 last = 20000 seeds = 2 points = 20 most_periods = 1 /
 &life rpm = 4000, 6000 duration_h = 10, 20 tensile_strength_mpa = 900 /
 &body_modes nodal_diameters = 2 elements_across = 2 shapes = 3 /

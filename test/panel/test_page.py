@@ -285,6 +285,10 @@ def test_pictures_of_the_newer_tasks_show_the_librarys_numbers(browser, front):
     assert curve == ['S-N curve', list(study.life_curve.failure_cycles), list(study.life_curve.amplitude_mpa)]
     for member, (_, x, y) in enumerate(parts):
         assert x == list(study.life_parts.engagements[0, :, member]) and y == list(study.life_parts.equivalent_amplitude_mpa[0, :, member])
+    for (_, x, y), stress in zip(curves(window, 'frequency'), study.harmonic.stress_mpa[0, 0], strict=True):
+        assert x == list(study.harmonic.frequency_hz) and y == list(stress)
+    meets = study.campbell
+    assert {(a, b) for _, x, y in curves(window, 'campbell') for a, b in zip(x, y)} == set(zip(meets._read('rpm'), meets._read('frequency_hz')))
     largest = {label: y for label, _, y in curves(window, 'largest')}
     assert largest['relief 10 µm, largest dynamic factor'] == list(study.sweep.largest_dynamic_factor[1])
     harmonics = study.motion_harmonics

@@ -12,7 +12,7 @@ from ..study import Study
 from ..table import Table
 from .look import ACCENT, FAINT, FINE, GREY, INK, canvas, legends_above, line_styles
 from .over_speed import curve
-from .reliefs import Reals, one_of, table_of
+from .reliefs import Reals, one_of, study_of, table_of
 
 
 def plot_frequency_response(response: Study | Table, ax: Axes | None = None, *, tangent_deg: float | None = None) -> Axes:
@@ -44,7 +44,7 @@ def plot_frequency_response(response: Study | Table, ax: Axes | None = None, *, 
         for stress, look in zip(table.stress_mpa[:, point], styles):
             for side, more in zip(stress, ({}, FINE)):
                 curve(ax, table.frequency_hz / 1000, side, {**look, **more})
-        lines = [Line2D([], [], label=f'load at s = {s:.3g}', **look) for s, look in zip(table.s, styles)]
+        lines = [Line2D([], [], label=f'load at s = {s:.3g} base pitches', **look) for s, look in zip(table.s, styles)]
         lines += [Line2D([], [], color=GREY, label='drive side'), Line2D([], [], color=GREY, label='coast side', **FINE)]
         ax.set_yscale('log')
         legends_above(ax, ('', lines))
@@ -71,7 +71,7 @@ def plot_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
     -------
     Axes
     """
-    study = campbell if isinstance(campbell, Study) else campbell.study
+    study = study_of(campbell)
     table = table_of(campbell, 'campbell')
     highest = 1.05 * table.rpm[table.harmonic == 1].max()
     rpm = np.array([0, highest])
@@ -82,7 +82,7 @@ def plot_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
     with canvas(ax) as ax:
         for harmonic in dict.fromkeys(table.harmonic):
             ax.plot(rpm / 1000, harmonic * per_rpm * rpm / 1000, color=FAINT, linewidth=0.8)
-        if study is not None and 'body_modes' in study:
+        if 'body_modes' in study:
             shown.append('body')
             for waves in _waves(study, rpm):
                 ax.plot(rpm / 1000, waves / 1000, **looks['body'])

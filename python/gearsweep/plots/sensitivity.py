@@ -59,7 +59,7 @@ def plot_sensitivity(
         ax.barh(np.arange(len(rows)), table.relative_slope[rows], height=0.6, color=ACCENT)
         ax.set_yticks(np.arange(len(rows)), [NUMBERS[name] for name in table.number[rows]])
         ax.axvline(0, color=INK, linewidth=0.6)
-        ax.set_title(f'{rpm:g} rpm, relief {relief_um:g} µm')
+        ax.set_title(f'{rpm:g} 1/min, tip relief {relief_um:g} µm')
         ax.set_ylabel('Number of the case (–)')
         ax.set_xlabel('Change of the dynamic factor over that of the number (–)')
     return ax

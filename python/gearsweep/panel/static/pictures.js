@@ -46,6 +46,8 @@ export const PICTURES = [
   { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor', 'dynamic_factor_b'], yname: 'Dynamic factor' },
   { id: 'transient', title: 'Root stress while the load passes over a tooth', table: 'transient', x: 'time_ms', y: ['sigma_mpa', 'static_mpa'], yname: 'Stress at the root tangent (MPa)', first: 'side' },
   { id: 'transient_peaks', title: 'Largest root stress over speed', table: 'transient_peaks', task: 'transient', x: 'rpm', y: ['tension_mpa', 'static_tension_mpa', 'compression_mpa', 'static_compression_mpa'], yname: 'Largest root stress (MPa)' },
+  { id: 'frequency', title: 'Root stress over the frequency of the load', table: 'harmonic', x: 'frequency_hz', y: 'stress_mpa', ylog: true, first: 'side' },
+  { id: 'campbell', title: 'Where mesh harmonics meet natural frequencies', table: 'campbell', task: 'harmonic', kind: 'points', x: 'rpm', y: 'frequency_hz', first: 'system', without: ['mode', 'harmonic'] },
   { id: 'branches', title: 'Branches of periodic motions', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dynamic_factor', also: ['mesh_periods', 'stability'] },
   { id: 'life', title: 'Stress amplitudes beside the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Stress amplitude (MPa)', xname: 'Cycles, of one pass and to failure', xlog: true, ylog: true, first: 'member', without: ['part'],
     needs: { life_curve: ['failure_cycles', 'amplitude_mpa'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'amplitude_mpa', label: 'S-N curve' } },
