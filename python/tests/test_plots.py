@@ -676,6 +676,12 @@ def test_text_of_flanks_is_large_enough_whole_and_free(rpm, monkeypatch):
     check_text(plots.figures(study, 'flank'), monkeypatch)
 
 
+def test_text_of_sensitivities_and_frequencies_is_large_enough_whole_and_free(monkeypatch):
+    case = Case(GEARED).changed(mesh={'model': 'weber'}, sensitivity={'rpm': [4000, 6000]},
+                                harmonic={'frequency_hz': [0, 1e5], 'modes': 3})  # fmt: skip
+    check_text(plots.figures(gearsweep.run(case, ('sensitivity', 'harmonic'))), monkeypatch)
+
+
 def check_text(figures, monkeypatch):
     drawn = {}
     draw = Text.draw

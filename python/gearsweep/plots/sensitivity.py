@@ -61,5 +61,5 @@ def plot_sensitivity(
         ax.axvline(0, color=INK, linewidth=0.6)
         ax.set_title(f'{rpm:g} 1/min, tip relief {relief_um:g} µm')
         ax.set_ylabel('Number of the case (–)')
-        ax.set_xlabel('Change of the dynamic factor over that of the number (–)')
+        ax.set_xlabel('Relative change of DF (–)')
     return ax
