@@ -30,6 +30,7 @@ contains
     if (t%wants('both_ends')) call both_ends(t)
     if (t%wants('reach')) call reach_of_corner(t)
     if (t%wants('profile_errors')) call profile_errors(t)
+    if (t%wants('closes')) call closes(t)
     if (t%wants('interpolation')) call interpolation(t)
   end subroutine run
 
@@ -193,17 +194,19 @@ contains
     end associate
   end function turn_of
 
-  !> `tooth` is the member whose corner it is.
-  real(dp) function rolled_gap(pair, s, tooth) result(gap)
+  !> `tooth` is the member whose corner it is. Each gear may be turned by half of a deflection x along the line of action.
+  real(dp) function rolled_gap(pair, s, tooth, x) result(gap)
     type(pair_t), intent(in) :: pair
     real(dp), intent(in) :: s
     integer, intent(in) :: tooth
+    real(dp), intent(in), optional :: x
     integer, parameter :: points = 40000
     real(dp) :: turn(2), corner(2), place(2), low, high, place_low(2), place_high(2), part
     integer :: i, mate
 
     mate = 3 - tooth
     turn = [(turn_of(pair, s, i), i=1, 2)]
+    if (present(x)) turn = turn + x/2/[(pair%gear(i)%base_radius(drive), i=1, 2)]
     ! The corner from the mate's centre; from either centre y points to the other one.
     corner = turned(involute_point(pair%gear(tooth), drive, pair%gear(tooth)%tip_radius), turn(tooth))
     place = [0.0_dp, pair%centre_distance] - corner
@@ -290,8 +293,8 @@ contains
     end do
   end subroutine reach_of_corner
 
-  !> Beyond the path the profile error is the gap, the whole relief of the corner, and what the mate lacks where they meet:
-  !> by roll angle, linear or as a parabola. It is continuous at A and E, and inside as it was.
+  !> Beyond the path the profile error is the gap, the whole relief of the corner, and what the mate lacks where they meet: by
+  !> roll angle, linear or as a parabola, all along the line of action. It is continuous at A and E, and inside as it was.
   subroutine profile_errors(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: amount(2) = [12*micro, 7*micro]
@@ -320,13 +323,13 @@ contains
             s = reach(1)*(i/40.0_dp)
             corner = corner_contact(pair, s)
             mate = max(0.0_dp, (corner%s - start(1))/(pair%contact_ratio - start(1)))
-            call check_close(t, 'before A', whole%value(s), corner%gap + amount(2) &
-                             + amount(1)*merge(mate**2, mate, shape == parabolic), absolute=1e-12_dp)
+            call check_close(t, 'before A', whole%value(s), (corner%gap + amount(2) &
+                             + amount(1)*merge(mate**2, mate, shape == parabolic))*2/(1 + corner%lever), absolute=1e-12_dp)
             s = pair%contact_ratio + (reach(2) - pair%contact_ratio)*(i/40.0_dp)
             corner = corner_contact(pair, s)
             mate = max(0.0_dp, (start(2) - corner%s)/start(2))
-            call check_close(t, 'behind E', whole%value(s), corner%gap + amount(1) &
-                             + amount(2)*merge(mate**2, mate, shape == parabolic), absolute=1e-12_dp)
+            call check_close(t, 'behind E', whole%value(s), (corner%gap + amount(1) &
+                             + amount(2)*merge(mate**2, mate, shape == parabolic))*2/(1 + corner%lever), absolute=1e-12_dp)
             s = pair%contact_ratio*(i + 0.5_dp)/41
             call check_close(t, 'within the path', whole%value(s), inside%value(s), absolute=1e-20_dp)
           end do
@@ -337,6 +340,33 @@ contains
       end do
     end do
   end subroutine profile_errors
+
+  !> Half of the profile error as a turn of either gear closes the gap, but for what the lever arm changes on the way.
+  subroutine closes(t)
+    type(tally_t), intent(inout) :: t
+    type(pair_t) :: pair
+    type(piecewise_t) :: whole
+    type(error_t), allocatable :: error
+    real(dp) :: reach(2), s, gap
+    integer :: kind, side, i
+
+    do kind = 1, 4
+      pair = example(kind, t)
+      reach = corner_reach(pair, 40*micro)
+      associate (relief => relief_t([0.0_dp, 0.0_dp], [0.75_dp, 0.25_dp]*pair%contact_ratio, parabolic))
+        call profile_error(relief, pair%contact_ratio, whole, error)
+        call add_corners(pair, relief, reach, whole)
+      end associate
+      do side = 1, 2
+        do i = 1, 3
+          s = merge(reach(1)*i/3, pair%contact_ratio + (reach(2) - pair%contact_ratio)*i/3, side == 1)
+          gap = rolled_gap(pair, s, 3 - side)
+          call check_close(t, 'closed, pair '//str(kind)//' at '//str(s), rolled_gap(pair, s, 3 - side, whole%value(s)), 0.0_dp, &
+                           absolute=3e-3_dp*gap)
+        end do
+      end do
+    end do
+  end subroutine closes
 
   !> A polynomial comes back from its values, exactly.
   subroutine interpolation(t)

@@ -137,7 +137,7 @@ class MeshTable(Table):
     mesh_stiffness_n_um: NDArray[float64]
     """N/um: of all pairs that carry load; of whole gears also their discs"""
     profile_error_um: NDArray[float64]
-    """um: material missing at this point, both flanks together"""
+    """um: material missing at this point, both flanks together; beyond A and E with the gap of the tip corner, along the line of action"""
     load_share: NDArray[float64]
     """static load of this pair over the whole load"""
     ste_um: NDArray[float64]

@@ -20,12 +20,12 @@ INPUTS = {case.name: case for case in CASES}
 SWITCHES = ('corner_contact', 'tooth_coupling', 'nonlinear_contact')
 AIM = 0.005, 0.005  # of the peak-to-peak transmission error without relief; of the load
 # Where the aim is missed: cases (none: all) and switches that are on; how far off we are of the one and the other instead; why.
-STEEP = 'where a pair comes or goes the transmission error changes so fast that a thousandth of a base pitch counts'
 SMALL = 'a corner under a small load yields by more than its secant stiffness says'
-TIP = 'beside a tip corner the contact moves down the flank as the tooth bends: a pair is stiffer there than by Hertz'
+TIP = 'beside a tip corner the contact moves down the flank as the tooth bends: without corner contact that is left out'
+ZONE = 'where an edge is felt the stiffness is one smooth curve between two places'
 MISSED: tuple[tuple[tuple[str, ...], set[str], float, float, str], ...] = (
-    ((), {'corner_contact'}, 0.0135, 0.0056, STEEP),
-    ((), {'corner_contact', 'nonlinear_contact'}, 0.03, 0.014, SMALL),
+    ((), {'corner_contact'}, 0.006, 0.005, ZONE),
+    ((), {'corner_contact', 'nonlinear_contact'}, 0.025, 0.012, SMALL),
     (('bore-10',), set(), 0.0055, 0.005, TIP),
     (('stub',), set(), 0.008, 0.005, TIP),
     (('high', 'high-bore'), set(), 0.012, 0.005, TIP),
@@ -90,7 +90,24 @@ class Ours:
         row = ours.mesh.relief_um == relief
         s, ste, share = (np.asarray(column)[row] for column in (ours.mesh.s, ours.mesh.ste_um, ours.mesh.load_share))
         self.ste = np.interp(phase, s, ste)
+        share = share / along(ours, row)
         self.shares = np.column_stack([np.interp(phase + j, s, share, left=0, right=0) for j in range(-1, 4)])
+
+
+def along(ours, row):
+    """What of a contact's load is along the line of action, as the mean of both gears: 1 on the path.
+
+    Beyond it the normal at the tip corner touches the mate's base circle. The triangle of the corner and both centres says how
+    far it passes its own gear's centre.
+    """
+    s, distance = ours.mesh.s[row], ours.geometry.centre_distance_mm
+    base = ours.gears.base_diameter_mm / 2
+    radius = np.hypot(base[:, None], [ours.mesh.pinion_curvature_mm[row], ours.mesh.gear_curvature_mm[row]])
+    mate = np.where(s < ours.geometry.contact_ratio / 2, 0, 1)
+    own, other = radius[1 - mate, np.arange(len(s))], radius[mate, np.arange(len(s))]
+    off_centres = np.arccos((distance**2 + other**2 - own**2) / (2 * distance * other))
+    arm = distance * np.cos(np.arccos(base[mate] / other) + off_centres) - base[mate]
+    return np.where((s < 0) | (s > ours.geometry.contact_ratio), (1 + arm / base[1 - mate]) / 2, 1.0)
 
 
 @pytest.mark.parametrize(('name', 'relief', 'switches', 'keys'), list(compared()))

@@ -149,9 +149,12 @@ contains
   !> Without load the mate touches the edge, and is apart from the face by tilt x + curvature x**2/2 at x from it: `tilt`
   !> (rad) between mate and face, `curvature` (1/m) of both together. The load acts along the mate's normal. Where they press
   !> the surfaces fit: Johnson 1985, Contact Mechanics, section 5.9.
-  subroutine edge_compliance(edge, line_load, tilt, curvature, mate_depth, compliance, error)
+  !>
+  !> The bodies behind yield less by `fall` (m/N) per length that the load is farther from the edge: half of that turns the
+  !> surfaces against each other, half makes the load's own place yield less (see `moved_contact` of gearsweep_corner_stiffness).
+  subroutine edge_compliance(edge, line_load, tilt, curvature, fall, mate_depth, compliance, error)
     type(edge_t), intent(in) :: edge
-    real(dp), intent(in) :: line_load, tilt, curvature, mate_depth
+    real(dp), intent(in) :: line_load, tilt, curvature, fall, mate_depth
     real(dp), intent(out) :: compliance
     type(error_t), allocatable, intent(inout) :: error
     real(dp), dimension(size(edge%ends) - 1) :: gap, pressure
@@ -162,7 +165,7 @@ contains
     compliance = 0
     along = [sin(tilt), -cos(tilt)]
     associate (a => edge%ends(:size(gap)), b => edge%ends(2:))
-      gap = tilt*(a + b)/2 + curvature/6*(a**2 + a*b + b**2)
+      gap = (tilt - fall*line_load/2)*(a + b)/2 + curvature/6*(a**2 + a*b + b**2)
       do j = 1, size(gap)
         do i = 1, size(gap)
           matrix(i, j) = dot_product(along, matmul(edge%influence(:, :, i, j), along)) &
@@ -181,7 +184,10 @@ contains
       call fail(error, code_numerical, 'corner contact: the pressure at the tip corner is not found')
       return
     end if
-    compliance = approach/line_load - 2*edge_deflection(edge, edge%depth, tilt) + edge_deflection(edge, 2*edge%depth, tilt)
+    associate (middle => (edge%ends(:size(gap)) + edge%ends(2:))/2)
+      compliance = approach/line_load - fall/2*sum(pressure*middle)/line_load
+    end associate
+    compliance = compliance - 2*edge_deflection(edge, edge%depth, tilt) + edge_deflection(edge, 2*edge%depth, tilt)
   end subroutine edge_compliance
 
   !> Mean of log |x - y| for x from a to b and y from c to d (m).

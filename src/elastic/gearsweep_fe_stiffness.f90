@@ -3,7 +3,7 @@
 module gearsweep_fe_stiffness
   use gearsweep_kinds, only: dp, pi
   use gearsweep_corner, only: corner_reach
-  use gearsweep_corner_stiffness, only: corner_compliance, edge_share, edge_zone
+  use gearsweep_corner_stiffness, only: compliance_slope, corner_compliance, edge_share, edge_zone, moved_contact
   use gearsweep_disc, only: disc_t
   use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
@@ -49,6 +49,7 @@ contains
     type(tooth_t) :: tooth(2)
     real(dp), allocatable :: s(:), half_width(:), total(:)
     real(dp) :: width, zone(2), felt
+    integer :: i
 
     if (.not. line_load > 0) then
       call fail(error, code_input, 'line load (N/mm) = '//str(line_load/1000)//': must be above 0')
@@ -66,6 +67,9 @@ contains
                  flat2 => surface_to_depth(material(2), strain, half_width, pair%gear(2)%spec%module))
         felt = sum(felt_twist(options%hub_share, tooth%disc%turn))
         total = values(tooth(1)%compliance, r1) + values(tooth(2)%compliance, r2) + (flat1 + flat2) + felt
+        ! Where contact ends at A and E it stays on the line of action too, as in the models that have it so.
+        if (options%corner_contact) total = total - &
+          [(moved_contact(line_load, compliance_slope(pair, tooth, [r1(i), r2(i)]), [r1(i), r2(i)]), i=1, size(s))]
       end associate
     end associate
     width = minval(pair%gear%spec%face_width)

@@ -29,6 +29,9 @@ module gearsweep_corner
     real(dp) :: tilt = 0                         !< of the mate's normal against that of the corner's own flank, rad
     !> Lever arm of the load about the centre of the corner's gear, over its base radius; the mate's is its base radius.
     real(dp) :: lever = 1
+    !> Mean of both lever arms over their base radii: as both gears turn by half of a deflection x along the line of action each,
+    !> corner and flank approach by this part of x along the mate's normal, and this part of their load is along the line.
+    real(dp) :: part_along = 1
     !> Lever arm of friction about the centre of the corner's gear, m; the mate's is the radius of curvature.
     real(dp) :: friction_arm = 0
   end type corner_t
@@ -64,6 +67,7 @@ contains
       corner%gap = corner%curvature + other*angle - (tangent - tip - beyond)
       corner%tilt = turned - angle
       corner%lever = (tangent*sin(angle) + (own + other)*cos(angle) - other)/own
+      corner%part_along = (1 + corner%lever)/2
       corner%friction_arm = sqrt(max(0.0_dp, own**2 + tip**2 - (corner%lever*own)**2))
       corner%s = (corner%curvature - pair%start_curvature)/pair%base_pitch
       if (mate == 2) corner%s = (tangent - corner%curvature - pair%start_curvature)/pair%base_pitch
@@ -151,6 +155,7 @@ contains
 
   !> Extends the profile error `curve` (m), known from A to E, to `reach` (base pitches; see corner_reach): by the gap
   !> of the corner, the whole relief of the corner, and the relief of the mate where they meet. Continuous at A and E.
+  !> Along the line of action: the deflection that closes them (`part_along` of corner_t).
   pure subroutine add_corners(pair, relief, reach, curve)
     type(pair_t), intent(in) :: pair
     type(relief_t), intent(in) :: relief
@@ -208,8 +213,8 @@ contains
 
       s = [((first + last)/2 - (last - first)/2*cos(i*acos(-1.0_dp)/degree), i=0, degree)]
       corner = corner_contact(pair, s)
-      piece = interpolated(first, last, corner%gap + relief%amount(tooth) &
-                           + tip_relief(relief, pair%contact_ratio, 3 - tooth, corner%s))
+      piece = interpolated(first, last, (corner%gap + relief%amount(tooth) &
+                                         + tip_relief(relief, pair%contact_ratio, 3 - tooth, corner%s))/corner%part_along)
     end function piece
   end subroutine add_corners
 end module gearsweep_corner

@@ -14,6 +14,10 @@ module gearsweep_mesh
   private
   public :: mesh_t, interval_t, smooth_intervals, coupling, joint_stiffness
 
+  !> How well the stiffness at a tip corner is known: the secant at the whole load is too stiff for a small one by up to this part
+  !> (suite elastic_corner has what grid and depth add).
+  real(dp), parameter, public :: corner_uncertainty = 0.1_dp
+
   type :: mesh_t
     real(dp) :: contact_ratio = 0
     !> Path coordinates between which a pair may be in contact: the first at most 0 (A), the second at least the contact
@@ -244,17 +248,14 @@ contains
     logical, intent(in) :: friction
     type(interval_t), allocatable :: intervals(:)
     real(dp), allocatable :: breaks(:)
+    logical, allocatable :: profile_breaks(:), stiffness_breaks(:)
     integer :: i
 
-    breaks = [0.0_dp, 1.0_dp, phase(mesh%contact_ratio), phase(mesh%reach)]
-    do i = 2, size(mesh%profile_error%breaks) - 1
-      if (.not. mesh%profile_error%is_smooth_at(i)) breaks = [breaks, phase(mesh%profile_error%breaks(i))]
-    end do
-    if (mesh%reaches_beyond()) then
-      do i = 2, size(mesh%stiffness%breaks) - 1
-        if (.not. mesh%stiffness%is_smooth_at(i)) breaks = [breaks, phase(mesh%stiffness%breaks(i))]
-      end do
-    end if
+    profile_breaks = breaks_of(mesh%profile_error)
+    stiffness_breaks = breaks_of(mesh%stiffness)
+    breaks = [0.0_dp, 1.0_dp, phase(mesh%contact_ratio), phase(mesh%reach), &
+              phase(pack(mesh%profile_error%breaks, profile_breaks))]
+    if (mesh%reaches_beyond()) breaks = [breaks, phase(pack(mesh%stiffness%breaks, stiffness_breaks))]
     if (friction .and. mesh%pitch_point > 0 .and. mesh%pitch_point < mesh%contact_ratio) then
       breaks = [breaks, phase(mesh%pitch_point)]
     end if
@@ -264,14 +265,15 @@ contains
     do i = 1, size(intervals)
       intervals(i)%first = breaks(i)
       intervals(i)%last = breaks(i + 1)
-      call list_pairs(mesh, (breaks(i) + breaks(i + 1))/2, intervals(i))
+      call list_pairs(mesh, (breaks(i) + breaks(i + 1))/2, profile_breaks, stiffness_breaks, intervals(i))
     end do
   end function smooth_intervals
 
   !> The pairs that may be in contact at the middle of an interval, and so in all of it.
-  pure subroutine list_pairs(mesh, middle, interval)
+  pure subroutine list_pairs(mesh, middle, profile_breaks, stiffness_breaks, interval)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: middle               !< phase
+    logical, intent(in) :: profile_breaks(:), stiffness_breaks(:)  !< of `breaks_of`
     type(interval_t), intent(inout) :: interval
     integer :: j
 
@@ -280,9 +282,9 @@ contains
     allocate (interval%piece(2, interval%pairs), interval%stiffness_piece(2, interval%pairs))
     associate (s => interval%place(middle, [(j, j=1, interval%pairs)]))
       do j = 1, interval%pairs
-        interval%piece(:, j) = smooth_pieces(mesh%profile_error, s(j))
+        interval%piece(:, j) = smooth_pieces(mesh%profile_error, profile_breaks, s(j))
         interval%stiffness_piece(:, j) = [1, size(mesh%stiffness%breaks) - 1]
-        if (mesh%reaches_beyond()) interval%stiffness_piece(:, j) = smooth_pieces(mesh%stiffness, s(j))
+        if (mesh%reaches_beyond()) interval%stiffness_piece(:, j) = smooth_pieces(mesh%stiffness, stiffness_breaks, s(j))
       end do
       interval%recess = s > mesh%pitch_point
       interval%between = s > 0 .and. s < mesh%contact_ratio
@@ -295,19 +297,32 @@ contains
     end do
   end subroutine list_pairs
 
-  !> First and last piece of the part of a curve around s within which it is smooth.
-  pure function smooth_pieces(curve, s) result(piece)
+  !> Where a curve is not smooth from one of its pieces to the next; (break). Its ends count as smooth.
+  pure function breaks_of(curve) result(breaks)
     type(piecewise_t), intent(in) :: curve
+    logical :: breaks(size(curve%breaks))
+    integer :: i
+
+    breaks = .false.
+    do i = 2, size(breaks) - 1
+      breaks(i) = .not. curve%is_smooth_at(i)
+    end do
+  end function breaks_of
+
+  !> First and last piece of the part of a curve around s within which it is smooth.
+  pure function smooth_pieces(curve, breaks, s) result(piece)
+    type(piecewise_t), intent(in) :: curve
+    logical, intent(in) :: breaks(:)             !< of `breaks_of`
     real(dp), intent(in) :: s
     integer :: piece(2)
 
     piece = curve%locate(s)
     do while (piece(1) > 1)
-      if (.not. curve%is_smooth_at(piece(1))) exit
+      if (breaks(piece(1))) exit
       piece(1) = piece(1) - 1
     end do
     do while (piece(2) < size(curve%breaks) - 1)
-      if (.not. curve%is_smooth_at(piece(2) + 1)) exit
+      if (breaks(piece(2) + 1)) exit
       piece(2) = piece(2) + 1
     end do
   end function smooth_pieces

@@ -182,18 +182,24 @@ contains
     transmission_error = transmission_error + mesh%disc%turn*load
   end function transmission_error
 
-  !> Samples the period with about `samples` points. Source: Dogan et al. 2021,
+  !> Samples the period with about `samples` points: between the breaks of the mesh, or of the `intervals` that are given, as
+  !> `contact_intervals` of gearsweep_segments, which end where pairs begin and cease to carry too. Source: Dogan et al. 2021,
   !> Eqs. 7, 8, with separation.
-  pure subroutine share_load(mesh, load, samples, sharing)
+  pure subroutine share_load(mesh, load, samples, sharing, known)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
     integer, intent(in) :: samples
     type(sharing_t), intent(out) :: sharing
+    type(interval_t), intent(in), optional :: known(:)     !< intervals, of the whole period
     type(interval_t), allocatable :: intervals(:)
     integer, allocatable :: counts(:)
     integer :: i, k, row
 
-    intervals = smooth_intervals(mesh, .false.)
+    if (present(known)) then
+      intervals = known
+    else
+      intervals = smooth_intervals(mesh, .false.)
+    end if
     counts = [(1 + max(1, nint(samples*(intervals(i)%last - intervals(i)%first))), i=1, size(intervals))]
     associate (n => sum(counts), most => maxval(intervals%pairs))
       allocate (sharing%phase(n), sharing%error(n), sharing%stiffness(n), sharing%pairs(n), sharing%offset(n))

@@ -137,11 +137,13 @@ contains
     real(dp), parameter :: beside = 1e-9_dp
     !> So far beyond A and E corners touch under usual loads, base pitches; the same under any, so that one solution for unit
     !> loads serves all loads.
-    real(dp), parameter :: corners(*) = [0.02_dp, 0.04_dp, 0.06_dp, 0.08_dp, 0.1_dp, 0.12_dp]
+    real(dp), parameter :: step = 0.01_dp, farthest = 0.12_dp
     real(dp) :: curvature(2), base
+    real(dp), allocatable :: corners(:)
     integer :: i, n
 
     n = max(2, options%positions)
+    corners = step*[(i, i=1, nint(farthest/step))]
     if (options%spacing == spaced_on_path) then
       ! A pair comes or goes at whole s and at whole s before E.
       s = [(pair%contact_ratio*i/(n - 1), i=0, n - 1)]

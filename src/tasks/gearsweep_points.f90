@@ -17,6 +17,8 @@ module gearsweep_points
   character(*), parameter, public :: of_status = 'how the operating point ended, in a word', &
     of_worst = 'largest DF over the speeds; NaN where none has an answer', of_periods = 'mesh periods until the motion repeats'
   character(*), parameter, public :: of_coast = 'largest load on the coast sides over the static load; 0 where they do not touch'
+  character(*), parameter, public :: of_corner = 'what a tenth of the stiffness at a tip corner changes of DF: it is not known '// &
+    'better under small loads; NaN where there is no answer'
   integer, parameter, public :: status_length = 12
 
 contains

@@ -68,7 +68,7 @@ module gearsweep_task
     type(accuracy_t) :: accuracy                 !< with the flag that ends the run
     type(running_t), pointer :: running => null()
   contains
-    procedure :: sweep_options, find_point, find_motion
+    procedure :: sweep_options, find_point, find_motion, has_corners
   end type stages_t
 
   !> What is said of a task. `needs` names stages, blanks between them:
@@ -367,6 +367,15 @@ contains
     if (.not. lacks) call find_response(self%motion(relief), rpm, self%accuracy, response, point, harmonics)
     response%lacks = response%lacks .or. lacks
   end subroutine find_motion
+
+  !> May tip corners of the teeth touch? A prescribed mesh has none, whatever its tables say beyond A and E.
+  pure logical function has_corners(self)
+    class(stages_t), intent(in) :: self
+    integer :: i
+
+    has_corners = .false.
+    if (allocated(self%pair)) has_corners = any([(self%motion(i)%mesh%reaches_beyond(), i=1, size(self%motion))])
+  end function has_corners
 
   !> So many operating points more are done; `stop` is the flag of the run, where the count is told too.
   subroutine tell(self, points, stop)

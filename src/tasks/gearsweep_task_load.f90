@@ -1,13 +1,14 @@
 !> The task `load`: at chosen speeds, the load of one pair along its path of contact, and what else is read off the motion.
 module gearsweep_task_load
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_corner_estimate, only: find_corner_estimate
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_input, code_memory, error_t, fail
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
-  use gearsweep_points, only: factor_in, of_coast, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
+  use gearsweep_points, only: factor_in, of_coast, of_corner, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
     status_length, words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
@@ -69,13 +70,14 @@ contains
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
     type(response_t), allocatable :: response(:, :)        ! (relief, speed)
+    real(dp), allocatable :: corner(:, :)                  ! what is not known for the tip corners' stiffness; (relief, speed)
     integer :: i, k
 
     associate (motion => stages%motion, rpm => self%own_rpm, accuracy => stages%accuracy)
       call claim_memory((1000.0_dp + 64*self%harmonics)*size(motion)*size(rpm), &
                         '&sweep load_rpm: '//str(size(motion)*size(rpm))//' motions', error)
       if (allocated(error)) return
-      allocate (response(size(motion), size(rpm)))
+      allocate (response(size(motion), size(rpm)), corner(merge(size(motion), 0, stages%has_corners()), size(rpm)))
       do k = 1, size(rpm)
         do i = 1, size(motion)
           if (wants_stop(accuracy%steady%stop)) return
@@ -83,12 +85,13 @@ contains
           if (response(i, k)%lacks) call fail(error, code_memory, &
             '&sweep load_rpm = '//str(rpm(k))//': the memory does not hold the motion')
           if (allocated(error)) return
+          if (size(corner) > 0) call find_corner_estimate(motion(i), rpm(k), accuracy, corner(i, k), response(i, k)%point)
           call stages%running%tell(1, accuracy%steady%stop)
         end do
       end do
     end associate
     call fill_paths(stages, response, self%tables(self%place('load')), error)
-    call fill_points(stages, response, self%tables(self%place('load_points')), error)
+    call fill_points(stages, response, corner, self%tables(self%place('load_points')), error)
     call fill_harmonics(stages, self%harmonics, response, self%tables(self%place('motion_harmonics')), error)
     self%is_done = .true.
     associate (status => response%point%steady%status)
@@ -144,9 +147,10 @@ contains
   end subroutine fill_paths
 
   !> Dynamic factor at the chosen speeds, and what else is read off the motion.
-  pure subroutine fill_points(stages, response, table, error)
+  pure subroutine fill_points(stages, response, corner, table, error)
     type(stages_t), intent(in) :: stages
     type(response_t), intent(in) :: response(:, :)
+    real(dp), intent(in) :: corner(:, :)         ! without tip corners of no size
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: factor(:), estimate(:)
@@ -155,7 +159,7 @@ contains
 
     m = size(response, 1)
     n = size(response, 2)
-    call table%begin('dynamic factor and what else is read off the motion, at the speeds of the task load', m*n, 24, error, &
+    call table%begin('dynamic factor and what else is read off the motion, at the speeds of the task load', m*n, 25, error, &
                      extent=[m, n])
     if (allocated(error)) return
     associate (point => response%point)
@@ -173,6 +177,7 @@ contains
       call table%add_words('status', of_status, words_of(status))
       call table%add('mesh_periods', '', of_periods, [((point(i, k)%steady%periods, k=1, n), i=1, m)])
     end associate
+    if (size(corner) > 0) call table%add('corner_estimate', '', of_corner, [transpose(corner)])
     call add_loads(stages%load, response, has_result(status), table)
     call add_motion(response, has_result(status), table)
   end subroutine fill_points

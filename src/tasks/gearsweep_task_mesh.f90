@@ -9,7 +9,8 @@ module gearsweep_task_mesh
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_reader, only: reader_t
-  use gearsweep_mesh, only: mesh_t
+  use gearsweep_mesh, only: corner_uncertainty, interval_t, mesh_t
+  use gearsweep_segments, only: contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_table, only: each, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
@@ -27,10 +28,6 @@ module gearsweep_task_mesh
 
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
   character(*), parameter :: of_relief = 'amount of relief'
-
-  !> How well the stiffness at a tip corner is known: the secant at the whole load is too stiff for a small one by up to this part
-  !> (suite elastic_corner has what grid and depth add).
-  real(dp), parameter :: corner_part = 0.1_dp
 
 contains
 
@@ -59,6 +56,7 @@ contains
     type(sharing_t), allocatable :: sharing(:)
     type(sharing_t) :: softer
     type(mesh_t) :: mesh
+    type(interval_t), allocatable :: intervals(:)
     type(harmonics_t), allocatable :: ste(:)
     real(dp), allocatable :: corner(:)
     integer :: i
@@ -71,11 +69,12 @@ contains
         if (i == 2) call claim_memory(size(motion)*(1000 + 24.0_dp*self%harmonics + size(sharing(1)%phase)* &
           (28.0_dp + 16*size(sharing(1)%s, 1))), '&relief amount_um: '//str(size(motion))//' reliefs', error)
         if (allocated(error)) return
-        call share_load(motion(i)%mesh, motion(i)%load, samples, sharing(i))
+        intervals = contact_intervals(motion(i)%mesh, motion(i)%load, friction=.false.)
+        call share_load(motion(i)%mesh, motion(i)%load, samples, sharing(i), intervals)
         call find_harmonics(motion(i)%mesh, motion(i)%load, self%harmonics, ste(i))
-        if (.not. (allocated(stages%pair) .and. motion(i)%mesh%reaches_beyond())) cycle
-        mesh = motion(i)%mesh%with_softer_corners(corner_part)
-        call share_load(mesh, motion(i)%load, samples, softer)
+        if (.not. stages%has_corners()) cycle
+        mesh = motion(i)%mesh%with_softer_corners(corner_uncertainty)
+        call share_load(mesh, motion(i)%load, samples, softer, intervals)
         corner(i) = maxval(abs(softer%error - sharing(i)%error))
       end do
     end associate
@@ -86,8 +85,8 @@ contains
     self%log = 'mesh: static load sharing and transmission error'
   end subroutine run
 
-  !> One pair along its path of contact, static, for each relief: s ascends; where a pair enters or a relief begins, both
-  !> sides have a row.
+  !> One pair along its path of contact, static, for each relief: s ascends; where a pair enters, begins or ceases to
+  !> carry, or a relief begins, both sides have a row.
   pure subroutine fill_path(stages, sharing, table, error)
     type(stages_t), intent(in) :: stages
     type(sharing_t), intent(in) :: sharing(:)
@@ -120,7 +119,8 @@ contains
     call table%add('pair_stiffness_n_um', 'N/um', 'stiffness of this pair, whole face width; what the dynamics take', &
                    values(:, 3))
     call table%add('mesh_stiffness_n_um', 'N/um', 'of all pairs that carry load; of whole gears also their discs', values(:, 4))
-    call table%add('profile_error_um', 'um', 'material missing at this point, both flanks together', values(:, 5))
+    call table%add('profile_error_um', 'um', 'material missing at this point, both flanks together; beyond '// &
+                   'A and E with the gap of the tip corner, along the line of action', values(:, 5))
     call table%add('load_share', '', 'static load of this pair over the whole load', values(:, 6))
     call table%add('ste_um', 'um', 'static transmission error along the line of action', values(:, 7))
     if (stages%base_pitch > 0) call table%add('path_mm', 'mm', 'distance from A on the line of action', milli*s*stages%base_pitch)
@@ -156,7 +156,7 @@ contains
                    [(maxval(sharing(i)%load)/stages%load, i=1, m)])
     call table%add('effective_contact_ratio', '', 'length of the path over which a pair carries load, in base pitches', &
                    [(ste(i)%effective_contact_ratio, i=1, m)])
-    if (.not. (allocated(stages%pair) .and. any([(stages%motion(i)%mesh%reaches_beyond(), i=1, m)]))) return
+    if (.not. stages%has_corners()) return
     call table%add('corner_estimate_um', 'um', 'what a tenth of the stiffness at a tip corner changes of the transmission '// &
                    'error where it changes most: it is not known better under small loads', micro*corner)
   end subroutine fill_ste

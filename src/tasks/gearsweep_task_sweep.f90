@@ -3,14 +3,15 @@ module gearsweep_task_sweep
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_all_motions, only: all_motions_t, count_motions
   use gearsweep_attractor_search, only: attractor_options_t
+  use gearsweep_corner_estimate, only: find_corner_estimate
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_optimum, only: find_resonances, peak_t, worst_of
   use gearsweep_oscillator, only: frequency_ratio
-  use gearsweep_points, only: factor_in, factor_of, of_coast, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
-    of_worst, speed_of, words_of
+  use gearsweep_points, only: factor_in, factor_of, of_coast, of_corner, of_estimate, of_factor, of_periods, of_relief, of_speed, &
+    of_status, of_worst, speed_of, words_of
   use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
   use gearsweep_sweep_state, only: all_motions
   use gearsweep_sweep, only: contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
@@ -66,7 +67,7 @@ contains
     self%is_stopped = self%is_stopped .or. motions%stopped
     if (.not. self%is_stopped) resonance = find_resonances(sweep%rpm, sweep%dynamic_factor(:, minloc(stages%amount, 1)))
     call fill_sweep(stages, sweep, motions, self%tables(self%place('sweep')), error)
-    call fill_worst(stages%amount, sweep, self%tables(self%place('sweep_worst')), error)
+    call fill_worst(stages, sweep, self%is_stopped, self%tables(self%place('sweep_worst')), error)
     call fill_resonances(stages%amount, sweep, [resonance%rpm], self%tables(self%place('resonances')), error)
     call fill_summary(stages, sweep, self%tables(self%place('sweep_summary')), error)
     if (size(stages%keep) > 0) self%found = sweep%kept
@@ -117,20 +118,31 @@ contains
   end subroutine fill_sweep
 
   !> The largest dynamic factor of each relief.
-  pure subroutine fill_worst(amount, sweep, table, error)
-    real(dp), intent(in) :: amount(:)            ! of relief, m
+  subroutine fill_worst(stages, sweep, stopped, table, error)
+    type(stages_t), intent(in) :: stages
     type(sweep_t), intent(in) :: sweep
+    logical, intent(in) :: stopped               ! by the caller
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    type(peak_t) :: worst(size(amount))
+    type(peak_t) :: worst(size(stages%amount))
+    real(dp) :: corner(size(stages%amount))
     integer :: i
 
-    call table%begin('largest dynamic factor of the sweep for each relief', size(amount), 3, error, extent=[size(amount)])
+    associate (amount => stages%amount)
+      call table%begin('largest dynamic factor of the sweep for each relief', size(amount), 4, error, extent=[size(amount)])
+    end associate
     if (allocated(error)) return
-    worst = [(worst_of(sweep%rpm, sweep%dynamic_factor(:, i)), i=1, size(amount))]
-    call table%add_index('relief_um', 'um', of_relief, in_um(amount))
+    worst = [(worst_of(sweep%rpm, sweep%dynamic_factor(:, i)), i=1, size(worst))]
+    call table%add_index('relief_um', 'um', of_relief, in_um(stages%amount))
     call table%add('worst_dynamic_factor', '', of_worst, [factor_of(worst)])
     call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
+    if (.not. stages%has_corners()) return
+    corner = no_number()
+    do i = 1, size(worst)
+      if (worst(i)%rpm > 0 .and. .not. stopped) &
+        call find_corner_estimate(stages%motion(i), worst(i)%rpm, stages%accuracy, corner(i))
+    end do
+    call table%add('corner_estimate', '', of_corner, corner)
   end subroutine fill_worst
 
   !> The dynamic factor in the resonances of the least relieved mesh, which are at the speeds `rpm` (1/min), for each
