@@ -34,7 +34,7 @@ contains
       grading = gradings(osc, resolution)
       counts = resolution%times*count_steps(grading, osc%intervals%last - osc%intervals%first)
     else
-      counts = resolution%times*max(1, ceiling(resolution%base*(osc%intervals%last - osc%intervals%first) - 1e-6_dp))
+      counts = equal_steps(osc%intervals%last - osc%intervals%first, resolution)
     end if
     call allocate_table(osc, sum(counts), table)
     if (table%steps == 0) return
@@ -69,6 +69,21 @@ contains
     call find_bounds(osc, table)
     table%omega(:, :) = sqrt(table%omega_squared)
   end subroutine tabulate
+
+  !> How many steps a smooth interval of this length (mesh phase) has: `times` for each of its shares of `base` steps. One that is
+  !> shorter than such a share has fewer, halved as long as they stay shorter than those of the longer intervals.
+  elemental integer function equal_steps(length, resolution) result(steps)
+    real(dp), intent(in) :: length
+    type(resolution_t), intent(in) :: resolution
+    real(dp) :: shares
+
+    shares = resolution%base*length - 1e-6_dp
+    steps = resolution%times*max(1, ceiling(shares))
+    if (shares > 1) return
+    do while (modulo(steps, 2) == 0 .and. steps/2 >= resolution%times*shares)
+      steps = steps/2
+    end do
+  end function equal_steps
 
   !> The contact set of these pairs.
   pure integer function set_of(pairs) result(contact_set)
