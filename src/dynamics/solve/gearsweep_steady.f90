@@ -151,8 +151,9 @@ contains
     associate (osc => map%osc, duration => map%duration)
       state = start
       residual = huge(residual)
-      ! Only a run that closes the motion needs the largest loads; the next one may be it where Newton's step was small.
-      peaks = .not. all(guided)
+      ! Only a run that closes the motion needs the largest loads: the first one where the motion is linear, else the next one after
+      ! a small step of Newton's. Tip corners come and go in nearly every motion.
+      peaks = .not. (all(guided) .or. osc%mesh%reaches_beyond())
       do iteration = 1, most_iterations
         call run_batch(map, state, active, peaks, run)
         ends = .false.

@@ -12,8 +12,8 @@ module gearsweep_contact_events
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
   use gearsweep_step_loads, only: loads_over_sub_step, raise_coast_over_sub_step
-  use gearsweep_sub_step, only: take_sub_step, move_end, derivatives, second_derivatives, second_derivatives_of_motion, &
-                                need_error, own_at_ends, working_at_ends
+  use gearsweep_sub_step, only: take_sub_step, move_end, range_of_motion, derivatives, second_derivatives, &
+                                second_derivatives_of_motion, need_error, own_at_ends, working_at_ends
   use gearsweep_sub_step_sums, only: sum_contacts
   use gearsweep_sub_steps, only: event_t, sub_steps_t, make_sub_steps, enter_step, last
   use gearsweep_trace, only: trace_t, record
@@ -153,7 +153,7 @@ contains
     type(integrator_t), intent(inout) :: state
     real(dp), intent(out) :: part
     integer, intent(out) :: which
-    real(dp) :: motion(0:1, 2), overlap(0:2, 2), zero
+    real(dp) :: motion(0:1, 2), overlap(0:2, 2), range(2), zero
     logical :: found
     integer :: j
 
@@ -163,10 +163,14 @@ contains
       if (.not. c%width(l) > 0) return
       motion(0, :) = c%x(l, :)
       motion(1, :) = c%width(l)*table%width(c%step)*c%y(l, :)
+      range = range_of_motion(map, l, c)
       do j = 1, osc%contacts
         if (j > table%pairs(c%step) .and. j <= osc%pairs) cycle
         associate (sense => state%contacts(j)%sense(l))
           call need_error(map, state%contact_set(l), j, state%sub_steps)
+          ! Most contacts are far from a change.
+          if (sense > 0 .and. range(1) > c%error_bounds(2, j)) cycle
+          if (sense < 0 .and. range(2) < c%error_bounds(1, j)) cycle
           overlap(:1, :) = sense*(motion - derivatives(c, l, c%error(:, j)))
           if (.not. may_cross_zero(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
           overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - second_derivatives(c, l, c%error(:, j)))
@@ -280,6 +284,7 @@ contains
     logical :: bent
     integer :: j
 
+    if (.not. may_have_more(map, l, contact_set, c, peak)) return
     call own_at_ends(map, l, c, contact_set, .false., k, e)
     w = working_at_ends(map, l, c, contact_set, k, e, .false.)
     bent = .false.
@@ -300,6 +305,25 @@ contains
       call raise_to_maximum(load, peak)
     end do
   end subroutine raise_peak
+
+  !> May a pair have a larger load than the largest so far in the sub-step of motion l? Where pairs share a compliance it takes more
+  !> to tell that it has not.
+  pure logical function may_have_more(map, l, contact_set, c, peak)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l, contact_set
+    type(sub_steps_t), intent(in) :: c
+    real(dp), intent(in) :: peak
+    real(dp) :: range(2)
+    integer :: j
+
+    may_have_more = map%osc%shared > 0
+    if (may_have_more) return
+    range = range_of_motion(map, l, c)
+    do j = 1, map%table%pairs(c%step)
+      if (.not. in_contact(contact_set, j)) cycle
+      may_have_more = may_have_more .or. c%most_stiffness(j)*(range(2) - c%error_bounds(1, j)) > peak
+    end do
+  end function may_have_more
 
   !> The propagator of a sub-step after that of what was before; columns one after the other.
   pure function composed(propagator, before) result(c)

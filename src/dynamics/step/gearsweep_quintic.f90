@@ -5,7 +5,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, value_of, derivative_of, evaluate, maximum_of, first_zero, may_cross_zero
+  public :: quintic, bounds_of, value_of, derivative_of, evaluate, maximum_of, first_zero, may_cross_zero
 
 contains
 
@@ -22,6 +22,20 @@ contains
     c(4) = -15*value + 7*slope - curvature
     c(5) = 6*value - 3*slope + curvature/2
   end function quintic
+
+  !> What the polynomial stays above and below from 0 to 1: the least and the largest of its coefficients in Bernstein's form.
+  pure function bounds_of(c) result(bounds)
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    real(dp) :: bounds(2), b(0:5)
+
+    b(0) = c(0)
+    b(1) = c(0) + c(1)/5
+    b(2) = c(0) + (4*c(1) + c(2))/10
+    b(3) = c(0) + (6*c(1) + 3*c(2) + c(3))/10
+    b(4) = c(0) + (4*c(1) + 3*c(2) + 2*c(3) + c(4))/5
+    b(5) = c(0) + c(1) + c(2) + c(3) + c(4) + c(5)
+    bounds = [min(b(0), b(1), b(2), b(3), b(4), b(5)), max(b(0), b(1), b(2), b(3), b(4), b(5))]
+  end function bounds_of
 
   !> Value at t.
   pure real(dp) function value_of(c, t)

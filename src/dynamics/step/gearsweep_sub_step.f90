@@ -8,15 +8,15 @@ module gearsweep_sub_step
   use gearsweep_nodes, only: nodes
   use gearsweep_oscillator, only: acceleration, damping
   use gearsweep_period_map, only: period_map_t
-  use gearsweep_quintic, only: quintic
+  use gearsweep_quintic, only: bounds_of, quintic
   use gearsweep_shared_coefficients, only: touching_at_end
   use gearsweep_shared_compliance, only: sum_pairs, touching_deflection, working_deflection
   use gearsweep_sub_step_sums, only: sum_contacts
   use gearsweep_sub_steps, only: event_t, last, sub_steps_t
   implicit none
   private
-  public :: take_sub_step, move_end, derivatives, second_derivatives, second_derivatives_of_motion, need_error, own_at_ends, &
-            working_at_ends
+  public :: take_sub_step, move_end, range_of_motion, derivatives, second_derivatives, second_derivatives_of_motion, need_error, &
+            own_at_ends, working_at_ends
 
 contains
 
@@ -99,6 +99,17 @@ contains
     f = (c%width(l)*map%table%width(c%step))**2*f
   end function second_derivatives_of_motion
 
+  !> What x (m) stays above and below over the sub-step of motion l: a convex curve stays above its tangents, a concave one below.
+  pure function range_of_motion(map, l, c) result(range)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l                     !< which speed of the batch
+    type(sub_steps_t), intent(in) :: c
+    real(dp) :: range(2), turn
+
+    turn = (abs(c%y(l, 1)) + abs(c%y(l, 2)))*c%width(l)*map%table%width(c%step)/4
+    range = [min(c%x(l, 1), c%x(l, 2)) - turn, max(c%x(l, 1), c%x(l, 2)) + turn]
+  end function range_of_motion
+
   !> Value and first derivative over the sub-step, at both ends, of a quintic over the step; (0:1, end).
   pure function derivatives(c, l, q) result(f)
     type(sub_steps_t), intent(in) :: c
@@ -154,6 +165,7 @@ contains
       end associate
     end do
     c%error(:, j) = quintic(scale*error(:, 1), scale*error(:, 2))
+    c%error_bounds(:, j) = bounds_of(c%error(:, j))
   end subroutine need_error
 
   !> Own stiffness and profile error of the pairs in contact at both ends of the sub-step of motion l, with their derivatives

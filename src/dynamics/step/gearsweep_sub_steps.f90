@@ -5,7 +5,7 @@ module gearsweep_sub_steps
   use gearsweep_nodes, only: nodes
   use gearsweep_oscillator, only: oscillator_t, damping, mobility
   use gearsweep_period_map, only: period_map_t
-  use gearsweep_quintic, only: quintic
+  use gearsweep_quintic, only: bounds_of, quintic
   implicit none
   private
   public :: sub_steps_t, event_t, make_sub_steps, enter_step, places, last
@@ -38,6 +38,8 @@ module gearsweep_sub_steps
     !> compliance, what `need_error` makes of it while these others are in contact, as a contact set, (pair).
     real(dp), allocatable :: error(:, :)
     integer, allocatable :: others(:)
+    !> Bounds of `error` over the step, (least or most, contact), and of the own stiffness from above, (pair).
+    real(dp), allocatable :: error_bounds(:, :), most_stiffness(:)
     real(dp), allocatable :: shared(:, :)        !< what neighbours share (m/N), a parabola, (0:2, pair but the last)
     real(dp), dimension(batch_size) :: longest = 1                     !< sub-step that is allowed, part of the step
     type(event_t) :: event(batch_size)
@@ -57,6 +59,7 @@ contains
     allocate (c)
     allocate (c%stiffness(0:5, osc%pairs), c%profile_error(0:5, osc%contacts), c%mobility(0:1, osc%pairs))
     allocate (c%error(0:5, osc%contacts), c%others(osc%pairs), c%shared(0:2, max(1, osc%pairs - 1)))
+    allocate (c%error_bounds(2, osc%contacts), c%most_stiffness(osc%pairs))
   end subroutine make_sub_steps
 
   !> The coefficients within a step.
@@ -64,7 +67,7 @@ contains
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: step
     type(sub_steps_t), intent(inout) :: c
-    real(dp) :: scale(0:2)
+    real(dp) :: scale(0:2), bounds(2)
     integer :: j
 
     c%step = step
@@ -72,6 +75,8 @@ contains
       scale = [1.0_dp, table%width(step), table%width(step)**2]
       do j = 1, table%pairs(step)
         c%stiffness(:, j) = quintic(scale*table%end_stiffness(:, j, 1, step), scale*table%end_stiffness(:, j, 2, step))
+        bounds = bounds_of(c%stiffness(:, j))
+        c%most_stiffness(j) = bounds(2)
         associate (left => osc%intervals(table%interval(step))%place(table%left(step), j), &
                    recess => osc%intervals(table%interval(step))%recess(j))
           c%mobility(0, j) = mobility(osc, left, recess)
@@ -83,6 +88,7 @@ contains
         if (j > table%pairs(step) .and. j <= osc%pairs) cycle
         c%profile_error(:, j) = quintic(scale*table%end_profile_error(:, j, 1, step), &
                                         scale*table%end_profile_error(:, j, 2, step))
+        c%error_bounds(:, j) = bounds_of(c%profile_error(:, j))
       end do
       c%error(:, :) = c%profile_error
       c%others(:) = none_yet
