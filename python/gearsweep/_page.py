@@ -21,6 +21,8 @@ from .table import Table, in_short
 
 #: Tables with more rows are folded, and printed in short; with more than that they are for files.
 LONG, LONGEST = 40, 2000
+#: Of so few rows, a table with more columns than a page is wide has its columns below each other.
+FEW, WIDE = 5, 6
 STYLE = """:root { color-scheme: light }
 body { font: 15px/1.45 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; background: #fff }
 h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid #999 } h3 { font-size: 1rem; margin-top: 1.4rem }
@@ -32,7 +34,7 @@ figcaption, .meaning { color: #555 } td.number { text-align: right; font-variant
 .warning { border-left: 3px solid #b3261e; padding-left: .6rem }
 @media print {
   body { font-size: 10pt; max-width: none; margin: 0; padding: 0 } h2, h3 { break-after: avoid } figure, .formula, tr { break-inside: avoid }
-  pre { white-space: pre-wrap; overflow-wrap: anywhere } .scroll { overflow: visible } table { font-size: 7.5pt } td, th { padding-right: .3rem; overflow-wrap: anywhere }
+  pre { white-space: pre-wrap; overflow-wrap: anywhere } .scroll { overflow: visible } table { font-size: 7.5pt } td, th { padding-right: .3rem } th { overflow-wrap: anywhere } td.number, .rows td { white-space: nowrap }
   thead { display: table-header-group } details:not([open]) { display: none }
 }"""
 
@@ -155,9 +157,9 @@ def _pictures(drawn: Mapping[str, Mapping[str, bytes]]) -> Iterator[str]:
 
 
 def _table(table: Table) -> str:
-    """A table as it is; of one row, and of very many, its columns below each other."""
+    """A table as it is; of one row, of few long ones, and of very many, its columns below each other."""
     title = f'<h3 id="table-{table.name}">{table.name}</h3><p class="meaning">{html.escape(table.meaning)}: {table.rows} rows</p>'
-    if 1 < table.rows <= LONG:
+    if 1 < table.rows <= LONG and not (table.rows <= FEW and len(list(table)) > WIDE):
         return title + _rows(table)
     if LONG < table.rows <= LONGEST:
         return f'{title}{_upright(table)}<details><summary>All rows</summary>{_rows(table)}</details>'
@@ -172,13 +174,19 @@ def _rows(table: Table) -> str:
 
 
 def _upright(table: Table) -> str:
-    """A line for each column: its value, or the least and largest."""
+    """A line for each column: its value in each of few rows, or the least and largest."""
     lines = ''.join(
-        f'<tr><td>{name}</td>{_cell(table._read(name)[0]) if table.rows == 1 else f"<td>{html.escape(in_short(table[name]))}</td>"}'
+        f'<tr><td>{name}</td>{_values(table, name)}'
         f'<td>{html.escape(table.units[name])}</td><td class="meaning">{html.escape(table.meanings[name])}</td></tr>'
         for name in table
     )
     return f'<div class="scroll"><table>{lines}</table></div>'
+
+
+def _values(table: Table, name: str) -> str:
+    if 1 <= table.rows <= FEW:
+        return ''.join(map(_cell, table._read(name).tolist()))
+    return f'<td>{html.escape(in_short(table[name]))}</td>'
 
 
 def _cell(value: object) -> str:
