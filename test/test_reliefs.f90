@@ -2,14 +2,18 @@
 module test_reliefs
   use gearsweep_convex_bounds, only: bound_curves, known_curve_t, may_be_largest
   use gearsweep_error, only: error_t
+  use gearsweep_joint_optimum, only: find_joint_optimum, joint_optimum_t
   use gearsweep_kinds, only: dp
   use gearsweep_optimum, only: find_optimum, optimum_t, peak_t, worst_of
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_relief, only: profile_error, relief_t
+  use gearsweep_status, only: has_result
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
   use gearsweep_text, only: str
+  use quantities, only: answer_t, ask
   use random_meshes, only: draw_t, random_mesh
   use random_numbers, only: random_t
+  use single_points, only: mesh_of
   use testing, only: check_close, check_no_error, check_true, tally_t
   implicit none
   private
@@ -23,6 +27,8 @@ contains
     if (t%wants('one_map_for_all')) call one_map_for_all(t)
     if (t%wants('curves_within_bounds')) call curves_within_bounds(t)
     if (t%wants('optimum_by_brute_force')) call optimum_by_brute_force(t)
+    if (t%wants('joint_optimum')) call joint_optimum(t)
+    if (t%wants('joint_optimum_of_a_case')) call joint_optimum_of_a_case(t)
   end subroutine run
 
   !> The oscillator of a draw with a part of its relief.
@@ -208,4 +214,108 @@ contains
     call profile_error(relief, osc%mesh%contact_ratio, osc%mesh%profile_error, error)
     if (allocated(error)) error stop 'relief'
   end subroutine relieve_both
+
+  !> A mesh whose reliefs of both gears have amounts of up to 30 um and lengths of up to half of the path.
+  subroutine with_reliefs(context, number, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: number(:)
+    type(oscillator_t), allocatable, intent(out) :: motion(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), parameter :: load_factor(2) = [1.0_dp, 0.5_dp]
+    type(relief_t) :: relief
+    integer :: i
+
+    select type (context)
+    type is (oscillator_t)
+      allocate (motion(size(load_factor)))
+      do i = 1, size(motion)
+        motion(i) = context
+        motion(i)%load = load_factor(i)*context%load
+        relief%amount = 30e-6_dp*number(1)
+        associate (ratio => context%mesh%contact_ratio, length => 0.1_dp + 0.7_dp*number(2))
+          relief%start = [ratio - length, length]
+          call profile_error(relief, ratio, motion(i)%mesh%profile_error, error)
+        end associate
+        if (.not. allocated(error)) call make_oscillator(motion(i), error)
+        if (allocated(error)) return
+      end do
+    end select
+  end subroutine with_reliefs
+
+  !> Amount and length together under two loads: no design of a grid over both is better, by more than the last step changes.
+  subroutine joint_optimum(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: amounts = 24, lengths = 14
+    type(oscillator_t) :: osc
+    type(oscillator_t), allocatable :: motion(:)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(joint_optimum_t) :: found
+    type(error_t), allocatable :: error
+    real(dp) :: least, largest, rpm(40), starts(2, 5, 3)
+    integer :: i, k
+
+    osc = mesh_of(1.6_dp, [400.0_dp, 0.0_dp, -110.0_dp], [0.0_dp, 0.0_dp], 0.1_dp)
+    options%direction = each
+    options%accuracy%steady%tolerance = 1e-5_dp
+    rpm = [(4000 + 500*i, i=1, size(rpm))]
+    starts = reshape([(([i/4.0_dp, k/3.0_dp], i=0, 4), k=1, 3)], [2, 5, 3])
+    call find_joint_optimum(with_reliefs, osc, starts, rpm, options, found, error)
+    call check_no_error(t, 'joint optimum', error)
+    least = huge(least)
+    do i = 0, amounts
+      do k = 0, lengths
+        call with_reliefs(osc, [i/real(amounts, dp), k/real(lengths, dp)], motion, error)
+        call run_sweep(motion, rpm, options, sweep, error)
+        if (all(has_result(sweep%status))) least = min(least, maxval(sweep%dynamic_factor))
+      end do
+    end do
+    call check_true(t, 'it has all speeds', all(found%best%failed == 0))
+    largest = maxval(found%best%worst%dynamic_factor)
+    call check_true(t, 'no design of the grid is better', largest < least + 1e-4_dp, str(largest)//' and '//str(least))
+    call check_true(t, 'it is better than the grid', largest < least, str(largest)//' and '//str(least))
+    call with_reliefs(osc, found%best%number, motion, error)
+    call run_sweep(motion, rpm, options, sweep, error)
+    do i = 1, 2
+      call check_close(t, 'what is told of a load', found%best%worst(i)%dynamic_factor, maxval(sweep%dynamic_factor(:, i)), &
+                       absolute=4e-5_dp)
+    end do
+  end subroutine joint_optimum
+
+  !> Of a case: what is told is what a sweep says with those reliefs, written as amount, fraction and length; and with more
+  !> freedom there is nothing worse.
+  subroutine joint_optimum_of_a_case(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: rest = '&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 1.1 / '// &
+      '&load normal_force_n = 7000 / &mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400, 0, -110 '// &
+      'base_pitch_mm = 10 / &dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 20000 rpm_step = 500 '// &
+      'direction = ''each'' / &relief amount_um = '
+    character(*), parameter :: search = '&case tasks = ''optimum'' / '//rest//'0 / '
+    type(answer_t) :: one, length, both, swept
+    real(dp) :: amount(2), start(2)
+
+    call ask(t, search, one)
+    call check_true(t, 'nothing that is not asked for', size(one%all_of('optimum_design.worst_dynamic_factor')) == 0)
+    call ask(t, search//'&optimum with_length = .true. /', length)
+    call ask(t, search//'&optimum with_length = .true. each_gear = .true. /', both)
+    call check_true(t, 'length beside the amount', length%one('optimum_design.worst_dynamic_factor') < &
+                    one%one('optimum.worst_dynamic_factor') + 1e-3_dp)
+    call check_true(t, 'each gear by itself', both%one('optimum_design.worst_dynamic_factor') < &
+                    length%one('optimum_design.worst_dynamic_factor') + 1e-3_dp)
+    amount = [both%one('optimum_design.pinion_relief_um'), both%one('optimum_design.gear_relief_um')]
+    start = [length%one('optimum_design.pinion_relief_start'), length%one('optimum_design.gear_relief_start')]
+    call check_close(t, 'lengths of both', start(1) + start(2), 1.6_dp, 1e-12_dp)
+    amount = [length%one('optimum_design.pinion_relief_um'), length%one('optimum_design.gear_relief_um')]
+    call check_close(t, 'amounts of both', amount(1), amount(2), 1e-12_dp)
+    call ask(t, '&case tasks = ''sweep'' / '//rest//str(amount(1), 17)//' start = ''length'' length_mm = '// &
+             str(10*start(2), 17)//' /', swept)
+    call check_close(t, 'what a sweep says', maxval(swept%all_of('sweep.dynamic_factor')), &
+                     length%one('optimum_design.worst_dynamic_factor'), absolute=3e-5_dp)
+    call ask(t, search//'&optimum load_factors = 0.5, 1, 1.5 /', both)
+    call check_true(t, 'three loads', size(both%all_of('optimum_loads.load_factor')) == 3)
+    call check_close(t, 'the largest of all loads', maxval(both%all_of('optimum_loads.worst_dynamic_factor')), &
+                     both%one('optimum_design.worst_dynamic_factor'), 1e-14_dp)
+    call check_true(t, 'several loads ask for a compromise', both%one('optimum_design.worst_dynamic_factor') > &
+                    one%one('optimum.worst_dynamic_factor'))
+  end subroutine joint_optimum_of_a_case
 end module test_reliefs

@@ -43,7 +43,7 @@ module test_scenes
     '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
     '&attractors rpm = 5000, 7000 relief_um = 0 starts = 3 /'// &
     '&branches first = 5000 last = 7000 relief_um = 0 seeds = 2 points = 20 most_periods = 1 /'// &
-    '&sensitivity rpm = 5000 relief_um = 8 /'// &
+    '&optimum load_factors = 1, 0.7 / &sensitivity rpm = 5000 relief_um = 8 /'// &
     '&precision relief_um = 8 most_steps = 50 most_samples = 64 most_elements = 4 modes = 1 /'
 
 contains

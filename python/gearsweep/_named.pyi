@@ -497,6 +497,36 @@ class OptimumCurveTable(Table):
     at_least: NDArray[int64]
     """1: a few speeds showed that this relief is not the best, and the largest DF is that of these; else 0"""
 
+class OptimumDesignTable(Table):
+    """the reliefs of both gears whose largest dynamic factor over all speeds and loads is least"""
+
+    pinion_relief_um: float
+    """um: amount of relief at the pinion's tip; NaN where no point has an answer"""
+    gear_relief_um: float
+    """um: at the gear's"""
+    pinion_relief_start: float
+    """path coordinate at which the pinion's relief begins, in base pitches from A"""
+    gear_relief_start: float
+    """at which the gear's begins"""
+    worst_dynamic_factor: float
+    """largest DF over the speeds and loads; NaN where none has an answer"""
+    within: float
+    """within such a part of the ranges, up and down in each of these numbers, no better design was found"""
+    designs_tried: int
+    """designs tried"""
+
+class OptimumLoadsTable(Table):
+    """the best reliefs of both gears under each load"""
+
+    load_factor: NDArray[float64]
+    """load over that of the case"""
+    worst_dynamic_factor: NDArray[float64]
+    """largest DF over the speeds; NaN where none has an answer"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion where that is"""
+    points_without_answer: NDArray[int64]
+    """speeds without an answer"""
+
 class StabilityTable(Table):
     """stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1"""
 
@@ -1538,6 +1568,10 @@ class Named:
     def optimum(self) -> OptimumTable: ...
     @property
     def optimum_curve(self) -> OptimumCurveTable: ...
+    @property
+    def optimum_design(self) -> OptimumDesignTable: ...
+    @property
+    def optimum_loads(self) -> OptimumLoadsTable: ...
     @property
     def stability(self) -> StabilityTable: ...
     @property

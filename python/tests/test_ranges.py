@@ -10,7 +10,7 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating', 'transient', 'harmonic', 'life', 'body_modes'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'optimum', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating', 'transient', 'harmonic', 'life', 'body_modes'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5, 'bore_mm': 20},
@@ -30,6 +30,7 @@ GROUPS = {
     'poincare': {},
     'attractors': {},
     'branches': {'first': 3000, 'last': 4000},
+    'optimum': {},
     'sensitivity': {'rpm': 3000},
     'precision': {},
     'flank': {'rpm': 3000},

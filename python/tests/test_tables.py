@@ -27,6 +27,7 @@ PLACES = {
     'Best of the list': 'sweep_summary',
     'Points': 'sweep_summary',
     'Optimum relief': 'optimum',
+    'Optimum design': 'optimum_design',
     'Branches of periodic motions': 'branches branch_changes',
     'By how many per cent the dynamic factor': 'sensitivity',
     'Precision at': 'precision precision_finest',

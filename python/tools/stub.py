@@ -31,7 +31,7 @@ def studies() -> list[gearsweep.Study]:
     coarse: dict[str, dict[str, Any]] = {'section': {'elements_across': 3}, 'static': {'positions': 2, 'field_position': 0}, 'modal': {'modes': 1}, 'relief': {'amount_um': 0},
               'sweep': {'rpm_step': 19000, 'load_rpm': 1600, 'direction': 'all'}, 'poincare': {'settling_periods': 0, 'kept_periods': 1},
               'attractors': {'starts': 1}, 'branches': {'first': 3000, 'last': 4000, 'seeds': 1, 'points': 10, 'most_periods': 1},
-              'sensitivity': {'rpm': 1600},
+              'optimum': {'load_factors': [1, 2]}, 'sensitivity': {'rpm': 1600},
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
               'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
               'transient': {'rpm': 1600, 'modes': 2, 'samples': 2}, 'harmonic': {'frequency_hz': [0, 1e5], 'modes': 2},

@@ -1,15 +1,19 @@
-!> The task `optimum`: the relief whose largest dynamic factor over all speeds is least.
+!> The task `optimum`: the relief whose largest dynamic factor over all speeds is least; also amounts and lengths of both gears'
+!> reliefs together, under several loads.
 module gearsweep_task_optimum
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_inputs, only: motions_inputs_t
+  use gearsweep_joint_designs, only: design_starts, designs_t, fill_design, fill_loads, with_design
+  use gearsweep_joint_optimum, only: find_joint_optimum, joint_optimum_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t
   use gearsweep_motions, only: build_motion, deepest_relief
   use gearsweep_optimum, only: find_optimum, most_tried, optimum_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_points, only: of_worst
+  use gearsweep_reader, only: reader_t
   use gearsweep_sweep, only: sweep_options_t, sweep_state_t
   use gearsweep_table, only: no_number, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
@@ -19,20 +23,40 @@ module gearsweep_task_optimum
   public :: optimum_task_t
 
   type, extends(task_t) :: optimum_task_t
+    logical :: with_length = .false., each_gear = .false.
+    real(dp), allocatable :: load_factor(:)
   contains
     procedure, nopass :: describe
-    procedure :: run, add_report, count_points
+    procedure :: read_keys, run, add_report, count_points
+    procedure, private :: search_jointly
   end type optimum_task_t
+
+  character(*), parameter :: group = 'optimum'
 
 contains
 
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('optimum', needs='mesh reliefs motion losses accuracy speeds direction', &
-                       tables='optimum optimum_curve', fields='', &
+    info = task_info_t(group, needs='mesh reliefs motion losses accuracy speeds direction', &
+                       tables='optimum optimum_curve optimum_design optimum_loads', fields='', &
                        gives='the relief whose largest dynamic factor over all speeds is least')
   end subroutine describe
+
+  subroutine read_keys(self, reader, error)
+    class(optimum_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+
+    self%load_factor = [1.0_dp]
+    call reader%add_group(group, 'The task optimum: what is varied beside the amount of relief.')
+    call reader%get(group, 'with_length', self%with_length, error, tasks=group, &
+                    meaning='amount and length of the relief are varied together; its shape stays')
+    call reader%get(group, 'each_gear', self%each_gear, error, tasks=group, &
+                    meaning='the reliefs of pinion and gear are varied each by itself, instead of by gear_fraction')
+    call reader%get(group, 'load_factors', self%load_factor, error, tasks=group, at_least=1e-3_dp, at_most=1e3_dp, min_size=1, &
+                    max_size=20, meaning='loads over that of the case: the largest dynamic factor under all of them counts')
+  end subroutine read_keys
 
   !> At most, as the search may try some reliefs twice.
   integer function count_points(self, stages) result(points)
@@ -65,11 +89,37 @@ contains
     stages%running%done = stages%running%done + size(optimum%amount)*size(stages%rpm)
     call fill_best(optimum, self%tables(self%place('optimum')), error)
     call fill_curve(optimum, self%tables(self%place('optimum_curve')), error)
-    if (allocated(error)) return
+    if (.not. allocated(error)) call self%search_jointly(stages, options, error)
+    if (allocated(error) .or. self%is_stopped) return
     self%is_done = .true.
     self%failed = nint(self%tables(self%place('optimum'))%number('points_without_answer'))
     self%log = 'optimum: '//str(size(optimum%amount))//' reliefs swept'
   end subroutine run
+
+  !> Several numbers at once, or several loads, where the keys ask for that.
+  subroutine search_jointly(self, stages, options, error)
+    class(optimum_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages
+    type(sweep_options_t), intent(in) :: options
+    type(error_t), allocatable, intent(inout) :: error
+    type(designs_t) :: designs
+    type(motions_inputs_t) :: inputs
+    type(joint_optimum_t) :: optimum
+
+    if (.not. (self%with_length .or. self%each_gear .or. size(self%load_factor) > 1 .or. &
+               any(abs(self%load_factor - 1) > 0))) return
+    designs = designs_t(self%with_length, self%each_gear, self%load_factor, stages%motions_inputs)
+    inputs = stages%motions_inputs
+    inputs%motion%load = maxval(self%load_factor)*inputs%motion%load
+    if (self%each_gear) inputs%motion%relief%fraction = 1
+    designs%largest = largest_relief(inputs)
+    call find_joint_optimum(with_design, designs, design_starts(designs), stages%rpm, options, optimum, error)
+    if (allocated(error)) return
+    self%is_stopped = optimum%stopped
+    if (self%is_stopped) return
+    call fill_design(designs, optimum, self%tables(self%place('optimum_design')), error)
+    call fill_loads(designs, optimum, self%tables(self%place('optimum_loads')), error)
+  end subroutine search_jointly
 
   !> Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
   pure real(dp) function largest_relief(inputs) result(largest)
@@ -149,6 +199,14 @@ contains
       if (.not. best%number('relief_um') < curve%number('relief_um', curve%rows)) call lines%add(left('', 19)// &
         'at the end of the range searched: more relief may be better still')
       if (self%failed > 0) call lines%add(left('', 19)//str(self%failed)//' speeds have no answer there')
+    end associate
+    associate (best => self%tables(self%place('optimum_design')))
+      if (.not. best%is_there()) return
+      if (ieee_is_nan(best%number('worst_dynamic_factor'))) return
+      call lines%add(left('Optimum design', 19)//'pinion '//str(best%number('pinion_relief_um'), 4)//' um from s = '// &
+                     str(best%number('pinion_relief_start'), 4)//', gear '//str(best%number('gear_relief_um'), 4)// &
+                     ' um from s = '//str(best%number('gear_relief_start'), 4)//': worst DF '// &
+                     fixed(best%number('worst_dynamic_factor'), 4))
     end associate
   end subroutine add_report
 end module gearsweep_task_optimum
