@@ -116,7 +116,8 @@ contains
     end do
   end subroutine prepare_motion
 
-  !> The number of steps of an interval does not depend on its length, so that nothing jumps where breaks move.
+  !> All intervals are shorter than a share, so that the number of their steps hardly depends on their lengths: nothing jumps where
+  !> breaks move, but for one that passes a half, a quarter ... of the mesh period.
   pure subroutine choose_steps(osc, duration, point, motion)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration
@@ -125,9 +126,7 @@ contains
     real(dp), parameter :: angle = 0.1_dp, fewest = 48, most = 2.0_dp**15
     real(dp) :: steps
 
-    associate (longest => maxval(osc%intervals%last - osc%intervals%first))
-      steps = max(fewest, max(osc%natural_frequency, osc%highest_frequency*max(0.5_dp, osc%damping_ratio))*duration/angle)*longest/2
-    end associate
+    steps = max(fewest, max(osc%natural_frequency, osc%highest_frequency*max(0.5_dp, osc%damping_ratio))*duration/angle)/2
     if (2*steps*size(osc%intervals) <= most) then
       motion%resolution = [resolution_t(1.0_dp, ceiling(steps)), resolution_t(1.0_dp, 2*ceiling(steps))]
     else
