@@ -1,7 +1,7 @@
 #!/bin/sh
 # Runs every test, or only the suites named: sh test/run.sh [SUITE | SUITE:TEST ...]
 # SUITE:TEST stands for the suite's tests whose names contain TEST; where there is none, the names are listed.
-#                or the front panel's tests in a browser, which are no part of the whole: sh test/run.sh --panel
+# The front panel's tests in a browser are no part of the whole: sh test/run.sh --panel
 # Sets up and builds first where needed. The last line is `N passed, N failed`. A check counts once, however often
 # it is looked at: in a loop, or with run-time checks and as released; it fails if it failed once.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
@@ -72,7 +72,7 @@ run_part() {
 # --- the suites, in both builds at the same time ---------------------------------
 
 started=$(date +%s)
-[ $# -gt 0 ] || say 'the suites, in two builds at the same time, take about 4 min, everything about 10'
+[ $# -gt 0 ] || say 'the suites, in two builds at the same time, take about 8 min, everything about 20'
 if build_check_debug; then
   say 'suites with run-time checks (debug)'
   run_part debug env GEARSWEEP_CHECKS="$work/debug.list" "$run_dir/check-debug" "$@" &

@@ -15,7 +15,7 @@ module test_closed_limits
 
   character(*), parameter :: task = '&case tasks=''geometry'' / '
   character(*), parameter :: impossible(12) = [character(50) :: 'teeth = 4: must be at least 5', 'module (m) = 0', &
-    'face width (m) = 0', 'pressure angle', 'pressure angle (rad) = 0.81', 'addendum = 0', 'dedendum = 0', &
+    'face width (m) = 0', 'coast angle (rad) = 0.049', 'pressure angle (rad) = 0.81', 'addendum = 0', 'dedendum = 0', &
     'rack tip radius = -1e-9', 'profile shift = 5', 'profile shift = -5', 'bore diameter (mm) = ', 'must not exceed the dedendum']
 
 contains

@@ -55,13 +55,15 @@ contains
       spec%teeth = [30, 43]
       spec(1)%pressure_angle = [27, 20]*pi/180
       spec(2)%pressure_angle = [27, 20]*pi/180
-      spec%rack_tip_radius = 0.1_dp
+      spec(1)%rack_tip_radius = 0.1_dp
+      spec(2)%rack_tip_radius = 0.1_dp
       distance = 0.00318_dp*36.5_dp
     case (4)  ! slender teeth: two and three pairs in contact
       spec%teeth = [50, 60]
       spec%addendum = 1.35_dp
       spec%dedendum = 1.6_dp
-      spec%rack_tip_radius = 0.1_dp
+      spec(1)%rack_tip_radius = 0.1_dp
+      spec(2)%rack_tip_radius = 0.1_dp
       distance = 0.00318_dp*55
     case default  ! equal gears
     end select

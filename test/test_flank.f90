@@ -72,7 +72,8 @@ contains
       spec%profile_shift = 0
       spec(1)%pressure_angle = [27, 20]*pi/180
       spec(2)%pressure_angle = [27, 20]*pi/180
-      spec%rack_tip_radius = 0.1_dp
+      spec(1)%rack_tip_radius = 0.1_dp
+      spec(2)%rack_tip_radius = 0.1_dp
       distance = 0
     end if
     if (present(swapped)) then

@@ -245,7 +245,8 @@ contains
     call make_specs([40, 60], 3.0_dp, [0.0_dp, 0.0_dp], spec)
     spec%addendum = 1.3_dp
     spec%dedendum = 1.6_dp
-    spec%rack_tip_radius = 0.1_dp
+    spec(1)%rack_tip_radius = 0.1_dp
+    spec(2)%rack_tip_radius = 0.1_dp
     call build(spec, pair, error)
     call check_no_error(t, 'high contact ratio', error)
     call check_true(t, 'above 2', pair%contact_ratio > 2)
@@ -256,23 +257,23 @@ contains
   end subroutine high_contact_ratio
 
   !> The fillet meets the involute in position and slope and the root circle
-  !> tangentially, for both flanks of an asymmetric tooth.
+  !> tangentially, for both flanks of an asymmetric tooth. Each side is that of a gear whose rack has this side's rounding on both.
   subroutine outline_closes(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: tiny = 1e-7_dp
     type(gear_spec_t) :: spec
-    type(gear_t) :: gear
+    type(gear_t) :: gear, alike
     type(error_t), allocatable :: error
     real(dp) :: fillet(2), flank(2), root(2), beta
     integer :: side
 
     spec = spec_of('pinion', 22, 5.0_dp, 0.2_dp)
     spec%pressure_angle = [25, 18]*degree
-    spec%rack_tip_radius = 0.2_dp
+    spec%rack_tip_radius = [0.2_dp, 0.1_dp]
     call make_gear(spec, gear, error)
     call check_no_error(t, 'outline', error)
     do side = drive, coast
-      associate (angle => spec%pressure_angle(side), form => gear%form_radius(side))
+      associate (angle => gear%spec%pressure_angle(side), form => gear%form_radius(side))
         fillet = fillet_point(gear, side, angle)
         flank = involute_point(gear, side, form)
         call check_close(t, 'join', norm2(fillet - flank), 0.0_dp, absolute=1e-15_dp)
@@ -286,6 +287,12 @@ contains
         beta = fillet_parameter(gear, side, 40*degree)
         fillet = fillet_point(gear, side, beta + tiny) - fillet_point(gear, side, beta - tiny)
         call check_close(t, 'tangent of 40 degrees', atan2(fillet(1), -fillet(2))/degree, 40.0_dp, absolute=1e-4_dp)
+        spec = gear%spec
+        spec%rack_tip_radius = gear%spec%rack_tip_radius(side)
+        call make_gear(spec, alike, error)
+        call check_no_error(t, 'one rounding', error)
+        call check_close(t, 'a side of its own', norm2(fillet_point(alike, side, beta) - fillet_point(gear, side, beta)), 0.0_dp, &
+                         absolute=1e-15_dp)
       end associate
     end do
   end subroutine outline_closes
@@ -325,7 +332,8 @@ contains
     type(error_t), allocatable :: error
 
     call make_specs([17, 43], 2.0_dp, [0.0_dp, 0.0_dp], spec)
-    spec%rack_tip_radius = 0.38_dp
+    spec(1)%rack_tip_radius = 0.38_dp
+    spec(2)%rack_tip_radius = 0.38_dp
     call begins('17/43', 1, 15.9748_dp, 15.9908_dp)
     spec(1)%teeth = 16
     call begins('16/43', 1, 15.0362_dp, 15.0397_dp)
@@ -334,10 +342,12 @@ contains
     call make_specs([12, 40], 4.0_dp, [0.3_dp, -0.1_dp], spec)
     call begins('12/40', 1, 22.5575_dp, 22.5852_dp)
     call make_specs([16, 24], 4.5_dp, [0.8532_dp, -0.5_dp], spec)
-    spec%rack_tip_radius = 0.38_dp
+    spec(1)%rack_tip_radius = 0.38_dp
+    spec(2)%rack_tip_radius = 0.38_dp
     call begins('FZG A', 2, 101.494_dp/2, 102.291_dp/2, 91.5_dp)
     call make_specs([12, 43], 2.0_dp, [0.0_dp, 0.0_dp], spec)
-    spec%rack_tip_radius = 0.38_dp
+    spec(1)%rack_tip_radius = 0.38_dp
+    spec(2)%rack_tip_radius = 0.38_dp
     call build(spec, pair, error)
     call check_error(t, '12/43', error, 'undercut with 12 teeth takes working flank')
     spec(1)%teeth = 14

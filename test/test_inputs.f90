@@ -20,10 +20,10 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(19) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(20) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
     'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'sensitivity: ', 'flank: ', &
-    'rating: ', 'transient: ', 'harmonic: ', 'life: ', 'body_modes: ']
+    'rating: ', 'transient: ', 'harmonic: ', 'life: ', 'body_modes: ', 'torque: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -90,7 +90,7 @@ contains
     do k = 1, size(tasks)
       ! These need a gear.
       if (any(tasks(k) == [character(10) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
-                          'harmonic', 'life', 'body_modes'])) cycle
+                          'harmonic', 'life', 'body_modes', 'torque'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', merge(8, 1, tasks(k) == 'precision'), &
                                      k, changes)
     end do
@@ -131,6 +131,8 @@ contains
     call add('pair pressure_angle_deg', '21', 'g')
     call add('pair pressure_angle_deg', '21', 'p', rubbing)
     call add('pair coast_angle_deg', '22')
+    call add('pair loaded_flanks', '''coast''', 'g', 'pair coast_angle_deg 22')
+    call add('pair loaded_flanks', '''coast''')
     call add('pair centre_distance_mm', '82.6')
     call add('pair tip_alteration', '.true.', 'g', 'pinion profile_shift 0.3;gear profile_shift 0.3')
     call add('pair shorten_path', '.true.')
@@ -279,6 +281,8 @@ contains
     call add('rating contact_limit_mpa', '1400, 1500', 'g', 'rating contact_limit_mpa 1400')
     call add('rating root_limit_mpa', '800', 'g')
     call add('rating root_limit_mpa', '800, 700', 'g', 'rating root_limit_mpa 800')
+    call add('torque rpm', '17000, 19000', 'g')
+    call add('torque relief_um', '5', 'g')
     call add('transient rpm', '17000, 19000', 'g')
     call add('transient relief_um', '5', 'g')
     call add('transient modes', '3', 'g')
@@ -359,6 +363,7 @@ contains
       call add(member//' tip_form_diameter_mm', merge('68.8 ', '107.8', member == 'pinion'))
       call add(member//' dedendum', '1.3')
       call add(member//' rack_tip_radius', '0.2')
+      call add(member//' coast_rack_tip_radius', '0.2')
       call add(member//' protuberance_mm', '0.006', 'g', member//' dedendum 1.4')
       call add(member//' protuberance_mm', '0.006', 'p')
       call add(member//' grinding_stock_mm', '0.003', 'g', member//' dedendum 1.4;'//member//' protuberance_mm 0.006')
@@ -404,7 +409,7 @@ contains
              'numerics tolerance 1e-3;precision most_elements 4;precision modes 2;flank rpm 20000;rating rpm 20000;'// &
              'transient rpm 20000;transient modes 2;transient positions 9;transient samples 20;'// &
              'harmonic frequency_hz 0, 1e5;harmonic modes 2;'// &
-             'life rpm 20000;life duration_h 9;'// &
+             'torque rpm 20000;life rpm 20000;life duration_h 9;'// &
              'life tensile_strength_mpa 1500;'// &
              'body_modes modes 1;body_modes nodal_diameters 0;body_modes elements_across 2;body_modes shapes 1;'//few)
     if (task == 'body_modes') call set(settings, 'pinion bore_mm 20;gear bore_mm 30')

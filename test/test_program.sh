@@ -93,7 +93,7 @@ sed -e 's/ *!.*//' -e '/^ *$/d' -e 's/elements_across = .*/elements_across = 6/'
 cp "$root/data/hassan2009.csv" hassan2009.csv
 # A mesh with no geometry behind it.
 cat >prescribed.nml <<'END'
-&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&case tasks = 'mesh', 'load', 'torque', 'sweep', 'optimum' /
 &pinion teeth = 25 effective_mass_kg = 0.8 /
 &gear effective_mass_kg = 0.9 /
 &load normal_force_n = 6858 /
@@ -740,7 +740,7 @@ refuses '&dynamics friction = 1: must be at least 0 and below 1' 1 's/friction =
 refuses '&material poisson = 0.5: must be at least 0 and below 0.5' 1 's/poisson = .*/poisson = 0.5/'
 refuses '&pair backlash_um = -1: must be at least 0' 1 's/module_mm/backlash_um = -1 module_mm/'
 refuses "tip_alteration = 1: must be .true. or .false." 1 's/module_mm/tip_alteration = 1 module_mm/'
-refuses "&case tasks = 'sweep', 'stress': must be one of 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'sweep', 'optimum'" 1 "s/tasks = .*/tasks = 'sweep', 'stress'/"
+refuses "&case tasks = 'sweep', 'stress': must be one of 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'torque', 'sweep', 'optimum'" 1 "s/tasks = .*/tasks = 'sweep', 'stress'/"
 refuses "must be one of 'fe', 'weber', 'iso6336', 'polynomial', 'table'" 1 "s/model = .*/model = 'finite'/"
 refuses "must be one of 'linear', 'parabolic'" 1 "s/shape = .*/shape = 'cubic'/"
 refuses "must be one of 'hpstc', 'pitch', 'length', 'roll'" 1 "s/start = .*/start = 'lpstc'/"
@@ -853,8 +853,8 @@ refuses '&mesh base_pitch_mm: missing; a torque' 1 's/normal_force_n/torque_nm/'
 refuses '&mesh base_pitch_mm: missing; an inertia' 1 's/effective_mass_kg/inertia_kgm2/'
 refuses '&pair face_width_mm: missing; a line load' 1 's/normal_force_n/line_load_n_mm/'
 refuses '&pair face_width_mm = 20: a prescribed mesh uses it with line_load_n_mm only' 1 's/&case/\&pair face_width_mm = 20 \/ \&case/'
-for task in geometry section static modal flank rating transient harmonic life body_modes; do
-  refuses '&case tasks: geometry, section, static, modal, flank, rating, transient, harmonic, life or body_modes needs a gear' 1 "s/tasks = .*\//tasks = '$task' \//"
+for task in geometry section static modal torque flank rating transient harmonic life body_modes; do
+  refuses '&case tasks: geometry, section, static, modal, torque, flank, rating, transient, harmonic, life or body_modes needs a gear' 1 "s/tasks = .*\//tasks = '$task' \//"
 done
 refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'fe'/"
 refuses "start = 'roll': a prescribed mesh has no roll angles" 1 's/amount_um/pinion_roll_deg = 20 gear_roll_deg = 20 amount_um/'
@@ -987,14 +987,14 @@ refuses '&section rim_mm = 40: must be above 0 and below the root radius' 1 's/^
 # --- standard input, and what an interrupted run leaves -------------------------
 
 cat >long.nml <<'END'
-&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
+&case tasks = 'mesh', 'load', 'torque', 'sweep', 'optimum' /
 &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
 &load normal_force_n = 6858 / &relief amount_um = 0, 2, 15 /
 &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400, 0, -120 /
 &dynamics damping_ratio = 0.01 /
 &sweep rpm_first = 5000 rpm_last = 9000 rpm_step = 3 load_rpm = 6800 /
 END
-sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 3/rpm_step = 500/" long.nml >short.nml
+sed "s/'mesh', 'load', 'torque', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 3/rpm_step = 500/" long.nml >short.nml
 run short.nml --out named
 sed '/^Time/d; s,named/short,from_stdin/stdin,' stdout >wanted
 "$program" - --out from_stdin <short.nml >stdout 2>stderr
@@ -1028,7 +1028,7 @@ check 'interrupted: what is computed is right' test "$(rows pieces/long.sweep.cs
   rows whole/long.sweep.csv | grep -Fxvf - ours | wc -l)" = 0
 check 'interrupted: no optimum' test ! -e pieces/long.optimum_curve.csv
 # So many points that no machine is through with them by then.
-sed "s/'mesh', 'load', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 3/rpm_step = 0.2/" long.nml >fine.nml
+sed "s/'mesh', 'load', 'torque', 'sweep', 'optimum'/'sweep'/; s/ load_rpm = 6800//; s/rpm_step = 3/rpm_step = 0.2/" long.nml >fine.nml
 interrupted fine.nml
 check 'interrupted: what is not computed says so' test "$(rows pieces/fine.sweep.csv | grep -c ',NaN,NaN,stopped,')" -gt 0
 rm pieces/fine.*

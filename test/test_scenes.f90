@@ -34,9 +34,9 @@ module test_scenes
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
     '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''branches'', ''sensitivity'', ''precision'', ''flank'','// &
-    '  ''rating'', ''transient'', ''harmonic'', ''life'','// &
+    '  ''rating'', ''transient'', ''harmonic'', ''life'', ''torque'','// &
     '  ''body_modes'' / &body_modes nodal_diameters = 2 elements_across = 2 /'// &
-    '&flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
+    '&torque rpm = 5000 / &flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
     '&harmonic frequency_hz = 0, 1e5 modes = 3 /'// &
     '&life rpm = 5000 duration_h = 1 tensile_strength_mpa = 900 /'// &
     '&stability damping_count = 3 tongues = 2 /'// &
@@ -122,10 +122,10 @@ contains
     type(case_t), intent(in) :: case
     type(study_t) :: all_tasks, alone
     !> Tasks that take a motion from the sweep, and the tables in which they tell its dynamic factor.
-    character(task_length), parameter :: with_motion(5) = [character(task_length) :: 'load', 'flank', 'rating', 'life', &
-      'sensitivity']
-    character(table_length), parameter :: told(5) = [character(table_length) :: 'load_points', 'flank_losses', 'dynamic_factors', &
-      'life_parts', 'sensitivity']
+    character(task_length), parameter :: with_motion(6) = [character(task_length) :: 'load', 'flank', 'rating', 'life', &
+      'sensitivity', 'torque']
+    character(table_length), parameter :: told(6) = [character(table_length) :: 'load_points', 'flank_losses', 'dynamic_factors', &
+      'life_parts', 'sensitivity', 'torque_points']
     character(task_length), allocatable :: names(:)
     character(table_length) :: where_told
     integer :: i

@@ -73,6 +73,7 @@ _PLOTS = (
     'plot_stiffness',
     'plot_stress',
     'plot_sweep',
+    'plot_torque',
     'plot_transient',
     'plot_transient_peaks',
     'plots',

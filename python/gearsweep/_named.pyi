@@ -30,6 +30,8 @@ class GeometryTable(Table):
     """1 where the path of contact may end where undercut ends an involute, else 0"""
     contact_ratio: float
     """transverse contact ratio: the path of contact in base pitches"""
+    coast_contact_ratio: float
+    """the same of the coast flanks, where they carry; undercut takes its part off"""
     base_pitch_mm: float
     """mm: of the drive flanks"""
 
@@ -364,6 +366,64 @@ class MotionHarmonicsTable(Table):
     """N: the same of the elastic load of the mesh: all pairs less the coast sides"""
     mesh_load_phase_deg: NDArray[float64]
     """deg: its phase at tau = 0"""
+
+class TorqueTable(Table):
+    """transmitted torque over the time after which the motion repeats"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    tau: NDArray[float64]
+    """time in mesh periods since a pair entered at A; both ends of each step"""
+    time_s: NDArray[float64]
+    """s: the same time"""
+    pinion_torque_nm: NDArray[float64]
+    """N*m: torque that the mesh takes from the pinion"""
+    gear_torque_nm: NDArray[float64]
+    """N*m: torque that the mesh gives to the gear"""
+    pinion_friction_nm: NDArray[float64]
+    """N*m: friction's share of the pinion's torque"""
+    gear_friction_nm: NDArray[float64]
+    """N*m: friction's share of the gear's torque"""
+    pinion_damping_nm: NDArray[float64]
+    """N*m: what damping carries of the pinion's torque; of the gear's it carries as much as the base radii have it"""
+    dte_um: NDArray[float64]
+    """um: dynamic transmission error along the line of action, without the turning of whole gears about their bores"""
+
+class TorquePointsTable(Table):
+    """mean, least and largest transmitted torque at the speeds of the task torque"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    pinion_mean_nm: NDArray[float64]
+    """N*m: mean torque of the pinion; without friction it is the static one"""
+    pinion_least_nm: NDArray[float64]
+    """N*m: least torque at the ends of the steps"""
+    pinion_largest_nm: NDArray[float64]
+    """N*m: largest torque at the ends of the steps"""
+    pinion_friction_mean_nm: NDArray[float64]
+    """N*m: friction's share of the mean torque"""
+    gear_mean_nm: NDArray[float64]
+    """N*m: mean torque of the gear; without friction it is the static one"""
+    gear_least_nm: NDArray[float64]
+    """N*m: least torque at the ends of the steps"""
+    gear_largest_nm: NDArray[float64]
+    """N*m: largest torque at the ends of the steps"""
+    gear_friction_mean_nm: NDArray[float64]
+    """N*m: friction's share of the mean torque"""
+    friction_loss: NDArray[float64]
+    """part of the pinion's power that friction between the flanks takes"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
+    error_estimate: NDArray[float64]
+    """estimated error of DF; NaN where there is no answer or it is not known"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
 
 class SweepTable(Table):
     """dynamic factor over speed and relief"""
@@ -1556,6 +1616,10 @@ class Named:
     def load_points(self) -> LoadPointsTable: ...
     @property
     def motion_harmonics(self) -> MotionHarmonicsTable: ...
+    @property
+    def torque(self) -> TorqueTable: ...
+    @property
+    def torque_points(self) -> TorquePointsTable: ...
     @property
     def sweep(self) -> SweepTable: ...
     @property

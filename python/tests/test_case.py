@@ -47,8 +47,8 @@ def test_defaults_of_the_reference():
     """Every plain default that doc/case.md prints is the one in effect."""
     case = Case(GEARED).changed(pinion={'effective_mass_kg': None, 'bore_mm': 20}, mesh={'model': None})
     more = ('stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating',
-            'transient', 'harmonic', 'life', 'body_modes')
-    needed = {task: {'rpm': 3000} for task in ('sensitivity', 'flank', 'rating', 'transient')}
+            'transient', 'harmonic', 'life', 'body_modes', 'torque')
+    needed = {task: {'rpm': 3000} for task in ('sensitivity', 'flank', 'rating', 'transient', 'torque')}
     needed['harmonic'] = {'frequency_hz': [0, 1e5]}
     needed['life'] = {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900}
     needed['branches'] = {'first': 3000, 'last': 4000}

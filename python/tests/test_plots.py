@@ -72,13 +72,14 @@ def everything():
                                 branches={'first': 4000, 'last': 9000, 'seeds': 2, 'points': 20, 'most_periods': 1},
                                 sensitivity={'rpm': [4000, 6000]},
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
+                                torque={'rpm': [4000, 6000]},
                                 transient={'rpm': [4000, 6000], 'modes': 3, 'samples': 20},
                                 harmonic={'frequency_hz': [0, 1e5], 'modes': 3},
                                 life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
                                 pinion={'bore_mm': 20}, body_modes={'nodal_diameters': 2, 'elements_across': 2, 'shapes': 3},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
     return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'sensitivity', 'flank', 'rating', 'transient', 'harmonic', 'life',
-                                'body_modes'))  # fmt: skip
+                                'body_modes', 'torque'))  # fmt: skip
 
 
 def all_plots():
@@ -631,8 +632,9 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
 
 
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
-    names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'sweep', 'optimum_curve',
-             'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'sensitivity', 'precision', 'flank',
+    names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'torque',
+             'sweep', 'optimum_curve', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'sensitivity',
+             'precision', 'flank',
              'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]

@@ -10,7 +10,7 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'optimum', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating', 'transient', 'harmonic', 'life', 'body_modes'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'optimum', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating', 'transient', 'harmonic', 'life', 'body_modes', 'torque'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5, 'bore_mm': 20},
@@ -39,6 +39,7 @@ GROUPS = {
     'harmonic': {'frequency_hz': '0, 1e5', 'modes': 5},
     'life': {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900},
     'body_modes': {},
+    'torque': {'rpm': 3000},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

@@ -23,6 +23,7 @@ PLACES = {
     'Root stress of the': 'root_stress root_rating',
     'Static transmission error': 'transmission_error harmonics',
     'Dynamic factor at chosen speeds': 'load_points',
+    'Transmitted torque': 'torque_points',
     'Dynamic factor over': 'sweep_summary sweep sweep_worst resonances',
     'Best of the list': 'sweep_summary',
     'Points': 'sweep_summary',

@@ -33,7 +33,7 @@ def studies() -> list[gearsweep.Study]:
               'attractors': {'starts': 1}, 'branches': {'first': 3000, 'last': 4000, 'seeds': 1, 'points': 10, 'most_periods': 1},
               'optimum': {'load_factors': [1, 2]}, 'sensitivity': {'rpm': 1600},
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
-              'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
+              'torque': {'rpm': 1600}, 'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
               'transient': {'rpm': 1600, 'modes': 2, 'samples': 2}, 'harmonic': {'frequency_hz': [0, 1e5], 'modes': 2},
               'life': {'rpm': 1600, 'duration_h': 1, 'tensile_strength_mpa': 900}, 'pinion': {'bore_mm': 20},
               'body_modes': {'nodal_diameters': 1, 'elements_across': 2, 'shapes': 1}}  # fmt: skip

@@ -6,7 +6,7 @@ module gearsweep_case_reader
   use gearsweep_case_checks, only: check_case
   use gearsweep_error, only: error_t
   use gearsweep_keys, only: keys_t
-  use gearsweep_gear_keys, only: read_member, read_pair
+  use gearsweep_gear_keys, only: read_direction, read_member, read_pair
   use gearsweep_material_keys, only: read_materials
   use gearsweep_mesh_keys, only: read_load, read_model, read_path, read_relief
   use gearsweep_motion_keys, only: read_dynamics, read_numerics, read_sweep
@@ -97,6 +97,7 @@ contains
     call read_pair(reader, case, error)
     call read_member(reader, 'pinion', 1, case, error)
     call read_member(reader, 'gear', 2, case, error)
+    call read_direction(reader, case, error)
     call read_materials(reader, case, error)
     call read_path(reader, case, error)
     call reader%finish(error)

@@ -3,14 +3,14 @@ module gearsweep_gear_keys
   use gearsweep_kinds, only: dp, pi
   use gearsweep_case, only: case_t, for_iso, for_stage
   use gearsweep_error, only: code_input, error_t, fail
-  use gearsweep_gear, only: gear_spec_t
+  use gearsweep_gear, only: coast, drive, gear_spec_t
   use gearsweep_reader, only: reader_t
   use gearsweep_tasks, only: sentence_length
   use gearsweep_text, only: str
   use gearsweep_uses, only: first_of, needs_gears, unless
   implicit none
   private
-  public :: read_pair, read_member
+  public :: read_pair, read_member, read_direction
 
 contains
 
@@ -102,8 +102,7 @@ contains
       call read_tip(reader, group, spec, case%tip_alteration, geared, error)
       call reader%get(group, 'dedendum', spec%dedendum, error, refused=geared, above=0.0_dp, at_most=5.0_dp, &
                       meaning='dedendum of the rack in modules, h_fP*')
-      call reader%get(group, 'rack_tip_radius', spec%rack_tip_radius, error, refused=geared, at_least=0.0_dp, at_most=2.0_dp, &
-                      meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
+      call read_rack_tips(reader, group, spec%rack_tip_radius, geared, error)
       call reader%get(group, 'protuberance_mm', spec%protuberance, error, unit='mm', refused=geared, at_least=0.0_dp, &
                       meaning='by how much the rounded tips of the tool that cuts the fillets stand out of its flanks, pr; at '// &
                       'least grinding_stock_mm')
@@ -122,6 +121,52 @@ contains
                       'the body of the task body_modes, and takes its part off the mass of a solid disc')
     end associate
   end subroutine read_member
+
+  !> The rounded corners of the rack, which cut the fillets.
+  subroutine read_rack_tips(reader, group, radius, geared, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: group, geared
+    real(dp), intent(inout) :: radius(2)         ! of the drive and the coast side
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: largest = 2
+
+    call reader%get(group, 'rack_tip_radius', radius(drive), error, refused=geared, at_least=0.0_dp, at_most=largest, &
+                    meaning='radius of the rack''s tips in modules, rho_fP*; it must leave a tip land')
+    radius(coast) = radius(drive)
+    call reader%get(group, 'coast_rack_tip_radius', radius(coast), error, refused=geared, at_least=0.0_dp, at_most=largest, &
+                    otherwise='as rack_tip_radius', &
+                    meaning='radius of the rack''s tip that cuts the fillets of the coast flanks, for asymmetric teeth')
+  end subroutine read_rack_tips
+
+  !> After the members: which of two unlike flanks carries the load. Drive flanks are those that carry it, so that with the load
+  !> on the others the two sides change places.
+  subroutine read_direction(reader, case, error)
+    type(reader_t), intent(inout) :: reader
+    type(case_t), intent(inout) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: flanks
+    logical :: are_alike
+    integer :: i
+
+    are_alike = abs(case%spec(1)%pressure_angle(drive) - case%spec(1)%pressure_angle(coast)) <= 0
+    do i = 1, 2
+      are_alike = are_alike .and. abs(case%spec(i)%rack_tip_radius(drive) - case%spec(i)%rack_tip_radius(coast)) <= 0
+    end do
+    flanks = 'drive'
+    call reader%get('pair', 'loaded_flanks', flanks, error, allowed=[character(5) :: 'drive', 'coast'], otherwise='drive', &
+                    refused=first_of(unless(.not. case%prescribed, needs_gears), &
+                                     unless(.not. are_alike, 'is for asymmetric teeth, and these flanks are alike; remove it')), &
+                    meaning='the flanks that carry the load: drive, those of pressure_angle_deg, or coast, those of '// &
+                    'coast_angle_deg, which are then the drive flanks of all results: the other direction of rotation, of '// &
+                    'asymmetric teeth')
+    if (flanks == 'drive') return
+    do i = 1, 2
+      associate (spec => case%spec(i))
+        spec%pressure_angle = spec%pressure_angle([coast, drive])
+        spec%rack_tip_radius = spec%rack_tip_radius([coast, drive])
+      end associate
+    end do
+  end subroutine read_direction
 
   !> Where the tooth ends, and how.
   subroutine read_tip(reader, group, spec, is_altered, geared, error)

@@ -52,6 +52,7 @@ module gearsweep_key_names
     & key_name_t('addendum', 'addendum'), &
     & key_name_t('dedendum', 'dedendum'), &
     & key_name_t('rack tip radius', 'rack_tip_radius'), &
+    & key_name_t('rack tip radii', 'rack_tip_radius'), &
     & key_name_t('protuberance (mm)', 'protuberance_mm'), &
     & key_name_t('grinding stock (mm)', 'grinding_stock_mm'), &
     & key_name_t('profile shift', 'profile_shift'), &

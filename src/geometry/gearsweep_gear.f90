@@ -74,11 +74,13 @@ contains
     call demand(spec%teeth >= fewest, 'number of teeth', str(spec%teeth), 'must be at least '//str(fewest))
     call demand(spec%module > 0, 'module (m)', str(spec%module), 'must be above 0')
     call demand(spec%face_width > 0, 'face width (m)', str(spec%face_width), 'must be above 0')
-    call demand(all(spec%pressure_angle > 0.05_dp .and. spec%pressure_angle < 0.8_dp), 'pressure angle (rad)', &
-                str(spec%pressure_angle(1)), 'must lie between 0.05 and 0.8')
+    call demand(spec%pressure_angle(drive) > 0.05_dp .and. spec%pressure_angle(drive) < 0.8_dp, 'pressure angle (rad)', &
+                str(spec%pressure_angle(drive)), 'must lie between 0.05 and 0.8')
+    call demand(spec%pressure_angle(coast) > 0.05_dp .and. spec%pressure_angle(coast) < 0.8_dp, 'coast angle (rad)', &
+                str(spec%pressure_angle(coast)), 'must lie between 0.05 and 0.8')
     call demand(spec%addendum > 0, 'addendum', str(spec%addendum), 'must be above 0')
     call demand(spec%dedendum > 0, 'dedendum', str(spec%dedendum), 'must be above 0')
-    call demand(spec%rack_tip_radius >= 0, 'rack tip radius', str(spec%rack_tip_radius), 'must be at least 0')
+    call demand(all(spec%rack_tip_radius >= 0), 'rack tip radius', str(minval(spec%rack_tip_radius)), 'must be at least 0')
     call demand(abs(spec%profile_shift) < 5, 'profile shift', str(spec%profile_shift), 'must lie between -5 and 5')
 
   contains

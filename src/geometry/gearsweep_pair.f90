@@ -6,7 +6,7 @@ module gearsweep_pair
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gear, only: gear_t, drive, coast, involute, tip_quantity
-  use gearsweep_rack, only: generating_shift, least_shift
+  use gearsweep_rack, only: fillet_undercut, generating_shift, least_shift
   use gearsweep_text, only: str
   implicit none
   private
@@ -24,6 +24,7 @@ module gearsweep_pair
     real(dp) :: base_pitch = 0                   !< of the drive flanks, m
     real(dp) :: contact_ratio = 0                !< epsilon_alpha
     real(dp) :: start_curvature = 0              !< of the pinion flank at A, m
+    real(dp) :: coast_contact_ratio = 0          !< of the coast flanks, where they carry
     real(dp) :: backlash = 0                     !< along the drive line of action, m
     !> How far the centre distance lies below the one without backlash, m: so little that it is rounding of the inputs.
     real(dp) :: rounding = 0
@@ -161,13 +162,19 @@ contains
   pure subroutine find_path(pair, error)
     type(pair_t), intent(inout) :: pair
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: tip(2), tangent, clearance
+    real(dp) :: clearance
     integer :: i
 
-    tangent = pair%centre_distance*sin(pair%working_angle(drive))
-    tip = pair%gear%curvature(drive, pair%gear%tip_form_radius)
-    pair%start_curvature = tangent - tip(2)
-    pair%contact_ratio = (tip(1) + tip(2) - tangent)/pair%base_pitch
+    associate (first => mate_reach(pair, 1, drive), last => mate_reach(pair, 2, drive))
+      pair%start_curvature = first
+      pair%contact_ratio = (tangent(pair, drive) - first - last)/pair%base_pitch
+    end associate
+    ! Undercut of a coast flank shortens the path there, and it is refused nowhere: it does not carry the load.
+    associate (first => mate_reach(pair, 1, coast) + max(0.0_dp, lacking(pair, 1, coast)), &
+               last => mate_reach(pair, 2, coast) + max(0.0_dp, lacking(pair, 2, coast)))
+      pair%coast_contact_ratio = (tangent(pair, coast) - first - last)/ &
+                                 (2*pi*pair%gear(1)%base_radius(coast)/pair%gear(1)%spec%teeth)
+    end associate
     do i = 1, 2
       clearance = pair%centre_distance - pair%gear(3 - i)%tip_radius - pair%gear(i)%root_radius
       if (clearance <= 0) call fail(error, code_input, trim(names(3 - i))//' '//trim(tip_quantity(pair%gear(3 - i)))// &
@@ -175,13 +182,31 @@ contains
     end do
   end subroutine find_path
 
-  !> How much longer than the involute of member `i` the path of contact is at its root (m), below 0 where it fits.
-  pure real(dp) function lacking(pair, i)
+  !> Length (m) of a side's line of action between the base circles.
+  pure real(dp) function tangent(pair, side)
     type(pair_t), intent(in) :: pair
-    integer, intent(in) :: i
+    integer, intent(in) :: side
 
-    lacking = pair%gear(i)%curvature(drive, pair%gear(i)%form_radius(drive)) &
-              - pair%curvature(i, merge(0.0_dp, pair%contact_ratio, i == 1))
+    tangent = pair%centre_distance*sin(pair%working_angle(side))
+  end function tangent
+
+  !> Radius of curvature (m) of a side's flank of member `i` down to which the mate's tip reaches.
+  pure real(dp) function mate_reach(pair, i, side)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: i, side
+
+    associate (mate => pair%gear(3 - i))
+      mate_reach = tangent(pair, side) - mate%curvature(side, mate%flank_end(side))
+    end associate
+  end function mate_reach
+
+  !> How much longer than the involute of a side of member `i` the path of contact between the tips is at its root (m), below 0
+  !> where it fits.
+  pure real(dp) function lacking(pair, i, side)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: i, side
+
+    lacking = pair%gear(i)%curvature(side, pair%gear(i)%form_radius(side)) - mate_reach(pair, i, side)
   end function lacking
 
   !> Takes off the path of contact what undercut leaves no flank for.
@@ -190,7 +215,7 @@ contains
     integer :: i
 
     do i = 1, 2
-      if (pair%gear(i)%is_undercut(drive)) pair%lost(i) = max(0.0_dp, lacking(pair, i))
+      if (pair%gear(i)%is_undercut(drive)) pair%lost(i) = max(0.0_dp, lacking(pair, i, drive))
     end do
     pair%start_curvature = pair%start_curvature + pair%lost(1)
     pair%contact_ratio = pair%contact_ratio - sum(pair%lost)/pair%base_pitch
@@ -200,29 +225,45 @@ contains
   pure subroutine check_path(pair, error)
     type(pair_t), intent(in) :: pair
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: deepest
-    integer :: i, k
+    integer :: i, side
 
-    do i = 1, 2
-      k = 3 - i
-      if (lacking(pair, i) <= 1e-9_dp*pair%centre_distance) cycle
-      ! The mate's tip that would just reach the end of the involute.
-      deepest = 2000*hypot(pair%gear(k)%base_radius(drive), pair%centre_distance*sin(pair%working_angle(drive)) &
-                           - pair%gear(i)%curvature(drive, pair%gear(i)%form_radius(drive)))
-      if (pair%gear(i)%is_undercut(drive)) then
-        call fail(error, code_input, trim(names(i))//' profile shift = '//str(pair%gear(i)%spec%profile_shift)// &
-          ': undercut with '//str(pair%gear(i)%spec%teeth)//' teeth takes working flank; to have none it must be at least '// &
-          str(least_shift(pair%gear(i)%spec, drive))//', or the tip diameter of the '//trim(names(k))//' at most '// &
-          str(deepest)//' mm; shortened path = .true. ends the path of contact where the involute ends')
-      else
-        call fail(error, code_input, trim(names(k))//' '//trim(tip_quantity(pair%gear(k)))//': interference; its tip diameter '// &
-          str(2000*pair%gear(k)%tip_form_radius)//' mm reaches below the involute of the '//trim(names(i))// &
-          '; at most '//str(deepest)//' mm')
-      end if
+    do side = drive, coast
+      do i = 1, 2
+        call check_flank(pair, i, side, error)
+      end do
     end do
     if (.not. pair%contact_ratio > 1) call fail(error, code_input, &
       'path of contact: contact ratio '//str(pair%contact_ratio)//' is not above 1: contact would be interrupted')
   end subroutine check_path
+
+  !> The mate's tip must not reach below the involute of member `i` on this side. Undercut leaves room for the tip; on the coast
+  !> side, which does not carry, that is enough.
+  pure subroutine check_flank(pair, i, side, error)
+    type(pair_t), intent(in) :: pair
+    integer, intent(in) :: i, side
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: deepest
+    logical :: has_room
+    integer :: k
+
+    k = 3 - i
+    has_room = pair%gear(i)%is_undercut(side)
+    if (side == coast .and. (has_room .or. fillet_undercut(pair%gear(i)%spec) > 0)) return
+    if (lacking(pair, i, side) - merge(pair%lost(i), 0.0_dp, side == drive) <= 1e-9_dp*pair%centre_distance) return
+    ! The mate's tip that would just reach the end of the involute.
+    deepest = 2000*hypot(pair%gear(k)%base_radius(side), tangent(pair, side) &
+                         - pair%gear(i)%curvature(side, pair%gear(i)%form_radius(side)))
+    if (has_room) then
+      call fail(error, code_input, trim(names(i))//' profile shift = '//str(pair%gear(i)%spec%profile_shift)// &
+        ': undercut with '//str(pair%gear(i)%spec%teeth)//' teeth takes working flank; to have none it must be at least '// &
+        str(least_shift(pair%gear(i)%spec, side))//', or the tip diameter of the '//trim(names(k))//' at most '// &
+        str(deepest)//' mm; shortened path = .true. ends the path of contact where the involute ends')
+    else
+      call fail(error, code_input, trim(names(k))//' '//trim(tip_quantity(pair%gear(k)))//': interference; its tip diameter '// &
+        str(2000*pair%gear(k)%flank_end(side))//' mm reaches below the involute of the '//trim(names(i))// &
+        trim(merge(' on the coast flanks', repeat(' ', 20), side == coast))//'; at most '//str(deepest)//' mm')
+    end if
+  end subroutine check_flank
 
   !> Radius of curvature (m) of a member's drive flank at path coordinate s.
   elemental real(dp) function curvature(pair, member, s)

@@ -23,7 +23,7 @@ module gearsweep_rack
     real(dp) :: profile_shift = 0                !< x
     real(dp) :: addendum = 1                     !< h_aP*
     real(dp) :: dedendum = 1.25_dp               !< h_fP*
-    real(dp) :: rack_tip_radius = 0.25_dp        !< rho_fP*
+    real(dp) :: rack_tip_radius(2) = 0.25_dp     !< rho_fP*: drive, coast
     real(dp) :: tip_alteration = 0               !< k*, negative where the tip is cut back
     real(dp) :: face_width = 0
     real(dp) :: bore_radius = 0
@@ -60,24 +60,31 @@ contains
   pure subroutine check_rack_tip(spec, error)
     type(gear_spec_t), intent(in) :: spec
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: land, taken
+    real(dp) :: land, taken(2)
 
     associate (angle => spec%pressure_angle)
       land = sum(pi/4 - spec%dedendum*tan(angle) + fillet_undercut(spec)/cos(angle))
-      taken = sum((1 - sin(angle))/cos(angle))
+      taken = (1 - sin(angle))/cos(angle)
     end associate
     if (land < 0) then
       call fail(error, code_input, trim(spec%name)//' dedendum = '//str(spec%dedendum)// &
         ': the rack tooth is pointed above '//str(pi/2/sum(tan(spec%pressure_angle))))
-    else if (spec%rack_tip_radius*taken > land*(1 + 1e-12_dp)) then
-      call fail(error, code_input, trim(spec%name)//' rack tip radius = '//str(spec%rack_tip_radius)// &
-        ': does not fit the rack; at most '//str(land/taken))
+    else if (sum(spec%rack_tip_radius*taken) > land*(1 + 1e-12_dp)) then
+      if (abs(spec%rack_tip_radius(coast) - spec%rack_tip_radius(drive)) > 0) then
+        call fail(error, code_input, trim(spec%name)//' rack tip radii = '//str(spec%rack_tip_radius(drive))//', '// &
+          str(spec%rack_tip_radius(coast))//' (drive, coast): do not fit the rack together; at most '// &
+          str(land/taken(drive))//' on the drive side with a sharp corner on the other, '//str(land/taken(coast))// &
+          ' on the coast side')
+      else
+        call fail(error, code_input, trim(spec%name)//' rack tip radius = '//str(spec%rack_tip_radius(drive))// &
+          ': does not fit the rack; at most '//str(land/sum(taken)))
+      end if
     end if
     if (spec%grinding_stock > spec%protuberance) call fail(error, code_input, trim(spec%name)// &
       ' grinding stock (mm) = '//str(1000*spec%grinding_stock)//': must be at most the protuberance '// &
       str(1000*spec%protuberance)//' mm, else the ground flank ends in a step')
-    if (spec%rack_tip_radius > spec%dedendum) call fail(error, code_input, trim(spec%name)// &
-      ' rack tip radius = '//str(spec%rack_tip_radius)//': must not exceed the dedendum')
+    if (any(spec%rack_tip_radius > spec%dedendum)) call fail(error, code_input, trim(spec%name)// &
+      ' rack tip radius = '//str(maxval(spec%rack_tip_radius))//': must not exceed the dedendum')
   end subroutine check_rack_tip
 
   !> Radius of curvature (m) of the involute where the rack's straight flank ends; negative where that end
@@ -105,14 +112,15 @@ contains
     type(gear_spec_t), intent(in) :: spec
     integer, intent(in) :: side
 
-    depth = spec%dedendum - spec%rack_tip_radius*(1 - sin(spec%pressure_angle(side)))
+    depth = spec%dedendum - spec%rack_tip_radius(side)*(1 - sin(spec%pressure_angle(side)))
   end function straight_depth
 
-  !> Depth of the centre of the rack's rounded corner below the pitch line (m).
-  pure real(dp) function corner_depth(spec)
+  !> Depth of the centre of a side's rounded corner of the rack below the pitch line (m).
+  pure real(dp) function corner_depth(spec, side)
     type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
 
-    corner_depth = (spec%dedendum - spec%rack_tip_radius - generating_shift(spec))*spec%module
+    corner_depth = (spec%dedendum - spec%rack_tip_radius(side) - generating_shift(spec))*spec%module
   end function corner_depth
 
   !> Distance of that centre from the axis of the rack's space (m).
@@ -121,8 +129,8 @@ contains
     integer, intent(in) :: side
 
     associate (angle => spec%pressure_angle(side))
-      corner_place = spec%module*(pi/4 + (spec%dedendum - spec%rack_tip_radius)*tan(angle) &
-                                  + (spec%rack_tip_radius - fillet_undercut(spec))/cos(angle))
+      corner_place = spec%module*(pi/4 + (spec%dedendum - spec%rack_tip_radius(side))*tan(angle) &
+                                  + (spec%rack_tip_radius(side) - fillet_undercut(spec))/cos(angle))
     end associate
   end function corner_place
 
@@ -135,10 +143,10 @@ contains
     real(dp) :: across, x, y, turn, radius
 
     radius = spec%teeth*spec%module/2
-    across = rolled(spec, beta)
-    associate (rounding => spec%rack_tip_radius*spec%module)
+    across = rolled(spec, side, beta)
+    associate (rounding => spec%rack_tip_radius(side)*spec%module)
       x = across - rounding*cos(beta)
-      y = radius - corner_depth(spec) - rounding*sin(beta)
+      y = radius - corner_depth(spec, side) - rounding*sin(beta)
     end associate
     turn = (across - corner_place(spec, side))/radius
     point = [x*cos(turn) - y*sin(turn), x*sin(turn) + y*cos(turn)]
@@ -157,7 +165,7 @@ contains
     high = pi/2
     do i = 1, 60
       beta = (low + high)/2
-      if (beta + (rolled(spec, beta) - corner_place(spec, side))/(spec%teeth*spec%module/2) < tangent) then
+      if (beta + (rolled(spec, side, beta) - corner_place(spec, side))/(spec%teeth*spec%module/2) < tangent) then
         low = beta
       else
         high = beta
@@ -166,10 +174,11 @@ contains
   end function trochoid_parameter
 
   !> Where the corner's centre stands beside the pitch point when the corner cuts at `beta` (m).
-  pure real(dp) function rolled(spec, beta)
+  pure real(dp) function rolled(spec, side, beta)
     type(gear_spec_t), intent(in) :: spec
+    integer, intent(in) :: side
     real(dp), intent(in) :: beta
 
-    rolled = -corner_depth(spec)*cos(beta)/sin(beta)
+    rolled = -corner_depth(spec, side)*cos(beta)/sin(beta)
   end function rolled
 end module gearsweep_rack

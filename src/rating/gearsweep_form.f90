@@ -5,7 +5,7 @@ module gearsweep_form
   use gearsweep_gear, only: gear_t, drive, coast
   use gearsweep_pair, only: pair_t
   use gearsweep_outline, only: fillet_point, fillet_parameter
-  use gearsweep_rack, only: generating_shift
+  use gearsweep_rack, only: corner_depth
   implicit none
   private
   public :: nominal_root_stress, lewis_factor, iso_form_t, iso_form, outer_single_contact
@@ -94,7 +94,7 @@ contains
     type(gear_t), intent(in) :: gear
     real(dp), intent(in) :: radius
     type(iso_form_t) :: form
-    real(dp) :: p(2), q(2), beta, depth, way, ratio, notch
+    real(dp) :: p(2), q(2), beta, way, ratio, notch
 
     beta = fillet_parameter(gear, drive, pi/6)
     p = fillet_point(gear, drive, beta)
@@ -103,9 +103,8 @@ contains
     form%lever = gear%base_radius(drive)/cos(form%load_angle) - p(2)
     form%thickness = p(1) + q(1)
     associate (spec => gear%spec)
-      depth = (spec%dedendum - spec%rack_tip_radius - generating_shift(spec))*spec%module
-      way = depth/sin(beta)
-      form%radius = spec%rack_tip_radius*spec%module + way**2/(way + gear%reference_radius*sin(beta))
+      way = corner_depth(spec, drive)/sin(beta)
+      form%radius = spec%rack_tip_radius(drive)*spec%module + way**2/(way + gear%reference_radius*sin(beta))
       form%form_factor = 6*form%lever/spec%module*cos(form%load_angle) &
         /((form%thickness/spec%module)**2*cos(spec%pressure_angle(drive)))
     end associate

@@ -8,7 +8,8 @@ module gearsweep_uses
   public :: unless, first_of, is_prescribed
 
   !> Of a list of tasks as in a sentence.
-  integer, parameter, public :: sentence_length = 160
+  !> The names of all tasks with what stands between them, however many keys a stage has: gearsweep_tasks has room for 32.
+  integer, parameter, public :: sentence_length = 32*20
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
 
 contains

@@ -50,7 +50,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('the gear pair', 1, 13, error)
+    call table%begin('the gear pair', 1, 14, error)
     if (allocated(error)) return
     associate (spec => pair%gear(1)%spec, widths => pair%gear%spec%face_width)
       call table%add('module_mm', 'mm', 'normal module', [milli*spec%module])
@@ -71,6 +71,8 @@ contains
                      [merge(1, 0, pair%may_shorten)])
       call table%add('contact_ratio', '', 'transverse contact ratio: the path of contact in base pitches', &
                      [pair%contact_ratio])
+      call table%add('coast_contact_ratio', '', 'the same of the coast flanks, where they carry; undercut takes its part off', &
+                     [pair%coast_contact_ratio])
       call table%add('base_pitch_mm', 'mm', 'of the drive flanks', [milli*pair%base_pitch])
     end associate
   end subroutine fill_pair

@@ -21,6 +21,7 @@ module gearsweep_tasks
   use gearsweep_task_static, only: static_task_t
   use gearsweep_task_sensitivity, only: sensitivity_task_t
   use gearsweep_task_sweep, only: sweep_task_t
+  use gearsweep_task_torque, only: torque_task_t
   use gearsweep_task_transient, only: transient_task_t
   use gearsweep_uses, only: sentence_length
   implicit none
@@ -53,6 +54,7 @@ contains
     call add(static_task_t())
     call add(modal_task_t())
     call add(load_task_t())
+    call add(torque_task_t())
     call add(sweep_task_t())
     call add(optimum_task_t())
     call add(stability_task_t())

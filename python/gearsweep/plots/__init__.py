@@ -46,6 +46,7 @@ from .sensitivity import plot_sensitivity
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 from .studies import compare
+from .torque import plot_torque
 from .transient import plot_transient, plot_transient_peaks
 
 __all__ = [
@@ -81,6 +82,7 @@ __all__ = [
     'plot_stiffness',
     'plot_stress',
     'plot_sweep',
+    'plot_torque',
     'plot_transient',
     'plot_transient_peaks',
     'save',

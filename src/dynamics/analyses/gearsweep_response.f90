@@ -18,7 +18,7 @@ module gearsweep_response
   use gearsweep_transient, only: by_marching
   implicit none
   private
-  public :: response_t, find_response
+  public :: response_t, find_response, trace_motion
 
   type :: response_t
     real(dp) :: rpm = 0                          !< speed of the pinion, 1/min
@@ -44,15 +44,9 @@ contains
     type(response_t), intent(out) :: response
     type(point_t), intent(in), optional :: known  !< as a sweep found it; without it, it is solved by itself
     integer, intent(in), optional :: harmonics    !< with it there is a summary, with so many of the mesh frequency
-    ! Bytes of a step's two rows, in memory that doubles and is copied, and then sorted by pair.
-    real(dp), parameter :: trace_bytes = 2*4*80.0_dp
     type(levels_t), allocatable :: levels
     type(trace_t), allocatable :: trace(:)
-    type(period_map_t) :: map
-    type(period_t) :: run
-    logical :: fits
-    real(dp) :: state(2), duration
-    integer :: i
+    real(dp) :: duration
 
     response%rpm = rpm
     duration = mesh_period(osc%mesh%teeth(1), rpm)
@@ -69,21 +63,42 @@ contains
       allocate (response%s(1), response%load(1), response%error(1), source=ieee_value(1.0_dp, ieee_quiet_nan))
       return
     end if
-    call refine(osc, duration, options, response%point, map, state)
-    response%lacks = map%steps == 0
+    call trace_motion(osc, duration, options, response%point, trace, response%lacks)
     if (response%lacks) return
-    call has_memory(response%point%steady%periods*map%steps*trace_bytes*osc%contacts, fits)
-    response%lacks = .not. fits
-    if (response%lacks) return
+    call pair_paths(trace, response%pair, response%s, response%load, response%error)
+    if (present(harmonics)) call summarise(osc, trace, harmonics*size(trace), response%summary)
+  end subroutine find_response
+
+  !> The mesh periods after which the motion of a point with a result repeats, each in at least 200 steps unless their number is
+  !> given.
+  pure subroutine trace_motion(osc, duration, options, point, trace, lacks)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of a mesh period, s
+    type(accuracy_t), intent(in) :: options
+    type(point_t), intent(in) :: point
+    type(trace_t), allocatable, intent(out) :: trace(:)    !< (mesh period)
+    logical, intent(out) :: lacks                !< the memory does not hold it
+    ! Bytes of a step's two rows, in memory that doubles and is copied, and then sorted by pair.
+    real(dp), parameter :: trace_bytes = 2*4*80.0_dp
+    type(period_map_t) :: map
+    type(period_t) :: run
+    logical :: fits
+    real(dp) :: state(2)
+    integer :: i
+
+    call refine(osc, duration, options, point, map, state)
+    lacks = map%steps == 0
+    if (lacks) return
+    call has_memory(point%steady%periods*map%steps*trace_bytes*osc%contacts, fits)
+    lacks = .not. fits
+    if (lacks) return
     call set_durations(map, [duration])
-    allocate (trace(response%point%steady%periods))
+    allocate (trace(point%steady%periods))
     do i = 1, size(trace)
       call run_period(map, state, run, trace(i))
       state = run%state
     end do
-    call pair_paths(trace, response%pair, response%s, response%load, response%error)
-    if (present(harmonics)) call summarise(osc, trace, harmonics*size(trace), response%summary)
-  end subroutine find_response
+  end subroutine trace_motion
 
   !> At least 200 steps, and the state from which the motion of the point repeats in them.
   pure subroutine refine(osc, duration, options, point, map, state)

@@ -1,0 +1,92 @@
+"""Transmitted torque over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..study import Study
+from ..table import Table
+from .look import ASIDE, CROSS, FAINT, GREY, canvas
+from .reliefs import Reliefs, table_of
+
+#: Mesh periods shown of a motion that repeats after one.
+SHOWN = 2
+
+
+def plot_torque(
+    torque: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, member: str = 'pinion', periods: int | None = None
+) -> Axes:
+    """Torque that the mesh takes from the pinion, or gives to the gear, over time at one speed; dashed its mean with the first
+    relief.
+
+    A relief without an answer has no curve; the legend names it.
+
+    Parameters
+    ----------
+    torque : Study or Table
+        A study, or its table `torque`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    rpm : float, optional
+        One of the case's `torque` speeds; otherwise the first.
+    member : str
+        'pinion' or 'gear'.
+    periods : int, optional
+        How many mesh periods to show; otherwise two, or those after which the motion repeats.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        The case has no such speed, there is no such member, or `periods` is below 1.
+    """
+    torque = table_of(torque, 'torque')
+    speeds = np.atleast_1d(torque.case.get('torque', 'rpm'))
+    rpm = speeds[0] if rpm is None else rpm
+    if not np.isclose(speeds, rpm).any():
+        raise ValueError(f'rpm = {rpm:g}: must be one of {", ".join(f"{speed:g}" for speed in speeds)}')
+    if member not in ('pinion', 'gear'):
+        raise ValueError(f'member = {member!r}: must be pinion or gear')
+    if periods is not None and periods < 1:
+        raise ValueError(f'periods = {periods}: must be at least 1')
+    points = torque.study.torque_points
+    reliefs = Reliefs(torque.case)
+    missing: list[str] = []
+    column = torque[f'{member}_torque_nm']
+    longest = 1
+    with canvas(ax) as ax:
+        for amount in np.unique(torque.relief_um):
+            here = (torque.relief_um == amount) & np.isclose(torque.rpm, rpm) & np.isfinite(column)
+            if not here.any():
+                missing.append(f'{amount:g}')
+                continue
+            repeats = round(torque.tau[here].max())
+            longest = max(longest, repeats)
+            count = periods or max(SHOWN, repeats)
+            tau = np.concatenate([torque.tau[here] + i * repeats for i in range(-(-count // repeats))])
+            ax.plot(tau, np.resize(column[here], tau.size), **reliefs.style(amount))
+        mean = np.ravel(points[f'{member}_mean_nm'])
+        if np.isfinite(mean).any():
+            ax.axhline(mean[np.isfinite(mean)][0], **ASIDE, zorder=0)
+        shown = periods or max(SHOWN, longest)
+        for whole in range(shown + 1):
+            ax.axvline(whole, color=FAINT, linewidth=0.5, zorder=0)
+        ax.set_xlim(0, shown)
+        ax.set_xlabel('Time (mesh periods)')
+        ax.set_ylabel(f'{member.capitalize()} torque at {rpm:g} 1/min (N m)')
+        reliefs.legend(ax, _missing(missing))
+    return ax
+
+
+def _missing(reliefs: Sequence[str]) -> list[Artist]:
+    if not reliefs:
+        return []
+    return [Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(reliefs)} µm')]

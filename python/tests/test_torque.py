@@ -1,0 +1,189 @@
+"""Transmitted torque: against a march of the two bodies' equations of motion that knows nothing of the library, against what the
+applied torques must be in the mean, and against the losses of the task flank."""
+
+import numpy as np
+import pytest
+
+import gearsweep
+
+TEETH, LOAD, MASS, STIFFNESS, DAMPING = (21, 34), 4000.0, (0.6, 1.1), 400e6, 0.25
+CASE = f"""
+&case tasks = 'torque' / &pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = {TEETH[0]} effective_mass_kg = {MASS[0]} / &gear teeth = {TEETH[1]} effective_mass_kg = {MASS[1]} /
+&load normal_force_n = {LOAD} / &relief amount_um = 0 / &mesh model = 'polynomial' coefficients = 400, 0, -100 /
+&dynamics damping_ratio = {DAMPING} / &torque rpm = 12000 / &numerics tolerance = 1e-9 /
+"""
+
+
+@pytest.fixture(scope='module')
+def rubbing():
+    return gearsweep.run(gearsweep.Case(CASE).changed(dynamics={'friction': 0.08}))
+
+
+def lengths():
+    """Base radii, base pitch, path of contact in base pitches, and the curvature radii at A (mm): ISO 21771."""
+    reference, angle = np.array(TEETH) * 1.5, np.radians(20)
+    base, tip = reference * np.cos(angle), reference + 3
+    pitch = np.pi * 3 * np.cos(angle)
+    reach = np.sqrt(tip**2 - base**2)
+    tangent = reference.sum() * np.sin(angle)
+    return base, pitch, (reach.sum() - tangent) / pitch, np.array([tangent - reach[1], reach[1]])
+
+
+class March:
+    """Both gears on the line of action, m x" = the applied force less what the mesh takes, in steps of Runge and Kutta that end
+    where pairs enter, leave and pass the pitch point. Both applied forces are the static load."""
+
+    def __init__(self, friction, rpm):
+        self.friction = friction
+        self.base, self.pitch, self.ratio, self.at_a = lengths()
+        self.period = 60 / (TEETH[0] * rpm)
+        self.pitch_point = (self.base[0] * np.tan(np.radians(20)) - self.at_a[0]) / self.pitch
+        self.breaks = np.unique([0, self.ratio - 1, self.pitch_point % 1, 1])
+
+    def forces(self, phase, side, x, v):
+        """Loads of the pairs with their friction factors on both gears, and what damping carries."""
+        load, factors, rate = 0.0, np.zeros(2), 0.0
+        for s in (phase, phase + 1):
+            middle = s - phase + side
+            if middle > self.ratio:
+                continue
+            place = 2 * s / self.ratio - 1
+            stiffness = STIFFNESS - 100e6 * place**2
+            radius = self.at_a + np.array([s, -s]) * self.pitch
+            sense = self.friction if middle > self.pitch_point else -self.friction
+            factor = 1 + sense * radius / self.base
+            load += stiffness * x
+            factors += stiffness * x * factor
+            rate += stiffness * (factor / MASS).sum()
+        reduced = 1 / (1 / np.array(MASS)).sum()
+        return load, factors - load, reduced * 2 * DAMPING * np.sqrt(rate) * v
+
+    def accelerate(self, phase, side, state):
+        load, friction, damping = self.forces(phase, side, *state)
+        return np.array([state[1], ((LOAD - load - friction - damping) / MASS).sum()])
+
+    def period_of(self, state, steps):
+        """One mesh period: phase and forces at both ends of each step, and the state after it."""
+        rows = []
+        for first, last in zip(self.breaks, self.breaks[1:]):
+            side = (first + last) / 2
+            count = max(2, int(np.ceil(steps * (last - first))))
+            width = (last - first) / count
+            h = width * self.period
+            for i in range(count):
+                phase = first + i * width
+                rows.append((phase, *self.forces(phase, side, *state)))
+                k1 = self.accelerate(phase, side, state)
+                k2 = self.accelerate(phase + width / 2, side, state + h / 2 * k1)
+                k3 = self.accelerate(phase + width / 2, side, state + h / 2 * k2)
+                k4 = self.accelerate(phase + width, side, state + h * k3)
+                state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+                rows.append((phase + width, *self.forces(phase + width, side, *state)))
+        return rows, state
+
+    def steady(self, steps):
+        state = np.array([LOAD / STIFFNESS, 0.0])
+        for _ in range(45):
+            _, state = self.period_of(state, 60)
+        for _ in range(3):
+            rows, state = self.period_of(state, steps)
+        return (np.array([row[0] for row in rows]), np.array([row[1] for row in rows]), np.array([row[2] for row in rows]),
+                np.array([row[3] for row in rows]))  # fmt: skip
+
+
+def test_torque_is_that_of_a_march(rubbing):
+    phase, load, friction, damping = March(0.08, 12000).steady(1000)
+    base = lengths()[0] / 1000
+    table, points = rubbing.torque, rubbing.torque_points
+    assert points.status == ['ok']
+    static = LOAD * base
+
+    def at(values):
+        """Where the breaks are, both have the values of either side."""
+        return np.interp(inner, phase, values)
+
+    # Away from the breaks, at which the values jump.
+    inner = table.tau[np.all(np.abs(table.tau[:, None] - March(0.08, 12000).breaks) > 2e-3, axis=1)]
+    pick = np.isin(table.tau, inner)
+    for member, name in enumerate(('pinion', 'gear')):
+        whole = base[member] * (load + friction[:, member] + damping)
+        assert table[f'{name}_torque_nm'][pick] == pytest.approx(at(whole), abs=2e-5 * static[member])
+        assert table[f'{name}_friction_nm'][pick] == pytest.approx(at(base[member] * friction[:, member]), abs=2e-5 * static[member])
+        assert points[f'{name}_mean_nm'].item() == pytest.approx(np.trapezoid(whole, phase), rel=1e-5)
+        assert points[f'{name}_friction_mean_nm'].item() == pytest.approx(
+            np.trapezoid(base[member] * friction[:, member], phase), abs=1e-5 * static[member])  # fmt: skip
+        # Looked for at the ends of 200 steps: of a second harmonic they miss (4 pi/400)**2/2 of the amplitude, which is below 2 static.
+        assert points[f'{name}_largest_nm'].item() == pytest.approx(whole.max(), abs=1e-3 * static[member])
+        assert points[f'{name}_least_nm'].item() == pytest.approx(whole.min(), abs=1e-3 * static[member])
+    assert table.pinion_damping_nm[pick] == pytest.approx(at(base[0] * damping), abs=2e-5 * static[0])
+    assert table.time_s == pytest.approx(table.tau * 60 / (TEETH[0] * 12000), rel=1e-14)
+
+
+def test_without_friction_the_mean_torques_are_the_applied_ones():
+    """Over a period each gear takes up no momentum."""
+    case = gearsweep.Case(CASE).changed(relief={'amount_um': [0, 12]}, torque={'rpm': [3000, 9000, 20000]})
+    points = gearsweep.run(case).torque_points
+    base = lengths()[0] / 1000
+    for member, name in enumerate(('pinion', 'gear')):
+        assert points[f'{name}_mean_nm'] == pytest.approx(LOAD * base[member], rel=1e-9)
+        assert not points[f'{name}_friction_mean_nm'].any()
+    assert np.abs(points.friction_loss).max() < 1e-9
+
+
+def test_slow_loss_is_that_of_the_flanks():
+    """At rest nearly, friction takes mu H_V of the power, with the loss factor H_V of the static load by the task flank; to the first
+    order in mu."""
+    friction = 1e-3
+    case = gearsweep.Case(CASE).changed(case={'tasks': ['torque', 'flank']}, dynamics={'friction': friction}, torque={'rpm': 20},
+                                        flank={'rpm': 20, 'dynamic_load': False, 'friction_coefficient': friction})  # fmt: skip
+    study = gearsweep.run(case)
+    loss = np.ravel(study.torque_points.friction_loss)[0]
+    assert loss == pytest.approx(friction * np.ravel(study.flank_losses.loss_factor)[0], rel=5e-3)
+
+
+def test_mirrored_teeth_driven_on_their_other_side_are_the_same():
+    """Sides are names: every table is the same to the last bit, as the library has one code for both."""
+    rack = {'pinion': {'rack_tip_radius': 0.1, 'coast_rack_tip_radius': 0.2}, 'gear': {'rack_tip_radius': 0.1, 'coast_rack_tip_radius': 0.15}}
+    other = {'pinion': {'rack_tip_radius': 0.2, 'coast_rack_tip_radius': 0.1}, 'gear': {'rack_tip_radius': 0.15, 'coast_rack_tip_radius': 0.1}}
+    case = gearsweep.Case(CASE).changed(mesh={'model': 'fe', 'coefficients': None}, section={'elements_across': 3},
+                                        case={'tasks': ['mesh', 'static', 'torque']}, static={'positions': 3})  # fmt: skip
+    one = gearsweep.run(case.changed(pair={'pressure_angle_deg': 28, 'coast_angle_deg': 20}, **rack))
+    two = gearsweep.run(case.changed(pair={'pressure_angle_deg': 20, 'coast_angle_deg': 28, 'loaded_flanks': 'coast'}, **other))
+    plain = gearsweep.run(case.changed(pair={'pressure_angle_deg': 20, 'coast_angle_deg': 28}, **other))
+    for name in ('geometry', 'gears', 'mesh', 'static', 'torque'):
+        for column in one[name]:
+            first, second = np.asarray(one[name][column]), np.asarray(two[name][column])
+            assert np.array_equal(first, second, equal_nan=first.dtype.kind == 'f'), column
+    # The load on the other flank is another matter: ISO 21771's contact ratio, each side's own.
+    assert plain.geometry.contact_ratio == two.geometry.coast_contact_ratio
+    assert plain.geometry.contact_ratio > two.geometry.contact_ratio + 0.2
+
+
+def test_coast_flanks_may_not_jam():
+    """The tip that just reaches the end of the coast flank's involute, where the rack's straight flank ends (ISO 21771)."""
+    case = gearsweep.Case(CASE).changed(pair={'coast_angle_deg': 14.5}, pinion={'coast_rack_tip_radius': 0.6, 'teeth': 60},
+                                        gear={'teeth': 90, 'rack_tip_radius': 0.1})  # fmt: skip
+    angle = np.radians(14.5)
+    reference = np.array([60, 90]) * 1.5
+    end = reference[0] * np.sin(angle) - (1.25 - 0.6 * (1 - np.sin(angle))) * 3 / np.sin(angle)
+    deepest = 2 * np.hypot(reference[1] * np.cos(angle), reference.sum() * np.sin(angle) - end)
+    with pytest.raises(gearsweep.Error, match='the involute of the pinion on the coast flanks; at most') as error:
+        gearsweep.run(case.changed(gear={'tip_diameter_mm': deepest + 1e-4}), 'geometry')
+    assert float(str(error.value).split('at most ')[1].split()[0]) == pytest.approx(deepest, rel=1e-4)
+    gearsweep.run(case.changed(gear={'tip_diameter_mm': deepest - 1e-4}), 'geometry')
+
+
+def test_sides_of_the_rack_refuse_by_name():
+    case = gearsweep.Case(CASE)
+    with pytest.raises(gearsweep.Error, match=r"&pair loaded_flanks = 'coast': is for asymmetric teeth"):
+        gearsweep.run(case.changed(pair={'loaded_flanks': 'coast'}), 'geometry')
+    with pytest.raises(gearsweep.Error, match=r'&pinion rack_tip_radius = 0.3, 0.7 \(drive, coast\): do not fit the rack together'):
+        gearsweep.run(case.changed(pinion={'rack_tip_radius': 0.3, 'coast_rack_tip_radius': 0.7}), 'geometry')
+    # ISO 53: the tip land of this rack, pi/2 - 2.5 tan 20 in modules, takes corners of (1 - sin 20)/cos 20 times their radii.
+    land, taken = np.pi / 2 - 2.5 * np.tan(np.radians(20)), (1 - np.sin(np.radians(20))) / np.cos(np.radians(20))
+    fits = 0.999 * land / taken - 0.3
+    case = case.changed(gear={'addendum': 0.6})
+    gearsweep.run(case.changed(pinion={'rack_tip_radius': 0.3, 'coast_rack_tip_radius': fits}), 'geometry')
+    with pytest.raises(gearsweep.Error, match='do not fit'):
+        gearsweep.run(case.changed(pinion={'rack_tip_radius': 0.3, 'coast_rack_tip_radius': fits * 1.01}), 'geometry')
