@@ -242,7 +242,7 @@ contains
           lewis = 0
           do k = 4*steps + 1, 5*steps + 1
             if (points(2, k) < points(2, 1)) exit
-            s = points(1, k) + coast_width(points(:, 1:steps + 1), points(2, k))
+            s = points(1, k) + coast_width(points(:, 1:2*steps + 1), points(2, k))
             lewis = max(lewis, 6*force*cos(angle)*(apex - points(2, k))/(20*s**2))
           end do
           call check_close(t, 'Lewis stress, pair '//str(n), answer%one('root_rating.lewis_mpa'), lewis, relative=1e-5_dp)
