@@ -72,7 +72,7 @@ run_part() {
 # --- the suites, in both builds at the same time ---------------------------------
 
 started=$(date +%s)
-[ $# -gt 0 ] || say 'the suites, in two builds at the same time, take about 8 min, everything about 20'
+[ $# -gt 0 ] || say 'the suites, in two builds at the same time, take about 8 min, everything about 25'
 if build_check_debug; then
   say 'suites with run-time checks (debug)'
   run_part debug env GEARSWEEP_CHECKS="$work/debug.list" "$run_dir/check-debug" "$@" &

@@ -2,7 +2,7 @@
 # Tests of the Python package, with the examples in its docstrings and in doc/python.md, and of the
 # validation ledger: sh test/test_python.sh PROGRAM [pytest options]
 # The last line is `N passed, N failed`, as pytest counts.
-# Takes about 2 min.
+# Takes about 5 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/test/checks.sh"
 GEARSWEEP_PROGRAM=${1:-$root/build/run/gearsweep}
