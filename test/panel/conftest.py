@@ -202,4 +202,5 @@ def shown(value, digits=5):
     """A number as the page writes it."""
     if float(value).is_integer() and abs(value) < 1e7:
         return str(int(value))
-    return repr(float(f'{value:.{digits}g}')).removesuffix('.0')
+    mantissa, _, power = repr(float(f'{value:.{digits}g}')).removesuffix('.0').replace('-', '−').partition('e')
+    return f'{mantissa}e{power[0]}{power[1:].lstrip("0")}' if power else mantissa

@@ -38,7 +38,7 @@ def test_its_numbers_are_the_librarys(window, small):
     window.tab('tables').page.select_option('#table', 'sweep_worst')
     window.page.locator('th', has_text='Worst dynamic factor').wait_for()
     table = small.sweep_worst
-    expected = [[shown(a), shown(b, 6), shown(c, 6)] for a, b, c in zip(table.relief_um, table.worst_dynamic_factor, table.rpm)]
+    expected = [[shown(relief), *(shown(value, 6) for value in others)] for relief, *others in zip(*(table[name] for name in table))]
     assert cells(window) == expected
     assert window.tab('answer').page.locator('#answer').inner_text().rstrip() == small.report().rstrip()
 
