@@ -3,8 +3,10 @@ applied torques must be in the mean, and against the losses of the task flank.""
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import gearsweep
+from gearsweep import plots
 
 TEETH, LOAD, MASS, STIFFNESS, DAMPING = (21, 34), 4000.0, (0.6, 1.1), 400e6, 0.25
 CASE = f"""
@@ -187,3 +189,19 @@ def test_sides_of_the_rack_refuse_by_name():
     gearsweep.run(case.changed(pinion={'rack_tip_radius': 0.3, 'coast_rack_tip_radius': fits}), 'geometry')
     with pytest.raises(gearsweep.Error, match='do not fit'):
         gearsweep.run(case.changed(pinion={'rack_tip_radius': 0.3, 'coast_rack_tip_radius': fits * 1.01}), 'geometry')
+
+
+def test_picture_has_the_mean_of_its_own_speed():
+    """With friction the means differ from speed to speed; the line across is that of the curve's speed and member."""
+    study = gearsweep.run(gearsweep.Case(CASE).changed(dynamics={'friction': 0.08}, torque={'rpm': [3000, 12000]}))
+    points = study.torque_points
+    for member in ('pinion', 'gear'):
+        first, second = points[f'{member}_mean_nm'][0]
+        assert abs(first / second - 1) > 1e-4
+        ax = plots.plot_torque(study, Figure().subplots(), rpm=12000, member=member, periods=3)
+        assert [line.get_ydata()[0] for line in ax.lines if np.ptp(line.get_ydata()) == 0] == [second]
+        assert ax.get_xlim() == (0, 3)
+    for wrong, message in (({'rpm': 5000}, 'rpm = 5000: must be one of 3000, 12000'), ({'member': 'wheel'}, "member = 'wheel'"),
+                           ({'periods': 0}, 'periods = 0: must be at least 1')):  # fmt: skip
+        with pytest.raises(ValueError, match=message):
+            plots.plot_torque(study, **wrong)

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from ..study import Study
 from ..table import Table
-from .look import ASIDE, CROSS, FAINT, GREY, HALO, INK, VISIBLE, canvas
-from .reliefs import Integers, Reals, Reliefs, one_of, paths, table_of
+from .look import ASIDE, FAINT, HALO, INK, VISIBLE, canvas
+from .reliefs import Integers, Reals, Reliefs, one_of, paths, table_of, unanswered
 
 
 def plot_stiffness(mesh: Study | Table, ax: Axes | None = None) -> Axes:
@@ -170,10 +169,9 @@ def _motion(load: Table, ax: Axes | None, rpm: float | None, column: str, label:
     with canvas(ax) as ax:
         found = _curves(ax, load, paths(load.s[here], load[column][here], load.relief_um[here]))
         missing = [f'{amount:g}' for i, amount in enumerate(Reliefs(load.case).amounts) if i not in found]
-        cross = Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(missing)} µm')
         if column == 'pair_load_n' and 'motion' in load.study:
             _level(ax, load.study.motion.load_n, 'static load')
-        finish(ax, load, label.format(rpm), [cross] if missing else [])
+        finish(ax, load, label.format(rpm), unanswered(missing))
     return ax
 
 

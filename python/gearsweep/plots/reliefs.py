@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..case import Case
 from ..study import Study
 from ..table import Table
-from .look import legends_above, line_styles
+from .look import CROSS, GREY, legends_above, line_styles
 
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -67,6 +67,13 @@ class Reliefs:
             for amount, look in zip(self.amounts, self.styles)
         ]
         legends_above(ax, ('Tip relief (µm)', handles if self.amounts.any() else []), ('', more), gap=gap)
+
+
+def unanswered(amounts: Sequence[str]) -> list[Artist]:
+    """What a legend says of the reliefs (µm) without an answer, which have no curve."""
+    if not amounts:
+        return []
+    return [Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(amounts)} µm')]
 
 
 def paths(s: Reals, *columns: Reals) -> list[tuple[Reals, ...]]:

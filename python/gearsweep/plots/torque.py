@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import ASIDE, CROSS, FAINT, GREY, canvas
-from .reliefs import Reliefs, table_of
+from .look import ASIDE, FAINT, canvas
+from .reliefs import Reliefs, one_of, table_of, unanswered
 
 #: Mesh periods shown of a motion that repeats after one.
 SHOWN = 2
@@ -49,15 +45,11 @@ def plot_torque(
         The case has no such speed, there is no such member, or `periods` is below 1.
     """
     torque = table_of(torque, 'torque')
-    speeds = np.atleast_1d(torque.case.get('torque', 'rpm'))
-    rpm = speeds[0] if rpm is None else rpm
-    if not np.isclose(speeds, rpm).any():
-        raise ValueError(f'rpm = {rpm:g}: must be one of {", ".join(f"{speed:g}" for speed in speeds)}')
+    rpm = one_of(torque.rpm, rpm, 'rpm')
     if member not in ('pinion', 'gear'):
         raise ValueError(f'member = {member!r}: must be pinion or gear')
     if periods is not None and periods < 1:
         raise ValueError(f'periods = {periods}: must be at least 1')
-    points = torque.study.torque_points
     reliefs = Reliefs(torque.case)
     missing: list[str] = []
     column = torque[f'{member}_torque_nm']
@@ -73,20 +65,15 @@ def plot_torque(
             count = periods or max(SHOWN, repeats)
             tau = np.concatenate([torque.tau[here] + i * repeats for i in range(-(-count // repeats))])
             ax.plot(tau, np.resize(column[here], tau.size), **reliefs.style(amount))
-        mean = np.ravel(points[f'{member}_mean_nm'])
-        if np.isfinite(mean).any():
-            ax.axhline(mean[np.isfinite(mean)][0], **ASIDE, zorder=0)
+        points = torque.study.torque_points
+        mean = points[f'{member}_mean_nm'][:, np.isclose(points.rpm, rpm)]
+        for level in mean[np.isfinite(mean)][:1]:
+            ax.axhline(level, **ASIDE, zorder=0)
         shown = periods or max(SHOWN, longest)
         for whole in range(shown + 1):
             ax.axvline(whole, color=FAINT, linewidth=0.5, zorder=0)
         ax.set_xlim(0, shown)
         ax.set_xlabel('Time (mesh periods)')
         ax.set_ylabel(f'{member.capitalize()} torque at {rpm:g} 1/min (N m)')
-        reliefs.legend(ax, _missing(missing))
+        reliefs.legend(ax, unanswered(missing))
     return ax
-
-
-def _missing(reliefs: Sequence[str]) -> list[Artist]:
-    if not reliefs:
-        return []
-    return [Line2D([], [], **CROSS, markeredgecolor=GREY, label=f'no answer: {", ".join(reliefs)} µm')]
