@@ -7,8 +7,7 @@ module gearsweep_uses
   private
   public :: unless, first_of, is_prescribed
 
-  !> Of a list of tasks as in a sentence.
-  !> The names of all tasks with what stands between them, however many keys a stage has: gearsweep_tasks has room for 32.
+  !> Of a list of tasks as in a sentence: room for the 32 tasks that gearsweep_tasks may hold, with what stands between them.
   integer, parameter, public :: sentence_length = 32*20
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
 
