@@ -6,6 +6,7 @@ it shows beside it, and what the README shows of them into the README.
 import re
 import shutil
 
+from pictures import draw
 from report import BENCH, RESULTS, machine
 
 
@@ -20,6 +21,7 @@ for name in re.findall(r'<!-- begin (\w+) -->', text):
     text = between(f'<!-- begin {name} -->', f'<!-- end {name} -->', text, table)
 page.write_text(text)
 for name in re.findall(r'\(bench_(\w+)\.svg\)', text):
+    draw(name)
     shutil.copyfile(RESULTS / f'{name}.svg', page.with_name(f'bench_{name}.svg'))
 
 readme = BENCH.parent / 'README.md'

@@ -15,7 +15,8 @@ from statistics import median
 import numpy as np
 import scipy
 from peers import scipy_march
-from report import BENCH, COLOURS, Report, first_line, machine, plt, run, save_figure, time_at
+from pictures import draw
+from report import BENCH, Report, first_line, machine, run, time_at
 
 ROUNDS = 3          # each takes every contender once, so that a busy machine slows all alike
 PATIENCE = 5        # seconds: a SciPy method that took longer is not asked for more
@@ -40,9 +41,8 @@ def steps(first, count, order, at_first):
 
 
 class Method:
-    def __init__(self, label, colour, marker, line, settings, solve):
+    def __init__(self, label, settings, solve):
         self.label, self.settings, self.solve = label, settings, solve
-        self.style = dict(color=COLOURS[colour], marker=marker, linestyle=line, markerfacecolor='white' if line == ':' else None)
 
 
 def numbers(text):
@@ -83,21 +83,21 @@ def octave(problem, settings):
 
 
 METHODS = [
-    Method('gearsweep', 'vermilion', 'o', '-', tolerances(2, 3, 4, 5, 5.5, 6, 6.5, 7, 8, 9, 10), fortran('shooting')),
-    Method('gearsweep, native build', 'vermilion', 'D', '--', tolerances(2, 3, 4, 5, 5.5, 6, 6.5, 7, 8, 9, 10),
+    Method('gearsweep', tolerances(2, 3, 4, 5, 5.5, 6, 6.5, 7, 8, 9, 10), fortran('shooting')),
+    Method('gearsweep, native build', tolerances(2, 3, 4, 5, 5.5, 6, 6.5, 7, 8, 9, 10),
            fortran('shooting', 'dynamics-native')),
-    Method('gearsweep, marching', 'orange', 's', '-', tolerances(2, 3, 4, 5, 6, 7, 8, 9, 10), fortran('marching')),
-    Method('aligned RK4, shooting', 'green', '^', '-', steps(50, 7, 4, 1e-2), fortran('rk4_shooting')),
-    Method('aligned RK4, marching', 'green', 'v', '--', steps(50, 7, 4, 1e-2), fortran('rk4_aligned')),
-    Method('RK4, equal steps', 'grey', 'x', '-', steps(50, 8, 1, 1e-3), fortran('rk4')),
-    Method('constant steps (Karpat)', 'grey', '+', '--', steps(50, 8, 1, 1e-3), fortran('constant')),
-    Method('constant steps, aligned', 'purple', '+', '-', steps(50, 8, 2, 1e-3), fortran('constant_aligned')),
-    Method('Boost.odeint', 'blue', 'P', '-', tolerances(2, 3, 4, 5, 6, 6.5, 7, 8, 9, 10, 11), odeint('located')),
-    Method('Boost.odeint, plain', 'blue', 'X', ':', tolerances(2, 3, 4, 5, 6, 7, 8, 9, 10, 11), odeint('plain')),
-    Method('SciPy DOP853', 'sky', 'h', '-', tolerances(2, 4, 6, 8, 10), scipy_method('DOP853')),
-    Method('SciPy LSODA', 'black', '1', '-', tolerances(2, 4, 6, 8, 10), scipy_method('LSODA')),
-    Method('SciPy Radau', 'yellow', 'p', '-', tolerances(2, 4, 6, 8), scipy_method('Radau')),
-    Method('Octave, as in the paper', 'black', '*', ':', [(1e-4, 200)], octave)]
+    Method('gearsweep, marching', tolerances(2, 3, 4, 5, 6, 7, 8, 9, 10), fortran('marching')),
+    Method('aligned RK4, shooting', steps(50, 7, 4, 1e-2), fortran('rk4_shooting')),
+    Method('aligned RK4, marching', steps(50, 7, 4, 1e-2), fortran('rk4_aligned')),
+    Method('RK4, equal steps', steps(50, 8, 1, 1e-3), fortran('rk4')),
+    Method('constant steps (Karpat)', steps(50, 8, 1, 1e-3), fortran('constant')),
+    Method('constant steps, aligned', steps(50, 8, 2, 1e-3), fortran('constant_aligned')),
+    Method('Boost.odeint', tolerances(2, 3, 4, 5, 6, 6.5, 7, 8, 9, 10, 11), odeint('located')),
+    Method('Boost.odeint, plain', tolerances(2, 3, 4, 5, 6, 7, 8, 9, 10, 11), odeint('plain')),
+    Method('SciPy DOP853', tolerances(2, 4, 6, 8, 10), scipy_method('DOP853')),
+    Method('SciPy LSODA', tolerances(2, 4, 6, 8, 10), scipy_method('LSODA')),
+    Method('SciPy Radau', tolerances(2, 4, 6, 8), scipy_method('Radau')),
+    Method('Octave, as in the paper', [(1e-4, 200)], octave)]
 
 
 class Problem:
@@ -314,25 +314,8 @@ def add_cost(report, problem):
     report.csv('cost_speeds', ('speeds', 'seconds', 'seconds_full_contact', 'reliefs_full_contact', 'seconds_tables', 'mean_steps'), speeds)
     report.csv('cost_damping', ('damping_ratio', 'points_full', 'points_changing', 'points_other', 'steps_full', 'seconds', 'seconds_full',
                                 'seconds_changing', 'seconds_other', 'points_marched', 'points_lost', 'seconds_marched'), damping)
-    draw_cost(np.array(speeds), np.array(damping), reliefs)
+    draw('cost')
     return speeds
-
-
-def draw_cost(speeds, damping, reliefs):
-    figure, (left, right) = plt.subplots(1, 2, figsize=(7, 2.8))
-    full, changing, every = (dict(color=COLOURS[name], marker=mark) for name, mark in (('vermilion', 'o'), ('purple', 's'), ('black', '^')))
-    left.loglog(speeds[:, 0], 1e6 * speeds[:, 1] / speeds[:, 0] / reliefs, label='all points', **every)
-    left.loglog(speeds[:, 0], 1e6 * speeds[:, 2] / speeds[:, 0] / speeds[:, 3], label='in full contact', **full)
-    left.set(xlabel='speeds', ylabel='time for a point, us', ylim=(0.5, 100))
-    ratio = damping[:, 0]
-    right.loglog(ratio, 1e6 * damping[:, 5] / damping[:, 1:4].sum(1), label='all points', **every)
-    right.loglog(ratio, 1e6 * damping[:, 7] / damping[:, 2], label='contact changes', **changing)
-    right.loglog(ratio, 1e6 * damping[:, 6] / damping[:, 1], label='in full contact', **full)
-    right.loglog(ratio, 1e6 * damping[:, 11] / damping[:, 9], label='in full contact, marched', color=COLOURS['blue'], marker='v', linestyle='--')
-    right.set(xlabel='damping ratio')
-    for axis in (left, right):
-        axis.legend(frameon=False)
-    save_figure(figure, 'cost')
 
 
 def add_start(report, problem, inside):
@@ -363,23 +346,6 @@ def write_csv(report, problems):
     report.csv('dynamics', ('problem', 'method', 'asked_error', 'steps', 'error', 'seconds_per_point', 'repeats', 'points'), rows)
 
 
-def draw(problems):
-    figure, axes = plt.subplots(2, 4, figsize=(10, 5.4))
-    axes = axes.ravel()
-    for axis, problem in zip(axes, problems):
-        for method in METHODS:
-            if is_asked(method, problem):
-                errors, seconds = problem.curve(method)
-                shown = np.isfinite(errors)
-                axis.loglog(seconds[shown], np.maximum(errors[shown], 1e-14), label=method.label, **method.style)
-        axis.set(title=problem.title.replace(': ', ':\n'), ylim=(1e-13, 1))
-    axes[-1].axis('off')
-    axes[-1].legend(*axes[0].get_legend_handles_labels(), loc='center', frameon=False)
-    figure.supxlabel('time for a point, s', fontsize=8)
-    figure.supylabel('error of the dynamic factor', fontsize=8)
-    save_figure(figure, 'dynamics')
-
-
 def write_report(problems):
     report = Report('dynamics', 'Dynamic factors: error against run time')
     report.add(f'{machine()}, one thread, medians of {ROUNDS} runs.\n{first_line("g++", "--version")} -O3 -march=native, Boost '
@@ -393,7 +359,7 @@ def write_report(problems):
     add_start(report, problems[0], next(seconds for n, seconds, *_ in speeds if n == len(problems[0].numbers.rpm)))
     add_points(report, problems[1:])
     write_csv(report, problems)
-    draw(problems)
+    draw('dynamics')
     report.save()
 
 

@@ -15,7 +15,8 @@ import numpy as np
 import scipy
 import skfem
 from peers.elastic_peers import Grid, calculix_modes, calculix_static, scipy_modes, scipy_static, solvers
-from report import COLOURS, Report, first_line, machine, plt, run, save_figure
+from pictures import draw
+from report import Report, first_line, machine, run
 
 MODES = 10
 # Elements across a tooth: some 2e3, 2e4 and 1e5 unknowns; and repeats.
@@ -169,22 +170,7 @@ def study(report, folder):
                         for text in (f'{quantity} to {aim:g}, s', 'error at 16 across'))), rows)
     report.csv('elastic', ('method', 'across', *(f'{q} error' for q in QUANTITIES), *(f'{q} seconds' for q in QUANTITIES)),
                [(name, across, *errors[name, across], *table[name, across][3:]) for name, across in table])
-    draw(table, errors)
-
-
-def draw(table, errors):
-    figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.8))
-    styles = {'gearsweep, graded': ('vermilion', 'o', '-'), 'gearsweep, uniform': ('orange', 's', '--'),
-              'scikit-fem, SciPy': ('sky', 'h', '-'), 'CalculiX': ('black', '^', ':')}
-    for k, axis in enumerate(axes):
-        for name, (colour, marker, line) in styles.items():
-            keys = [(name, across) for across in STUDY]
-            axis.loglog([table[key][3 + k] for key in keys], [errors[key][k] for key in keys], label=name, color=COLOURS[colour],
-                        marker=marker, linestyle=line)
-        axis.set(title=QUANTITIES[k], xlabel='time, s')
-    axes[0].set(ylabel='relative error')
-    figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4, frameon=False)
-    save_figure(figure, 'elastic')
+    draw('elastic')
 
 
 def compare_solvers(report, folder):

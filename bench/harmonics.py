@@ -12,7 +12,8 @@ from statistics import median
 import mpmath
 import numpy as np
 from peers.scipy_march import Problem
-from report import BENCH, COLOURS, Report, machine, plt, run, save_figure
+from pictures import draw
+from report import BENCH, Report, machine, run
 
 HARMONICS = 10
 SAMPLES = [2**k for k in range(5, 21)] + [200]
@@ -110,8 +111,7 @@ def main():
     reliefs = case.read_text().split('amount_um =')[1].split('/')[0].split(',')
     problem = Problem('\n'.join(lines[len(reliefs):]))
     rows, table = [], []
-    figure, axis = plt.subplots(figsize=(3.5, 3.2))
-    for line, relief, colour in zip(lines, problem.relief, ('black', 'blue', 'green', 'orange', 'vermilion')):
+    for line, relief in zip(lines, problem.relief):
         seconds, *amplitudes = map(float, line.split())
         exact = np.array([float(value) for value in Static(problem, relief, mpmath.mpf).integrated()])
         label = f'{1e6 * relief:.0f} um'
@@ -126,16 +126,12 @@ def main():
         *curve, coarse = curve
         table.append((label, f'{1e6 * seconds:.3g}', f'{own[0]:.1e}', f'{own[1]:.1e}', f'{coarse[1]:.1e}', f'{100 * coarse[2]:.2g} %',
                       f'{1e6 * coarse[3]:.3g}', f'{curve[-1][1]:.1e}', f'{1e3 * curve[-1][3]:.3g}'))
-        axis.loglog([point[3] for point in curve], [point[1] for point in curve], '.-', color=COLOURS[colour], label=label)
-        axis.loglog(seconds, own[0], 'D', color=COLOURS[colour])
-    axis.set(xlabel='time, s', ylabel='error over the largest harmonic', ylim=(1e-17, 1))
-    axis.legend(title='dots: FFT; diamonds: by segment', title_fontsize=7, frameon=False)
-    save_figure(figure, 'harmonics')
     report.add(f'{machine()}, NumPy {np.__version__}, one thread. Case 1 of the dynamics, first {HARMONICS} harmonics. Reference: quadrature\n'
                'between the kinks with 30 digits. Error: over the largest harmonic; worst: largest relative error of a harmonic.\n')
     report.table(('relief', 'by segment, us', 'error', 'worst', 'FFT of 200: error', 'worst', 'us', f'FFT of {max(SAMPLES)}: error', 'ms'),
                  table)
     report.csv('harmonics', ('relief', 'method', 'samples', 'error', 'worst_harmonic', 'seconds'), rows)
+    draw('harmonics')
     report.save()
 
 

@@ -10,7 +10,8 @@ import tempfile
 
 import numpy as np
 from honesty_bodies import compare
-from report import COLOURS, Report, machine, plt, run, save_figure
+from pictures import draw
+from report import Report, machine, run
 
 MESHES, SPEEDS = 80, 12
 ROUNDING = 1e-12    # true errors below it are left to rounding
@@ -59,26 +60,6 @@ def summary(points, error, mask):
             f'{ratio[~small].max(initial=0):.2g}')
 
 
-def draw(points, error, chosen):
-    figure, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.2))
-    bins = np.arange(-5, 4.01, 0.25)
-    groups = [chosen & (points['contact'] == i) for i in range(len(CONTACT))]
-    ratios = [np.log10(np.maximum(error[mask], 1e-17) / points['estimate'][mask]) for mask in groups]
-    colours = [COLOURS[name] for name in ('blue', 'orange', 'vermilion')]
-    labels = [f'contact {name}' for name in CONTACT]
-    left.hist([ratio.clip(bins[0], bins[-1]) for ratio in ratios], bins, stacked=True, color=colours, label=labels)
-    left.axvline(np.log10(2), color='black', linewidth=0.8, linestyle='--')
-    left.set(xlabel='log10 of true error over estimate; dashed: 2', ylabel='points')
-    left.legend(frameon=False)
-    for mask, colour, label in zip(groups, colours, labels):
-        right.loglog(points['estimate'][mask], np.maximum(error[mask], 1e-16), '.', color=colour, markersize=2, label=label, rasterized=True)
-    ends = np.array([1e-16, 1])
-    right.loglog(ends, ends, color='black', linewidth=0.6)
-    right.loglog(ends, 2 * ends, color='black', linewidth=0.8, linestyle='--')
-    right.set(xlabel='estimate', ylabel='true error', xlim=(1e-16, 1), ylim=(1e-16, 10))
-    save_figure(figure, 'honesty')
-
-
 def main():
     points, chosen, error = measure()
     lost = np.sum((points['status'] <= 3) & (points['periods'] == 1) & ~chosen)
@@ -102,7 +83,7 @@ def main():
                    CONTACT[int(points['contact'][i])], f'{points["tolerance"][i]:.1e}', f'{points["estimate"][i]:.1e}',
                    f'{error[i]:.1e}') for i in worst])
     report.csv('honesty', (*COLUMNS, 'true_error'), np.column_stack([*points.values(), error]))
-    draw(points, error, chosen)
+    draw('honesty')
     compare(report, programs)
     report.save()
 

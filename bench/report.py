@@ -1,30 +1,16 @@
 """What the benchmarks share: running and timing contenders, tables (Markdown and CSV), pictures."""
 import csv
 import datetime
+import itertools
 import pathlib
 import platform
 import re
 import subprocess
 
-import matplotlib
 import numpy as np
-
-matplotlib.use('Agg')
-import itertools
-
-import matplotlib.pyplot as plt
 
 BENCH = pathlib.Path(__file__).resolve().parent
 RESULTS = BENCH.parent / 'results' / 'bench'
-# Okabe and Ito: apart for all kinds of colour vision.
-COLOURS = dict(black='#000000', orange='#E69F00', sky='#56B4E9', green='#009E73', yellow='#F0E442', blue='#0072B2',
-               vermilion='#D55E00', purple='#CC79A7', grey='#999999')
-
-plt.rcParams.update({
-    'font.family': 'serif', 'font.size': 8, 'axes.titlesize': 8, 'axes.labelsize': 8, 'legend.fontsize': 7,
-    'xtick.labelsize': 7, 'ytick.labelsize': 7, 'axes.linewidth': 0.6, 'lines.linewidth': 1.0, 'lines.markersize': 3.5,
-    'axes.grid': True, 'grid.linewidth': 0.3, 'grid.color': '#CCCCCC', 'axes.axisbelow': True, 'xtick.direction': 'in',
-    'ytick.direction': 'in', 'figure.constrained_layout.use': True, 'savefig.dpi': 200, 'svg.fonttype': 'none'})
 
 
 def run(*command, **options):
@@ -81,10 +67,11 @@ class Report:
         (RESULTS / f'{self.name}.readme.md').write_text(''.join(self.short))
 
 
-def save_figure(figure, name):
-    for ending in ('svg', 'png'):
-        figure.savefig(RESULTS / f'{name}.{ending}')
-    plt.close(figure)
+def rows_of(name):
+    """The rows of a table of results/bench, each by the names of its columns."""
+    with (RESULTS / f'{name}.csv').open(newline='') as file:
+        next(file)
+        return list(csv.DictReader(file))
 
 
 def time_at(aim, errors, seconds):
