@@ -6,6 +6,7 @@ between two steps of Python. So there the call runs in a thread of its own, and 
 
 from __future__ import annotations
 
+import atexit
 import sys
 import threading
 import time
@@ -19,6 +20,9 @@ _INTERVAL = 0.1
 
 #: Seconds that a run has, once it is told to stop, until nobody waits for it any longer.
 _GRACE = 0.7
+
+#: Seconds that the end of the interpreter waits for a run that was told to stop.
+_LAST = 60
 
 
 class _Worker(threading.Thread):
@@ -54,6 +58,14 @@ class _Worker(threading.Thread):
         if self.error is not None:
             raise self.error
         return self.result
+
+
+@atexit.register
+def _wait_for_calls() -> None:
+    """A call that nobody waits for any longer must not meet libraries that the end of the process has taken down."""
+    for thread in threading.enumerate():
+        if isinstance(thread, _Worker):
+            thread.join(_LAST)
 
 
 class Stopped(Exception):

@@ -33,8 +33,8 @@ def heeds_ctrl_c():
     signal.signal(signal.SIGINT, before)
 
 
-def interrupt_after(seconds):
-    """Ctrl-C, as the terminal sends it; also says when."""
+def end_by_ctrl_c(seconds, action):
+    """Ctrl-C, as the terminal sends it, so many seconds after the action has begun; returns the seconds that it took to end."""
     sent = []
 
     def send():
@@ -42,8 +42,15 @@ def interrupt_after(seconds):
         os.kill(os.getpid(), signal.SIGINT)
 
     timer = threading.Timer(seconds, send)
-    timer.start()
-    return timer, sent
+    with pytest.raises(KeyboardInterrupt):
+        # On a busy machine it comes as early as the timer's start.
+        timer.start()
+        action()
+        timer.join()
+        time.sleep(60)  # where the action was faster than the signal
+    ended = time.monotonic()
+    timer.join()
+    return ended - sent[0]
 
 
 MARCHED = LONG.changed(numerics={'steady_state': 'march'}, sweep={'direction': 'each'})
@@ -57,13 +64,23 @@ GRID = Case(GEARED).changed(section={'elements_across': 60})
     ids=['sweep', 'optimum', 'march', 'hysteresis', 'poincare', 'attractors', 'branches', 'modes', 'stiffness'],
 )
 def test_ctrl_c_ends_within_a_second(case, task):
-    timer, sent = interrupt_after(0.5)
-    with pytest.raises(KeyboardInterrupt):
-        gearsweep.run(case, task)
+    took = end_by_ctrl_c(0.5, lambda: gearsweep.run(case, task))
     # A second, and what a busy machine adds.
-    took = time.monotonic() - sent[0]
-    timer.join()
     assert took < 5, took
+
+
+def test_the_interpreter_ends_while_a_call_that_nobody_waits_for_goes_on(tmp_path):
+    """By the signal, as Python ends after Ctrl-C, and not in the middle of libraries that are gone."""
+    script = tmp_path / 'ends.py'
+    script.write_text(
+        'import os, signal, sys, threading\n'
+        'import gearsweep\n'
+        'signal.signal(signal.SIGINT, signal.default_int_handler)\n'
+        'threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()\n'
+        "gearsweep.run(gearsweep.Case(sys.stdin.read()), 'modal')\n"
+    )
+    ended = subprocess.run([sys.executable, script], input=GRID.text, text=True, capture_output=True, check=False)
+    assert ended.returncode == -signal.SIGINT, ended.stderr
 
 
 def test_progress_counts_up_to_the_whole():
@@ -105,13 +122,7 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(direction, tmp_path):
     assert caught.value.code == Code.FILE
 
     kept.unlink()
-    timer, _ = interrupt_after(0.02)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            gearsweep.run(case, threads=1, keep=kept)
-            time.sleep(5)  # where the run was faster than the signal
-    finally:
-        timer.join()
+    end_by_ctrl_c(0.02, lambda: gearsweep.run(case, threads=1, keep=kept))
     if kept.exists():
         again = gearsweep.run(case, resume=kept)
         assert bits(again) == bits(whole)
