@@ -2,16 +2,15 @@
 
     python bench/pictures.py
 """
-import importlib.util
+from runpy import run_path
+from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import numpy as np
 from report import BENCH, RESULTS, rows_of
 
 # By its path: the package, which is not built here, needs the library.
-source = importlib.util.spec_from_file_location('look', BENCH.parent / 'python' / 'gearsweep' / 'plots' / 'look.py')
-look = importlib.util.module_from_spec(source)
-source.loader.exec_module(look)
+look = SimpleNamespace(**run_path(str(BENCH.parent / 'python' / 'gearsweep' / 'plots' / 'look.py')))
 
 # Colour, mark and line of each method.
 METHODS = {
