@@ -140,6 +140,8 @@ contains
     call check_true(t, 'ascending', all(angular(2:) > angular(:size(angular) - 1)))
     call check_close(t, 'from the first', angular(1), 0.0_dp, absolute=0.0_dp)
     call check_close(t, 'to the last', angular(size(angular)), 20.0_dp, absolute=0.0_dp)
+    call check_true(t, 'a hundredth of the way at most between', &
+                    all(angular(2:) - angular(:size(angular) - 1) <= 0.2_dp*(1 + 1e-12_dp)))
     largest = 0
     do i = 1, dense
       seen = response_to(model, [1], 1, 2.4_dp + 0.2_dp*i/dense)

@@ -283,6 +283,7 @@ contains
     call add('rating root_limit_mpa', '800, 700', 'g', 'rating root_limit_mpa 800')
     call add('torque rpm', '17000, 19000', 'g')
     call add('torque relief_um', '5', 'g')
+    call add('torque harmonics', '3', 'g')
     call add('transient rpm', '17000, 19000', 'g')
     call add('transient relief_um', '5', 'g')
     call add('transient modes', '3', 'g')

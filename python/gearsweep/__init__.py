@@ -74,6 +74,7 @@ _PLOTS = (
     'plot_stress',
     'plot_sweep',
     'plot_torque',
+    'plot_torque_harmonics',
     'plot_transient',
     'plot_transient_peaks',
     'plots',

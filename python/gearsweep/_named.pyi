@@ -401,17 +401,21 @@ class TorquePointsTable(Table):
     pinion_mean_nm: NDArray[float64]
     """N*m: mean torque of the pinion; without friction it is the static one"""
     pinion_least_nm: NDArray[float64]
-    """N*m: least torque at the ends of the steps"""
+    """N*m: least torque"""
     pinion_largest_nm: NDArray[float64]
-    """N*m: largest torque at the ends of the steps"""
+    """N*m: largest torque"""
+    pinion_error_nm: NDArray[float64]
+    """N*m: estimated error of these three; NaN where it is not known"""
     pinion_friction_mean_nm: NDArray[float64]
     """N*m: friction's share of the mean torque"""
     gear_mean_nm: NDArray[float64]
     """N*m: mean torque of the gear; without friction it is the static one"""
     gear_least_nm: NDArray[float64]
-    """N*m: least torque at the ends of the steps"""
+    """N*m: least torque"""
     gear_largest_nm: NDArray[float64]
-    """N*m: largest torque at the ends of the steps"""
+    """N*m: largest torque"""
+    gear_error_nm: NDArray[float64]
+    """N*m: estimated error of these three; NaN where it is not known"""
     gear_friction_mean_nm: NDArray[float64]
     """N*m: friction's share of the mean torque"""
     friction_loss: NDArray[float64]
@@ -424,6 +428,30 @@ class TorquePointsTable(Table):
     """how the operating point ended, in a word"""
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
+
+class TorqueHarmonicsTable(Table):
+    """transmitted torque as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh periods tau; harmonic 0 is the mean"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    harmonic: NDArray[float64]
+    """0 for the mean, 1, 2 ... up to harmonics for the mesh frequency; of a motion that repeats after several mesh periods, also the parts between"""
+    frequency_hz: NDArray[float64]
+    """Hz: frequency of that harmonic"""
+    pinion_amplitude_nm: NDArray[float64]
+    """N*m: half of peak-to-peak of the torque of the pinion; the mean for harmonic 0"""
+    pinion_phase_deg: NDArray[float64]
+    """deg: its phase at tau = 0, where a pair enters at A, where the amplitude is larger than its error"""
+    pinion_error_nm: NDArray[float64]
+    """N*m: estimated error of the amplitude; NaN where it is not known"""
+    gear_amplitude_nm: NDArray[float64]
+    """N*m: half of peak-to-peak of the torque of the gear; the mean for harmonic 0"""
+    gear_phase_deg: NDArray[float64]
+    """deg: its phase at tau = 0, where a pair enters at A, where the amplitude is larger than its error"""
+    gear_error_nm: NDArray[float64]
+    """N*m: estimated error of the amplitude; NaN where it is not known"""
 
 class SweepTable(Table):
     """dynamic factor over speed and relief"""
@@ -1620,6 +1648,8 @@ class Named:
     def torque(self) -> TorqueTable: ...
     @property
     def torque_points(self) -> TorquePointsTable: ...
+    @property
+    def torque_harmonics(self) -> TorqueHarmonicsTable: ...
     @property
     def sweep(self) -> SweepTable: ...
     @property

@@ -528,6 +528,12 @@ def test_rating_shows_the_dynamic_factor_by_both_methods():
         assert tuple(study.dynamic_factors.dynamic_factor_b[relief]) in drawn
     labels = [text.get_text() for legend in ax.findobj(Legend) for text in legend.get_texts()]
     assert {'Method A: motion', 'Method B', '0', '10'} == set(labels)
+    study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, rating={'rpm': 4000}), 'rating')
+    ax = plots.plot_rating(study, Figure().subplots())  # single points have marks of their own
+    assert [line.get_marker() for line in ax.lines] == ['o', 'D'] * 2
+    legends = ax.findobj(Legend)
+    marks = {text.get_text(): line.get_marker() for one in legends for text, line in zip(one.get_texts(), one.get_lines())}
+    assert (marks['Method A: motion'], marks['Method B']) == ('o', 'D')
 
 
 def test_transient_shows_both_fillets_over_time_and_their_largest_stress_over_speed():
@@ -573,6 +579,13 @@ def test_frequency_response_shows_both_fillets_and_campbell_where_harmonics_meet
     speeds = study.campbell
     marks = {(x, y) for line in ax.lines if line.get_marker() == 'o' for x, y in zip(*line.get_data())}
     assert marks == {(rpm / 1000, hz / 1000) for rpm, hz in zip(speeds.rpm, speeds.frequency_hz)}
+    # To twice the speed of resonance of the gears, and of the sweep; modes that no harmonic reaches there are named.
+    twice = 2 * max(speeds.rpm[(speeds.system == 'gears') & (speeds.harmonic == 1)].item(), case.get('sweep', 'rpm_last'))
+    reach = 3 * 21 / 60 * twice
+    assert ax.get_xlim() == (0, twice / 1000) and ax.get_ylim()[1] <= reach / 1000 * (1 + 1e-12)
+    section = speeds.frequency_hz[speeds.system == 'section'].min()
+    assert section > reach
+    assert f'section, from {section / 1000:.3g} kHz' in [text.get_text() for text in ax.legend_.get_texts()]
     # A wave of two nodal diameters that runs with the gear, which turns 21 times for 34 turns of the pinion.
     modes = study.body_modes
     which = list(modes.nodal_diameter).index(2)
@@ -633,6 +646,7 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
 
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'torque',
+             'torque_harmonics',
              'sweep', 'optimum_curve', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'sensitivity',
              'precision', 'flank',
              'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes')  # fmt: skip

@@ -115,9 +115,15 @@ def test_torque_is_that_of_a_march(rubbing):
         assert points[f'{name}_mean_nm'].item() == pytest.approx(np.trapezoid(whole, phase), rel=1e-5)
         assert points[f'{name}_friction_mean_nm'].item() == pytest.approx(
             np.trapezoid(base[member] * friction[:, member], phase), abs=1e-5 * static[member])  # fmt: skip
-        # Looked for at the ends of 200 steps: of a second harmonic they miss (4 pi/400)**2/2 of the amplitude, which is below 2 static.
-        assert points[f'{name}_largest_nm'].item() == pytest.approx(whole.max(), abs=1e-3 * static[member])
-        assert points[f'{name}_least_nm'].item() == pytest.approx(whole.min(), abs=1e-3 * static[member])
+        # Between the ends of the march's 1000 steps: of a third harmonic they miss (6 pi/2000)**2/2 of the amplitude, below static.
+        assert points[f'{name}_largest_nm'].item() == pytest.approx(whole.max(), abs=5e-5 * static[member])
+        assert points[f'{name}_least_nm'].item() == pytest.approx(whole.min(), abs=5e-5 * static[member])
+        # By the trapezoidal rule, which a harmonic k misses by (2 pi k/1000)**2/12 of what it sums up.
+        harmonics = rubbing.torque_harmonics
+        parts = harmonics[f'{name}_amplitude_nm'] * np.exp(1j * np.radians(harmonics[f'{name}_phase_deg']))
+        sums = [np.trapezoid(whole * np.exp(-2j * np.pi * k * phase), phase) for k in harmonics.harmonic]
+        assert list(harmonics.harmonic) == list(range(9))
+        assert np.abs(parts - np.array([1, *[2] * 8]) * sums).max() < 1e-4 * static[member]
     assert table.pinion_damping_nm[pick] == pytest.approx(at(base[0] * damping), abs=2e-5 * static[0])
     assert table.time_s == pytest.approx(table.tau * 60 / (TEETH[0] * 12000), rel=1e-14)
 
@@ -131,6 +137,42 @@ def test_without_friction_the_mean_torques_are_the_applied_ones():
         assert points[f'{name}_mean_nm'] == pytest.approx(LOAD * base[member], rel=1e-9)
         assert not points[f'{name}_friction_mean_nm'].any()
     assert np.abs(points.friction_loss).max() < 1e-9
+
+
+@pytest.mark.parametrize('friction', [0, 0.08])
+@pytest.mark.parametrize('rpm', [2000, 9000, 20000])
+def test_harmonics_follow_from_those_of_the_transmission_error(friction, rpm):
+    """Newton's law on both gears together: the harmonics of the force are the reduced mass times (2 pi f)**2 those of the transmission
+    error, but for friction, which splits between the gears as their masses do."""
+    case = gearsweep.Case(CASE).changed(case={'tasks': ['torque', 'load']}, dynamics={'friction': friction}, torque={'rpm': rpm},
+                                        relief={'amount_um': 12}, sweep={'load_rpm': rpm})  # fmt: skip
+    study = gearsweep.run(case)
+    torque, motion = study.torque_harmonics, study.motion_harmonics
+    base, mass = lengths()[0] / 1000, np.array(MASS)
+
+    def force(member):
+        name = ('pinion', 'gear')[member]
+        return torque[f'{name}_amplitude_nm'] * np.exp(1j * np.radians(torque[f'{name}_phase_deg'])) / base[member]
+
+    both = (force(0) / mass[0] + force(1) / mass[1]) / (1 / mass).sum()
+    error = 1e-6 * motion.dte_amplitude_um * np.exp(1j * np.radians(motion.dte_phase_deg))
+    newton = (2 * np.pi * motion.frequency_hz) ** 2 * error / (1 / mass).sum()
+    assert np.abs(both[1:] - newton[1:]).max() < 1e-9 * LOAD
+    assert (np.abs(force(0) - force(1))[1:].max() > 1e-3 * LOAD) == (friction > 0)
+
+
+@pytest.mark.parametrize('changes', [{}, {'dynamics': {'friction': 0.08}}, {'dynamics': {'damping_ratio': 0.02}, 'pair': {'backlash_um': 60}}])
+def test_estimates_are_honest(changes):
+    """Against ten times as many steps."""
+    case = gearsweep.Case(CASE).changed(relief={'amount_um': [0, 12]}, torque={'rpm': [1500, 6000, 9500, 20000]}).changed(**changes)
+    study = gearsweep.run(case)
+    exact = gearsweep.run(case.changed(numerics={'steps_per_period': 4000}))
+    for table, columns in (('torque_points', ('mean', 'least', 'largest')), ('torque_harmonics', ('amplitude',))):
+        for member in ('pinion', 'gear'):
+            estimate = study[table][f'{member}_error_nm']
+            assert estimate.max() < 2e-3 * LOAD * lengths()[0][1] / 1000
+            for column in columns:
+                assert (np.abs(study[table][f'{member}_{column}_nm'] - exact[table][f'{member}_{column}_nm']) <= 2 * estimate + 1e-9).all()
 
 
 def test_slow_loss_is_that_of_the_flanks():
@@ -201,6 +243,11 @@ def test_picture_has_the_mean_of_its_own_speed():
         ax = plots.plot_torque(study, Figure().subplots(), rpm=12000, member=member, periods=3)
         assert [line.get_ydata()[0] for line in ax.lines if np.ptp(line.get_ydata()) == 0] == [second]
         assert ax.get_xlim() == (0, 3)
+    table = study.torque_harmonics
+    ax = plots.plot_torque_harmonics(study, Figure().subplots(), rpm=12000, member='gear')
+    assert [bar.get_height() for bar in ax.patches] == list(table.gear_amplitude_nm[(table.rpm == 12000) & (table.harmonic > 0)])
+    with pytest.raises(ValueError, match="member = 'wheel'"):
+        plots.plot_torque_harmonics(study, member='wheel')
     for wrong, message in (({'rpm': 5000}, 'rpm = 5000: must be one of 3000, 12000'), ({'member': 'wheel'}, "member = 'wheel'"),
                            ({'periods': 0}, 'periods = 0: must be at least 1')):  # fmt: skip
         with pytest.raises(ValueError, match=message):

@@ -78,8 +78,8 @@ contains
     end function size_at
   end function find_peak
 
-  !> The stated frequencies with those that resolve every resonance between the first and the last of them: each mode, and
-  !> up to 16 bandwidths to either side of it. Ascending, rad/s.
+  !> The stated frequencies with those that resolve the response between the first and the last of them: hundredths of the way, each
+  !> mode, and up to 16 bandwidths to either side of it. Ascending, rad/s.
   pure function frequencies_around(model, stated) result(angular)
     type(modal_model_t), intent(in) :: model
     real(dp), intent(in) :: stated(:)            !< rad/s, ascending
@@ -88,10 +88,13 @@ contains
     real(dp), parameter :: one_side(*) = [0.1_dp, 0.2_dp, 0.3_dp, 0.4_dp, 0.5_dp, 0.75_dp, 1.0_dp, 1.5_dp, 2.0_dp, 4.0_dp, &
                                           8.0_dp, 16.0_dp]
     real(dp), parameter :: around(*) = [-one_side, 0.0_dp, one_side]
-    integer :: i, k
+    integer, parameter :: between = 100
+    integer :: i, k, n
 
-    angular = [stated, ((model%frequency(k) + around(i)*model%damping(k), i=1, size(around)), k=1, size(model%frequency))]
-    angular = sorted(pack(angular, angular >= stated(1) .and. angular <= stated(size(stated))))
+    n = size(stated)
+    angular = [stated, (stated(1) + i*(stated(n) - stated(1))/between, i=1, between - 1)]
+    angular = [angular, ((model%frequency(k) + around(i)*model%damping(k), i=1, size(around)), k=1, size(model%frequency))]
+    angular = sorted(pack(angular, angular >= stated(1) .and. angular <= stated(n)))
     angular = pack(angular, [.true., angular(2:) > angular(:size(angular) - 1)])
   end function frequencies_around
 end module gearsweep_frequency_response

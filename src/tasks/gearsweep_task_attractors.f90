@@ -8,6 +8,7 @@ module gearsweep_task_attractors
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_long_tables, only: add_rest, most_rows
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
   use gearsweep_points, only: factor_in, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
@@ -238,20 +239,19 @@ contains
   pure subroutine add_report(self, lines)
     class(attractors_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: most = 20
     integer :: i
 
     associate (found => self%tables(self%place('attractors')), points => self%tables(self%place('attractor_points')))
       call lines%add('')
       call lines%add('Attracting motions, '//str(points%extent(2))//' speeds, '//str(self%options%starts**2)//' starts each')
       call lines%add('   relief um      at rpm   periods        DF   starts, %   contact')
-      do i = 1, min(found%rows, most)
+      do i = 1, min(found%rows, most_rows)
         call lines%add(right(str(found%number('relief_um', i)), 12)//right(str(found%number('rpm', i), 6), 12)// &
                        right(str(nint(found%number('mesh_periods', i))), 10)// &
                        factor_in(found%number('dynamic_factor', i))// &
                        right(fixed(100*found%number('share', i), 1), 12)//'   '//trim(found%word('contact', i)))
       end do
-      if (found%rows > most) call lines%add(left('', 19)//'and '//str(found%rows - most)//' more')
+      call add_rest(found, lines)
       call lines%add(left('Several motions', 19)//'at '//str(count(points%numbers('motions') > 1))//' of '//str(points%rows)// &
                      ' operating points')
       i = count(points%numbers('unsettled_share') > 0)

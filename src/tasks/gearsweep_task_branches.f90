@@ -9,6 +9,7 @@ module gearsweep_task_branches
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_long_tables, only: add_rest, most_rows
   use gearsweep_motion_equations, only: width
   use gearsweep_points, only: factor_in
   use gearsweep_reader, only: reader_t
@@ -178,7 +179,6 @@ contains
   pure subroutine add_report(self, lines)
     class(branches_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: most = 20
     character(:), allocatable :: name
     integer :: i
 
@@ -187,20 +187,20 @@ contains
       call lines%add('')
       call lines%add('Branches of periodic motions over '//name//', from motions at '//str(self%seeds)//' places')
       call lines%add('    branch   periods         least       largest  largest DF   ends')
-      do i = 1, min(branches%rows, most)
+      do i = 1, min(branches%rows, most_rows)
         call lines%add(right(str(nint(branches%number('branch', i))), 10)// &
                        right(str(nint(branches%number('mesh_periods', i))), 10)// &
                        right(str(branches%number('least', i), 7), 14)//right(str(branches%number('largest', i), 7), 14)// &
                        factor_in(branches%number('largest_dynamic_factor', i))//'     '// &
                        trim(branches%word('first_end', i))//', '//trim(branches%word('last_end', i)))
       end do
-      if (branches%rows > most) call lines%add(left('', 19)//'and '//str(branches%rows - most)//' more')
+      call add_rest(branches, lines)
       call lines%add('    branch   change at '//left(name, 19)//'DF')
-      do i = 1, min(changes%rows, most)
+      do i = 1, min(changes%rows, most_rows)
         call lines%add(right(str(nint(changes%number('branch', i))), 10)//'   '//left(trim(changes%word('kind', i)), 10)// &
                        left(str(changes%number(name, i), 10), 15)//factor_in(changes%number('dynamic_factor', i)))
       end do
-      if (changes%rows > most) call lines%add(left('', 19)//'and '//str(changes%rows - most)//' more')
+      call add_rest(changes, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_branches

@@ -6,6 +6,7 @@ module gearsweep_task_harmonic
   use gearsweep_harmonic_tables, only: fill_resonances, fill_response, fill_speeds, steady_load_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_long_tables, only: add_rest, most_rows
   use gearsweep_reader, only: reader_t
   use gearsweep_section_body, only: step_ratio
   use gearsweep_task, only: stages_t, task_info_t, task_t
@@ -52,8 +53,8 @@ contains
     geared = unless(.not. is_prescribed(reader), needs_gears)
     call reader%get(group, 'frequency_hz', self%frequency, error, unit='Hz', required=.true., tasks=group, refused=geared, &
                     at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
-                    meaning='frequencies of the load, ascending; those that resolve each resonance between the first and the '// &
-                    'last are added')
+                    meaning='frequencies of the load, ascending; those that resolve the response and each resonance between '// &
+                    'the first and the last are added')
     call self%choice%read_keys(reader, group, geared, error)
     call reader%get(group, 's', self%s, error, tasks=group, refused=geared, at_least=0.0_dp, at_most=20.0_dp, max_size=100, &
                     otherwise='the outermost point at which the fewest pairs are in contact', &
@@ -137,7 +138,6 @@ contains
   pure subroutine add_report(self, lines)
     class(harmonic_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: most_rows = 20
     integer :: i
 
     associate (peaks => self%tables(self%place('section_resonances')))
@@ -150,7 +150,7 @@ contains
                        right(str(peaks%number('peak_frequency_hz', i), 6), 12)//right(str(peaks%number('stress_mpa', i), 4), 13)// &
                        right(str(peaks%number('amplification', i), 3), 16))
       end do
-      if (peaks%rows > most_rows) call lines%add('   ... and '//str(peaks%rows - most_rows)//' more')
+      call add_rest(peaks, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_harmonic

@@ -8,6 +8,7 @@ module gearsweep_task_sensitivity
   use gearsweep_error_estimate, only: point_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
+  use gearsweep_long_tables, only: add_rest, most_rows
   use gearsweep_oscillator, only: mesh_period
   use gearsweep_points, only: of_factor, of_relief, of_speed
   use gearsweep_motion_reading, only: differentiable_t
@@ -210,23 +211,33 @@ contains
   pure subroutine add_report(self, lines)
     class(sensitivity_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: most = 60
     integer :: i
 
     associate (table => self%tables(self%place('sensitivity')))
       call lines%add('')
-      call lines%add('By how many per cent the dynamic factor grows where a number grows by one per cent')
+      call lines%add('By how many per cent the dynamic factor grows where a number grows by one per cent; 0 where that is'// &
+                     ' not above its error')
       call lines%add('   relief um         rpm   number                      value   per cent')
-      do i = 1, min(table%rows, most)
+      do i = 1, min(table%rows, most_rows)
         call lines%put(right(str(table%number('relief_um', i)), 12)//right(str(table%number('rpm', i)), 12)//'   '// &
                        left(table%word('number', i), 20)//right(str(table%number('value', i), 5), 13))
         if (ieee_is_nan(table%number('relative_slope', i))) then
           call lines%add('          -   '//trim(table%word('derivative', i)))
+        else if (is_within(table%number('slope', i), table%number('error_estimate', i))) then
+          call lines%add(right('0', 11))
         else
           call lines%add(right(str(table%number('relative_slope', i), 4), 11))
         end if
       end do
-      if (table%rows > most) call lines%add(left('', 15)//'and '//str(table%rows - most)//' more')
+      call add_rest(table, lines)
     end associate
   end subroutine add_report
+
+  !> Is the slope no larger than its error, where that is known?
+  pure logical function is_within(slope, estimate)
+    real(dp), intent(in) :: slope, estimate
+
+    is_within = .false.
+    if (.not. ieee_is_nan(estimate)) is_within = abs(slope) <= estimate
+  end function is_within
 end module gearsweep_task_sensitivity

@@ -46,7 +46,7 @@ from .sensitivity import plot_sensitivity
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
 from .studies import compare
-from .torque import plot_torque
+from .torque import plot_torque, plot_torque_harmonics
 from .transient import plot_transient, plot_transient_peaks
 
 __all__ = [
@@ -83,6 +83,7 @@ __all__ = [
     'plot_stress',
     'plot_sweep',
     'plot_torque',
+    'plot_torque_harmonics',
     'plot_transient',
     'plot_transient_peaks',
     'save',

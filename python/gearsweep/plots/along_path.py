@@ -97,67 +97,36 @@ def plot_load(load: Study | Table, ax: Axes | None = None, *, rpm: float | None 
 
 
 def plot_dte(load: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
-    """Dynamic transmission error while a pair passes along its path of contact, at one speed.
-
-    A relief without an answer has no curve; the legend names it.
-
-    Parameters
-    ----------
-    load : Study or Table
-        A study, or its table `load`.
-    ax : Axes, optional
-        Where to draw; otherwise a figure is made.
-    rpm : float, optional
-        One of the case's `load_rpm`; otherwise the first.
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        The case has no such `load_rpm`.
-    """
+    """Dynamic transmission error while a pair passes along its path of contact, at one speed; all else as of `plot_load`."""
     return _motion(table_of(load, 'load'), ax, rpm, 'dte_um', 'DTE at {:g} 1/min (µm)')
 
 
 def plot_motion_harmonics(harmonics: Study | Table, ax: Axes | None = None, *, rpm: float | None = None) -> Axes:
-    """Amplitudes of the harmonics of the dynamic transmission error at one speed, a bar for each relief.
+    """Amplitudes of the harmonics of the dynamic transmission error at one speed, a bar for each relief: of a study or its table
+    `motion_harmonics`; all else as of `plot_load`.
 
     A motion that repeats after several mesh periods has parts between the harmonics of the mesh frequency.
-
-    Parameters
-    ----------
-    harmonics : Study or Table
-        A study, or its table `motion_harmonics`.
-    ax : Axes, optional
-        Where to draw; otherwise a figure is made.
-    rpm : float, optional
-        One of the case's `load_rpm`; otherwise the first.
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        The case has no such `load_rpm`.
     """
-    harmonics = table_of(harmonics, 'motion_harmonics')
-    rpm = one_of(harmonics.rpm, rpm, 'rpm')
-    here = np.isclose(harmonics.rpm, rpm) & (harmonics.harmonic > 0) & np.isfinite(harmonics.dte_amplitude_um)
-    reliefs = Reliefs(harmonics.case)
+    return harmonic_bars(table_of(harmonics, 'motion_harmonics'), ax, rpm, 'dte_amplitude_um', 'Amplitude of the DTE (µm)')
+
+
+def harmonic_bars(table: Table, ax: Axes | None, rpm: float | None, column: str, label: str, error: str | None = None) -> Axes:
+    """Amplitudes of what repeats with the motion at one speed, a bar for each relief; across its end the estimated error, where that
+    is wide enough to be seen."""
+    rpm = one_of(table.rpm, rpm, 'rpm')
+    here = np.isclose(table.rpm, rpm) & (table.harmonic > 0) & np.isfinite(table[column])
+    reliefs = Reliefs(table.case)
     count = len(reliefs.amounts)
-    width = 0.84 / max(2, count) * min(1.0, np.min(harmonics.harmonic[here], initial=1.0))  # the first is 1 over the periods
+    width = 0.84 / max(2, count) * min(1.0, np.min(table.harmonic[here], initial=1.0))  # the first is 1 over the periods
     with canvas(ax) as ax:
         for i, amount in enumerate(reliefs.amounts):
-            mine = here & (harmonics.relief_um == amount)
-            place = harmonics.harmonic[mine] + width * (i - (count - 1) / 2)
-            ax.bar(place, harmonics.dte_amplitude_um[mine], 0.94 * width, color=reliefs.styles[i]['color'])
+            mine = here & (table.relief_um == amount)
+            place = table.harmonic[mine] + width * (i - (count - 1) / 2)
+            ax.bar(place, table[column][mine], 0.94 * width, color=reliefs.styles[i]['color'])
+            if error and (table[error][mine] > VISIBLE * np.max(table[column][here])).any():
+                ax.errorbar(place, table[column][mine], table[error][mine], color=INK, linestyle='', linewidth=0.7)
         ax.set_xlabel(f'Harmonic of the mesh frequency at {rpm:g} 1/min (–)')
-        ax.set_ylabel('Amplitude of the DTE (µm)')
+        ax.set_ylabel(label)
         reliefs.legend(ax, [], filled=True)
     return ax
 

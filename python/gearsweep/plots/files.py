@@ -41,7 +41,7 @@ from .rating import plot_rating
 from .sensitivity import plot_sensitivity
 from .stability import plot_hysteresis, plot_poincare, plot_stability
 from .stress import plot_stress
-from .torque import plot_torque
+from .torque import plot_torque, plot_torque_harmonics
 from .transient import plot_transient, plot_transient_peaks
 
 
@@ -260,6 +260,8 @@ PICTURES = {
                                 _speeds('motion_harmonics', plot_motion_harmonics)),
     'torque': Picture('Torque that the mesh takes from the pinion over time, its mean dashed, a panel for each speed',
                       _speeds('torque', plot_torque)),
+    'torque_harmonics': Picture("Amplitudes of the harmonics of the pinion's torque, a panel for each speed",
+                                _speeds('torque_harmonics', plot_torque_harmonics)),
     'sweep': Picture('Dynamic factor over speed, a curve for each relief', _single(plot_sweep, 80, PAGE)),
     'optimum_curve': Picture('Largest dynamic factor over relief, the least marked', _single(plot_optimum, 60)),
     'stability': Picture('Largest Floquet multiplier over speed and damping, tongues of instability and the damping that closes them',

@@ -60,6 +60,9 @@ def plot_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
     gear. A wave of n nodal diameters that runs round the turning gear has, beside what stands still, its frequency plus or minus
     n times that of rotation.
 
+    The speeds reach to twice that at which the mesh excites the gears on the mesh, or to twice the highest of the sweep where that is
+    more; the frequencies to those of the harmonics there. What lies above is named in the legend.
+
     Parameters
     ----------
     campbell : Study or Table
@@ -73,28 +76,32 @@ def plot_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
     """
     study = study_of(campbell)
     table = table_of(campbell, 'campbell')
-    highest = 1.05 * table.rpm[table.harmonic == 1].max()
+    highest = 2 * max(table.rpm[(table.harmonic == 1) & (table.system == 'gears')].max(), study.case.get('sweep', 'rpm_last') or 0)
     rpm = np.array([0, highest])
     per_rpm = (table.frequency_hz / table.rpm / table.harmonic)[0]
+    reach = min(1.1 * table.frequency_hz.max(), table.harmonic.max() * per_rpm * highest)
     looks: dict[str, dict[str, Any]] = {'gears': {'color': INK}, 'section': {'color': ACCENT}, 'body': {'color': GREY, 'linewidth': 0.5}}
     named = {'gears': 'gears on the mesh', 'section': 'section', 'body': 'whole gear'}
-    shown = list(dict.fromkeys(table.system))
+    frequencies = {system: table.frequency_hz[table.system == system] for system in dict.fromkeys(table.system)}
     with canvas(ax) as ax:
         for harmonic in dict.fromkeys(table.harmonic):
             ax.plot(rpm / 1000, harmonic * per_rpm * rpm / 1000, color=FAINT, linewidth=0.8)
+        for system, natural in frequencies.items():
+            for frequency in dict.fromkeys(natural):
+                ax.axhline(frequency / 1000, **looks[system])
+            speeds = table.rpm[table.system == system]
+            ax.plot(speeds / 1000, natural / 1000, 'o', markersize=2.5, **looks[system])
         if 'body_modes' in study:
-            shown.append('body')
+            frequencies['body'] = study.body_modes.frequency_hz
             for waves in _waves(study, rpm):
                 ax.plot(rpm / 1000, waves / 1000, **looks['body'])
-        for system in dict.fromkeys(table.system):
-            here = table.system == system
-            for frequency in dict.fromkeys(table.frequency_hz[here]):
-                ax.axhline(frequency / 1000, **looks[system])
-            ax.plot(table.rpm[here] / 1000, table.frequency_hz[here] / 1000, 'o', markersize=2.5, **looks[system])
         ax.set_xlim(0, highest / 1000)
-        ax.set_ylim(0, 1.1 * table.frequency_hz.max() / 1000)
-        lines = [Line2D([], [], label=named[name], **looks[name]) for name in shown]
-        legends_above(ax, ('', [*lines, Line2D([], [], color=FAINT, linewidth=0.8, label='mesh harmonics')]))
+        ax.set_ylim(0, reach / 1000)
+        lines = [Line2D([], [], color=FAINT, linewidth=0.8, label='mesh harmonics')]
+        for system, natural in frequencies.items():
+            above = f', from {natural.min() / 1000:.3g} kHz' if natural.min() > reach else ''
+            lines.append(Line2D([], [], label=named[system] + above, **looks[system]))
+        legends_above(ax, ('', lines))
         ax.set_xlabel('Speed of the pinion (1000/min)')
         ax.set_ylabel('Frequency (kHz)')
     return ax

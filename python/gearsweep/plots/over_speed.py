@@ -99,10 +99,10 @@ def plot_optimum(curve_of: Study | Table, ax: Axes | None = None, *, points: Seq
 
 
 def curve(ax: Axes, x: Reals, y: Reals, look: dict[str, Any]) -> None:
-    """A line, with a dot where a point has no neighbour to be joined to."""
+    """A line, with a dot, or the mark of its look, where a point has no neighbour to be joined to."""
     known = np.concatenate(([False], np.isfinite(y), [False]))
     alone = known[1:-1] & ~known[:-2] & ~known[2:]
-    ax.plot(x, y, **look, marker='o', markersize=2.5, markevery=np.flatnonzero(alone).tolist())
+    ax.plot(x, y, **{'marker': 'o', 'markersize': 2.5, **look}, markevery=np.flatnonzero(alone).tolist())
 
 
 def _error_bands(ax: Axes, sweep: Table, reliefs: Reliefs) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
@@ -11,9 +13,12 @@ from .look import FINE, GREY, canvas
 from .over_speed import curve
 from .reliefs import Reliefs, table_of
 
+#: The mark of a single speed.
+BY_B: dict[str, Any] = {'marker': 'D', 'markersize': 4, 'markerfacecolor': 'white'}
+
 
 def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
-    """Dynamic factor over speed by Method A, which is that of the motion, and, fine, by Method B, for each relief.
+    """Dynamic factor over speed by Method A, which is that of the motion, and, fine, by Method B, for each relief; at a single speed as a dot and a hollow diamond.
 
     Parameters
     ----------
@@ -31,8 +36,9 @@ def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
     with canvas(ax) as ax:
         for by_a, by_b, look in zip(dynamic.dynamic_factor, dynamic.dynamic_factor_b, reliefs.styles):
             curve(ax, dynamic.rpm, by_a, look)
-            curve(ax, dynamic.rpm, by_b, {**look, **FINE})
-        methods = [Line2D([], [], color=GREY, label='Method A: motion'), Line2D([], [], color=GREY, label='Method B', **FINE)]
+            curve(ax, dynamic.rpm, by_b, {**look, **FINE, **BY_B})
+        dots: tuple[dict[str, Any], ...] = ({'marker': 'o', 'markersize': 2.5}, BY_B) if len(dynamic.rpm) == 1 else ({}, {})
+        methods = [Line2D([], [], color=GREY, label='Method A: motion', **dots[0]), Line2D([], [], color=GREY, label='Method B', **FINE, **dots[1])]
         reliefs.legend(ax, methods)
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Dynamic factor $K_v$ (–)')

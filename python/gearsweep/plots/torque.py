@@ -1,4 +1,4 @@
-"""Transmitted torque over time."""
+"""Transmitted torque over time, and its harmonics."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 
 from ..study import Study
 from ..table import Table
+from .along_path import harmonic_bars
 from .look import ASIDE, FAINT, canvas
 from .reliefs import Reliefs, one_of, table_of, unanswered
 
@@ -20,16 +21,10 @@ def plot_torque(
     """Torque that the mesh takes from the pinion, or gives to the gear, over time at one speed; dashed its mean with the first
     relief.
 
-    A relief without an answer has no curve; the legend names it.
+    Of a study or its table `torque`; `ax`, `rpm` and reliefs without an answer as of `plot_load`.
 
     Parameters
     ----------
-    torque : Study or Table
-        A study, or its table `torque`.
-    ax : Axes, optional
-        Where to draw; otherwise a figure is made.
-    rpm : float, optional
-        One of the case's `torque` speeds; otherwise the first.
     member : str
         'pinion' or 'gear'.
     periods : int, optional
@@ -46,8 +41,7 @@ def plot_torque(
     """
     torque = table_of(torque, 'torque')
     rpm = one_of(torque.rpm, rpm, 'rpm')
-    if member not in ('pinion', 'gear'):
-        raise ValueError(f'member = {member!r}: must be pinion or gear')
+    _check(member)
     if periods is not None and periods < 1:
         raise ValueError(f'periods = {periods}: must be at least 1')
     reliefs = Reliefs(torque.case)
@@ -77,3 +71,22 @@ def plot_torque(
         ax.set_ylabel(f'{member.capitalize()} torque at {rpm:g} 1/min (N m)')
         reliefs.legend(ax, unanswered(missing))
     return ax
+
+
+def plot_torque_harmonics(
+    harmonics: Study | Table, ax: Axes | None = None, *, rpm: float | None = None, member: str = 'pinion'
+) -> Axes:
+    """Amplitudes of the harmonics of the torque of the pinion or the gear at one speed, a bar for each relief: of a study or its
+    table `torque_harmonics`; all else as of `plot_motion_harmonics` and `plot_torque`.
+
+    A thin line across the end of a bar shows its estimated error where that is wide enough to be seen.
+    """
+    _check(member)
+    label = f"Amplitude of the {member}'s torque (N m)"
+    table = table_of(harmonics, 'torque_harmonics')
+    return harmonic_bars(table, ax, rpm, f'{member}_amplitude_nm', label, f'{member}_error_nm')
+
+
+def _check(member: str) -> None:
+    if member not in ('pinion', 'gear'):
+        raise ValueError(f'member = {member!r}: must be pinion or gear')

@@ -3,6 +3,7 @@
 !> On member i act F_i = sum_j F_j f_ij + D: the elastic loads F_j of the pairs, less that of the coast sides, with the friction
 !> factors f_ij = 1 -/+ mu rho_ij/r_bi (before and behind the pitch point), and what damping carries, D; the torque is r_bi F_i.
 !> D follows from the equation of motion, D/m_e = F_s/m_e - sum_j F_j (f_1j/m_1 + f_2j/m_2) - x", with 1/m_e = 1/m_1 + 1/m_2.
+!> With what friction adds, R_i = sum_j F_j (f_ij - 1), this is F_i = F_s - m_e x" + R_i - m_e (R_1/m_1 + R_2/m_2).
 !> Source: Karpat et al. 2012, Eqs. 1, 2 and 15 to 18, whose sign of friction in approach is wrong for a driving pinion; Dogan et
 !> al. 2021, Eqs. 9 and 10.
 module gearsweep_mesh_torque
@@ -22,64 +23,110 @@ module gearsweep_mesh_torque
     real(dp), allocatable :: elastic(:)          !< loads of the pairs less that of the coast sides, N; (row)
     real(dp), allocatable :: damping(:)          !< what damping carries, N; (row)
     real(dp), allocatable :: friction(:, :)      !< what friction adds on pinion and gear, N; (member, row)
-    real(dp) :: mean(2) = 0                      !< mean of the whole force on each member, N
-    real(dp) :: mean_friction(2) = 0             !< of which friction's, N
+    type(spectrum_t) :: force(2)                 !< of the whole force on each member, N
+    real(dp) :: mean_friction(2) = 0             !< of its mean, friction's share, N
   end type mesh_torque_t
 
 contains
 
-  !> The forces of a motion at the ends of its steps, and their means, which take the loads as quintics between.
-  pure subroutine find_torque(osc, duration, trace, torque)
+  !> The forces of a motion at the ends of its steps, and what is read off them, which takes transmission error and loads as
+  !> quintics between.
+  pure subroutine find_torque(osc, duration, trace, count, torque)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration             !< of a mesh period, s
     type(trace_t), intent(in) :: trace(:)        !< the mesh periods after which the motion repeats
+    integer, intent(in) :: count                 !< harmonics of that time
     type(mesh_torque_t), intent(out) :: torque
-    real(dp), allocatable :: left(:), width(:), elastic(:, :), friction(:, :, :)
-    real(dp) :: x(0:2, 2), load(0:2, 2), share(0:2, 2, 2), reduced
+    real(dp), allocatable :: left(:), width(:), force(:, :, :), friction(:, :, :)
+    type(spectrum_t) :: share
+    real(dp) :: load(0:2, 2), added(0:2, 2, 2), inertia(0:5), reduced
     integer :: i, k, n, member
 
-    n = sum(trace%rows)
+    n = 2*sum([(count_steps(trace(i)), i=1, size(trace))])
     allocate (torque%tau(n), torque%error(n), torque%elastic(n), torque%damping(n), torque%friction(2, n))
-    allocate (left(n/2), width(n/2), elastic(0:5, n/2), friction(0:5, n/2, 2))
+    allocate (left(n/2), width(n/2), force(0:5, n/2, 2), friction(0:5, n/2, 2))
     reduced = 1/sum(1/osc%mass)
     n = 0
     do i = 1, size(trace)
       do k = 1, trace(i)%rows, 2
+        if (.not. lasts(trace(i), k)) cycle
         n = n + 1
         associate (rows => [2*n - 1, 2*n], phase => trace(i)%phase(k:k + 1))
-          x = trace(i)%x(:, k:k + 1)
           left(n) = (i - 1 + phase(1))/size(trace)
           width(n) = (phase(2) - phase(1))/size(trace)
-          call add_up(osc, trace(i), k, load, share)
-          elastic(:, n) = quintic(load(:, 1), load(:, 2))
+          inertia = reduced*acceleration(trace(i)%x(:, k:k + 1), (phase(2) - phase(1))*duration, osc%highest_frequency)
+          call add_up(osc, trace(i), k, load, added)
           torque%tau(rows) = i - 1 + phase
-          torque%error(rows) = x(0, :)
+          torque%error(rows) = trace(i)%x(0, k:k + 1)
           torque%elastic(rows) = load(0, :)
-          torque%friction(:, rows) = share(0, :, :)
-          torque%damping(rows) = osc%load - load(0, :) - reduced*(share(0, 1, :)/osc%mass(1) + share(0, 2, :)/osc%mass(2) &
-                                                                  + x(2, :)/((phase(2) - phase(1))*duration)**2)
+          torque%friction(:, rows) = added(0, :, :)
+          torque%damping(rows) = osc%load - load(0, :) - reduced*(added(0, 1, :)/osc%mass(1) + added(0, 2, :)/osc%mass(2)) &
+                                 - [inertia(0), sum(inertia)]
           do member = 1, 2
-            friction(:, n, member) = quintic(share(:, member, 1), share(:, member, 2))
+            friction(:, n, member) = quintic(added(:, member, 1), added(:, member, 2))
           end do
+          force(:, n, 1) = -inertia - reduced*(friction(:, n, 1)/osc%mass(1) + friction(:, n, 2)/osc%mass(2))
+          force(0, n, 1) = force(0, n, 1) + osc%load
+          force(:, n, 2) = force(:, n, 1) + friction(:, n, 2)
+          force(:, n, 1) = force(:, n, 1) + friction(:, n, 1)
         end associate
       end do
     end do
-    call find_means(osc, left, width, elastic, friction, torque)
+    do member = 1, 2
+      call find_spectrum(left, width, force(:, :, member), count, torque%force(member))
+      call find_spectrum(left, width, friction(:, :, member), 0, share)
+      torque%mean_friction(member) = share%mean
+    end do
   end subroutine find_torque
 
+  !> Steps of a mesh period that last some time: those between two changes of contact at once last none.
+  pure integer function count_steps(trace)
+    type(trace_t), intent(in) :: trace
+    integer :: k
+
+    count_steps = count([(lasts(trace, k), k=1, trace%rows, 2)])
+  end function count_steps
+
+  pure logical function lasts(trace, k)
+    type(trace_t), intent(in) :: trace
+    integer, intent(in) :: k                     ! first row of the step
+
+    lasts = trace%phase(k + 1) > trace%phase(k)
+  end function lasts
+
+  !> Acceleration over a step (m/s^2) as a polynomial of the time from 0 to 1 in it: that of the quintic, of which rounding leaves
+  !> nothing in steps much shorter than the fastest natural motion; in these a straight line is as exact.
+  pure function acceleration(x, time, frequency) result(c)
+    real(dp), intent(in) :: x(0:, :)             ! transmission error with its derivatives over the step at both ends, m; (0:2, end)
+    real(dp), intent(in) :: time                 ! that the step lasts, s
+    real(dp), intent(in) :: frequency            ! natural, the highest, rad/s
+    real(dp), parameter :: short = 1e-3_dp
+    real(dp) :: c(0:5)
+
+    c = 0
+    if (frequency*time < short) then
+      c(:1) = [x(2, 1), x(2, 2) - x(2, 1)]
+    else
+      associate (of => quintic(x(:, 1), x(:, 2)))
+        c(:3) = [2*of(3), 6*of(4), 12*of(5), 20*of(6)]
+      end associate
+    end if
+    c = c/time**2
+  end function acceleration
+
   !> Loads at both ends of a step and what friction adds to them on each member (N), with first and second derivative over it.
-  pure subroutine add_up(osc, trace, k, load, share)
+  pure subroutine add_up(osc, trace, k, load, added)
     type(oscillator_t), intent(in) :: osc
     type(trace_t), intent(in) :: trace
     integer, intent(in) :: k                     ! first row of the step
     real(dp), intent(out) :: load(0:2, 2)        ! (derivative, end)
-    real(dp), intent(out) :: share(0:2, 2, 2)    ! (derivative, member, end)
+    real(dp), intent(out) :: added(0:2, 2, 2)    ! (derivative, member, end)
     real(dp) :: s(2), f(0:2), arm(0:1), sense
     integer :: end, j, member
 
     load = sum(trace%load(:, :osc%pairs, k:k + 1), 2)
     if (osc%has_backlash) load = load - trace%load(:, osc%contacts, k:k + 1)
-    share = 0
+    added = 0
     if (.not. osc%friction > 0) return
     do j = 1, min(trace%pairs(k), osc%pairs)
       s = trace%phase(k:k + 1) + (j - 1 + trace%offset(k:k + 1))
@@ -90,27 +137,9 @@ contains
           arm(0) = sense*osc%mesh%curvature_ratio(member, s(end))
           arm(1) = sense*(osc%mesh%curvature_ratio(member, s(2)) - osc%mesh%curvature_ratio(member, s(1)))
           f = trace%load(:, j, k + end - 1)
-          share(:, member, end) = share(:, member, end) + [f(0)*arm(0), f(1)*arm(0) + f(0)*arm(1), f(2)*arm(0) + 2*f(1)*arm(1)]
+          added(:, member, end) = added(:, member, end) + [f(0)*arm(0), f(1)*arm(0) + f(0)*arm(1), f(2)*arm(0) + 2*f(1)*arm(1)]
         end do
       end do
     end do
   end subroutine add_up
-
-  !> The acceleration of a motion that repeats is nothing in the mean, so that the mean of D follows from those of the loads.
-  pure subroutine find_means(osc, left, width, elastic, friction, torque)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: left(:), width(:), elastic(0:, :), friction(0:, :, :)
-    type(mesh_torque_t), intent(inout) :: torque
-    type(spectrum_t) :: spectrum
-    integer :: member
-
-    do member = 1, 2
-      call find_spectrum(left, width, friction(:, :, member), 0, spectrum)
-      torque%mean_friction(member) = spectrum%mean
-    end do
-    call find_spectrum(left, width, elastic, 0, spectrum)
-    associate (damping => osc%load - spectrum%mean - sum(torque%mean_friction/osc%mass)/sum(1/osc%mass))
-      torque%mean = spectrum%mean + torque%mean_friction + damping
-    end associate
-  end subroutine find_means
 end module gearsweep_mesh_torque

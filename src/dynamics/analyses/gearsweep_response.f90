@@ -70,23 +70,34 @@ contains
   end subroutine find_response
 
   !> The mesh periods after which the motion of a point with a result repeats, each in at least 200 steps unless their number is
-  !> given.
-  pure subroutine trace_motion(osc, duration, options, point, trace, lacks)
+  !> given; or in half as many, which tells how exact what is read off it is.
+  pure subroutine trace_motion(osc, duration, options, point, trace, lacks, in_half)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration             !< of a mesh period, s
     type(accuracy_t), intent(in) :: options
     type(point_t), intent(in) :: point
     type(trace_t), allocatable, intent(out) :: trace(:)    !< (mesh period)
     logical, intent(out) :: lacks                !< the memory does not hold it
+    logical, intent(in), optional :: in_half
     ! Bytes of a step's two rows, in memory that doubles and is copied, and then sorted by pair.
     real(dp), parameter :: trace_bytes = 2*4*80.0_dp
     type(period_map_t) :: map
     type(period_t) :: run
+    type(point_t) :: as_fine
     logical :: fits
     real(dp) :: state(2)
-    integer :: i
+    integer :: i, fewest
 
-    call refine(osc, duration, options, point, map, state)
+    as_fine = point
+    fewest = 200
+    if (present(in_half)) then
+      if (in_half) then
+        as_fine%resolution%base = point%resolution%base/2
+        as_fine%steps = point%steps/2
+        fewest = fewest/2
+      end if
+    end if
+    call refine(osc, duration, options, as_fine, fewest, map, state)
     lacks = map%steps == 0
     if (lacks) return
     call has_memory(point%steady%periods*map%steps*trace_bytes*osc%contacts, fits)
@@ -100,15 +111,15 @@ contains
     end do
   end subroutine trace_motion
 
-  !> At least 200 steps, and the state from which the motion of the point repeats in them.
-  pure subroutine refine(osc, duration, options, point, map, state)
+  !> At least `fewest` steps, and the state from which the motion of the point repeats in them.
+  pure subroutine refine(osc, duration, options, point, fewest, map, state)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration
     type(accuracy_t), intent(in) :: options
     type(point_t), intent(in) :: point
+    integer, intent(in) :: fewest
     type(period_map_t), intent(inout) :: map
     real(dp), intent(out) :: state(2)
-    integer, parameter :: fewest = 200
     type(resolution_t) :: resolution
     type(steady_t) :: steady
 

@@ -69,6 +69,7 @@ module gearsweep_sensitivity
     logical :: one_sided = .false.               !< there is no oscillator below
     real(dp), allocatable :: slope(:), doubt(:)  !< of what is read, and how far it is uncertain by the differences
     real(dp) :: below = 0, above = 0
+    real(dp) :: change = 0                       !< of the number, which the differences take
   end type trial_t
 
   !> Around a motion the number changes by so much of what changes the map much, and the state by so much of a deflection.
@@ -225,6 +226,7 @@ contains
     if (.not. trial%solved) return
     smaller = min(change, closeness/max(distance(motion%osc, motion%duration, tangent), tiny(1.0_dp)))
     difference = make_difference(variation%value, variation%least, smaller)
+    trial%change = smaller
     trial%one_sided = difference%one_sided
     do i = 0, 6
       around(:, i) = motion%start(:, level) + difference%offset(i)*tangent
@@ -283,16 +285,23 @@ contains
     end do
   end subroutine read_around
 
-  !> The derivatives in fine steps, and what half of the steps and the differences leave open: a tenth of the difference between the
-  !> steps, six times what the sixth order would do.
+  !> The derivatives in fine steps, and what half of the steps, the differences and rounding leave open: a tenth of the difference
+  !> between the steps, six times what the sixth order would do.
   pure subroutine conclude(motion, best, rough, slopes)
     type(differentiable_t), intent(in) :: motion
     type(trial_t), intent(in) :: best, rough
     type(slopes_t), intent(inout) :: slopes
+    real(dp), parameter :: rounding = 10*epsilon(1.0_dp)
     real(dp) :: estimate(size(best%slope))
 
     estimate = ieee_value(1.0_dp, ieee_quiet_nan)
-    if (allocated(rough%slope)) estimate = best%doubt + abs(best%slope - rough%slope)/10
+    if (allocated(rough%slope)) then
+      estimate = best%doubt + abs(best%slope - rough%slope)/10
+      associate (value => motion%reading(fine)%value)
+        estimate(1) = estimate(1) + rounding/best%change*abs(value(1))
+        estimate(2:) = estimate(2:) + rounding/best%change*maxval(abs(value(2:)))
+      end associate
+    end if
     slopes%dynamic_factor = best%slope(1)
     slopes%below = best%below
     slopes%above = best%above
