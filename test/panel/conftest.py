@@ -43,7 +43,7 @@ MORE = """&case tasks = 'static', 'modal', 'stability', 'hysteresis', 'poincare'
 &rating rpm = 5000, 10000, 15000 /
 """
 # The tasks that no other case here asks for.
-REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes', 'harmonic' /
+REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes', 'harmonic', 'torque', 'sensitivity' /
 &pair module_mm = 3 face_width_mm = 20 backlash_um = 60 /
 &pinion teeth = 21 bore_mm = 20 /
 &gear teeth = 34 /
@@ -51,7 +51,8 @@ REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_
 &relief amount_um = 0, 10 /
 &mesh model = 'weber' /
 &section elements_across = 3 /
-&dynamics damping_ratio = 0.01 /
+&dynamics damping_ratio = 0.01 friction = 0.05 /
+&torque rpm = 4000, 9000 / &sensitivity rpm = 4000, 9000 /
 &sweep rpm_first = 8000 rpm_last = 10000 rpm_step = 1000 load_rpm = 9000 direction = 'all' /
 &transient rpm = 4000, 6000 modes = 3 samples = 20 /
 &harmonic frequency_hz = 0, 1e5 modes = 3 /

@@ -115,7 +115,8 @@ PICTURES = {
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
     'precision.nml': ['precision'],
     'more.nml': ['stress', 'stability', 'tongues', 'hysteresis', 'poincare', 'section_plane', 'lyapunov', 'attractors', 'basins', 'rating'],
-    'rest.nml': ['largest', 'coast', 'dte_harmonics', 'load_harmonics', 'transient', 'transient_peaks', 'branches', 'life', 'gear_modes', 'frequency', 'campbell'],
+    'rest.nml': ['largest', 'coast', 'dte_harmonics', 'load_harmonics', 'transient', 'transient_peaks', 'branches', 'life', 'gear_modes', 'frequency', 'campbell',
+                 'torque', 'torque_gear', 'torque_friction', 'torque_harmonics', 'sensitivity'],
 }
 
 

@@ -1,13 +1,16 @@
 """The panel as people use it: inputs, results, comparisons, files, several windows, a lost server."""
 
 import io
+import json
 import re
 import zipfile
 
+import numpy as np
 import pytest
 from conftest import LONG, REST, SMALL, Front, Window, shown
 
 import gearsweep
+from gearsweep.plots.sensitivity import NUMBERS
 
 CASE = gearsweep.Case(SMALL)
 
@@ -56,11 +59,19 @@ def test_the_readout_tells_points_of_the_sweep(window, small):
     chart.focus()
     chart.press('ArrowRight')
     said = window.page.locator('.readout').inner_text()
-    found = re.fullmatch(r'relief (\S+) µm: Dynamic factor (\S+) at Speed \(1/min\) (\S+)', said)
+    found = re.fullmatch(r'relief (\S+) µm: dynamic factor (\S+) at speed (\S+) 1/min', said)
     point = small.sweep.at(relief_um=float(found[1]), rpm=float(found[3]))
     assert found[2] == shown(point.dynamic_factor)
     chart.press('ArrowRight')
     assert window.page.locator('.readout').inner_text() != said
+
+
+def test_numbers_at_a_glance_lead_to_their_pictures(window, small):
+    window.tab('tables')
+    window.page.locator('#numbers > div', has_text='Optimum relief').locator('button').press('Enter')
+    window.page.locator('#view[data-picture=optimum] svg.chart').wait_for()
+    assert window.page.evaluate('() => document.activeElement.id') == 'picture'
+    assert window.page.locator('#view .asidename').text_content() == f'optimum {shown(small.optimum.relief_um, 4)} µm'
 
 
 def test_a_slider_moves_the_number_at_the_caret_and_the_curves_follow(window):
@@ -95,14 +106,25 @@ def test_every_papers_case_is_one_click_away(name, browser, front):
 
 
 def test_every_key_has_a_field_that_is_found(window):
-    import json
-
     keys = json.loads(gearsweep._library.describe('keys'))
     for key in keys:
         assert window.page.locator(f'#field\\.{key["group"]}\\.{key["name"]}').count() == 1, key['name']
     for group, key in (('rating', 'running_in'), ('numerics', 'tolerance'), ('pinion', 'protuberance_mm')):
         window.page.fill('#find', f'{group} {key}')
         assert window.page.locator(f'#field\\.{group}\\.{key}').is_visible()
+    window.page.fill('#find', '')
+
+
+def test_find_looks_through_names_first(window):
+    keys = json.loads(gearsweep._library.describe('keys'))
+
+    def found(words):
+        window.page.fill('#find', words)
+        return set(window.page.evaluate("() => [...document.querySelectorAll('#groups .found.field')].map((one) => one.id)"))
+
+    names = {f'field.{key["group"]}.{key["name"]}' for key in keys if 'fillet' in f'{key["group"]} {key["name"]}'}
+    assert not names and found('fillet') == {f'field.{key["group"]}.{key["name"]}' for key in keys if 'fillet' in key['meaning'].lower()}
+    assert 'field.sweep.rpm_step' not in found('relief') and 'field.relief.amount_um' in found('relief')
     window.page.fill('#find', '')
 
 
@@ -295,7 +317,33 @@ def test_pictures_of_the_newer_tasks_show_the_librarys_numbers(browser, front):
     for (_, x, y), relief in zip(curves(window, 'dte_harmonics'), (0, 10), strict=True):
         here = (harmonics.relief_um == relief) & (harmonics.harmonic > 0)
         assert x == list(harmonics.harmonic[here]) and y == list(harmonics.dte_amplitude_um[here])
+    harmonics = study.torque_harmonics
+    for (_, x, y), relief in zip(curves(window, 'torque_harmonics'), (0, 10), strict=True):
+        here = (harmonics.relief_um == relief) & (harmonics.rpm == 4000) & (harmonics.harmonic > 0)
+        assert x == list(harmonics.harmonic[here]) and y == list(harmonics.pinion_amplitude_nm[here])
     assert window.said == []
+    window.close()
+
+
+def test_numbers_of_the_case_stand_in_the_order_of_what_they_change(browser, front):
+    window = Window(browser, front.address).open('rest.nml')
+    table = gearsweep.run(gearsweep.Case(REST)).sensitivity
+    window.page.select_option('#picture', 'sensitivity')
+    chart = window.page.locator('#view[data-picture=sensitivity] svg.chart')
+    chart.wait_for()
+    for relief, rpm in ((0, 4000), (10, 9000)):
+        for name, value in (('relief', f'{relief} µm'), ('speed', f'{rpm} 1/min')):
+            window.page.locator('#view .bar label', has_text=name).locator('select').select_option(value)
+        here = (table.relief_um == relief) & (table.rpm == rpm)
+        slopes = dict(zip(table.number[here], table.relative_slope[here]))
+        known = sorted((name for name in slopes if np.isfinite(slopes[name])), key=lambda name: -abs(slopes[name]))
+        words = window.page.evaluate("() => document.querySelector('#view svg.chart').places.spec.words")
+        assert words[: len(known)] == [NUMBERS[name] for name in known] and len(words) == len(slopes)
+        assert window.page.locator('#view .body rect').count() == len(known)
+        chart.focus()
+        for _ in words:
+            window.page.keyboard.press('ArrowUp')
+        assert window.page.locator('.readout').inner_text() == f'{words[0]}: {shown(slopes[known[0]])} per cent of DF for one per cent'
     window.close()
 
 

@@ -1,7 +1,9 @@
 // Curves, points, bars and maps over two axes, as SVG.
 import { color, isDark, shown, svg } from './util.js';
 
-const LEFT = 62, RIGHT = 14, TOP = 10, BOTTOM = 44;
+const RIGHT = 14, TOP = 10, BOTTOM = 44;
+/** Where the axes begin: an axis of words needs their room. */
+const leftOf = (spec) => (spec.words ? 32 + 6.3 * Math.max(...spec.words.map((word) => word.length)) : 62);
 const DASHES = ['', '7 3', '7 3 1.5 3', '1.5 3', '12 4'];
 // From dark to light on a light ground and the other way on a dark one, in even steps of lightness: told apart in grey, too.
 const RAMP = [[68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [110, 206, 88], [181, 222, 43], [253, 231, 37]];
@@ -64,18 +66,19 @@ function scale([low, high], from, to, isLog) {
 }
 
 function axes(drawing, spec, width, height, x, y, ranges) {
-  const grid = svg('g', { class: 'axes' });
+  const grid = svg('g', { class: 'axes' }), left = leftOf(spec);
   const right = width - RIGHT - (spec.map ? 78 : 0), bottom = height - BOTTOM;
-  for (const value of ticks(...ranges.x, Math.max(2, Math.floor((right - LEFT) / 90)), spec.xlog)) {
+  for (const value of ticks(...ranges.x, Math.max(2, Math.floor((right - left) / 90)), spec.xlog)) {
     grid.append(svg('line', { x1: x(value), x2: x(value), y1: TOP, y2: bottom, class: 'grid' }),
       text(x(value), bottom + 16, tickWord(value), 'middle'));
   }
-  for (const value of ticks(...ranges.y, Math.max(2, Math.floor((bottom - TOP) / 50)), spec.ylog)) {
-    grid.append(svg('line', { x1: LEFT, x2: right, y1: y(value), y2: y(value), class: 'grid' }),
-      text(LEFT - 7, y(value) + 4, tickWord(value), 'end'));
+  const rows = spec.words?.map((word, i) => [i, word]) ?? ticks(...ranges.y, Math.max(2, Math.floor((bottom - TOP) / 50)), spec.ylog).map((value) => [value, tickWord(value)]);
+  for (const [value, word] of rows) {
+    if (!spec.words) grid.append(svg('line', { x1: left, x2: right, y1: y(value), y2: y(value), class: 'grid' }));
+    grid.append(text(left - 7, y(value) + 4, word, 'end'));
   }
-  grid.append(svg('path', { d: `M${LEFT} ${TOP}V${bottom}H${right}`, class: 'frame' }),
-    text((LEFT + right) / 2, height - 8, spec.xlabel, 'middle', 'name'));
+  grid.append(svg('path', { d: `M${left} ${TOP}V${bottom}H${right}`, class: 'frame' }),
+    text((left + right) / 2, height - 8, spec.xlabel, 'middle', 'name'));
   const name = text(0, 0, spec.ylabel, 'middle', 'name');
   name.setAttribute('transform', `translate(14 ${(TOP + bottom) / 2}) rotate(-90)`);
   grid.append(name);
@@ -106,9 +109,12 @@ const MARKS = [
   (r) => `m0 ${-1.4 * r}l${1.4 * r} ${1.4 * r}l${-1.4 * r} ${1.4 * r}l${-1.4 * r} ${-1.4 * r}z`,
 ];
 
+/** The mark of a series as a path from its middle, of this size. */
+export const markOf = (series, radius) => MARKS[(series.mark ?? 0) % MARKS.length](radius);
+
 /** Marks at the points, or at some of them where they only tell a curve from others. */
 function marks(series, x, y, spec, radius, most = Infinity) {
-  const shape = MARKS[(series.mark ?? 0) % MARKS.length](radius);
+  const shape = markOf(series, radius);
   const each = Math.max(1, Math.ceil(series.x.length / most));
   let path = '';
   for (let i = Math.floor(each / 2) % each; i < series.x.length; i += each) {
@@ -136,6 +142,12 @@ function drawSeries(drawing, spec, x, y) {
         const top = y(series.y[k]);
         body.append(svg('rect', { x: x(value) - wide * (n / 2 - i), width: wide * 0.9, y: Math.min(top, bottom), height: Math.abs(bottom - top), fill: series.color }));
       });
+    } else if (kind === 'ranking') {
+      const tall = 0.7 * Math.abs(y(1) - y(0));
+      series.x.forEach((value, k) => {
+        if (value !== null) body.append(svg('rect', { x: Math.min(x(value), x(0)), width: Math.max(1, Math.abs(x(value) - x(0))), y: y(k) - tall / 2, height: tall, fill: series.color }));
+      });
+      body.append(svg('line', { x1: x(0), x2: x(0), y1: TOP, y2: y.floor, class: 'frame' }));
     } else if (kind === 'points') {
       body.append(svg('path', { d: marks(series, x, y, spec, size), fill: series.color, stroke: series.color, 'stroke-width': 0.6 }));
     } else {
@@ -180,6 +192,7 @@ function ranges(spec) {
     const around = (list) => { const half = list.length > 1 ? (list[1] - list[0]) / 2 : 0.5; return [list[0] - half, list[list.length - 1] + half]; };
     return { x: around(spec.map.xs), y: around(spec.map.ys) };
   }
+  if (spec.words) return { x: extent([...spec.series.map((one) => one.x), [0]], false, 0.05), y: [spec.words.length - 0.5, -0.5] };
   const found = { x: extent(spec.series.map((one) => one.x), spec.xlog, spec.kind === 'bars' ? 0.08 : 0.01), y: extent(spec.series.map((one) => one.y), spec.ylog, 0.05) };
   if (spec.kind === 'bars' || spec.fromZero) found.y[0] = Math.min(0, found.y[0]);
   return found;
@@ -192,7 +205,7 @@ export function chart(spec, width, height) {
   name.textContent = `${spec.title}: ${spec.ylabel} over ${spec.xlabel}`;
   drawing.append(name);
   const range = ranges(spec);
-  const x = scale(range.x, LEFT, width - RIGHT - (spec.map ? 78 : 0), spec.xlog);
+  const x = scale(range.x, leftOf(spec), width - RIGHT - (spec.map ? 78 : 0), spec.xlog);
   const y = scale(range.y, height - BOTTOM, TOP, spec.ylog);
   y.floor = height - BOTTOM;
   if (spec.map) drawMap(drawing, spec, x, y, width, height);
@@ -210,6 +223,10 @@ export function nearest(drawing, px, py) {
     const i = close(spec.map.xs, x.back(px)), j = close(spec.map.ys, y.back(py));
     return { x: spec.map.xs[i], y: spec.map.ys[j], z: spec.map.z[j][i], px: x(spec.map.xs[i]), py: y(spec.map.ys[j]) };
   }
+  if (spec.words) {
+    const [{ x: values }] = spec.series, i = Math.min(values.length - 1, Math.max(0, Math.round(y.back(py))));
+    return { x: values[i], y: i, s: 0, i, px: x(values[i] ?? 0), py: y(i) };
+  }
   let best = null, least = Infinity;
   spec.series.forEach((series, s) => series.x.forEach((a, i) => {
     const b = series.y[i];
@@ -220,9 +237,16 @@ export function nearest(drawing, px, py) {
   return best;
 }
 
+/** A value with the words of its axis: name, number, unit. */
+function placed(label, value) {
+  const [, name, of] = /^(.*?)(?: \(([^()]*)\))?$/.exec(label), isWord = /^.[a-z ]/.test(name);
+  return [isWord ? name.charAt(0).toLowerCase() + name.slice(1) : name, shown(value), of].filter(Boolean).join(' ');
+}
+
 /** A point in words. */
 export function told(spec, at) {
   if (!at) return '';
-  if (spec.map) return `${spec.xlabel} ${shown(at.x)}, ${spec.ylabel} ${shown(at.y)}: ${shown(at.z)}`;
-  return `${at.label ? at.label + ': ' : ''}${spec.ylabel} ${shown(at.y)} at ${spec.xlabel} ${shown(at.x)}`;
+  if (spec.map) return `${placed(spec.map.label, at.z)} at ${placed(spec.xlabel, at.x)}, ${placed(spec.ylabel, at.y)}`;
+  if (spec.words) return at.x === null ? `${spec.words[at.y]}, no derivative` : `${spec.words[at.y]}: ${shown(at.x)} per cent of DF for one per cent`;
+  return `${at.label ? at.label + ': ' : ''}${placed(spec.ylabel, at.y)} at ${placed(spec.xlabel, at.x)}`;
 }

@@ -75,7 +75,7 @@ function fieldOf(key) {
 function hintOf(key) {
   const usual = key.default !== null && key.default !== "''" ? `Default ${key.default}${key.otherwise ? ` (${key.otherwise})` : ''}.` : key.otherwise ? `If left out: ${key.otherwise}.` : '';
   const allowed = wordsOf(key).length || key.kind === 'logical' || key.allowed === 'text' ? '' : `Allowed: ${key.allowed}.`;
-  const forTasks = key.tasks.length && key.tasks.length < about.tasks.length ? `For ${key.tasks.join(', ')}.` : '';
+  const forTasks = key.tasks.length && key.tasks.length <= 6 ? `For ${key.tasks.join(', ')}.` : '';
   return [`${key.meaning.charAt(0).toUpperCase()}${key.meaning.slice(1)}.`, allowed, usual, forTasks, `In the case: &${key.group} ${key.name}`].filter(Boolean).join(' ');
 }
 
@@ -250,10 +250,11 @@ export function showError(error) {
 function find() {
   const wanted = byId('find').value.trim().toLowerCase().replace(/[&=]/g, ' ').split(/\s+/).filter(Boolean);
   byId('groups').classList.toggle('finding', wanted.length > 0);
-  for (const { key, row } of fields.values()) {
-    const words = `${key.group} ${key.name} ${title(key.name, key.unit)} ${key.meaning}`.toLowerCase();
-    row.classList.toggle('found', wanted.length > 0 && wanted.every((one) => words.includes(one)));
-  }
+  const has = (words) => wanted.length > 0 && wanted.every((one) => words.toLowerCase().includes(one));
+  const named = (key) => has(`${key.group} ${NAMES[key.group] ?? ''} ${key.name} ${title(key.name, key.unit)}`);
+  const all = [...fields.values()], isNamed = all.some(({ key }) => named(key));
+  // What is named so; what only speaks of it where nothing is.
+  for (const { key, row } of all) row.classList.toggle('found', isNamed ? named(key) : has(key.meaning));
   for (const block of document.querySelectorAll('#groups details')) {
     const n = block.querySelectorAll('.found').length;
     block.classList.toggle('found', n > 0);

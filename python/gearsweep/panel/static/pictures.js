@@ -1,5 +1,5 @@
 // Which pictures there are, and how a table becomes one. What is not listed can be drawn as any column over another.
-import { color, labelled, shown, title, unit } from './util.js';
+import { NUMBERS, color, labelled, shown, title, unit } from './util.js';
 import { style } from './chart.js';
 
 const ALONG = { needs: { contact_points: ['point', 's'] }, marks: 'points' };
@@ -15,7 +15,7 @@ export const PICTURES = [
   { id: 'largest', title: 'Largest dynamic factor of all motions over speed', table: 'sweep', x: 'rpm', y: ['dynamic_factor', 'largest_dynamic_factor'], yname: 'Dynamic factor', set: ['sweep', 'direction', 'all'], ...SPEED },
   { id: 'coast', title: 'Load on the coast flanks over speed', table: 'sweep', x: 'rpm', y: 'coast_factor', ...SPEED },
   { id: 'sweep_map', title: 'Dynamic factor over speed and relief', table: 'sweep', kind: 'map', x: 'rpm', y: 'relief_um', z: 'dynamic_factor' },
-  { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', needs: { optimum: ['relief_um'] }, marks: 'optimum' },
+  { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor', needs: { optimum: ['relief_um'] }, marks: 'optimum' },
   { id: 'load', title: 'Load of one pair in motion', table: 'load', x: 's', y: 'pair_load_n', fromZero: true, ...ALONG },
   { id: 'dte', title: 'Dynamic transmission error', table: 'load', x: 's', y: 'dte_um', ...ALONG },
   { id: 'dte_harmonics', title: 'Harmonics of the dynamic transmission error', table: 'motion_harmonics', task: 'load', kind: 'bars', x: 'harmonic', y: 'dte_amplitude_um', above: 0 },
@@ -25,6 +25,11 @@ export const PICTURES = [
   { id: 'stiffness', title: 'Mesh stiffness', table: 'mesh', x: 's', y: 'mesh_stiffness_n_um', fromZero: true, ...ALONG },
   { id: 'pair_stiffness', title: 'Stiffness of one pair', table: 'mesh', x: 's', y: 'pair_stiffness_n_um', fromZero: true, ...ALONG },
   { id: 'profile_error', title: 'Profile error of a pair', table: 'mesh', x: 's', y: 'profile_error_um', ...ALONG },
+  { id: 'torque', title: 'Torque of the pinion over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: 'pinion_torque_nm' },
+  { id: 'torque_gear', title: 'Torque of the gear over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: 'gear_torque_nm' },
+  { id: 'torque_friction', title: 'Friction’s share of the torque over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: ['pinion_friction_nm', 'gear_friction_nm'], yname: 'Friction’s share (N·m)' },
+  { id: 'torque_harmonics', title: 'Harmonics of the torque of the pinion', table: 'torque_harmonics', task: 'torque', kind: 'bars', x: 'harmonic', y: 'pinion_amplitude_nm', above: 0 },
+  { id: 'sensitivity', title: 'What changes the dynamic factor most', table: 'sensitivity', kind: 'ranking', x: 'relative_slope', xname: 'Per cent of DF for one per cent of the number', y: 'number', yname: 'Number of the case', also: ['derivative'] },
   { id: 'harmonics', title: 'Harmonics of the static transmission error', table: 'harmonics', kind: 'bars', x: 'harmonic', y: 'amplitude_um', above: 0 },
   { id: 'root', title: 'Root stress over the path of contact', table: 'static', x: 's', y: 'sigma_mpa', yname: 'Stress at the root tangent (MPa)', ...ALONG },
   { id: 'stress', title: 'Stress on the tooth', table: 'stress', task: 'static', kind: 'stress', set: ['static', 'field_position', '16'] },
@@ -47,7 +52,7 @@ export const PICTURES = [
   { id: 'transient', title: 'Root stress while the load passes over a tooth', table: 'transient', x: 'time_ms', y: ['sigma_mpa', 'static_mpa'], yname: 'Stress at the root tangent (MPa)', first: 'side' },
   { id: 'transient_peaks', title: 'Largest root stress over speed', table: 'transient_peaks', task: 'transient', x: 'rpm', y: ['tension_mpa', 'static_tension_mpa', 'compression_mpa', 'static_compression_mpa'], yname: 'Largest root stress (MPa)' },
   { id: 'frequency', title: 'Root stress over the frequency of the load', table: 'harmonic', x: 'frequency_hz', y: 'stress_mpa', ylog: true, first: 'side' },
-  { id: 'campbell', title: 'Where mesh harmonics meet natural frequencies', table: 'campbell', task: 'harmonic', kind: 'points', x: 'rpm', y: 'frequency_hz', first: 'system', without: ['mode', 'harmonic'] },
+  { id: 'campbell', title: 'Where mesh harmonics meet natural frequencies', table: 'campbell', task: 'harmonic', kind: 'points', x: 'rpm', y: 'frequency_hz', xlog: true, ylog: true, first: 'system', without: ['mode', 'harmonic'] },
   { id: 'branches', title: 'Branches of periodic motions', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dynamic_factor', also: ['mesh_periods', 'stability'] },
   { id: 'life', title: 'Stress amplitudes beside the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Stress amplitude (MPa)', xname: 'Cycles, of one pass and to failure', xlog: true, ylog: true, first: 'member', without: ['part'],
     needs: { life_curve: ['failure_cycles', 'amplitude_mpa'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'amplitude_mpa', label: 'S-N curve' } },
@@ -114,7 +119,7 @@ function picked(families, columns, chosen) {
 function marked(picture, data) {
   if (picture.marks === 'points' && data.contact_points) return data.contact_points.s.map((x, i) => ({ x, name: data.contact_points.point[i] }));
   if (picture.marks === 'resonance' && data.motion) return [{ x: data.motion.resonance_rpm[0], name: 'resonance' }];
-  if (picture.marks === 'optimum' && data.optimum) return [{ x: data.optimum.relief_um[0], name: 'optimum' }];
+  if (picture.marks === 'optimum' && data.optimum) return [{ x: data.optimum.relief_um[0], name: `optimum ${shown(data.optimum.relief_um[0], 4)} µm` }];
   return [];
 }
 
@@ -125,6 +130,10 @@ export function drawn(picture, about, data, chosen) {
   const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog, fromZero: picture.fromZero,
     xlabel: picture.xname ?? labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
   if (picture.kind === 'branches') return { ...spec, xlabel: labelled(column(parameterOf(columns))), kind: undefined, series: branches(columns), lines: [], families: [] };
+  if (picture.kind === 'ranking') {
+    const { where, further } = picked(families(picture, about, data), columns, chosen);
+    return { ...spec, ...ranked(picture, columns, rowsWhere(columns, where)), lines: [], families: further };
+  }
   if (picture.kind === 'map') {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
@@ -183,6 +192,14 @@ function branches(columns) {
   return found;
 }
 
+/** A bar for each number, the longest first; those without a derivative stand last, with the word why. */
+function ranked(picture, columns, rows) {
+  const value = (i) => columns[picture.x][i], length = (i) => (value(i) === null ? -1 : Math.abs(value(i)));
+  rows = [...rows].sort((a, b) => length(b) - length(a));
+  const words = rows.map((i) => { const name = columns[picture.y][i]; return `${NUMBERS[name] ?? name}${value(i) === null ? `: ${columns.derivative[i]}` : ''}`; });
+  return { words, series: [{ x: rows.map(value), y: rows.map((_, k) => k), label: '', color: color('accent'), dash: '' }] };
+}
+
 /** Curves that are the same for all of the family are one. */
 function merged(series, first) {
   if (!first || series.length < 2) return series;
@@ -193,7 +210,7 @@ function merged(series, first) {
 
 /** Curves of kept results beside the present ones: thinner, with marks of their own. */
 export function beside(spec, others) {
-  if (spec.map || spec.kind === 'bars' || others.length === 0) return spec;
+  if (spec.map || spec.words || spec.kind === 'bars' || others.length === 0) return spec;
   const series = [...spec.series];
   others.forEach(({ name, spec: other }, k) => {
     for (const one of other.series) series.push({ ...one, label: [name, one.label].filter(Boolean).join(': '), width: 1, mark: k, kept: true });

@@ -33,8 +33,13 @@ export function shown(value, digits = 5) {
   return words.replace('-', '−');
 }
 
-const SIGNS = { um: 'µm', deg: '°', 'N m': 'N·m', 'kg m^2': 'kg·m²', 'kg/m^3': 'kg/m³', 'N/um': 'N/µm', mm2: 'mm²', 'N/um/mm': 'N/(µm·mm)', 'um/N': 'µm/N', 'mPa s': 'mPa·s', 'W/(m K)': 'W/(m·K)', 'J/(kg K)': 'J/(kg·K)', 'kg**-0.5': 'kg^(−1/2)' };
+const SIGNS = { um: 'µm', deg: '°', 'N m': 'N·m', 'N*m': 'N·m', 'kg m^2': 'kg·m²', 'kg/m^3': 'kg/m³', 'N/um': 'N/µm', mm2: 'mm²', 'N/um/mm': 'N/(µm·mm)', 'um/N': 'µm/N', 'mPa s': 'mPa·s', 'W/(m K)': 'W/(m·K)', 'J/(kg K)': 'J/(kg·K)', 'kg**-0.5': 'kg^(−1/2)' };
 export const unit = (word) => SIGNS[word] ?? word.replaceAll('um', 'µm');
+
+/** What the numbers are called by which the dynamic factor is differentiated. */
+export const NUMBERS = { rpm: 'speed', normal_force_n: 'load', damping_ratio: 'damping ratio', friction: 'coefficient of friction', pinion_mass_kg: 'mass of the pinion',
+  gear_mass_kg: 'mass of the gear', stiffness_factor: 'stiffness', pinion_relief_um: "pinion's relief", gear_relief_um: "gear's relief",
+  pinion_relief_start: "start of the pinion's relief", gear_relief_start: "start of the gear's relief", profile_factor: 'profile error', backlash_um: 'backlash' };
 
 /** What a key or column is called: its name without the unit, which stands beside it. */
 export function title(name, ofUnit = '') {

@@ -1,6 +1,6 @@
 // The right side: numbers at a glance, and tabs for pictures, tables, the answer, comparisons and the case's text.
 import { byId, download, el, labelled, shown, title, unit } from './util.js';
-import { chart, nearest, told } from './chart.js';
+import { chart, markOf, nearest, told } from './chart.js';
 import { PICTURES, beside, byName, columnsOf, drawn, isBody, isThere, own } from './pictures.js';
 import { bodyOf, stopBody } from './body.js';
 import { remember, state, tablesOf } from './state.js';
@@ -50,6 +50,14 @@ export function pickPicture() {
   refresh();
 }
 
+function lookAt(id) {
+  state.picture = id;
+  state.chosen = {};
+  state.tab = 'pictures';
+  remember();
+  refresh().then(() => byId('picture')?.focus());
+}
+
 /** Draws anew what is open. */
 export function refresh(isSliding = false) {
   for (const [id] of TABS) {
@@ -71,16 +79,17 @@ export function refresh(isSliding = false) {
 
 function numbers() {
   const data = state.study?.columns ?? {}, found = [];
-  const say = (name, value, more = '') => { if (value !== undefined && value !== null) found.push(el('div', {}, el('dt', {}, name), el('dd', {}, el('b', {}, value), more ? el('small', {}, more) : null))); };
+  // Each leads to the picture that shows it.
+  const say = (name, value, more, id) => found.push(el('div', {}, el('dt', {}, name), el('dd', {}, el('button', { type: 'button', title: byName(id)?.title ?? '', onclick: () => lookAt(id) }, el('b', {}, value)), el('small', {}, more))));
   const one = (table, column) => data[table]?.[column]?.[0];
-  if (data.geometry) say('Contact ratio', shown(one('geometry', 'contact_ratio'), 4), `centre distance ${shown(one('geometry', 'centre_distance_mm'))} mm`);
-  if (data.motion) say('Resonance', `${shown(one('motion', 'resonance_rpm'), 5)} 1/min`, `natural frequency ${shown(one('motion', 'natural_frequency_hz'), 5)} Hz`);
+  if (data.geometry) say('Contact ratio', shown(one('geometry', 'contact_ratio'), 4), `centre distance ${shown(one('geometry', 'centre_distance_mm'))} mm`, 'share');
+  if (data.motion) say('Resonance', `${shown(one('motion', 'resonance_rpm'), 5)} 1/min`, `natural frequency ${shown(one('motion', 'natural_frequency_hz'), 5)} Hz`, 'sweep');
   if (data.transmission_error?.relief_um?.length) {
     const te = data.transmission_error, at = te.peak_to_peak_um.indexOf(Math.min(...te.peak_to_peak_um));
-    say('Transmission error', `${shown(te.peak_to_peak_um[at], 4)} µm`, `peak to peak, relief ${shown(te.relief_um[at])} µm`);
+    say('Transmission error', `${shown(te.peak_to_peak_um[at], 4)} µm`, `peak to peak, relief ${shown(te.relief_um[at])} µm`, 'ste');
   }
-  if (data.sweep_summary) say('Best of the list', `${shown(one('sweep_summary', 'best_relief_um'))} µm`, `largest DF ${shown(one('sweep_summary', 'worst_dynamic_factor'), 5)}`);
-  if (data.optimum) say('Optimum relief', `${shown(one('optimum', 'relief_um'), 4)} µm`, `largest DF ${shown(one('optimum', 'worst_dynamic_factor'), 5)} at ${shown(one('optimum', 'rpm'))} 1/min`);
+  if (data.sweep_summary) say('Best of the list', `${shown(one('sweep_summary', 'best_relief_um'))} µm`, `largest dynamic factor ${shown(one('sweep_summary', 'worst_dynamic_factor'), 5)}`, 'sweep');
+  if (data.optimum) say('Optimum relief', `${shown(one('optimum', 'relief_um'), 4)} µm`, `largest dynamic factor ${shown(one('optimum', 'worst_dynamic_factor'), 5)} at ${shown(one('optimum', 'rpm'))} 1/min`, 'optimum');
   byId('numbers').replaceChildren(...found);
 }
 
@@ -200,7 +209,7 @@ function legend(spec) {
     const key = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
     key.setAttribute('width', 30);
     key.setAttribute('height', 10);
-    key.innerHTML = spec.kind === 'bars' ? '<rect x="8" y="0" width="14" height="10"/>' : spec.kind === 'points' && one.kind !== 'line' ? '<circle cx="15" cy="5" r="3.5"/>' : `<line x1="0" x2="30" y1="5" y2="5" stroke-dasharray="${one.dash}" stroke-width="${one.width ?? 2}"/>${one.kept ? '<circle cx="15" cy="5" r="3"/>' : ''}`;
+    key.innerHTML = spec.kind === 'bars' ? '<rect x="8" y="0" width="14" height="10"/>' : spec.kind === 'points' && one.kind !== 'line' ? `<path d="M15 5${markOf(one, 3.5)}"/>` : `<line x1="0" x2="30" y1="5" y2="5" stroke-dasharray="${one.dash}" stroke-width="${one.width ?? 2}"/>${one.kept ? '<circle cx="15" cy="5" r="3"/>' : ''}`;
     key.style.stroke = key.style.fill = one.color;
     return el('li', {}, key, one.label);
   });
@@ -235,6 +244,7 @@ function follow(drawing, readout) {
     if (!step) return;
     event.preventDefault();
     if (spec.map || !at) { const { width, height } = drawing.places; mark(nearest(drawing, (at?.px ?? width / 2) + 12 * step[0], (at?.py ?? height / 2) + 12 * step[1])); return; }
+    if (spec.words) { mark(nearest(drawing, 0, drawing.places.y(at.i + step[0] + step[1]))); return; }
     const n = spec.series.length, s = (at.s + step[1] + n) % n, series = spec.series[s];
     const i = Math.min(series.x.length - 1, Math.max(0, at.i + step[0]));
     if (series.y[i] === null || series.x[i] === null) { at = { ...at, s, i }; readout.textContent = `${series.label || spec.ylabel}: no answer at ${spec.xlabel} ${shown(series.x[i])}`; return; }
