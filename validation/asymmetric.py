@@ -19,7 +19,7 @@ BEGIN, END = '<!-- table: begin, by python -m validation.asymmetric -->', '<!-- 
 METHOD = {'numerics': {'method': 'constant', 'steps_per_period': 200}}
 TASKS = ('geometry', 'mesh', 'static', 'sweep')
 HEADER = ('drive / coast, deg', 'contact ratio', 'mean mesh stiffness, N/µm', 'STE, peak to peak, µm', 'its harmonics 1, 2, 3, µm',
-          'largest DF', 'at 1/min', "by the paper's method", 'root tension, MPa')  # fmt: skip
+          'largest DF', 'at 1/min', "by the paper's method", 'root tension, MPa', "coast flanks' stiffness over the motion's")  # fmt: skip
 
 
 def of(drive, coast):
@@ -38,16 +38,24 @@ def row(drive, coast):
     worst, error = found.sweep_worst, found.transmission_error
     return (found.geometry.contact_ratio, found.motion.mean_mesh_stiffness_n_um, error.peak_to_peak_um[0],
             *found.harmonics.amplitude_um[0, 1:4], worst.worst_dynamic_factor[0], worst.rpm[0],
-            by_the_papers_method(drive, coast), found.root_stress.tension_mpa[0])  # fmt: skip
+            by_the_papers_method(drive, coast), found.root_stress.tension_mpa[0], coast_stiffness(drive, coast))  # fmt: skip
+
+
+def coast_stiffness(drive, coast):
+    """Mean stiffness of the coast flanks, which is that of the same gears loaded on their other side, on the line of action of the
+    loaded flanks, where path and force go with the base radii; over the stiffness that the motion takes for them."""
+    own, taken = of(coast, drive), of(drive, coast)
+    lever = float(taken.gears.coast_base_diameter_mm[0] / taken.gears.base_diameter_mm[0])
+    return own.motion.mean_mesh_stiffness_n_um * lever**2 / taken.motion.mean_mesh_stiffness_n_um
 
 
 def table():
     """All rows, as Markdown."""
     lines = []
     for drive, coast in ANGLES:
-        ratio, stiffness, peak, *harmonics, factor, rpm, by_theirs, stress = row(drive, coast)
+        ratio, stiffness, peak, *harmonics, factor, rpm, by_theirs, stress, coasting = row(drive, coast)
         lines.append((f'{drive} / {coast}', f'{ratio:.4f}', f'{stiffness:.1f}', f'{peak:.2f}', ', '.join(f'{one:.2f}' for one in harmonics),
-                      f'{factor:.3f}', f'{rpm:.0f}', f'{by_theirs:.3f}', f'{stress:.1f}'))  # fmt: skip
+                      f'{factor:.3f}', f'{rpm:.0f}', f'{by_theirs:.3f}', f'{stress:.1f}', f'{coasting:.2f}'))  # fmt: skip
     return markdown(HEADER, lines)
 
 

@@ -5,7 +5,7 @@ import pytest
 from validation import asymmetric, readme
 from validation.cases import ANGLES
 
-RATIO, STIFFNESS, PEAK, FACTOR, THEIRS, STRESS = 0, 1, 2, 6, 8, 9
+RATIO, STIFFNESS, PEAK, FACTOR, THEIRS, STRESS, COASTING = 0, 1, 2, 6, 8, 9, 10
 
 
 @pytest.fixture(scope='module')
@@ -26,6 +26,9 @@ def test_sentences_on_the_page_hold(rows):
         assert coast[STIFFNESS] > plain[STIFFNESS] and coast[PEAK] < plain[PEAK] and coast[STRESS] < plain[STRESS]
         assert abs(coast[FACTOR] - plain[FACTOR]) < 0.02
         assert drive[STRESS] < plain[STRESS] and drive[PEAK] < plain[PEAK] and drive[FACTOR] > plain[FACTOR] + 0.1
+    assert plain[COASTING] == pytest.approx(1, rel=1e-12)
+    for angles in ((20, 25), (20, 30)):  # what is coast for one is drive for the other
+        assert rows[angles][COASTING] * rows[angles[::-1]][COASTING] == pytest.approx(1, rel=1e-12)
     for row in rows.values():  # two methods of integration
         assert row[THEIRS] == pytest.approx(row[FACTOR], abs=2e-3)
 
