@@ -233,6 +233,15 @@ def test_sides_of_the_rack_refuse_by_name():
         gearsweep.run(case.changed(pinion={'rack_tip_radius': 0.3, 'coast_rack_tip_radius': fits * 1.01}), 'geometry')
 
 
+def test_picture_repeats_each_motion_as_often_as_the_longest_lasts():
+    case = gearsweep.Case(CASE).changed(dynamics={'damping_ratio': 0.02}, relief={'amount_um': [0, 12]}, torque={'rpm': 3600})
+    study = gearsweep.run(case)
+    assert sorted(study.torque_points.mesh_periods.ravel()) == [1, 4]
+    ax = plots.plot_torque(study, Figure().subplots())
+    curves = [line.get_xdata() for line in ax.lines if np.size(line.get_xdata()) > 2]
+    assert [x.max() for x in curves] == [4, 4] and ax.get_xlim() == (0, 4)
+
+
 def test_picture_has_the_mean_of_its_own_speed():
     """With friction the means differ from speed to speed; the line across is that of the curve's speed and member."""
     study = gearsweep.run(gearsweep.Case(CASE).changed(dynamics={'friction': 0.08}, torque={'rpm': [3000, 12000]}))

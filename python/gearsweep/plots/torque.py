@@ -47,23 +47,21 @@ def plot_torque(
     reliefs = Reliefs(torque.case)
     missing: list[str] = []
     column = torque[f'{member}_torque_nm']
-    longest = 1
+    known = np.isclose(torque.rpm, rpm) & np.isfinite(column)
+    shown = periods or max(SHOWN, round(np.max(torque.tau[known], initial=0)))
     with canvas(ax) as ax:
         for amount in np.unique(torque.relief_um):
-            here = (torque.relief_um == amount) & np.isclose(torque.rpm, rpm) & np.isfinite(column)
+            here = known & (torque.relief_um == amount)
             if not here.any():
                 missing.append(f'{amount:g}')
                 continue
             repeats = round(torque.tau[here].max())
-            longest = max(longest, repeats)
-            count = periods or max(SHOWN, repeats)
-            tau = np.concatenate([torque.tau[here] + i * repeats for i in range(-(-count // repeats))])
+            tau = np.concatenate([torque.tau[here] + i * repeats for i in range(-(-shown // repeats))])
             ax.plot(tau, np.resize(column[here], tau.size), **reliefs.style(amount))
         points = torque.study.torque_points
         mean = points[f'{member}_mean_nm'][:, np.isclose(points.rpm, rpm)]
         for level in mean[np.isfinite(mean)][:1]:
             ax.axhline(level, **ASIDE, zorder=0)
-        shown = periods or max(SHOWN, longest)
         for whole in range(shown + 1):
             ax.axvline(whole, color=FAINT, linewidth=0.5, zorder=0)
         ax.set_xlim(0, shown)
