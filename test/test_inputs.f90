@@ -65,7 +65,7 @@ contains
     character(*), parameter :: models(5) = [character(10) :: 'weber', 'iso6336', 'polynomial', 'table', 'fe']
     character(task_length), allocatable :: tasks(:)
     logical :: counted
-    integer :: i, k, every
+    integer :: i, k
 
     call list_task_names(tasks)
     folder = new_folder()
@@ -82,17 +82,15 @@ contains
         if (i > 1 .and. all(tasks(k) /= [character(9) :: 'mesh', 'static', 'load', 'precision'])) cycle
         ! It repeats its work to take times, most of all where contact beyond the path changes in every period.
         if (tasks(k) == 'precision' .and. models(i) /= 'weber') cycle
-        every = merge(1, 4, models(i) == 'weber' .or. tasks(k) == 'mesh')
-        if (tasks(k) == 'precision') every = 8
-        if (t%wants('walk')) call walk(t, geared(trim(models(i)), trim(tasks(k))), 'g', every, i + k, changes)
+        if (t%wants('walk')) call walk(t, geared(trim(models(i)), trim(tasks(k))), 'g', every_of(models(i), tasks(k)), i + k, &
+                                       changes)
       end do
     end do
     do k = 1, size(tasks)
       ! These need a gear.
       if (any(tasks(k) == [character(10) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
                           'harmonic', 'life', 'body_modes', 'torque'])) cycle
-      if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', merge(8, 1, tasks(k) == 'precision'), &
-                                     k, changes)
+      if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', every_of('weber', tasks(k)), k, changes)
     end do
     if (t%wants('walk')) call walk(t, prescribed('table', 'mesh'), 'p', 1, 0, changes)
     do i = 1, size(changes)
@@ -112,6 +110,16 @@ contains
     call remove_folder(folder)
   end subroutine run
 
+  !> Of the keys that reach a task through the mesh, its walk takes one of so many: all with one model, but few where a walk
+  !> takes long and another task, as `sweep`, is reached the same way.
+  pure integer function every_of(model, task) result(every)
+    character(*), intent(in) :: model, task
+
+    every = merge(1, 4, model == 'weber' .or. task == 'mesh')
+    if (any(task == [character(11) :: 'branches', 'sensitivity', 'body_modes'])) every = 4
+    if (task == 'precision') every = 8
+  end function every_of
+
   ! --- what is walked ---------------------------------------------------------
 
   !> A second value for each key.
@@ -120,6 +128,8 @@ contains
     character(*), parameter :: by_torque = 'load normal_force_n ;load torque_nm 100', by_line = 'load normal_force_n ;'
     character(*), parameter :: rubbing = 'dynamics friction 0.04;gear teeth 34;'
     character(*), parameter :: stated = 'mesh coefficients ;mesh file ;'
+    character(*), parameter :: over_damping = 'branches second ''damping_ratio'';branches second_first 0.01;'// &
+                                             'branches second_last 0.05'
 
     allocate (list(0))
     call add('case title', '''another''')
@@ -241,6 +251,9 @@ contains
     call add('branches most_periods', '2')
     call add('branches seeds', '3')
     call add('branches points', '12')
+    call add('branches second', '''damping_ratio''', only='branches second_first 0.01;branches second_last 0.05')
+    call add('branches second_first', '0.015', beside=over_damping)
+    call add('branches second_last', '0.04', beside=over_damping)
     call add('optimum with_length', '.true.')
     call add('optimum each_gear', '.true.')
     call add('optimum load_factors', '1, 0.6')

@@ -48,6 +48,7 @@ _PLOTS = (
     'plot_attractors',
     'plot_basins',
     'plot_body_modes',
+    'plot_branch_curves',
     'plot_branches',
     'plot_campbell',
     'plot_dte',

@@ -20,6 +20,7 @@ from matplotlib.text import Annotation, Text
 import gearsweep
 from gearsweep import Case, plots
 from gearsweep._outline import contact_path
+from gearsweep.plots import branches
 from gearsweep.plots.along_path import contact_points
 from gearsweep.plots.sensitivity import NUMBERS
 from gearsweep.plots.stress import principal
@@ -69,7 +70,8 @@ def both(rattling):
 @pytest.fixture(scope='module')
 def everything():
     case = Case(GEARED).changed(poincare={'settling_periods': 20, 'kept_periods': 10}, attractors={'starts': 4},
-                                branches={'first': 4000, 'last': 9000, 'seeds': 2, 'points': 20, 'most_periods': 1},
+                                branches={'parameter': 'damping_ratio', 'rpm': 9000, 'first': 0.06, 'last': 0.16, 'seeds': 1, 'points': 10,
+                                          'most_periods': 1, 'second': 'rpm', 'second_first': 8950, 'second_last': 9050},
                                 sensitivity={'rpm': [4000, 6000]},
                                 static={'field_position': 0}, flank={'rpm': [4000, 6000]}, rating={'rpm': [4000, 6000]},
                                 torque={'rpm': [4000, 6000]},
@@ -635,6 +637,20 @@ def test_the_page_lists_every_picture_with_its_caption():
     assert {name for names, _, _ in rows for name in re.findall(r'plot_\w+', names)} == {plot.__name__ for plot in all_plots()}
 
 
+@pytest.mark.parametrize('second, ends', [('damping_ratio', (0.01, 0.1)), ('relief_um', (0, 20))])
+def test_branch_curves_lie_over_both_numbers(second, ends):
+    case = Case(PRESCRIBED).changed(dynamics={'damping_ratio': 0.03}, relief={'amount_um': 4}, branches={
+        'first': 4000, 'last': 9000, 'seeds': 2, 'most_periods': 2, 'second': second, 'second_first': ends[0], 'second_last': ends[1]})  # fmt: skip
+    study = gearsweep.run(case, 'branches')
+    table = study.branch_curves
+    ax = plots.plot_branch_curves(study, Figure().subplots())
+    drawn = {tuple(np.ravel(line.get_data())) for line in ax.lines}
+    assert len(drawn) == len(set(table.curve)) > 1
+    assert drawn == {tuple(np.ravel([table.rpm[here], table[second][here]])) for here in (table.curve == n for n in set(table.curve))}
+    assert [text.get_text() for text in (ax.xaxis.label, ax.yaxis.label)] == [branches.PARAMETERS['rpm'], branches.PARAMETERS[second]]
+    assert [name for name, _ in plots.figures(study, 'branch_curves')] == ['branch_curves']
+
+
 def test_sensitivity_shows_a_bar_for_each_number(everything):
     table = everything.sensitivity
     ax = plots.plot_sensitivity(everything, Figure().subplots(), rpm=6000, relief_um=table.relief_um[-1])
@@ -647,7 +663,8 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'torque',
              'torque_harmonics',
-             'sweep', 'optimum_curve', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'sensitivity',
+             'sweep', 'optimum_curve', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'branch_curves',
+             'sensitivity',
              'precision', 'flank',
              'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')

@@ -70,6 +70,8 @@ BESIDE = {
     'generating_shift': {'pinion': {'profile_shift': 4.9999999}},
     'first': {'branches': {'parameter': "'damping_ratio'", 'rpm': 3000, 'last': 1e9}},
     'last': {'branches': {'parameter': "'damping_ratio'", 'rpm': 3000, 'first': 0}},
+    'second_first': {'branches': {'second': "'damping_ratio'", 'second_last': 1e9}},
+    'second_last': {'branches': {'second': "'damping_ratio'", 'second_first': 0}},
     'yield_strength_mpa': {'life': {'mean_stress': "'soderberg'", 'tensile_strength_mpa': None}},
     'start_um': {'poincare': {'start_mm_s': 0}},
     'start_mm_s': {'poincare': {'start_um': 0}},

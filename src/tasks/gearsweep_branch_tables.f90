@@ -1,25 +1,28 @@
 !> The tables of the task `branches`.
 module gearsweep_branch_tables
   use gearsweep_branch, only: branch_point_t, end_name
+  use gearsweep_branch_curves, only: special_curve_t
   use gearsweep_branch_search, only: whole_branch_t
   use gearsweep_case_family, only: case_family_t, of_damping, of_load, of_relief, of_speed
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
-  use gearsweep_motion_equations, only: kind_name, width
+  use gearsweep_motion_equations, only: kind_grazing, kind_name, width
   use gearsweep_periodic_orbit, only: steady_t
   use gearsweep_points, only: of_periods, of_relief_amount => of_relief, of_rpm => of_speed
   use gearsweep_sweep, only: contact_name, contact_of
   use gearsweep_table, only: no_number, table_t
   implicit none
   private
-  public :: branch_set_t, fill_branches, fill_points, fill_changes
+  public :: branch_set_t, fill_branches, fill_points, fill_changes, fill_curves
 
   !> What was found of one amount of relief.
   type :: branch_set_t
     type(case_family_t) :: family
     type(whole_branch_t), allocatable :: branch(:)
     integer :: unresolved = 0                    !< seeds whose speed is too low
+    type(case_family_t) :: plane                 !< over both parameters, where there is a second one
+    type(special_curve_t), allocatable :: curve(:)
   end type branch_set_t
 
   !> Where a row stands: which set, branch and point.
@@ -149,6 +152,47 @@ contains
     call table%add('in_period', '', 'of grazing, in which of the mesh periods; 0 as above', period)
     call table%add('enclosed', '', 'between places so far apart it is enclosed, in the unit of the parameter''s name', enclosed)
   end subroutine fill_changes
+
+  !> A row for each point of each curve over both parameters.
+  pure subroutine fill_curves(found, table, error)
+    type(branch_set_t), intent(in) :: found(:)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: numbers(:, :), values(:, :)
+    integer, allocatable :: counts(:, :)
+    integer :: i, k, m, n, curve
+
+    if (allocated(error)) return
+    n = sum([((size(found(i)%curve(k)%point), k=1, size(found(i)%curve)), i=1, size(found))])
+    call table%begin('curves of folds, doublings and grazings over both parameters', n, 10, error)
+    if (allocated(error)) return
+    allocate (numbers(n, 4), values(n, 2), counts(n, 4))
+    n = 0
+    curve = 0
+    do i = 1, size(found)
+      do k = 1, size(found(i)%curve)
+        curve = curve + 1
+        do m = 1, size(found(i)%curve(k)%point)
+          n = n + 1
+          associate (point => found(i)%curve(k)%point(m))
+            numbers(n, :) = found(i)%plane%numbers_at(point%value)
+            values(n, :) = [point%dynamic_factor, merge(point%phase, no_number(), found(i)%curve(k)%kind == kind_grazing)]
+            counts(n, :) = [curve, m, found(i)%curve(k)%kind, found(i)%curve(k)%periods]
+          end associate
+        end do
+      end do
+    end do
+    call table%add_index('curve', '', 'which curve', counts(:, 1))
+    call table%add_index('point', '', 'which of its points', counts(:, 2))
+    call table%add_words('kind', 'fold, doubling or grazing, all along the curve', kind_name(counts(:, 3)))
+    call table%add('rpm', '1/min', of_rpm, numbers(:, of_speed))
+    call table%add('damping_ratio', '', of_damping_ratio, numbers(:, of_damping))
+    call table%add('relief_um', 'um', of_relief_amount, in_um(numbers(:, of_relief)))
+    call table%add('normal_force_n', 'N', of_normal_force, numbers(:, of_load))
+    call table%add('dynamic_factor', '', of_dynamic_factor, values(:, 1))
+    call table%add('mesh_periods', '', of_periods, counts(:, 4))
+    call table%add('phase', '', 'of grazing, the mesh phase; else NaN', values(:, 2))
+  end subroutine fill_curves
 
   !> The columns of a motion.
   pure subroutine add_motions(found, rows, special, table)

@@ -37,6 +37,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(error_t), allocatable :: refused
     type(oscillator_t) :: osc
+    character(80) :: words
     integer :: end
 
     family%inputs = inputs
@@ -51,8 +52,11 @@ contains
     do end = 1, 2
       if (allocated(error)) return
       call family%oscillator_at([range(end, 1), range(end, 2)], osc, refused)
-      if (allocated(refused)) call fail(error, code_input, '&branches '//trim(merge('first', 'last ', end == 1))//' = '// &
-                                        str(range(end, 1)/parameter_units(which(1)))//': '//refused%message)
+      if (.not. allocated(refused)) cycle
+      words = trim(merge('first', 'last ', end == 1))//' = '//str(range(end, 1)/parameter_units(which(1)))
+      if (which(2) > 0) words = trim(words)//', second_'//trim(merge('first', 'last ', end == 1))//' = '// &
+                                str(range(end, 2)/parameter_units(which(2)))
+      call fail(error, code_input, '&branches '//trim(words)//': '//refused%message)
     end do
   end subroutine make_case_family
 

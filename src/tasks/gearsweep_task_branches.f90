@@ -3,8 +3,9 @@
 module gearsweep_task_branches
   use gearsweep_attractor_search, only: attractor_options_t
   use gearsweep_branch, only: follow_options_t
+  use gearsweep_branch_curves, only: find_curves
   use gearsweep_branch_search, only: branch_search_options_t, find_branches, whole_branch_t
-  use gearsweep_branch_tables, only: branch_set_t, fill_branches, fill_changes, fill_points
+  use gearsweep_branch_tables, only: branch_set_t, fill_branches, fill_changes, fill_curves, fill_points
   use gearsweep_case_family, only: case_family_t, make_case_family, of_load, of_relief, of_speed, parameter_names, parameter_units
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
@@ -13,8 +14,10 @@ module gearsweep_task_branches
   use gearsweep_motion_equations, only: width
   use gearsweep_points, only: factor_in
   use gearsweep_reader, only: reader_t
+  use gearsweep_table, only: table_t
   use gearsweep_task, only: includes, stages_t, task_info_t, task_t
   use gearsweep_text, only: str
+  use gearsweep_uses, only: sentence_length, unless
   implicit none
   private
   public :: branches_task_t
@@ -22,6 +25,8 @@ module gearsweep_task_branches
   type, extends(task_t) :: branches_task_t
     integer :: parameter = of_speed              !< of gearsweep_case_family
     real(dp) :: range(2) = 0                     !< first and last value, SI units
+    integer :: second = 0                        !< second parameter, over which changes are followed; 0: none
+    real(dp) :: second_range(2) = 0
     real(dp) :: rpm = 0                          !< speed where it is not the parameter, 1/min
     integer :: most_periods = 4, seeds = 9, points = 200
   contains
@@ -37,7 +42,7 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t(group, needs='mesh reliefs amounts motion losses', &
-                       tables='branches branch_points branch_changes', fields='', &
+                       tables='branches branch_points branch_changes branch_curves', fields='', &
                        gives='whole branches of periodic motions, attracting or not, with folds, doubled periods and grazing')
   end subroutine describe
 
@@ -83,8 +88,57 @@ contains
     call reader%get(group, 'points', self%points, error, tasks=group, at_least=10, at_most=100000, &
                     meaning='points of a branch over the whole range, at least')
     self%range = self%range*parameter_units(self%parameter)
+    call read_second(self, reader, error)
     if (.not. allocated(error) .and. self%range(2) > 0) call check_range(self, has_rpm, error)
   end subroutine read_keys
+
+  !> The second parameter and its range.
+  subroutine read_second(self, reader, error)
+    class(branches_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: far = 1e9_dp
+    character(*), parameter :: nothing = 'second = ''none'': none'
+    character(:), allocatable :: second
+    character(sentence_length) :: alone
+    logical :: has_second
+    integer :: i
+
+    second = 'none'
+    call reader%get(group, 'second', second, error, tasks=group, allowed=[character(14) :: 'none', parameter_names], &
+                    meaning='second number of the case, over which folds, doublings and grazings are followed as curves')
+    if (allocated(error)) return
+    do i = 1, size(parameter_names)
+      if (parameter_names(i) == second) self%second = i
+    end do
+    has_second = self%second > 0
+    alone = unless(has_second, 'needs second')
+    call reader%get(group, 'second_first', self%second_range(1), error, tasks=group, required=has_second, refused=alone, &
+                    otherwise=nothing, at_least=0.0_dp, below=far, &
+                    meaning='where its range begins, in the unit of its name; the case''s own value lies in the range')
+    call reader%get(group, 'second_last', self%second_range(2), error, tasks=group, required=has_second, refused=alone, &
+                    otherwise=nothing, above=0.0_dp, at_most=far, meaning='where it ends')
+    if (allocated(error) .or. .not. has_second) return
+    self%second_range = self%second_range*parameter_units(self%second)
+    if (self%second == self%parameter) call fail(error, code_input, '&branches second = '''//second//''': is the first parameter')
+    ! Where only the keys are declared, the required ones are 0.
+    if (self%second_range(2) > 0) call check_ends(self%second, self%second_range, 'second_', error)
+  end subroutine read_second
+
+  !> The ends of a parameter's range.
+  pure subroutine check_ends(parameter, range, prefix, error)
+    integer, intent(in) :: parameter
+    real(dp), intent(in) :: range(2)             ! SI units
+    character(*), intent(in) :: prefix           ! of their keys
+    type(error_t), allocatable, intent(inout) :: error
+
+    associate (shown => range/parameter_units(parameter))
+      if (.not. range(1) < range(2)) call fail(error, code_input, '&branches '//prefix//'last = '//str(shown(2))// &
+                                               ': must be above '//prefix//'first = '//str(shown(1)))
+      if (any(parameter == [of_speed, of_load]) .and. .not. range(1) > 0) &
+        call fail(error, code_input, '&branches '//prefix//'first = '//str(shown(1))//': must be above 0')
+    end associate
+  end subroutine check_ends
 
   !> What the parameter asks for.
   pure subroutine check_range(self, has_rpm, error)
@@ -100,11 +154,7 @@ contains
     end if
     if (self%parameter == of_relief .and. allocated(self%own_relief)) &
       call fail(error, code_input, '&branches relief_um: the relief is the parameter; its range is first to last')
-    if (.not. self%range(1) < self%range(2)) &
-      call fail(error, code_input, '&branches last = '//str(self%range(2)/parameter_units(self%parameter))// &
-                ': must be above first = '//str(self%range(1)/parameter_units(self%parameter)))
-    if (any(self%parameter == [of_speed, of_load]) .and. .not. self%range(1) > 0) &
-      call fail(error, code_input, '&branches first = '//str(self%range(1))//': must be above 0')
+    call check_ends(self%parameter, self%range, '', error)
   end subroutine check_range
 
   !> The values at which motions are looked for.
@@ -135,18 +185,48 @@ contains
       call make_family(self, stages, stages%amount(which(i)), found(i)%family, error)
       if (allocated(error)) return
       call find_branches(found(i)%family, options_of(self, stages), found(i)%branch, found(i)%unresolved, stopped, error)
+      if (.not. (allocated(error) .or. stopped)) call follow_changes(self, stages, found(i), stopped, error)
       if (allocated(error) .or. stopped) return
       call stages%running%tell(self%seeds, stages%accuracy%steady%stop)
     end do
     call fill_branches(found, self%tables(self%place('branches')), error)
     call fill_points(found, self%tables(self%place('branch_points')), error)
     call fill_changes(found, self%tables(self%place('branch_changes')), error)
+    if (self%second > 0) call fill_curves(found, self%tables(self%place('branch_curves')), error)
     if (allocated(error)) return
     self%failed = sum(found%unresolved)
     self%is_done = .true.
     total = sum([(size(found(i)%branch), i=1, size(found))])
     self%log = 'branches: '//str(total)//' branches from motions at '//str(self%seeds*size(which))//' places'
   end subroutine run
+
+  !> The curves of all changes over the second parameter.
+  subroutine follow_changes(self, stages, found, stopped, error)
+    class(branches_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    type(branch_set_t), intent(inout) :: found
+    logical, intent(out) :: stopped
+    type(error_t), allocatable, intent(inout) :: error
+    type(branch_search_options_t) :: options
+    real(dp) :: value
+
+    stopped = .false.
+    if (self%second == 0) return
+    value = found%family%base(self%second)
+    if (value < self%second_range(1) .or. value > self%second_range(2)) then
+      associate (unit => parameter_units(self%second))
+        call fail(error, code_input, '&branches second_first = '//str(self%second_range(1)/unit)//', second_last = '// &
+                  str(self%second_range(2)/unit)//': must have the case''s '//trim(parameter_names(self%second))//' = '// &
+                  str(value/unit)//' between them')
+      end associate
+      return
+    end if
+    call make_case_family(stages%motions_inputs, found%family%base, [self%parameter, self%second], &
+                          reshape([self%range, self%second_range], [2, 2]), found%plane, error)
+    if (allocated(error)) return
+    options = options_of(self, stages)
+    call find_curves(found%plane, options%angle, value, found%branch, options%follow, found%curve, stopped)
+  end subroutine follow_changes
 
   type(branch_search_options_t) function options_of(self, stages) result(options)
     class(branches_task_t), intent(in) :: self
@@ -202,5 +282,40 @@ contains
       end do
       call add_rest(changes, lines)
     end associate
+    if (self%second > 0) call add_curves(self%tables(self%place('branch_curves')), name, &
+                                         trim(parameter_names(self%second)), lines)
   end subroutine add_report
+
+  !> Each curve over both parameters: where it begins and ends.
+  pure subroutine add_curves(curves, first, second, lines)
+    type(table_t), intent(in) :: curves
+    character(*), intent(in) :: first, second    ! names of the parameters
+    type(lines_t), intent(inout) :: lines
+    integer, parameter :: most = 20
+    integer :: row, begin, count
+
+    call lines%add('     curve   of          '//left(first, 26)//second)
+    begin = 1
+    count = 0
+    do row = 1, curves%rows
+      if (row < curves%rows) then
+        if (nint(curves%number('curve', row + 1)) == nint(curves%number('curve', begin))) cycle
+      end if
+      count = count + 1
+      if (count <= most) call lines%add(right(str(count), 10)//'   '//left(trim(curves%word('kind', begin)), 12)// &
+                                        left(span(curves, first, begin, row), 26)//trim(span(curves, second, begin, row)))
+      begin = row + 1
+    end do
+    if (count > most) call lines%add(left('', 19)//'and '//str(count - most)//' more')
+  end subroutine add_curves
+
+  !> From the curve's first point to its last.
+  pure function span(curves, name, first, last) result(text)
+    type(table_t), intent(in) :: curves
+    character(*), intent(in) :: name             ! of the parameter
+    integer, intent(in) :: first, last           ! rows
+    character(26) :: text
+
+    text = str(curves%number(name, first), 6)//' to '//str(curves%number(name, last), 6)
+  end function span
 end module gearsweep_task_branches

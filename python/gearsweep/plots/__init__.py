@@ -32,7 +32,7 @@ from .along_path import (
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
-from .branches import plot_branches
+from .branches import plot_branch_curves, plot_branches
 from .files import PICTURES, draw_all, figures, save
 from .flank import plot_flank
 from .frequency import plot_campbell, plot_frequency_response
@@ -57,6 +57,7 @@ __all__ = [
     'plot_attractors',
     'plot_basins',
     'plot_body_modes',
+    'plot_branch_curves',
     'plot_branches',
     'plot_campbell',
     'plot_dte',

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from ..study import Study
 from ..table import Table
 from .kinds import KINDS, in_words
-from .look import CROSS, GREY, HOLLOW, INK, MM, PAGE, canvas, legends_above
+from .look import BLUE, CROSS, GREY, HOLLOW, INK, MM, ORANGE, PAGE, canvas, legends_above
 from .reliefs import study_of
 
 #: What the axis says of the parameter.
@@ -29,6 +29,13 @@ CHANGES: dict[str, dict[str, Any]] = {
     'grazing': {**CROSS, 'marker': '|', 'markersize': 5, 'markeredgecolor': GREY},
 }
 WORDS = {'fold': 'fold', 'doubling': 'period doubles', 'grazing': 'contact grazes'}
+
+#: Curves on which these places lie over two numbers of the case.
+CURVES: dict[str, dict[str, Any]] = {
+    'fold': {'color': BLUE, 'linestyle': '-', 'linewidth': 1.2},
+    'doubling': {'color': ORANGE, 'linestyle': (0, (4, 1.5)), 'linewidth': 1.2},
+    'grazing': {'color': GREY, 'linestyle': (0, (1, 1.2)), 'linewidth': 0.9},
+}
 
 #: How motions that attract are drawn, and those that repel.
 LINES: dict[bool, dict[str, Any]] = {
@@ -86,6 +93,43 @@ def plot_branches(branches: Study | Table, ax: Axes | None = None, *, relief_um:
         legends_above(ax, ('' if relief_um is None else f'Tip relief {relief_um:g} µm', entries))
         ax.set_xlabel(PARAMETERS[name])
         ax.set_ylabel('Dynamic factor (–)')
+    return ax
+
+
+def plot_branch_curves(branches: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None) -> Axes:
+    """Where folds, doublings and grazings lie over the parameter and the second one, for one relief.
+
+    Across a curve of folds two motions appear or vanish, across one of doublings the period doubles, across one
+    of grazings a contact begins or ends.
+
+    Parameters
+    ----------
+    branches : Study or Table
+        A study whose case asks for a `second` parameter, or its table `branch_curves`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    relief_um : float, optional
+        The relief; otherwise the first. Where the relief is a parameter, all curves are drawn.
+
+    Returns
+    -------
+    Axes
+    """
+    study = study_of(branches)
+    curves = study.branch_curves
+    first, second = (study.case.get('branches', key, 'rpm').lower() for key in ('parameter', 'second'))
+    amounts = [None] if 'relief_um' in (first, second) else list(dict.fromkeys(curves.relief_um))
+    relief_um = amounts[0] if relief_um is None and amounts else relief_um
+    shown = np.ones(len(curves), bool) if relief_um is None else curves.relief_um == relief_um
+    with canvas(ax, height=90 * MM, width=PAGE) as ax:
+        for kind, line in CURVES.items():
+            for number in dict.fromkeys(curves.curve[shown & (curves.kind == kind)]):
+                here = curves.curve == number
+                ax.plot(curves[first][here], curves[second][here], **line)
+        entries = [Line2D([], [], label=WORDS[kind], **line) for kind, line in CURVES.items() if (shown & (curves.kind == kind)).any()]
+        legends_above(ax, ('' if relief_um is None else f'Tip relief {relief_um:g} µm', entries))
+        ax.set_xlabel(PARAMETERS[first])
+        ax.set_ylabel(PARAMETERS[second])
     return ax
 
 

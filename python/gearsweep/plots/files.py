@@ -29,7 +29,7 @@ from .along_path import (
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
-from .branches import plot_branches, reliefs_of
+from .branches import plot_branch_curves, plot_branches, reliefs_of
 from .flank import plot_flank
 from .frequency import plot_campbell, plot_frequency_response
 from .gears import plot_geometry
@@ -131,6 +131,14 @@ def _reliefs(table: str, plot: Callable, height: float = 80) -> Callable[[Study]
         return figure
 
     return draw
+
+
+def _branch_curves(study: Study) -> Figure:
+    """A panel for each relief; one where the relief is a parameter."""
+    case = study.case
+    if 'relief_um' in (case.get('branches', 'parameter', '').lower(), case.get('branches', 'second').lower()):
+        return _single(plot_branch_curves, 90, PAGE)(study)
+    return _reliefs('branch_curves', plot_branch_curves, 90)(study)
 
 
 def _sensitivity(study: Study) -> Figure:
@@ -275,6 +283,7 @@ PICTURES = {
     'basins': Picture('Which starts lead to which motion at one speed', _reliefs('basins', plot_basins)),
     'branches': Picture('Bifurcation diagram: dynamic factor of all branches, solid where the motion attracts, dashed where it repels, '
                         'with folds, doublings and grazing', _reliefs('branches', plot_branches, 90)),
+    'branch_curves': Picture('Curves of folds, doublings and grazing over two numbers of the case', _branch_curves),
     'sensitivity': Picture('By how many per cent the dynamic factor changes with one per cent of each number of the case', _sensitivity),
     'precision': Picture("Relative error over run time, a curve for each method, the methods' own estimates beside it", _precision),
     'flank': Picture("Pressure, sliding, flash temperature and film along the path of contact, under the motion's load and, fine, the static one",

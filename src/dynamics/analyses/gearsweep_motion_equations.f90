@@ -248,17 +248,19 @@ contains
   end subroutine evaluate
 
   !> The test function of a kind: det(M - 1), det(M + 1), or the smallest overlap over the static deflection.
-  subroutine special_value(self, motion, value, ok)
+  subroutine special_value(self, motion, value, ok, phase)
     class(motion_equations_t), intent(in) :: self
     type(motion_t), intent(in) :: motion
     real(dp), intent(out) :: value
     logical, intent(out) :: ok
+    real(dp), intent(out), optional :: phase     !< of the overlap; 0 for other kinds
     real(dp), parameter :: nearby = 0.05_dp      ! of a mesh period
     real(dp) :: trace, determinant, distance, best
     integer :: i
 
     ok = .true.
     value = 0
+    if (present(phase)) phase = 0
     associate (m => motion%monodromy)
       trace = m(1, 1) + m(2, 2)
       determinant = m(1, 1)*m(2, 2) - m(1, 2)*m(2, 1)
@@ -274,6 +276,7 @@ contains
         if (distance >= best) cycle
         best = distance
         value = now%value/self%scale(1)
+        if (present(phase)) phase = now%phase
       end associate
     end do
     ok = best < nearby
