@@ -42,7 +42,8 @@ module test_scenes
     '&stability damping_count = 3 tongues = 2 /'// &
     '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
     '&attractors rpm = 5000, 7000 relief_um = 0 starts = 3 /'// &
-    '&branches first = 5000 last = 7000 relief_um = 0 seeds = 2 points = 20 most_periods = 1 /'// &
+    '&branches first = 5000 last = 7000 relief_um = 0 seeds = 2 points = 20 most_periods = 1'// &
+    '  second = ''damping_ratio'' second_first = 0.05 second_last = 0.2 /'// &
     '&optimum load_factors = 1, 0.7 / &sensitivity rpm = 5000 relief_um = 8 /'// &
     '&precision relief_um = 8 most_steps = 50 most_samples = 64 most_elements = 4 modes = 1 /'
 

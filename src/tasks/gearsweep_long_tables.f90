@@ -1,7 +1,6 @@
 !> Long tables end on the screen after so many rows, and say how many there are beyond.
 module gearsweep_long_tables
   use gearsweep_lines, only: lines_t
-  use gearsweep_table, only: table_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -12,10 +11,11 @@ module gearsweep_long_tables
 contains
 
   !> Says how many rows there are beyond `most_rows`, where there are.
-  pure subroutine add_rest(table, lines)
-    type(table_t), intent(in) :: table
+  pure subroutine add_rest(rows, table, lines)
+    integer, intent(in) :: rows                  !< in all
+    character(*), intent(in) :: table            !< name of the table that has them all
     type(lines_t), intent(inout) :: lines
 
-    if (table%rows > most_rows) call lines%add('   and '//str(table%rows - most_rows)//' more in the table '//table%name)
+    if (rows > most_rows) call lines%add('   and '//str(rows - most_rows)//' more in the table '//trim(table))
   end subroutine add_rest
 end module gearsweep_long_tables

@@ -251,7 +251,7 @@ contains
                        factor_in(found%number('dynamic_factor', i))// &
                        right(fixed(100*found%number('share', i), 1), 12)//'   '//trim(found%word('contact', i)))
       end do
-      call add_rest(found, lines)
+      call add_rest(found%rows, found%name, lines)
       call lines%add(left('Several motions', 19)//'at '//str(count(points%numbers('motions') > 1))//' of '//str(points%rows)// &
                      ' operating points')
       i = count(points%numbers('unsettled_share') > 0)

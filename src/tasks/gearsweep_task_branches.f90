@@ -274,13 +274,13 @@ contains
                        factor_in(branches%number('largest_dynamic_factor', i))//'     '// &
                        trim(branches%word('first_end', i))//', '//trim(branches%word('last_end', i)))
       end do
-      call add_rest(branches, lines)
+      call add_rest(branches%rows, branches%name, lines)
       call lines%add('    branch   change at '//left(name, 19)//'DF')
       do i = 1, min(changes%rows, most_rows)
         call lines%add(right(str(nint(changes%number('branch', i))), 10)//'   '//left(trim(changes%word('kind', i)), 10)// &
                        left(str(changes%number(name, i), 10), 15)//factor_in(changes%number('dynamic_factor', i)))
       end do
-      call add_rest(changes, lines)
+      call add_rest(changes%rows, changes%name, lines)
     end associate
     if (self%second > 0) call add_curves(self%tables(self%place('branch_curves')), name, &
                                          trim(parameter_names(self%second)), lines)
@@ -291,7 +291,6 @@ contains
     type(table_t), intent(in) :: curves
     character(*), intent(in) :: first, second    ! names of the parameters
     type(lines_t), intent(inout) :: lines
-    integer, parameter :: most = 20
     integer :: row, begin, count
 
     call lines%add('     curve   of          '//left(first, 26)//second)
@@ -302,11 +301,11 @@ contains
         if (nint(curves%number('curve', row + 1)) == nint(curves%number('curve', begin))) cycle
       end if
       count = count + 1
-      if (count <= most) call lines%add(right(str(count), 10)//'   '//left(trim(curves%word('kind', begin)), 12)// &
+      if (count <= most_rows) call lines%add(right(str(count), 10)//'   '//left(trim(curves%word('kind', begin)), 12)// &
                                         left(span(curves, first, begin, row), 26)//trim(span(curves, second, begin, row)))
       begin = row + 1
     end do
-    if (count > most) call lines%add(left('', 19)//'and '//str(count - most)//' more')
+    call add_rest(count, curves%name, lines)
   end subroutine add_curves
 
   !> From the curve's first point to its last.

@@ -150,7 +150,7 @@ contains
                        right(str(peaks%number('peak_frequency_hz', i), 6), 12)//right(str(peaks%number('stress_mpa', i), 4), 13)// &
                        right(str(peaks%number('amplification', i), 3), 16))
       end do
-      call add_rest(peaks, lines)
+      call add_rest(peaks%rows, peaks%name, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_harmonic

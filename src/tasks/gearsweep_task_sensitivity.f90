@@ -229,7 +229,7 @@ contains
           call lines%add(right(str(table%number('relative_slope', i), 4), 11))
         end if
       end do
-      call add_rest(table, lines)
+      call add_rest(table%rows, table%name, lines)
     end associate
   end subroutine add_report
 
