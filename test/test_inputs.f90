@@ -38,7 +38,7 @@ module test_inputs
 
   !> A value that a case gives to a key; a blank one takes the key out.
   type :: setting_t
-    character(12) :: group
+    character(20) :: group
     character(24) :: key
     character(60) :: value = ''
   end type setting_t

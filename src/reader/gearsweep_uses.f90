@@ -8,7 +8,7 @@ module gearsweep_uses
   public :: unless, first_of, is_prescribed
 
   !> Of a list of tasks as in a sentence: room for the 32 tasks that gearsweep_tasks may hold, with what stands between them.
-  integer, parameter, public :: sentence_length = 32*20
+  integer, parameter, public :: sentence_length = 32*24
   character(*), parameter, public :: needs_gears = 'not used by a prescribed mesh (&mesh contact_ratio); remove it'
 
 contains

@@ -30,7 +30,7 @@ module gearsweep_task
   private
   public :: task_t, task_info_t, stages_t, running_t, check_reliefs, includes, includes_if_moving, split_names
 
-  integer, parameter, public :: task_length = 12, table_length = 18
+  integer, parameter, public :: task_length = 20, table_length = 18
   character(*), parameter, public :: members(2) = [character(6) :: 'pinion', 'gear']
 
   !> What there is only while a study is made.
