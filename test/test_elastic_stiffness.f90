@@ -4,7 +4,7 @@ module test_elastic_stiffness
   use dogan_gears, only: dogan_pair
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
-  use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
+  use gearsweep_fe_stiffness, only: fe_deflection, fe_options_t, fe_stiffness
   use gearsweep_flattening, only: contact_half_width, surface_to_depth
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
@@ -32,6 +32,7 @@ contains
     if (t%wants('supports')) call supports(t)
     if (t%wants('exchange')) call exchange(t)
     if (t%wants('two_materials')) call two_materials(t)
+    if (t%wants('each_tooth')) call each_tooth(t)
     if (t%wants('refusals')) call refusals(t)
   end subroutine run
 
@@ -256,6 +257,40 @@ contains
       flat = sum((2*log(2*0.00318_dp/a) - nu)/(pi*e))
     end function flat
   end subroutine two_materials
+
+  !> What both teeth of a pair yield at one place adds up to what the pair does, which the stiffness has; at the pitch point of
+  !> equal gears each has half of it; and a tooth of brass yields as many times more as its modulus is less, but for Hertz's part.
+  subroutine each_tooth(t)
+    type(tally_t), intent(inout) :: t
+    type(material_t), parameter :: steel = material_t(), brass = material_t(young=100e9_dp)
+    type(fe_options_t) :: options
+    type(piecewise_t) :: curve
+    type(disc_t) :: disc
+    type(pair_t) :: pair
+    type(error_t), allocatable :: error
+    real(dp) :: s, half_width(2), deflection(2), points(5)
+    integer :: i
+
+    options%section%elements_across = 6
+    pair = dogan_pair([25, 40])
+    call fe_stiffness(pair, [steel, brass], options, load, curve, disc, error)
+    do i = 0, 3
+      s = pair%contact_ratio*i/3
+      half_width = contact_half_width(steel, brass, .true., load, pair%curvature(1, s), pair%curvature(2, s))
+      call fe_deflection(pair, [steel, brass], options, load, half_width, [s, s], deflection, error)
+      call check_no_error(t, 'each tooth', error)
+      call check_close(t, 'both teeth are the pair', sum(deflection), &
+                       load*minval(pair%gear%spec%face_width)/curve%value(s), 1e-9_dp)
+    end do
+    pair = dogan_pair([25, 25])
+    points = pair%points()
+    s = points(3)
+    half_width = contact_half_width(steel, steel, .true., load, pair%curvature(1, s), pair%curvature(2, s))
+    call fe_deflection(pair, [steel, steel], options, load, half_width, [s, s], deflection, error)
+    call check_close(t, 'half of the pair each', deflection(1), deflection(2), 1e-9_dp)
+    call fe_deflection(pair, [steel, brass], options, load, half_width, [s, s], deflection, error)
+    call check_close(t, 'brass beside steel', deflection(2), 2.06_dp*deflection(1), 1e-9_dp)
+  end subroutine each_tooth
 
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t

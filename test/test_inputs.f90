@@ -20,10 +20,11 @@ module test_inputs
 
   character, parameter :: lf = new_line('a')
   !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(20) = [character(40) :: 'mesh: pair stiffness by model fe', &
+  character(*), parameter :: products(21) = [character(40) :: 'mesh: pair stiffness by model fe', &
     'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
     'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'sensitivity: ', 'flank: ', &
-    'rating: ', 'transient: ', 'harmonic: ', 'life: ', 'body_modes: ', 'torque: ']
+    'rating: ', 'transient: ', 'harmonic: ', 'life: ', 'body_modes: ', 'torque: ', &
+    'deflection_relief: ']
   logical :: is_taken(size(products))
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
@@ -88,8 +89,8 @@ contains
     end do
     do k = 1, size(tasks)
       ! These need a gear.
-      if (any(tasks(k) == [character(10) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
-                          'harmonic', 'life', 'body_modes', 'torque'])) cycle
+      if (any(tasks(k) == [character(task_length) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
+                          'harmonic', 'life', 'body_modes', 'torque', 'deflection_relief'])) cycle
       if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', every_of('weber', tasks(k)), k, changes)
     end do
     if (t%wants('walk')) call walk(t, prescribed('table', 'mesh'), 'p', 1, 0, changes)
@@ -257,6 +258,9 @@ contains
     call add('optimum with_length', '.true.')
     call add('optimum each_gear', '.true.')
     call add('optimum load_factors', '1, 0.6')
+    call add('deflection_relief point', '''hpstc''', 'g')
+    call add('deflection_relief pinion_diameter_mm', '66, 68', 'g')
+    call add('deflection_relief gear_diameter_mm', '105, 107', 'g')
     call add('sensitivity rpm', '17000')
     call add('sensitivity relief_um', '5')
     call add('sensitivity harmonics', '1')
@@ -294,6 +298,12 @@ contains
     call add('rating contact_limit_mpa', '1400, 1500', 'g', 'rating contact_limit_mpa 1400')
     call add('rating root_limit_mpa', '800', 'g')
     call add('rating root_limit_mpa', '800, 700', 'g', 'rating root_limit_mpa 800')
+    call add('rating material', '''case_hardened''', 'g')
+    call add('rating contact_limit_mpa', '1400', 'g', 'rating material ''case_hardened''')
+    call add('rating root_limit_mpa', '800', 'g', 'rating material ''case_hardened''')
+    call add('rating material', '''case_hardened'', ''grey_cast_iron''', 'g', 'rating material ''case_hardened''')
+    call add('rating material_grade', '''me''', 'g', 'rating material ''case_hardened''')
+    call add('rating material_grade', '''me''', 'g')
     call add('torque rpm', '17000, 19000', 'g')
     call add('torque relief_um', '5', 'g')
     call add('torque harmonics', '3', 'g')

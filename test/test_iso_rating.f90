@@ -7,6 +7,7 @@ module test_iso_rating
   use gearsweep_error, only: error_t
   use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_gear_materials, only: contact_number, gear_materials, root_number
   use gearsweep_kinds, only: dp, pi
   use gearsweep_load_factors, only: rim_factor, root_face_load_factor
   use gearsweep_material, only: material_t
@@ -16,7 +17,7 @@ module test_iso_rating
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: make_table
-  use testing, only: check_close, check_no_error, check_true, tally_t
+  use testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none
   private
   public :: run
@@ -37,6 +38,7 @@ contains
     if (t%wants('accuracy_grades')) call accuracy_grades(t)
     if (t%wants('load_factors')) call load_factors(t)
     if (t%wants('task')) call task(t)
+    if (t%wants('materials')) call materials(t)
   end subroutine run
 
   subroutine make(t, module, teeth, shifts, width, distance, pair, tips)
@@ -324,4 +326,43 @@ contains
     call check_true(t, 'relief lowers K_v by Method B', &
                     dynamic%number('dynamic_factor_b', 3) < dynamic%number('dynamic_factor_b', 1))
   end subroutine task
+
+  !> A material's numbers, by hand from the lines of ISO 6336-5, Table 1, and the safety factors that follow; and that a better
+  !> grade bears no less.
+  subroutine materials(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: begin = '&case tasks = ''rating'' / &pair module_mm = 3 face_width_mm = 20 / '// &
+      '&pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 / &mesh model = ''weber'' / &rating rpm = 1800 material = '
+    real(dp), parameter :: contact(2) = [1650.0_dp, 923.9_dp], root(2) = [525.0_dp, 338.4_dp]
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+    type(table_t) :: rating, factors
+    integer :: i
+
+    call read_case(begin//'''case_hardened'', ''alloy_steel'' material_grade = ''me'' /', case, error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+    call check_no_error(t, 'two materials', error)
+    call make_table(study, 'rating', rating, error)
+    call make_table(study, 'rating_factors', factors, error)
+    do i = 1, 2
+      call check_close(t, 'sigma_Hlim', factors%number('contact_number_mpa', i), contact(i), 1e-12_dp)
+      call check_close(t, 'sigma_Flim', factors%number('root_number_mpa', i), root(i), 1e-12_dp)
+      call check_close(t, 'S_H of a material', rating%number('contact_stress_mpa', i)*rating%number('contact_safety', i), &
+                       contact(i), 1e-12_dp)
+      call check_close(t, 'S_F of a material', rating%number('root_stress_mpa', i)*rating%number('root_safety', i), &
+                       2*root(i), 1e-12_dp)
+    end do
+    do i = 1, size(gear_materials)
+      associate (contact => contact_number(gear_materials(i), [1, 2, 3]), root => root_number(gear_materials(i), [1, 2, 3]))
+        call check_true(t, 'a better grade bears no less: '//trim(gear_materials(i)%name), &
+                        all(contact(2:) >= contact(:2)) .and. all(root(2:) >= root(:2)))
+        call check_true(t, 'the root bears less than the flank', all(root < contact))
+      end associate
+    end do
+    call read_case(begin//'''case_hardened'' root_limit_mpa = 900 /', case, error)
+    call check_error(t, 'a material and a limit', error, '&rating root_limit_mpa')
+    call read_case(begin//'''butter'' /', case, error)
+    call check_error(t, 'no such material', error, 'must be one of ''normalized_steel''')
+  end subroutine materials
 end module test_iso_rating

@@ -741,7 +741,7 @@ refuses '&dynamics friction = 1: must be at least 0 and below 1' 1 's/friction =
 refuses '&material poisson = 0.5: must be at least 0 and below 0.5' 1 's/poisson = .*/poisson = 0.5/'
 refuses '&pair backlash_um = -1: must be at least 0' 1 's/module_mm/backlash_um = -1 module_mm/'
 refuses "tip_alteration = 1: must be .true. or .false." 1 's/module_mm/tip_alteration = 1 module_mm/'
-refuses "&case tasks = 'sweep', 'stress': must be one of 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'torque', 'sweep', 'optimum'" 1 "s/tasks = .*/tasks = 'sweep', 'stress'/"
+refuses "&case tasks = 'sweep', 'stress': must be one of 'geometry', 'section', 'mesh', 'static', 'modal', 'load', 'torque', 'sweep', 'optimum', 'deflection_relief'" 1 "s/tasks = .*/tasks = 'sweep', 'stress'/"
 refuses "must be one of 'fe', 'weber', 'iso6336', 'polynomial', 'table'" 1 "s/model = .*/model = 'finite'/"
 refuses "must be one of 'linear', 'parabolic'" 1 "s/shape = .*/shape = 'cubic'/"
 refuses "must be one of 'hpstc', 'pitch', 'length', 'roll'" 1 "s/start = .*/start = 'lpstc'/"
@@ -822,10 +822,10 @@ run base.nml --out waits
 check 'nothing waits' lacks stdout 'Not used'
 waits "Not used           for a section that ends at it or a mass that is not stated: &pinion bore_mm" '/&pinion/,/^\//s/teeth = 25/teeth = 25 bore_mm = 20/'
 waits 'Not used           for modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated: &material density_kgm3' 's/young/density_kgm3 = 7850 young/'
-waits 'Not used           for static, modal, precision, flank, rating, transient, harmonic, body_modes or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
-waits 'Not used           for modal, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
+waits 'Not used           for static, modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
+waits 'Not used           for modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
 waits 'Not used           for load: &sweep load_rpm' "s/tasks = .*/tasks = 'mesh', 'sweep'/"
-waits '                   for sweep, optimum, stability, hysteresis, poincare or attractors: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
+waits '                   for sweep, optimum, deflection_relief, stability, hysteresis, poincare or attractors: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
 waits "Not used           for section, static, modal, precision, transient, harmonic or a stiffness by elements: &section teeth" "s/&sweep/\\&section teeth = 5 \\/ \\&sweep/"
 waits 'for section, static, modal, precision, transient, harmonic or body_modes: &section member' "s/&sweep/\\&section member = 'gear' \\/ \\&sweep/"
 waits 'for static: &static positions' "s/&sweep/\\&static positions = 5 \\/ \\&sweep/"
@@ -854,8 +854,8 @@ refuses '&mesh base_pitch_mm: missing; a torque' 1 's/normal_force_n/torque_nm/'
 refuses '&mesh base_pitch_mm: missing; an inertia' 1 's/effective_mass_kg/inertia_kgm2/'
 refuses '&pair face_width_mm: missing; a line load' 1 's/normal_force_n/line_load_n_mm/'
 refuses '&pair face_width_mm = 20: a prescribed mesh uses it with line_load_n_mm only' 1 's/&case/\&pair face_width_mm = 20 \/ \&case/'
-for task in geometry section static modal torque flank rating transient harmonic life body_modes; do
-  refuses '&case tasks: geometry, section, static, modal, torque, flank, rating, transient, harmonic, life or body_modes needs a gear' 1 "s/tasks = .*\//tasks = '$task' \//"
+for task in geometry section static modal torque deflection_relief flank rating transient harmonic life body_modes; do
+  refuses '&case tasks: geometry, section, static, modal, torque, deflection_relief, flank, rating, transient, harmonic, life or body_modes needs a gear' 1 "s/tasks = .*\//tasks = '$task' \//"
 done
 refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'fe'/"
 refuses "start = 'roll': a prescribed mesh has no roll angles" 1 's/amount_um/pinion_roll_deg = 20 gear_roll_deg = 20 amount_um/'

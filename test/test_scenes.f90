@@ -34,7 +34,7 @@ module test_scenes
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&case tasks = ''geometry'', ''section'', ''mesh'', ''static'', ''modal'', ''load'', ''sweep'', ''optimum'','// &
     '  ''stability'', ''hysteresis'', ''poincare'', ''attractors'', ''branches'', ''sensitivity'', ''precision'', ''flank'','// &
-    '  ''rating'', ''transient'', ''harmonic'', ''life'', ''torque'','// &
+    '  ''rating'', ''transient'', ''harmonic'', ''life'', ''torque'', ''deflection_relief'','// &
     '  ''body_modes'' / &body_modes nodal_diameters = 2 elements_across = 2 /'// &
     '&torque rpm = 5000 / &flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
     '&harmonic frequency_hz = 0, 1e5 modes = 3 /'// &

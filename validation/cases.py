@@ -10,7 +10,7 @@ DATA = pathlib.Path(__file__).parent.parent / 'data'
 # The task that fills a table, where it has another name.
 TASKS = {'gears': 'geometry', 'contact_points': 'geometry', 'motion': 'mesh', 'transmission_error': 'mesh', 'harmonics': 'mesh',
          'root_stress': 'static', 'flank_losses': 'flank', 'root_rating': 'static', 'rating_factors': 'rating', 'dynamic_factors': 'rating', 'transient_points': 'transient',
-         'transient_peaks': 'transient', 'resonances': 'sweep', 'optimum_curve': 'optimum'}
+         'transient_peaks': 'transient', 'resonances': 'sweep', 'optimum_curve': 'optimum', 'relief_flank': 'deflection_relief'}
 
 _NO_SECTION = {'teeth': None, 'fixed': None, 'plane': None}
 
@@ -34,6 +34,7 @@ VARIANTS = {
     'half-shares': {'mesh': {'model': 'polynomial', 'coefficients': 400}},
     'losses': {'flank': {'rpm': 6700, 'friction_coefficient': 0.05, 'dynamic_load': False}},
     'six-um': {'relief': {'amount_um': (0, 6), 'start': 'hpstc'}},
+    'from-pitch': {'relief': {'amount_um': 0, 'start': 'pitch'}},
     'no-edge-break': {'gear': {'tip_form_diameter_mm': None}},
     # STplus prints the span of teeth without their allowances.
     'no-allowance': {'pinion': {'generating_shift': None}, 'gear': {'generating_shift': None}},

@@ -4,10 +4,10 @@ import itertools
 import math
 
 from . import ledger, quantities
-from .cases import given
+from .cases import given, result
 from .quantities import hertz_half_width, load, pair_stiffness, radius, static_error
 
-CASE, WHOLE = 'thamba', 'thamba+whole'
+CASE, WHOLE, RELIEF = 'thamba', 'thamba+whole', 'deflection_relief'
 
 
 def printed(id):
@@ -56,8 +56,34 @@ def between(k):
 
 
 def relief(k):
-    """Eq. 1: linear in the diameter, from the printed relief at the tip."""
-    return printed('r_10') * (printed(f'd_{k}') - diameter('reference')) / (diameter('tip') - diameter('reference'))
+    """Eq. 1: linear in the diameter from the pitch circle on, from the printed relief at the tip."""
+    flank = result('relief_flank', f'{RELIEF}+from-pitch')
+    ours = flank.relief_by_diameter_um[(flank.method == 'markovic_vrcan') & (flank.member == 'pinion')]
+    return printed('r_10') * ours[k - 1] / ours[-1]
+
+
+def method_relief(method):
+    """Relief of both gears by a method of the task deflection_relief, mm."""
+    return 1e-3 * _method(method).pinion_relief_um
+
+
+def method_error(method):
+    """Peak-to-peak static transmission error with it, um."""
+    return _method(method).ste_range_um
+
+
+def method_row(method):
+    """Relief, um, the same, and the largest dynamic factor over the speeds with it."""
+    return [1e3 * method_relief(method), method_error(method), _method(method).worst_dynamic_factor]
+
+
+def formula_over_elements():
+    """The deflection by the formula over that by finite elements, per cent more."""
+    return 100 * (method_relief('whole_flattening') / method_relief('finite_elements') - 1)
+
+
+def _method(method):
+    return result('deflection_relief', RELIEF).at(method=method)
 
 
 def corrected_relief(share=0.5):

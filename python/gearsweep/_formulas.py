@@ -73,8 +73,7 @@ def _of(study: Study, member: str) -> Iterator[tuple[str, list[Formula]]]:
         found = [Formula(clause, symbol, text.replace('Z_B', 'Z_D') if member == 'gear' else text, values, values[symbol], 'MPa')
                  for symbol, text in expressions.items()]  # fmt: skip
         if np.isfinite(safety := point[f'{kind}_safety']):
-            limits = np.atleast_1d(study.case.get('rating', f'{kind}_limit_mpa'))
-            values[f'sigma_{letter}G'] = float(limits[-1 if member == 'gear' else 0])
+            values[f'sigma_{letter}G'] = factors[f'{kind}_limit_mpa']
             found.append(Formula(clause, f'S_{letter}', f'sigma_{letter}G / sigma_{letter}', values, safety))
         yield f'{member.capitalize()}, {kind} stress where it is largest: {where["rpm"]:g} 1/min, relief {where["relief_um"]:g} µm', found
 

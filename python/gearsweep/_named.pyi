@@ -615,6 +615,76 @@ class OptimumLoadsTable(Table):
     points_without_answer: NDArray[int64]
     """speeds without an answer"""
 
+class DeflectionReliefTable(Table):
+    """tip reliefs by several methods, and what they do"""
+
+    method: NDArray[str_]
+    """none: without relief; markovic_vrcan: bending and half the flattening by the formula; whole_flattening: bending and all of it; finite_elements: the deflection by finite elements, of the stiffness model fe; transmission_error: the least peak-to-peak static transmission error; dynamic_factor: the least of the largest dynamic factors over the speeds, where one has an answer"""
+    pinion_relief_um: NDArray[float64]
+    """um: amount of relief at the pinion's tip"""
+    gear_relief_um: NDArray[float64]
+    """um: amount of relief at the gear's tip"""
+    within_um: NDArray[float64]
+    """um: the least lies so near; NaN for methods that look for none"""
+    ste_range_um: NDArray[float64]
+    """um: peak-to-peak static transmission error with this relief"""
+    worst_dynamic_factor: NDArray[float64]
+    """largest DF over the speeds; NaN where none has an answer"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion where that is"""
+    points_without_answer: NDArray[int64]
+    """speeds without an answer"""
+
+class ReliefDeflectionTable(Table):
+    """deflection of the teeth under the whole load"""
+
+    member: NDArray[str_]
+    """pinion or gear"""
+    load_diameter_mm: NDArray[float64]
+    """mm: diameter at which the load acts"""
+    start_diameter_mm: NDArray[float64]
+    """mm: diameter at which relief begins, d_k"""
+    load_height_mm: NDArray[float64]
+    """mm: y_p: height of the load above the root circle, along the tooth's axis"""
+    half_width_um: NDArray[float64]
+    """um: b_H: half width of the contact there, by Hertz"""
+    bending_um: NDArray[float64]
+    """um: delta_b: bending of the tooth on its body, by the formula"""
+    flattening_um: NDArray[float64]
+    """um: delta_H: flattening of this flank, by the formula"""
+    formula_deflection_um: NDArray[float64]
+    """um: their sum"""
+    fe_deflection_um: NDArray[float64]
+    """um: deflection of the tooth by finite elements, flattening included; NaN without the stiffness model fe"""
+
+class ReliefCurveTable(Table):
+    """static transmission error and dynamic factor over the amount of relief"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief, ascending"""
+    ste_range_um: NDArray[float64]
+    """um: peak-to-peak static transmission error"""
+    worst_dynamic_factor: NDArray[float64]
+    """largest DF over the speeds; NaN where none has an answer"""
+    at_least: NDArray[int64]
+    """1: a few speeds showed that this relief is not the best, and the largest DF is that of these; else 0"""
+
+class ReliefFlankTable(Table):
+    """relief of the flanks at chosen diameters, by each method"""
+
+    method: NDArray[str_]
+    """as in the table deflection_relief"""
+    member: NDArray[str_]
+    """pinion or gear"""
+    diameter_mm: NDArray[float64]
+    """mm: diameter on the flank"""
+    roll_deg: NDArray[float64]
+    """deg: roll angle there"""
+    relief_um: NDArray[float64]
+    """um: relief as the motion has it: linear or parabolic in the roll angle"""
+    relief_by_diameter_um: NDArray[float64]
+    """um: relief of the same amount that grows in proportion to the diameter, as in Eq. 1 of Thamba et al. 2020"""
+
 class StabilityTable(Table):
     """stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1"""
 
@@ -1089,19 +1159,19 @@ class RatingTable(Table):
     contact_stress_mpa: NDArray[float64]
     """MPa: contact stress sigma_H with K_v by Method A"""
     contact_safety: NDArray[float64]
-    """S_H with K_v by Method A; NaN without contact_limit_mpa"""
+    """S_H with K_v by Method A; NaN without contact_limit_mpa or a material"""
     root_stress_mpa: NDArray[float64]
     """MPa: tooth root stress sigma_F with K_v by Method A"""
     root_safety: NDArray[float64]
-    """S_F with K_v by Method A; NaN without root_limit_mpa"""
+    """S_F with K_v by Method A; NaN without root_limit_mpa or a material"""
     contact_stress_b_mpa: NDArray[float64]
     """MPa: contact stress sigma_H with K_v by Method B"""
     contact_safety_b: NDArray[float64]
-    """S_H with K_v by Method B; NaN without contact_limit_mpa"""
+    """S_H with K_v by Method B; NaN without contact_limit_mpa or a material"""
     root_stress_b_mpa: NDArray[float64]
     """MPa: tooth root stress sigma_F with K_v by Method B"""
     root_safety_b: NDArray[float64]
-    """S_F with K_v by Method B; NaN without root_limit_mpa"""
+    """S_F with K_v by Method B; NaN without root_limit_mpa or a material"""
 
 class RatingFactorsTable(Table):
     """factors of ISO 6336:2006 that do not depend on the speed"""
@@ -1148,6 +1218,16 @@ class RatingFactorsTable(Table):
     """um: f_pb after running in"""
     profile_deviation_um: NDArray[float64]
     """um: f_f_alpha after running in"""
+    material: NDArray[str_]
+    """of the case; empty for none"""
+    contact_number_mpa: NDArray[float64]
+    """MPa: allowable stress number sigma_Hlim of the material; NaN without one"""
+    root_number_mpa: NDArray[float64]
+    """MPa: nominal stress number sigma_Flim of the material; NaN without one"""
+    contact_limit_mpa: NDArray[float64]
+    """MPa: sigma_HG: as stated, or sigma_Hlim of the material; NaN for none"""
+    root_limit_mpa: NDArray[float64]
+    """MPa: sigma_FG: as stated, or twice sigma_Flim of the material; NaN for none"""
     equal_flanks: NDArray[int64]
     """1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0"""
 
@@ -1666,6 +1746,14 @@ class Named:
     def optimum_design(self) -> OptimumDesignTable: ...
     @property
     def optimum_loads(self) -> OptimumLoadsTable: ...
+    @property
+    def deflection_relief(self) -> DeflectionReliefTable: ...
+    @property
+    def relief_deflection(self) -> ReliefDeflectionTable: ...
+    @property
+    def relief_curve(self) -> ReliefCurveTable: ...
+    @property
+    def relief_flank(self) -> ReliefFlankTable: ...
     @property
     def stability(self) -> StabilityTable: ...
     @property

@@ -47,7 +47,7 @@ def test_defaults_of_the_reference():
     """Every plain default that doc/case.md prints is the one in effect."""
     case = Case(GEARED).changed(pinion={'effective_mass_kg': None, 'bore_mm': 20}, mesh={'model': None})
     more = ('stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating',
-            'transient', 'harmonic', 'life', 'body_modes', 'torque')
+            'transient', 'harmonic', 'life', 'body_modes', 'torque', 'deflection_relief')
     needed = {task: {'rpm': 3000} for task in ('sensitivity', 'flank', 'rating', 'transient', 'torque')}
     needed['harmonic'] = {'frequency_hz': [0, 1e5]}
     needed['life'] = {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900}

@@ -81,7 +81,7 @@ def everything():
                                 pinion={'bore_mm': 20}, body_modes={'nodal_diameters': 2, 'elements_across': 2, 'shapes': 3},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
     return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'sensitivity', 'flank', 'rating', 'transient', 'harmonic', 'life',
-                                'body_modes', 'torque'))  # fmt: skip
+                                'body_modes', 'torque', 'deflection_relief'))  # fmt: skip
 
 
 def all_plots():
@@ -663,8 +663,8 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'torque',
              'torque_harmonics',
-             'sweep', 'optimum_curve', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins', 'branches', 'branch_curves',
-             'sensitivity',
+             'sweep', 'optimum_curve', 'relief_curve', 'relief_flank', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins',
+             'branches', 'branch_curves', 'sensitivity',
              'precision', 'flank',
              'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')

@@ -10,7 +10,7 @@ import gearsweep
 
 GROUPS = {
     'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'optimum', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating', 'transient', 'harmonic', 'life', 'body_modes', 'torque'"
+        'tasks': "'static', 'modal', 'load', 'sweep', 'optimum', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating', 'transient', 'harmonic', 'life', 'body_modes', 'torque', 'deflection_relief'"
     },
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5, 'bore_mm': 20},
@@ -40,6 +40,7 @@ GROUPS = {
     'life': {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900},
     'body_modes': {},
     'torque': {'rpm': 3000},
+    'deflection_relief': {},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

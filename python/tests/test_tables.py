@@ -24,6 +24,7 @@ PLACES = {
     'Static transmission error': 'transmission_error harmonics',
     'Dynamic factor at chosen speeds': 'load_points',
     'Transmitted torque': 'torque_points',
+    'Tip relief': 'deflection_relief',
     'Dynamic factor over': 'sweep_summary sweep sweep_worst resonances',
     'Best of the list': 'sweep_summary',
     'Points': 'sweep_summary',

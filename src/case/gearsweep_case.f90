@@ -62,6 +62,7 @@ module gearsweep_case
   contains
     procedure :: want
     procedure :: asks
+    procedure :: relieves
     procedure :: needs
     procedure :: tasks_for
     procedure :: needs_elements
@@ -100,6 +101,13 @@ contains
 
     asks = any([(self%tasks(i)%is_wanted .and. self%tasks(i)%info%name == task, i=1, size(self%tasks))])
   end function asks
+
+  !> Do its reliefs matter: is an amount above 0, or does a task look for amounts of its own?
+  pure logical function relieves(self)
+    class(case_t), intent(in) :: self
+
+    relieves = any(self%amount > 0) .or. self%asks('optimum') .or. self%asks('deflection_relief')
+  end function relieves
 
   !> Does one of the case's tasks need this stage (see gearsweep_task)?
   pure logical function needs(self, stage)

@@ -12,6 +12,9 @@ module gearsweep_mesh_keys
   private
   public :: read_model, read_load, read_relief, read_path
 
+  !> What keys of the relief wait for.
+  character(*), parameter :: relief_matters = 'optimum, deflection_relief or an amount above 0'
+
 contains
 
   !> The stiffness; first, as it decides whether there is a geometry.
@@ -89,7 +92,7 @@ contains
                     'required where this group is given')
     ! Nothing that is wanted differs between the reliefs.
     if (len_trim(waits) > 0) case%amount = [0.0_dp]
-    waits = first_of(waits, unless(any(case%amount > 0) .or. case%asks('optimum'), 'optimum or an amount above 0'))
+    waits = first_of(waits, unless(case%relieves(), relief_matters))
     call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_relief, waits=waits, at_least=0.0_dp, &
                     at_most=1000.0_dp, meaning='relief at the pinion''s tip over the amount; 0 leaves the pinion as it is')
     call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_relief, waits=waits, at_least=0.0_dp, &
@@ -128,14 +131,14 @@ contains
     logical :: relieves
 
     made = unless(case%prescribed, by_hand)
-    relieves = any(case%amount > 0) .or. case%asks('optimum')
+    relieves = case%relieves()
     waits = unless(case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0) .or. case%asks('mesh'), 'mesh')
     call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, unit='mm', at_least=1e-6_dp, at_most=1e6_dp, &
                     waits=waits, refused=made, otherwise='that of the gears', &
                     meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
     waits = ''
     if (.not. (relieves .and. case%start == 'pitch')) waits = for_stage(case, 'motion')
-    if (.not. (relieves .or. case%friction > 0)) waits = 'optimum or an amount above 0'
+    if (.not. (relieves .or. case%friction > 0)) waits = relief_matters
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
                     refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch', &
                     'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')), &
@@ -150,7 +153,7 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: sharing = 'mesh, static, precision or transient'
+    character(*), parameter :: sharing = 'mesh, static, deflection_relief, precision or transient'
     character(sentence_length) :: geared, waits
     integer :: i
 
@@ -175,7 +178,8 @@ contains
   pure logical function shares_load(slot)
     type(task_slot_t), intent(in) :: slot
 
-    shares_load = slot%takes('reliefs') .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision'])
+    shares_load = slot%takes('reliefs') .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision', &
+                                                                             'deflection_relief'])
     if (slot%info%name == 'transient') shares_load = slot%takes('reliefs') .and. .not. slot%takes('motion')
   end function shares_load
 
@@ -196,7 +200,7 @@ contains
     waits = unless(case%model == 'table' .or. case%needs('reliefs'), case%tasks_for('reliefs'))
     call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for('mesh'), &
                     waits=waits, &
-                    refused=first_of(refused, unless(.not. (any(case%amount > 0) .or. case%asks('optimum')), relieved)), &
+                    refused=first_of(refused, unless(.not. case%relieves(), relieved)), &
                     otherwise='none', &
                     meaning='file with a table of the path coordinate s and the profile error of a prescribed mesh in um, '// &
                     'through which splines go; where s comes twice, a new one begins. As far beyond A and E as it and a '// &

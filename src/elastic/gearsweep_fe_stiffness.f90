@@ -16,7 +16,7 @@ module gearsweep_fe_stiffness
   use gearsweep_tooth_compliance, only: fe_options_t, tooth_compliance, tooth_t
   implicit none
   private
-  public :: fe_options_t, fe_stiffness
+  public :: fe_options_t, fe_stiffness, fe_deflection
 
   !> Knots of the stiffness over the path.
   integer, parameter, public :: fe_knots = 49
@@ -118,6 +118,31 @@ contains
       curve = joined(joined(spline(beyond(:, 1), width/there(:, 1)), curve), spline(beyond(:, 2), width/there(:, 2)))
     end subroutine find_with_corners
   end subroutine fe_stiffness
+
+  !> What each member's tooth yields along the line of action under `line_load` (N/m) at its path coordinate in `s` (m): bending
+  !> with its body, and its flattening for this half width of the contact (m), without the turning of whole gears about their
+  !> bores.
+  subroutine fe_deflection(pair, material, options, line_load, half_width, s, deflection, error)
+    type(pair_t), intent(in) :: pair
+    type(material_t), intent(in) :: material(2)
+    type(fe_options_t), intent(in) :: options
+    real(dp), intent(in) :: line_load, half_width(2), s(2)
+    real(dp), intent(out) :: deflection(2)
+    type(error_t), allocatable, intent(out) :: error
+    type(fe_options_t) :: on_path
+    type(tooth_t) :: tooth(2)
+    integer :: i
+
+    on_path = options
+    on_path%corner_contact = .false.
+    deflection = 0
+    call both_teeth(pair, material, on_path, tooth, error)
+    if (allocated(error)) return
+    do i = 1, 2
+      deflection(i) = line_load*(tooth(i)%compliance%value(pair%curvature(i, s(i))) + &
+        surface_to_depth(material(i), options%section%plane_strain, half_width(i), pair%gear(i)%spec%module))
+    end do
+  end subroutine fe_deflection
 
   !> What the bodies of pinion and gear yield together, with what of their turning is `felt` by the motion (m2/N). The path
   !> leads up the flank of the pinion and down that of the gear.

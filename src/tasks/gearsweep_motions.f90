@@ -3,7 +3,7 @@ module gearsweep_motions
   use gearsweep_corner, only: add_corners
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gear, only: drive
-  use gearsweep_inputs, only: motion_inputs_t, relief_inputs_t
+  use gearsweep_inputs, only: motion_inputs_t, motions_inputs_t, relief_inputs_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_piecewise, only: piecewise_t
@@ -11,7 +11,7 @@ module gearsweep_motions
   use gearsweep_text, only: str
   implicit none
   private
-  public :: build_motion, deepest_relief, relief_start
+  public :: build_motion, largest_relief, relief_start, with_relief
 
 contains
 
@@ -48,6 +48,19 @@ contains
     call make_oscillator(motion, error)
   end subroutine build_motion
 
+  !> The same for `find_optimum`, whose `context` are the motions' inputs.
+  subroutine with_relief(context, amount, motion, error)
+    class(*), intent(in) :: context
+    real(dp), intent(in) :: amount
+    type(oscillator_t), intent(out) :: motion
+    type(error_t), allocatable, intent(out) :: error
+
+    select type (context)
+    type is (motions_inputs_t)
+      call build_motion(context%motion, context%stiffness, context%profile_error, amount, motion, error)
+    end select
+  end subroutine with_relief
+
   !> The profile error of one amount of relief (m), over `reach` (base pitches).
   subroutine relieve(inputs, amount, reach, curve, error)
     type(relief_inputs_t), intent(in) :: inputs
@@ -70,6 +83,16 @@ contains
       if (.not. (allocated(error) .or. inputs%prescribed)) call add_corners(inputs%pair, relief, reach, curve)
     end if
   end subroutine relieve
+
+  !> The largest amount of relief (m) that a search tries. Beyond some 1.5 static deflections of one pair, pairs no longer share
+  !> the load.
+  pure real(dp) function largest_relief(inputs) result(largest)
+    type(motions_inputs_t), intent(in) :: inputs
+
+    largest = max(maxval(inputs%amount), 1.5_dp*inputs%motion%load &
+                  /inputs%stiffness%value(inputs%motion%relief%contact_ratio/2)/maxval(inputs%motion%relief%fraction))
+    largest = min(largest, deepest_relief(inputs%motion%relief))
+  end function largest_relief
 
   !> Half the tooth's thickness at the tip, over the larger fraction (m); for a
   !> prescribed mesh nothing is known of the tooth.

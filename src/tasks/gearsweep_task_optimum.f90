@@ -9,9 +9,8 @@ module gearsweep_task_optimum
   use gearsweep_joint_optimum, only: find_joint_optimum, joint_optimum_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t
-  use gearsweep_motions, only: build_motion, deepest_relief
+  use gearsweep_motions, only: largest_relief, with_relief
   use gearsweep_optimum, only: find_optimum, most_tried, optimum_t
-  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_points, only: of_worst
   use gearsweep_reader, only: reader_t
   use gearsweep_sweep, only: sweep_options_t, sweep_state_t
@@ -120,27 +119,6 @@ contains
     call fill_design(designs, optimum, self%tables(self%place('optimum_design')), error)
     call fill_loads(designs, optimum, self%tables(self%place('optimum_loads')), error)
   end subroutine search_jointly
-
-  !> Beyond some 1.5 static deflections of one pair, pairs no longer share the load.
-  pure real(dp) function largest_relief(inputs) result(largest)
-    type(motions_inputs_t), intent(in) :: inputs
-
-    largest = max(maxval(inputs%amount), 1.5_dp*inputs%motion%load &
-                  /inputs%stiffness%value(inputs%motion%relief%contact_ratio/2)/maxval(inputs%motion%relief%fraction))
-    largest = min(largest, deepest_relief(inputs%motion%relief))
-  end function largest_relief
-
-  subroutine with_relief(context, amount, motion, error)
-    class(*), intent(in) :: context
-    real(dp), intent(in) :: amount
-    type(oscillator_t), intent(out) :: motion
-    type(error_t), allocatable, intent(out) :: error
-
-    select type (context)
-    type is (motions_inputs_t)
-      call build_motion(context%motion, context%stiffness, context%profile_error, amount, motion, error)
-    end select
-  end subroutine with_relief
 
   !> The optimum relief.
   pure subroutine fill_best(optimum, table, error)

@@ -14,6 +14,7 @@ module gearsweep_task_rating
   use gearsweep_load_factors, only: contact_stress, load_factors_t, rim_factor, root_face_load_factor, tooth_root_stress
   use gearsweep_memory, only: claim_memory
   use gearsweep_points, only: of_estimate, of_factor, of_relief, of_speed, of_status, words_of
+  use gearsweep_rating_limits, only: add_limits, limits_t, read_limits
   use gearsweep_reader, only: reader_t
   use gearsweep_root_rating, only: outer_point
   use gearsweep_status, only: has_result, status_stopped
@@ -33,11 +34,11 @@ module gearsweep_task_rating
     real(dp) :: deviation(2) = 0                 !< f_pb and f_f_alpha, m; 0: by the grade
     real(dp) :: running_in = 0.075_dp            !< what it takes of the deviations
     type(load_factors_t) :: factors              !< K_A is that of &load
-    real(dp), allocatable :: contact_limit(:), root_limit(:)    !< Pa; (1 or 2 members); not allocated: not stated
+    type(limits_t) :: limits                     !< what the gears bear
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
-    procedure, private :: read_accuracy, read_limits, need_method_b
+    procedure, private :: read_accuracy, need_method_b
   end type rating_task_t
 
   !> The nominal stresses of both gears, and what they were made from.
@@ -81,7 +82,7 @@ contains
     call reader%get(group, 'transverse_load_factor', self%factors%transverse, error, tasks=group, refused=geared, &
                     at_least=1.0_dp, at_most=100.0_dp, &
                     meaning='K_H_alpha and K_F_alpha, for deviations that let the pairs share the load unevenly')
-    call self%read_limits(reader, geared, error)
+    call read_limits(reader, group, geared, self%limits, error)
   end subroutine read_keys
 
   subroutine read_accuracy(self, reader, geared, error)
@@ -106,21 +107,6 @@ contains
     where (.not. stated) self%deviation = -1
   end subroutine read_accuracy
 
-  subroutine read_limits(self, reader, geared, error)
-    class(rating_task_t), intent(inout) :: self
-    type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: geared
-    type(error_t), allocatable, intent(inout) :: error
-
-    call reader%get(group, 'contact_limit_mpa', self%contact_limit, error, unit='MPa', tasks=group, refused=geared, &
-                    above=0.0_dp, at_most=1e6_dp, max_size=2, otherwise='no safety factor', &
-                    meaning='contact stress sigma_HG that both gears, or pinion and gear, bear: sigma_Hlim with its factors of '// &
-                    'life, lubrication and size')
-    call reader%get(group, 'root_limit_mpa', self%root_limit, error, unit='MPa', tasks=group, refused=geared, &
-                    above=0.0_dp, at_most=1e6_dp, max_size=2, otherwise='no safety factor', &
-                    meaning='tooth root stress sigma_FG that they bear: sigma_FE with its factors of life, notch and size')
-  end subroutine read_limits
-
   subroutine run(self, stages, error)
     class(rating_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
@@ -136,7 +122,7 @@ contains
     if (allocated(error) .or. .not. allocated(point)) return
     nominal = nominal_of(stages, self%factors)
     call fill_dynamic(stages%amount, self%own_rpm, of, point, self%tables(self%place('dynamic_factors')), error)
-    call fill_factors(stages, self%factors, nominal, of(1), self%tables(self%place('rating_factors')), error)
+    call fill_factors(stages, self%factors, nominal, of(1), self%limits, self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, self%tables(self%place('rating')), error)
     self%is_done = .true.
     associate (status => point%steady%status)
@@ -262,16 +248,17 @@ contains
   end subroutine fill_dynamic
 
   !> What does not depend on the speed.
-  subroutine fill_factors(stages, factors, nominal, of, table, error)
+  subroutine fill_factors(stages, factors, nominal, of, limits, table, error)
     type(stages_t), intent(in) :: stages
     type(load_factors_t), intent(in) :: factors
     type(nominal_t), intent(in) :: nominal
     type(method_b_t), intent(in) :: of
+    type(limits_t), intent(in) :: limits
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: angle(2)
 
-    call table%begin('factors of ISO 6336:2006 that do not depend on the speed', 2, 24, error, extent=[2])
+    call table%begin('factors of ISO 6336:2006 that do not depend on the speed', 2, 29, error, extent=[2])
     if (allocated(error)) return
     call table%add_index('member', '', 'pinion or gear', members)
     call both('tangential_load_n', 'N', 'nominal load F_t on the reference circle', nominal%load)
@@ -296,6 +283,7 @@ contains
               1/resonance_ratio(of, 1.0_dp))
     call both('pitch_deviation_um', 'um', 'f_pb after running in', micro*of%pitch_deviation)
     call both('profile_deviation_um', 'um', 'f_f_alpha after running in', micro*of%profile_deviation)
+    call add_limits(limits, table)
     angle = stages%pair%gear(1)%spec%pressure_angle
     call table%add('equal_flanks', '', '1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0', &
                    spread(merge(0, 1, abs(angle(coast) - angle(drive)) > 0), 1, 2))
@@ -346,22 +334,13 @@ contains
       contact = contact_stress(nominal%contact, nominal%flank%single_pair(member), self%factors, dynamic)
       root = tooth_root_stress(nominal%root(member), self%factors, nominal%root_face_load, dynamic)
       call table%add('contact_stress'//suffix//'_mpa', 'MPa', 'contact stress sigma_H '//by, mega*contact)
-      call table%add('contact_safety'//suffix, '', 'S_H '//by//'; NaN without contact_limit_mpa', &
-                     limit_of(self%contact_limit, member)/contact)
+      call table%add('contact_safety'//suffix, '', 'S_H '//by//'; NaN without contact_limit_mpa or a material', &
+                     self%limits%contact(member)/contact)
       call table%add('root_stress'//suffix//'_mpa', 'MPa', 'tooth root stress sigma_F '//by, mega*root)
-      call table%add('root_safety'//suffix, '', 'S_F '//by//'; NaN without root_limit_mpa', limit_of(self%root_limit, member)/root)
+      call table%add('root_safety'//suffix, '', 'S_F '//by//'; NaN without root_limit_mpa or a material', &
+                     self%limits%root(member)/root)
     end subroutine add
   end subroutine fill_rating
-
-  !> What each member bears (Pa).
-  pure function limit_of(limit, member) result(values)
-    real(dp), allocatable, intent(in) :: limit(:)
-    integer, intent(in) :: member(:)
-    real(dp) :: values(size(member))
-
-    values = no_number()
-    if (allocated(limit)) values = limit(min(member, size(limit)))
-  end function limit_of
 
   pure subroutine add_report(self, lines)
     class(rating_task_t), intent(in) :: self

@@ -4,6 +4,7 @@ module gearsweep_tasks
   use gearsweep_task_attractors, only: attractors_task_t
   use gearsweep_task_body_modes, only: body_modes_task_t
   use gearsweep_task_branches, only: branches_task_t
+  use gearsweep_task_deflection_relief, only: deflection_relief_task_t
   use gearsweep_task_flank, only: flank_task_t
   use gearsweep_task_geometry, only: geometry_task_t
   use gearsweep_task_harmonic, only: harmonic_task_t
@@ -57,6 +58,7 @@ contains
     call add(torque_task_t())
     call add(sweep_task_t())
     call add(optimum_task_t())
+    call add(deflection_relief_task_t())
     call add(stability_task_t())
     call add(hysteresis_task_t())
     call add(poincare_task_t())

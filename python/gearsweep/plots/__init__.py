@@ -33,6 +33,7 @@ from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
 from .branches import plot_branch_curves, plot_branches
+from .deflection_relief import plot_deflection_relief, plot_relief_flank
 from .files import PICTURES, draw_all, figures, save
 from .flank import plot_flank
 from .frequency import plot_campbell, plot_frequency_response
@@ -60,6 +61,7 @@ __all__ = [
     'plot_branch_curves',
     'plot_branches',
     'plot_campbell',
+    'plot_deflection_relief',
     'plot_dte',
     'plot_flank',
     'plot_frequency_response',
@@ -74,6 +76,7 @@ __all__ = [
     'plot_poincare',
     'plot_precision',
     'plot_rating',
+    'plot_relief_flank',
     'plot_section',
     'plot_sensitivity',
     'plot_sharing',

@@ -30,6 +30,7 @@ from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
 from .branches import plot_branch_curves, plot_branches, reliefs_of
+from .deflection_relief import LABELS, plot_deflection_relief, plot_relief_flank
 from .flank import plot_flank
 from .frequency import plot_campbell, plot_frequency_response
 from .gears import plot_geometry
@@ -161,6 +162,26 @@ def _mesh(study: Study) -> Figure:
     return figure
 
 
+def _relief_curve(study: Study) -> Figure:
+    """Transmission error and dynamic factor below each other."""
+    figure = Figure((COLUMN, 115 * MM), layout='constrained')
+    axes = figure.subplots(2, sharex=True)
+    for ax, quantity in zip(axes, LABELS):
+        plot_deflection_relief(study, ax, quantity=quantity)
+        ax.label_outer()
+    for legend in axes[1].findobj(Legend):
+        legend.remove()
+    return figure
+
+
+def _relief_flank(study: Study) -> Figure:
+    """A panel for each gear."""
+    figure, axes = _panels(2, 'gears', 2, 70)
+    for ax, member in zip(axes, ('pinion', 'gear')):
+        plot_relief_flank(study, ax, member=member)
+    return figure
+
+
 def _speeds(table: str, plot: Callable) -> Callable[[Study], Figure]:
     """A panel for each speed."""
 
@@ -272,6 +293,8 @@ PICTURES = {
                                 _speeds('torque_harmonics', plot_torque_harmonics)),
     'sweep': Picture('Dynamic factor over speed, a curve for each relief', _single(plot_sweep, 80, PAGE)),
     'optimum_curve': Picture('Largest dynamic factor over relief, the least marked', _single(plot_optimum, 60)),
+    'relief_curve': Picture('Static transmission error and dynamic factor over relief, with the reliefs of each method', _relief_curve),
+    'relief_flank': Picture('Relief over the diameter of both flanks by each method', _relief_flank),
     'stability': Picture('Largest Floquet multiplier over speed and damping, tongues of instability and the damping that closes them',
                          _single(plot_stability, 80, PAGE)),
     'hysteresis': Picture('Dynamic factor on a slow run up and on one down, jumps with their speeds, doubled periods',
