@@ -1,5 +1,6 @@
 """The case: values in effect, changes that leave the rest alone."""
 
+import json
 import re
 
 import numpy as np
@@ -13,6 +14,14 @@ from gearsweep.case import written
 CASES = [Case(GEARED), Case(PRESCRIBED), Case(PARTIAL)] + [
     Case.read(ROOT / 'data' / name) for name in ('case1.nml', 'case2.nml', 'hassan.nml')
 ]
+
+
+def test_each_task_stands_in_a_case_of_data():
+    page = (ROOT / 'doc/case.md').read_text()
+    cases = {path.name: Case.read(path) for path in (ROOT / 'data').glob('*.nml')}
+    named = {task for case in cases.values() for task in case.tasks}
+    assert named == {task['name'] for task in json.loads(gearsweep._library.describe('tasks'))}
+    assert [name for name in cases if f'`{name}`' not in page] == []
 
 
 def test_values_given_and_default():

@@ -14,6 +14,7 @@ PLACES = {
     'Pair': 'gears geometry',
     'Diameters': 'gears',
     'Path of contact': 'geometry contact_points gears',
+    'Tip relief': 'deflection_relief',
     'Tip': 'gears geometry',
     'Undercut': 'gears geometry',
     'Tooth thickness': 'gears',
@@ -24,10 +25,15 @@ PLACES = {
     'Static transmission error': 'transmission_error harmonics',
     'Dynamic factor at chosen speeds': 'load_points',
     'Transmitted torque': 'torque_points',
-    'Tip relief': 'deflection_relief',
     'Dynamic factor over': 'sweep_summary sweep sweep_worst resonances',
     'Best of the list': 'sweep_summary',
-    'Points': 'sweep_summary',
+    'Points': 'sweep_summary stability',
+    'Stability with': 'stability tongues tongue_edges',
+    'Slow run': 'hysteresis hysteresis_changes',
+    'Changes': 'hysteresis hysteresis_changes',
+    'Motion seen once': 'poincare lyapunov',
+    'Attracting motions': 'attractors attractor_points',
+    'Several motions': 'attractors attractor_points',
     'Optimum relief': 'optimum',
     'Optimum design': 'optimum_design',
     'Branches of periodic motions': 'branches branch_changes',
@@ -42,7 +48,7 @@ PLACES = {
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
-WORDS = ('ISO 6336-3', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '1e-2     1e-4     1e-6')
+WORDS = ('ISO 6336-3', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6')
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
 
 
@@ -73,13 +79,18 @@ def read(path):
 
 
 def is_in(number, tables):
-    """Does one of these tables have the number, to its digits? A value in parts of one may be shown in per cent, and the
-    amount of a pressure may have lost its sign."""
+    """Does one of these tables have the number, to its digits? A value in parts of one may be shown in per cent, the
+    amount of a pressure may have lost its sign, and a count may be that of rows or of different values."""
     digits = number.lower().partition('e')
     step = 10.0 ** (int(digits[2] or 0) - len(digits[0].partition('.')[2]))
     shown = float(number)
     for _, columns in tables:
         for name, values in columns.items():
+            counts = [len(values), len(set(values))]
+            if name == 'floquet_modulus':
+                counts.append(sum(as_number(value) > 1 for value in values))  # unstable points
+            if number.isdigit() and shown in counts:
+                return True
             for value in values:
                 for factor in (1, 100) if re.search('share|estimate|deviation', name) else (1,):
                     near = factor * as_number(value)

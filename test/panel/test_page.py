@@ -92,7 +92,7 @@ def test_a_slider_moves_the_number_at_the_caret_and_the_curves_follow(window):
     window.until(lambda: window.text() == SMALL)
 
 
-@pytest.mark.parametrize('name', [f'{one}.nml' for one in ('case1', 'case2', 'fzg_c40', 'hassan', 'karpat_asymmetric', 'precision', 'stplus_kst_e', 'thamba')])
+@pytest.mark.parametrize('name', [f'{one}.nml' for one in ('case1', 'case2', 'deflection_relief', 'fzg_c40', 'hassan', 'karpat_asymmetric', 'nonlinear', 'precision', 'stplus_kst_e', 'thamba')])
 def test_every_papers_case_is_one_click_away(name, browser, front):
     window = Window(browser, front.address).open(name, 'data')
     assert 'Done in' in window.page.locator('#state').inner_text()
