@@ -5,10 +5,13 @@ module test_frequency_response
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t
   use gearsweep_frequency_response, only: find_peak, frequencies_around, response_to
+  use gearsweep_compliance, only: flank_load
+  use gearsweep_gear, only: coast
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
   use gearsweep_modal_superposition, only: load_history_t, modal_model_t, motion_record_t, superpose
-  use gearsweep_section_body, only: make_two_grids, section_body_t
+  use gearsweep_modes, only: find_modes, modes_t
+  use gearsweep_section_body, only: make_section_body, make_two_grids, section_body_t
   use gearsweep_stress, only: root_stress, root_stress_t
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: table_t
@@ -29,6 +32,7 @@ contains
     if (t%wants('one_mode')) call one_mode(t)
     if (t%wants('steady_motion')) call steady_motion(t)
     if (t%wants('reciprocity')) call reciprocity(t)
+    if (t%wants('reciprocity_of_a_section')) call reciprocity_of_a_section(t)
     if (t%wants('whatever_is_listed')) call whatever_is_listed(t)
     if (t%wants('at_rest')) call at_rest(t)
     if (t%wants('resonances')) call resonances(t)
@@ -122,6 +126,68 @@ contains
       call check_close(t, 'reciprocity', abs(one(1) - other(1)), 0.0_dp, absolute=1e-14_dp*abs(one(1)))
     end do
   end subroutine reciprocity
+
+  !> The same of a section by finite elements, at rest, between its natural frequencies and in them: what a node of the coast fillet
+  !> does sideways under a load on the drive flank is what that place of the flank does along its load under a force on the node.
+  !> Displacements are read off the solutions, not made from both loads alike.
+  subroutine reciprocity_of_a_section(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: count = 6
+    type(section_body_t) :: grid
+    type(modes_t) :: modes
+    type(modal_model_t) :: model
+    type(error_t), allocatable :: error
+    real(dp), allocatable :: load(:, :), x(:, :), force(:, :)
+    integer, allocatable :: fillet(:)
+    complex(dp) :: there(1), back(1)
+    real(dp) :: angular
+    integer :: node, i, k
+
+    call make_section_body(hassan_gear(30), material_t(), hassan_options(6), grid, error)
+    if (.not. allocated(error)) call find_modes(grid%body, count, modes, error)
+    call check_no_error(t, 'a section and its modes', error)
+    associate (body => grid%body, section => grid%section)
+      fillet = section%surface(section%loaded, coast)
+      node = fillet(5)
+      allocate (load(body%unknowns, 2), source=0.0_dp)
+      allocate (force(2, size(section%grid%x, 2)), source=0.0_dp)
+      force(1, node) = 1
+      call flank_load(section, body, 0.99_dp*section%gear%tip_radius, load(:, 1), error)
+      call check_no_error(t, 'load on the flank', error)
+      load(:, 2) = body%gather(force)
+      x = load
+      call body%stiffness%solve(x, error)
+      call check_no_error(t, 'both loads', error)
+      model%static = reshape([(seen(x(:, i)), i=1, 2)], [2, 2])
+      model%shape = reshape([(seen(body%gather(modes%shape(:, :, k))), k=1, count)], [2, count])
+      allocate (model%force(count, 2))
+      do k = 1, count
+        model%force(k, :) = matmul(body%gather(modes%shape(:, :, k)), load)
+      end do
+    end associate
+    model%frequency = 2*pi*modes%frequency
+    model%damping = 0.02_dp*model%frequency
+    do i = 0, 2*count
+      angular = 0
+      if (i > 0) angular = model%frequency((i + 1)/2)*merge(1.0_dp, 1.03_dp, mod(i, 2) == 1)
+      there = response_to(model, [2], 1, angular)
+      back = response_to(model, [1], 2, angular)
+      call check_true(t, 'there is a response', abs(there(1)) > 1e-3_dp*maxval(abs(model%static)))
+      call check_close(t, 'there and back', abs(there(1) - back(1))/abs(there(1)), 0.0_dp, absolute=1e-8_dp)
+    end do
+
+  contains
+
+    !> What is seen of a displacement: along the load on the flank, by the work that a unit load does, and at the node sideways.
+    function seen(unknowns) result(values)
+      real(dp), intent(in) :: unknowns(:)
+      real(dp) :: values(2)
+      real(dp), allocatable :: u(:, :)
+
+      u = grid%body%spread_out(unknowns)
+      values = [dot_product(load(:, 1), unknowns), u(1, node)]
+    end function seen
+  end subroutine reciprocity_of_a_section
 
   !> Between two listed frequencies far apart a narrow peak is met, which a dense scan finds too; each frequency stands once, and
   !> they ascend.
