@@ -1,14 +1,18 @@
 !> Contact before A and behind E, and shared compliance: statics against closed forms, the motion against an integrator
 !> written apart, and what must not depend on how it is computed.
 module test_beyond
-  use gearsweep_coefficients, only: scheme_constant, scheme_rk4, scheme_rk4_equal
+  use gearsweep_coefficients, only: resolution_t, scheme_constant, scheme_rk4, scheme_rk4_equal
+  use gearsweep_contact_set, only: period_t
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_gauss, only: batch_size
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_period, only: run_batch
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_profile_table, only: profile_table
   use gearsweep_relief, only: linear, profile_error, relief_t
@@ -40,6 +44,9 @@ contains
     if (t%wants('begins_under_load')) call begins_under_load(t)
     if (t%wants('out_of_reach')) call out_of_reach(t)
     if (t%wants('references')) call references(t)
+    if (t%wants('references_in_batches')) call references_in_batches(t)
+    if (t%wants('estimates_in_batches')) call estimates_in_batches(t)
+    if (t%wants('derivative_in_batches')) call derivative_in_batches(t)
     if (t%wants('sixth_order')) call sixth_order(t)
     if (t%wants('one_by_one_and_in_batches')) call one_by_one_and_in_batches(t)
     if (t%wants('slow_motion')) call slow_motion(t)
@@ -294,6 +301,102 @@ contains
       call check_true(t, row//' status', point%steady%status == status_ok)
     end do
   end subroutine references
+
+  !> The same rows, each beside seven speeds close by: there changes of contact take another way through their steps.
+  subroutine references_in_batches(t)
+    type(tally_t), intent(inout) :: t
+    type(corner_row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+    integer :: i, k
+
+    call read_rows(rows)
+    options%direction = each
+    options%accuracy%steady%tolerance = 1e-9_dp
+    do i = 1, size(rows)
+      if (rows(i)%apart > 0) cycle
+      call make(rows(i), osc)
+      call run_sweep([osc], rows(i)%rpm*[(1 + 0.01_dp*k, k=-3, 4)], options, sweep, error)
+      call check_no_error(t, 'sweep', error)
+      call check_close(t, 'row '//str(rows(i)%id)//' in a batch', sweep%dynamic_factor(4, 1), rows(i)%dynamic_factor, &
+                       absolute=1e-9_dp + rows(i)%difference/5)
+      call check_true(t, 'row '//str(rows(i)%id)//' estimate in a batch', &
+                      abs(sweep%dynamic_factor(4, 1) - rows(i)%dynamic_factor) <= 2*sweep%estimate(4, 1) &
+                      + rows(i)%difference/5 + 1e-11_dp)
+      call check_true(t, 'row '//str(rows(i)%id)//' status in a batch', all(sweep%status == status_ok))
+    end do
+  end subroutine references_in_batches
+
+  !> Errors of a sweep, against many more steps, keep to their estimates also where the intervals in which contact changes are
+  !> shorter than a step.
+  subroutine estimates_in_batches(t)
+    type(tally_t), intent(inout) :: t
+    type(corner_row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options, many
+    type(sweep_t) :: sweep, truth
+    type(error_t), allocatable :: error
+    real(dp) :: rpm(40)
+    integer :: i, k, above
+
+    call read_rows(rows)
+    rpm = [(5000 + 400.0_dp*k, k=0, 39)]
+    options%direction = each
+    many%direction = each
+    many%accuracy%steady%tolerance = 1e-10_dp
+    do i = 1, size(rows)
+      if (rows(i)%beyond == 0 .or. rows(i)%zeta < 0.09_dp) cycle
+      call make(rows(i), osc)
+      call run_sweep([osc], rpm, options, sweep, error)
+      call check_no_error(t, 'sweep', error)
+      call run_sweep([osc], rpm, many, truth, error)
+      call check_no_error(t, 'sweep in many steps', error)
+      above = count(.not. abs(sweep%dynamic_factor - truth%dynamic_factor) <= 2*sweep%estimate + truth%estimate)
+      call check_true(t, 'errors within twice their estimates, row '//str(rows(i)%id), above <= 1, str(above))
+    end do
+  end subroutine estimates_in_batches
+
+  !> What a period does to a small change of its first state is the monodromy matrix, by central differences; contact changes in
+  !> every period.
+  subroutine derivative_in_batches(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: change = 1e-4_dp      ! static deflections
+    type(corner_row_t), allocatable :: rows(:)
+    type(oscillator_t) :: osc
+    type(period_map_t) :: map
+    type(period_t) :: run(batch_size), more(batch_size), less(batch_size)
+    real(dp) :: start(2, batch_size), step(2, batch_size), worst
+    logical :: active(batch_size)
+    integer :: changes, i, k, l
+
+    call read_rows(rows)
+    active = .true.
+    changes = 0
+    worst = 0
+    do i = 1, size(rows)
+      if (rows(i)%beyond == 0 .or. rows(i)%apart > 0) cycle
+      call make(rows(i), osc)
+      call discretise(osc, resolution_t(40.0_dp, 2), map)
+      call set_durations(map, mesh_period(rows(i)%teeth(1), rows(i)%rpm*[(1 + 0.01_dp*l, l=1, batch_size)]))
+      start = spread(1e-6_dp*rows(i)%state, 2, batch_size)
+      call run_batch(map, start, active, .false., run)
+      changes = changes + minval(run%events)
+      do k = 1, 2
+        step = 0
+        step(k, :) = change*osc%static_deflection
+        call run_batch(map, start + step, active, .false., more)
+        call run_batch(map, start - step, active, .false., less)
+        do l = 1, batch_size
+          worst = max(worst, maxval(abs((more(l)%state - less(l)%state)/(2*step(k, l)) - run(l)%monodromy(:, k)) &
+                                    /[1.0_dp, max(1.0_dp, osc%natural_frequency*map%duration(l))]))
+        end do
+      end do
+    end do
+    call check_true(t, 'contact changes in each period', changes > 0, str(changes))
+    call check_close(t, 'derivative of a period', worst, 0.0_dp, absolute=1e-5_dp)
+  end subroutine derivative_in_batches
 
   !> Halving the steps from two for a radian of the natural motion, errors against a tolerance of 1e-12; mean of the rows.
   subroutine sixth_order(t)

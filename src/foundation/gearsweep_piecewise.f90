@@ -177,39 +177,50 @@ contains
     integer, intent(in) :: among(2)              !< first and last piece in question
     real(dp), intent(out), contiguous :: f(:)
     real(dp), intent(out), contiguous, optional :: slope(:), curvature(:)
-    integer :: i, first, last
+    ! So many places at once, whose coordinates in the piece need no memory of their own.
+    integer, parameter :: most = 64
+    real(dp) :: v(most), scale
+    integer :: i, k, first, last
 
     last = 0
     i = p%locate(x(1), among)
     do while (last < size(x))
       first = last + 1
-      last = size(x)
+      last = min(size(x), last + most)
       if (i < among(2)) then
         do while (i < among(2) .and. x(first) >= p%breaks(i + 1))
           i = i + 1
         end do
-        if (i < among(2)) last = first - 1 + count(x(first:) < p%breaks(i + 1))
+        if (i < among(2)) last = first - 1 + count(x(first:last) < p%breaks(i + 1))
       end if
-      associate (v => (2*x(first:last) - p%breaks(i) - p%breaks(i + 1))/(p%breaks(i + 1) - p%breaks(i)), &
-                 scale => 2/(p%breaks(i + 1) - p%breaks(i)))
-        call evaluate(p%coef(:, i), v, 0, f(first:last))
-        if (present(slope)) call evaluate(p%coef(:, i)*scale, v, 1, slope(first:last))
-        if (present(curvature)) call evaluate(p%coef(:, i)*scale**2, v, 2, curvature(first:last))
+      associate (left => p%breaks(i), right => p%breaks(i + 1))
+        do k = first, last
+          v(k - first + 1) = (2*x(k) - left - right)/(right - left)
+        end do
+        scale = 2/(right - left)
+      end associate
+      associate (n => last - first + 1)
+        call evaluate(p%coef(:, i), v(:n), 0, 1.0_dp, f(first:last))
+        if (present(slope)) call evaluate(p%coef(:, i), v(:n), 1, scale, slope(first:last))
+        if (present(curvature)) call evaluate(p%coef(:, i), v(:n), 2, scale**2, curvature(first:last))
       end associate
     end do
   end subroutine sample
 
-  !> Derivative of the given order of a polynomial in ascending powers of v.
-  pure subroutine evaluate(coef, v, order, f)
-    real(dp), intent(in) :: coef(0:), v(:)
+  !> A polynomial (order 0), or its first or second derivative, whose coefficients are times `scale`.
+  pure subroutine evaluate(coef, v, order, scale, f)
+    real(dp), intent(in), contiguous :: coef(0:), v(:)
     integer, intent(in) :: order
-    real(dp), intent(out) :: f(size(v))
+    real(dp), intent(in) :: scale
+    real(dp), intent(out), contiguous :: f(:)
     real(dp) :: factor
     integer :: k
 
     f = 0
     do k = ubound(coef, 1), order, -1
-      factor = coef(k)*merge(1, k, order == 0)*merge(k - 1, 1, order == 2)
+      factor = coef(k)*scale
+      if (order > 0) factor = factor*k
+      if (order > 1) factor = factor*(k - 1)
       f = f*v + factor
     end do
   end subroutine evaluate

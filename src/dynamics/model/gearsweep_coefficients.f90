@@ -34,7 +34,8 @@ contains
       grading = gradings(osc, resolution)
       counts = resolution%times*count_steps(grading, osc%intervals%last - osc%intervals%first)
     else
-      counts = equal_steps(osc%intervals%last - osc%intervals%first, resolution)
+      counts = equal_steps(osc%intervals%last - osc%intervals%first, resolution, &
+                           [(all(osc%intervals(i)%between), i=1, size(osc%intervals))])
     end if
     call allocate_table(osc, sum(counts), table)
     if (table%steps == 0) return
@@ -71,15 +72,17 @@ contains
   end subroutine tabulate
 
   !> How many steps a smooth interval of this length (mesh phase) has: `times` for each of its shares of `base` steps. One that is
-  !> shorter than such a share has fewer, halved as long as they stay shorter than those of the longer intervals.
-  elemental integer function equal_steps(length, resolution) result(steps)
+  !> shorter than such a share has fewer, halved as long as they stay shorter than those of the longer intervals; but not where
+  !> pairs come and go in every period: a step with a change of contact is to be halved with all others, for its error to show.
+  elemental integer function equal_steps(length, resolution, may_have_fewer) result(steps)
     real(dp), intent(in) :: length
     type(resolution_t), intent(in) :: resolution
+    logical, intent(in) :: may_have_fewer
     real(dp) :: shares
 
     shares = resolution%base*length - 1e-6_dp
     steps = resolution%times*max(1, ceiling(shares))
-    if (shares > 1) return
+    if (shares > 1 .or. .not. may_have_fewer) return
     do while (modulo(steps, 2) == 0 .and. steps/2 >= resolution%times*shares)
       steps = steps/2
     end do

@@ -9,7 +9,7 @@ module gearsweep_step_ends
   use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   implicit none
   private
-  public :: contact_set_at_begin, end_acceleration, deflection_at_end, coast_stiffness, coast_stiffness_at_end
+  public :: contact_sets_at_begin, end_acceleration, deflection_at_end, coast_stiffness, coast_stiffness_at_end
 
 contains
 
@@ -125,35 +125,45 @@ contains
     k(2) = (own(2) - 2*k(1)*d(1) - k(0)*d(2))/d(0)
   end function coast_stiffness
 
-  !> The contact set at the begin of a step; where it is held, that of full contact.
-  pure integer function contact_set_at_begin(osc, table, step, x, held) result(contact_set)
+  !> The contact sets of a batch at the begin of a step; where they are held, that of full contact.
+  pure subroutine contact_sets_at_begin(osc, table, step, x, held, contact_set)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step                !< which
-    real(dp), intent(in) :: x                  !< m
-    logical, intent(in) :: held
-    real(dp) :: w, shared
-    integer :: j
+    real(dp), intent(in) :: x(:)               !< m; (speed)
+    logical, intent(in) :: held(:)             !< (speed)
+    integer, intent(out) :: contact_set(:)     !< (speed)
+    real(dp), dimension(size(x)) :: w
+    real(dp) :: a, b, c
+    integer :: j, l
 
-    contact_set = table%full(step)
-    if (held) return
     associate (p => table%pairs(step), k => table%end_stiffness(0, :, 1, step), e => table%end_profile_error(0, :, 1, step))
       contact_set = 0
       if (table%coupled(step)) then
-        contact_set = closed_set(compliances(table%end_stiffness(:, :p, 1, step), table%end_shared(:, :p - 1, 1, step), &
-                                             osc%mesh%disc%shared_beyond()), table%end_profile_error(:, :p, 1, step), x)
+        do l = 1, size(x)
+          contact_set(l) = closed_set(compliances(table%end_stiffness(:, :p, 1, step), table%end_shared(:, :p - 1, 1, step), &
+                                                  osc%mesh%disc%shared_beyond()), table%end_profile_error(:, :p, 1, step), x(l))
+        end do
       else
-        shared = 0
-        if (osc%shared > 0) shared = table%end_shared(0, 1, 1, step)
         w = x
-        if (osc%shared > 0) w = (x + shared*table%end_sums(0, 2, 1, step))/(1 + shared*table%end_sums(0, 1, 1, step))
+        if (osc%shared > 0) then
+          a = table%end_sums(0, 1, 1, step)
+          b = table%end_sums(0, 2, 1, step)
+          c = table%end_shared(0, 1, 1, step)
+          w = (x + c*b)/(1 + c*a)
+        end if
         do j = 1, p
-          if (w > e(j)) contact_set = ibset(contact_set, j - 1)
+          do l = 1, size(x)
+            contact_set(l) = contact_set(l) + merge(ibset(0, j - 1), 0, w(l) > e(j))
+          end do
         end do
         ! What pairs that share a compliance work on was that of full contact.
-        if (osc%shared > 0 .and. contact_set /= table%full(step)) contact_set = closed_pairs(shared, k(:p), e(:p), x)
+        do l = 1, merge(size(x), 0, osc%shared > 0)
+          if (contact_set(l) /= table%full(step)) contact_set(l) = closed_pairs(c, k(:p), e(:p), x(l))
+        end do
       end if
     end associate
-    if (osc%has_backlash .and. x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
-  end function contact_set_at_begin
+    if (osc%has_backlash) where (x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
+    where (held) contact_set = table%full(step)
+  end subroutine contact_sets_at_begin
 end module gearsweep_step_ends

@@ -9,7 +9,7 @@ module gearsweep_superposition
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
   use gearsweep_oscillator, only: acceleration
-  use gearsweep_period_map, only: compose, flush_to_zero, period_map_t, propagate_full_contact, take_step
+  use gearsweep_period_map, only: compose, flush_to_zero, period_map_t, propagate_alike, take_step
   use gearsweep_periodic_orbit, only: closure_of, judge, newton_step, steady_t
   use gearsweep_shared_compliance, only: reduce_sums, working_deflection
   implicit none
@@ -86,8 +86,8 @@ contains
       motions%monodromy(:, 1) = 1
       motions%monodromy(:, 4) = 1
       do i = 1, n
-        call propagate_full_contact(map%osc, table, i, map%duration(:map%speeds), forced(:, 1), propagator(:, :6, i))
-        call propagate_full_contact(map%osc, table, i, map%duration(:map%speeds), forced(:, 2), other)
+        call propagate_alike(map%osc, table, i, map%duration(:map%speeds), forced(:, 1), propagator(:, :6, i))
+        call propagate_alike(map%osc, table, i, map%duration(:map%speeds), forced(:, 2), other)
         propagator(:, 7:8, i) = other(:, 5:6)
         call compose(propagator(:, :6, i), motions%monodromy)
         if (modulo(i, 64) == 0) call flush_to_zero(motions%monodromy)

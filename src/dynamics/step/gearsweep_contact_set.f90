@@ -9,7 +9,7 @@ module gearsweep_contact_set
   use gearsweep_oscillator, only: oscillator_t
   implicit none
   private
-  public :: period_t, contact_t, in_contact, set_contact, record_contact
+  public :: period_t, contact_t, in_contact, set_contact, set_contacts, record_contact
 
   !> What one mesh period of the motion does.
   type :: period_t
@@ -59,6 +59,21 @@ contains
     contact%weight(l) = merge(1, 0, closed)
     contact%sense(l) = merge(1, -1, closed .eqv. j <= osc%pairs)
   end subroutine set_contact
+
+  !> Contact j of all motions of a batch, as their contact sets have it.
+  pure subroutine set_contacts(osc, j, contact_set, contact)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: j           !< which contact
+    integer, intent(in) :: contact_set(batch_size)     !< (motion)
+    type(contact_t), intent(inout) :: contact  !< contact j
+    integer :: l
+
+    do l = 1, batch_size
+      contact%weight(l) = merge(1.0_dp, 0.0_dp, in_contact(contact_set(l), j))
+    end do
+    contact%sense = 2*contact%weight - 1
+    if (j > osc%pairs) contact%sense = -contact%sense
+  end subroutine set_contacts
 
   !> Records in a period what contact there is.
   pure subroutine record_contact(osc, contact_set, full, between, period)

@@ -1,5 +1,6 @@
 !> The motions of a batch on their way through the mesh period.
 module gearsweep_integrator
+  use gearsweep_change_loads, only: change_t
   use gearsweep_contact_set, only: contact_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
@@ -20,10 +21,13 @@ module gearsweep_integrator
     logical :: full_contact                      !< there is full contact at every speed
     logical :: all_full                          !< so it was in all steps so far, whose propagators are cached
     logical :: changes(batch_size)               !< contact may change, and then does change, within the step
+    logical :: crosses                           !< single changes of contact are for gearsweep_event_crossing
     type(sub_steps_t), allocatable :: sub_steps
     logical :: peaks                             !< the largest loads are wanted
     real(dp) :: peak(batch_size)                 !< largest load so far, N
     real(dp) :: coast_peak(batch_size)           !< that on the coast sides, N
     type(candidates_t) :: candidates(batch_size)  !< for larger ones
+    type(change_t) :: change(4)                  !< steps with a change of contact in which larger ones may be
+    integer :: noted                             !< how many
   end type integrator_t
 end module gearsweep_integrator

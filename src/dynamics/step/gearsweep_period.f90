@@ -1,10 +1,12 @@
 !> One mesh period of the motion, for a batch of speeds with contact sets of their own: collocation over the mesh
 !> phase in steps that end at every break. Within a step the contact set stays as it is, unless an event is located.
 module gearsweep_period
+  use gearsweep_change_loads, only: raise_peaks
   use gearsweep_coefficients, only: coefficients_t
   use gearsweep_contact_events, only: locate_events
-  use gearsweep_contact_set, only: contact_t, in_contact, period_t, record_contact, set_contact
+  use gearsweep_contact_set, only: contact_t, in_contact, period_t, record_contact, set_contacts
   use gearsweep_deflections, only: find_deflections, find_deflections_of
+  use gearsweep_event_crossing, only: cross_events, has_simple_steps
   use gearsweep_gauss, only: batch_size
   use gearsweep_integrator, only: integrator_t
   use gearsweep_kinds, only: dp
@@ -13,7 +15,7 @@ module gearsweep_period
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_overlap_watch, only: watch_step
   use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
-  use gearsweep_step_ends, only: contact_set_at_begin
+  use gearsweep_step_ends, only: contact_sets_at_begin
   use gearsweep_step_loads, only: loads_over_step, raise_coast_over_step
   use gearsweep_trace, only: record, trace_t
   implicit none
@@ -63,9 +65,10 @@ contains
     integer :: i, l
 
     call begin(map, start, active, peaks, state)
+    state%crosses = has_simple_steps(map)
     do i = 1, map%table%steps
       if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
-      if (map%table%kind(i)%widens) call begin_loads(map%osc, map%table, i, state)
+      if (peaks .and. map%table%kind(i)%widens) call begin_loads(map%osc, map%table, i, state)
       call advance(map, i, state, period, trace)
       if (all(period(:map%speeds)%failed)) return
       if (peaks) call watch_loads(map, i, state)
@@ -77,6 +80,11 @@ contains
     if (state%all_full) state%monodromy = map%monodromy
     do l = 1, map%speeds
       call settle_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
+    end do
+    do i = 1, state%noted
+      call raise_peaks(map, state%change(i), state%peak)
+    end do
+    do l = 1, map%speeds
       period(l)%peak = state%peak(l)
       period(l)%coast_peak = state%coast_peak(l)
       period(l)%state = [state%x(l, state%from), state%y(l, state%from)]
@@ -107,6 +115,7 @@ contains
     state%peak = 0
     state%coast_peak = 0
     state%candidates%count = 0
+    state%noted = 0
   end subroutine begin
 
   !> The contact sets where a smooth interval begins.
@@ -115,19 +124,12 @@ contains
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period(batch_size)
-    logical :: closed
-    integer :: now(batch_size), j, l
+    integer :: j, l
 
     associate (osc => map%osc, table => map%table)
-      do l = 1, batch_size
-        now(l) = contact_set_at_begin(osc, table, step, state%x(l, state%from) + state%held(l), state%held(l) > 0)
-      end do
-      state%contact_set = 0
+      call contact_sets_at_begin(osc, table, step, state%x(:, state%from) + state%held, state%held > 0, state%contact_set)
       do j = 1, osc%contacts
-        do l = 1, batch_size
-          closed = in_contact(now(l), j)
-          call set_contact(osc, l, j, closed, state%contact_set(l), state%contacts(j))
-        end do
+        call set_contacts(osc, j, state%contact_set, state%contacts(j))
       end do
       state%full_contact = all(state%contact_set == table%full(step))
       do l = 1, map%speeds
@@ -161,6 +163,7 @@ contains
     type(period_t), intent(inout) :: period(batch_size)
     type(trace_t), intent(inout), optional :: trace
     real(dp) :: propagator(batch_size, 6)
+    logical :: crossed(batch_size)
     integer :: place
 
     if (state%all_full .and. .not. state%full_contact) call leave(map, step, state)
@@ -169,11 +172,18 @@ contains
     call take_step(map%propagator(:, :, place), state%x(:, state%from), state%y(:, state%from), state%x(:, state%to), &
                    state%y(:, state%to))
     state%changes = .false.
-    if (.not. (state%full_contact .and. stays_full(map%table, step, state))) call find_changes(map, step, state)
+    if (state%crosses .and. .not. state%peaks) then
+      call find_changes_at_end(map, step, state)
+    else if (.not. (state%full_contact .and. stays_full(map%table, step, state))) then
+      call find_changes(map, step, state)
+    end if
     if (any(state%changes)) then
       if (state%all_full) call leave(map, step, state)
       propagator = map%propagator(:, :, place)
-      call locate_events(map, step, state, propagator, period, trace)
+      crossed = .false.
+      if (state%crosses) call cross_events(map, step, state, propagator, period, crossed)
+      if (any(state%changes)) call locate_events(map, step, state, propagator, period, trace)
+      state%changes = state%changes .or. crossed
       where (period%failed) state%held = far
       state%full_contact = all(state%contact_set == map%table%full(step))
       call compose(propagator, state%monodromy)
@@ -248,6 +258,28 @@ contains
     end do
     state%changes = lowest < 0 .and. .not. state%held > 0
   end subroutine find_changes
+
+  !> The motions in which a contact is another one at the end of a step: enough on the way to a periodic motion, which the last
+  !> run looks at more closely.
+  pure subroutine find_changes_at_end(map, step, state)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step
+    type(integrator_t), intent(inout) :: state
+    real(dp), dimension(batch_size) :: w, slope, lowest
+    integer :: j, l
+
+    lowest = state%x(:, state%to) + map%osc%backlash
+    if (.not. map%osc%has_backlash) lowest = 0
+    call find_deflections(map%osc, map%table, step, 2, state, w, slope)
+    do j = 1, map%table%pairs(step)
+      associate (error => map%table%end_profile_error(0, j, 2, step), sense => state%contacts(j)%sense)
+        do l = 1, batch_size
+          lowest(l) = min(lowest(l), sense(l)*(w(l) - error))
+        end do
+      end associate
+    end do
+    state%changes = lowest < 0 .and. .not. state%held > 0
+  end subroutine find_changes_at_end
 
   !> What an overlap, positive until the contact changes, stays above within a step: a convex curve stays above its
   !> tangents.

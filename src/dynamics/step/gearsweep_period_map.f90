@@ -17,8 +17,15 @@ module gearsweep_period_map
   use gearsweep_shared_compliance, only: reduce_sums
   implicit none
   private
-  public :: period_map_t, discretise, set_durations, need_propagator, take_step, compose, flush_to_zero
-  public :: leave_full_contact, run_full_contact, propagate_full_contact
+  public :: dense_step_t, period_map_t, discretise, set_durations, need_propagator, take_step, compose, flush_to_zero
+  public :: leave_full_contact, run_full_contact, propagate_alike, whole
+
+  !> A step in which contact changes, before the change or behind it: also the motion within (gearsweep_dense_step).
+  type :: dense_step_t
+    integer :: step = 0, contact_set = 0
+    real(dp) :: propagator(batch_size, 6) = 0    !< as below
+    real(dp) :: c(batch_size, 0:7, 3) = 0        !< coefficients in ascending powers; (speed, power, by what)
+  end type dense_step_t
 
   type :: period_map_t
     type(oscillator_t) :: osc
@@ -35,6 +42,8 @@ module gearsweep_period_map
     integer, allocatable :: contact_set(:, :)    !< for which it is; (speed, place)
     logical :: all_full = .false.                !< all are those of full contact, and then:
     real(dp) :: monodromy(batch_size, 4) = 0     !< all of them composed, columns one after the other
+    type(dense_step_t) :: dense(8)               !< those made last
+    integer :: denses = 0                        !< how many have been made
   end type period_map_t
   integer, parameter :: most_cached = 2048, not_made = -1
 
@@ -89,6 +98,7 @@ contains
     end if
     map%contact_set(:, :places) = not_made
     map%all_full = .false.
+    map%denses = 0
   end subroutine set_durations
 
   !> Makes the propagator of a step unless it is cached.
@@ -104,7 +114,7 @@ contains
     if (map%cached .and. are_same(contact_set, map%contact_set(:, place))) return
     full = map%table%full(step)
     if (are_same(contact_set, full)) then
-      call propagate_full_contact(map%osc, map%table, step, map%duration(:map%speeds), whole, map%propagator(:, :, place))
+      call propagate_alike(map%osc, map%table, step, map%duration(:map%speeds), whole, map%propagator(:, :, place))
     else
       call propagate(map%osc, map%table, step, map%duration(:map%speeds), contacts, map%propagator(:, :, place))
     end if
@@ -122,22 +132,29 @@ contains
     are_same = other == 0
   end function are_same
 
-  !> The propagator of full contact: the sums over its pairs are those of the table.
-  pure subroutine propagate_full_contact(osc, table, step, duration, parts, propagator)
+  !> The propagator of a contact set that is the same at all speeds: of full contact, whose sums the table has, or of another one.
+  pure subroutine propagate_alike(osc, table, step, duration, parts, propagator, contact_set)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
     real(dp), intent(in) :: duration(:)                    !< of the mesh period at each speed, s
     real(dp), intent(in) :: parts(2)                       !< of the load and of the profile error that force the motion
     real(dp), intent(inout) :: propagator(batch_size, 6)   !< (speed, element)
+    integer, intent(in), optional :: contact_set           !< of pairs that are not coupled
     real(dp), dimension(batch_size, 3) :: omega_squared, damped, forcing
     real(dp), dimension(3) :: omegas_squared, dampings, forcings
     real(dp) :: time
     integer :: l
 
-    omegas_squared = table%omega_squared(:, step)
-    dampings = damping(osc, 1.0_dp)*table%omega(:, step)
-    forcings = parts(2)*table%forcing(:, step) + parts(1)*(osc%load*sum(1/osc%mass))
+    if (present(contact_set)) then
+      call sum_at_nodes(osc, table, step, contact_set, omegas_squared, forcings)
+      dampings = damping(osc, 1.0_dp)*sqrt(omegas_squared)
+      forcings = parts(2)*forcings + parts(1)*(osc%load*sum(1/osc%mass))
+    else
+      omegas_squared = table%omega_squared(:, step)
+      dampings = damping(osc, 1.0_dp)*table%omega(:, step)
+      forcings = parts(2)*table%forcing(:, step) + parts(1)*(osc%load*sum(1/osc%mass))
+    end if
     do l = 1, size(duration)
       time = duration(l)*table%width(step)
       damped(l, 1) = dampings(1)*time
@@ -152,7 +169,31 @@ contains
       forcing(l, 3) = forcings(3)*time
     end do
     call collocate_step(size(duration), table%width(step), table%kind(step)%stiff, omega_squared, damped, forcing, propagator)
-  end subroutine propagate_full_contact
+  end subroutine propagate_alike
+
+  !> Sums of omega^2 (1/s^2) and k e (m/s^2) at the nodes of a step.
+  pure subroutine sum_at_nodes(osc, table, step, contact_set, omega_squared, forcing)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, contact_set
+    real(dp), intent(out), dimension(3) :: omega_squared, forcing
+    real(dp), dimension(3) :: a, b
+    integer :: j
+
+    omega_squared = 0
+    forcing = 0
+    a = 0
+    b = 0
+    do j = 1, table%pairs(step)
+      if (.not. btest(contact_set, j - 1)) cycle
+      omega_squared = omega_squared + table%rate(j, :, step)
+      forcing = forcing + table%rate(j, :, step)*table%profile_error(j, :, step)
+      if (.not. osc%shared > 0) cycle
+      a = a + table%node_stiffness(j, :, step)
+      b = b + table%node_stiffness(j, :, step)*table%profile_error(j, :, step)
+    end do
+    if (osc%shared > 0) call reduce_sums(table%node_shared(1, :, step), a, b, omega_squared, forcing)
+  end subroutine sum_at_nodes
 
   !> The propagator where each speed has contacts of its own.
   pure subroutine propagate(osc, table, step, duration, contacts, propagator)
@@ -329,7 +370,7 @@ contains
     monodromy(:, 4) = 1
     do i = 1, map%table%steps
       place = merge(i, 1, map%cached)
-      call propagate_full_contact(map%osc, map%table, i, map%duration(:map%speeds), whole, map%propagator(:, :, place))
+      call propagate_alike(map%osc, map%table, i, map%duration(:map%speeds), whole, map%propagator(:, :, place))
       map%contact_set(:, place) = map%table%full(i)
       call compose(map%propagator(:, :, place), monodromy)
       if (modulo(i, 64) == 0) call flush_to_zero(monodromy)
