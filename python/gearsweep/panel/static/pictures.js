@@ -9,7 +9,7 @@ const SPEED = { needs: { motion: ['resonance_rpm'] }, marks: 'resonance' };
 const PARAMETERS = ['rpm', 'damping_ratio', 'relief_um', 'normal_force_n'];
 const BODIES = ['stress', 'modes', 'grid', 'gear_modes'];
 
-/** Kind (curves where none is given), table, columns, and what else is fetched. */
+/** Kind (curves where none is given), table, columns, what they are called where not by their names, and what else is fetched. */
 export const PICTURES = [
   { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', ...SPEED },
   { id: 'largest', title: 'Largest dynamic factor of all motions over speed', table: 'sweep', x: 'rpm', y: ['dynamic_factor', 'largest_dynamic_factor'], yname: 'Dynamic factor', set: ['sweep', 'direction', 'all'], ...SPEED },
@@ -48,7 +48,7 @@ export const PICTURES = [
   { id: 'sliding', title: 'Sliding speed', table: 'flank', x: 's', y: 'sliding_m_s', ...ALONG },
   { id: 'flash', title: 'Flash temperature', table: 'flank', x: 's', y: 'flash_temperature_k', fromZero: true, ...ALONG },
   { id: 'film', title: 'Oil film', table: 'flank', x: 's', y: 'film_thickness_um', fromZero: true, ...ALONG },
-  { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor', 'dynamic_factor_b'], yname: 'Dynamic factor' },
+  { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor', 'dynamic_factor_b'], yname: 'Dynamic factor', names: ['Method A: motion', 'Method B'] },
   { id: 'transient', title: 'Root stress while the load passes over a tooth', table: 'transient', x: 'time_ms', y: ['sigma_mpa', 'static_mpa'], yname: 'Stress at the root tangent (MPa)', first: 'side' },
   { id: 'transient_peaks', title: 'Largest root stress over speed', table: 'transient_peaks', task: 'transient', x: 'rpm', y: ['tension_mpa', 'static_tension_mpa', 'compression_mpa', 'static_compression_mpa'], yname: 'Largest root stress (MPa)' },
   { id: 'frequency', title: 'Root stress over the frequency of the load', table: 'harmonic', x: 'frequency_hz', y: 'stress_mpa', ylog: true, first: 'side' },
@@ -151,7 +151,7 @@ export function drawn(picture, about, data, chosen) {
   groups.forEach((group, g) => {
     const rows = rowsWhere(columns, group.where).filter((i) => picture.above === undefined || columns[picture.x][i] > picture.above);
     for (const yname of ys) for (const xname of xs) {
-      const more = ys.length > 1 ? title(yname, column(yname).unit) : '';
+      const more = ys.length > 1 ? picture.names?.[ys.indexOf(yname)] ?? title(yname, column(yname).unit) : '';
       series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => columns[yname][i]), group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
         label: xname === xs[0] ? [group.label, more].filter(Boolean).join(', ') : '' });
     }
