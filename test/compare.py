@@ -57,6 +57,22 @@ RULES = {
         'relief_um': 'text', 'rpm': 'text', 'harmonic': 'text', 'frequency_hz': 'asked', 'dte_amplitude_um': 'asked',
         'dte_phase_deg': 'angle dte_amplitude_um', 'mesh_load_amplitude_n': 'asked', 'mesh_load_phase_deg': 'angle mesh_load_amplitude_n',
     },
+    'torque': {
+        'relief_um': 'text', 'rpm': 'text', 'pinion_torque_nm': 'asked', 'gear_torque_nm': 'asked', 'pinion_friction_nm': 'asked',
+        'gear_friction_nm': 'asked', 'pinion_damping_nm': 'asked', 'dte_um': 'asked',
+    },
+    'torque_points': {
+        'relief_um': 'text', 'rpm': 'text', 'pinion_mean_nm': 'estimated pinion_error_nm', 'pinion_least_nm': 'estimated pinion_error_nm',
+        'pinion_largest_nm': 'estimated pinion_error_nm', 'pinion_error_nm': 'bound', 'pinion_friction_mean_nm': 'asked',
+        'gear_mean_nm': 'estimated gear_error_nm', 'gear_least_nm': 'estimated gear_error_nm', 'gear_largest_nm': 'estimated gear_error_nm',
+        'gear_error_nm': 'bound', 'gear_friction_mean_nm': 'asked', 'friction_loss': 'asked', 'dynamic_factor': 'estimated error_estimate',
+        'error_estimate': 'bound', 'mesh_periods': 'text',
+    },
+    'torque_harmonics': {
+        'relief_um': 'text', 'rpm': 'text', 'harmonic': 'text', 'pinion_amplitude_nm': 'estimated pinion_error_nm',
+        'pinion_phase_deg': 'angle pinion_amplitude_nm', 'pinion_error_nm': 'bound', 'gear_amplitude_nm': 'estimated gear_error_nm',
+        'gear_phase_deg': 'angle gear_amplitude_nm', 'gear_error_nm': 'bound',
+    },
     'sweep_worst': {'relief_um': 'text', 'worst_dynamic_factor': 'asked', 'rpm': 'text'},
     'resonances': {'relief_um': 'text', 'dynamic_factor': 'asked', 'rpm': 'text'},
     'sweep_summary': {'best_relief_um': 'text', 'worst_dynamic_factor': 'asked', 'rpm': 'text', 'largest_error_estimate': 'bound'},
