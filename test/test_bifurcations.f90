@@ -2,10 +2,12 @@
 !> identities between one parameter and another.
 module test_bifurcations
   use gearsweep_arclength, only: tangent_of
+  use gearsweep_continuation, only: branch_options_t, branch_t, follow_branch
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_ramp, only: follow_ramp, level_t, ramp_options_t, ramp_t
   use gearsweep_status, only: has_result
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: make_table
@@ -35,6 +37,8 @@ contains
     if (t%wants('many_digits')) call many_digits(t)
     if (t%wants('doubling_of_meissner')) call doubling_of_meissner(t)
     if (t%wants('slow_sweeps')) call slow_sweeps(t)
+    if (t%wants('ramps')) call ramps(t)
+    if (t%wants('delays')) call delays(t)
     if (t%wants('whole_branches')) call whole_branches(t)
     if (t%wants('motions_of_the_sweep')) call motions_of_the_sweep(t)
     if (t%wants('fold_over_damping')) call fold_over_damping(t)
@@ -191,6 +195,63 @@ contains
     close (unit)
     call check_equal(t, 'rows', rows, 6)
   end subroutine slow_sweeps
+
+  !> slow_sweeps.dat again: a ramp at the rate of its march jumps where that does, to 2 % of the delay.
+  subroutine ramps(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: speeds(4) = [10000.0_dp, 10700.0_dp, 11400.0_dp, 11440.0_dp], zeta = 0.05_dp, fold = 11430.13333_dp
+    type(oscillator_t) :: osc
+    type(branch_t) :: branch
+    type(ramp_t) :: ramp
+    type(error_t), allocatable :: error
+    character(1000) :: line
+    real(dp) :: row_zeta, jump, rate
+    integer :: unit, marched, rows
+
+    call prescribed(1.6_dp, [400.0_dp, 0.0_dp, 0.0_dp], [0.0_dp, 0.0_dp], 1, osc)
+    osc%mesh%teeth = 25
+    osc%mass = 0.8_dp
+    osc%load = 7000
+    osc%damping_ratio = zeta
+    call make_oscillator(osc, error)
+    call follow_branch(osc, speeds(:3), branch_options_t(accuracy_t(), 0.02_dp, 1e-6_dp), branch)
+    rows = 0
+    open (newunit=unit, file='test/reference/slow_sweeps.dat', status='old', action='read')
+    do while (next_row(unit, line))
+      read (line, *) row_zeta, marched, jump
+      if (abs(row_zeta - zeta) > 0 .or. marched > 200000) cycle
+      rows = rows + 1
+      ! The march's speed rises by so much each mesh period.
+      rate = (speeds(4) - speeds(3))/marched/(60/(25*jump))
+      associate (steady => branch%point(3)%steady)
+        call follow_ramp(osc, speeds(3:), steady%state/[1.0_dp, 60/(25*speeds(3))], [level_t(speeds(3), 1.25_dp*1.48_dp)], &
+                         ramp_options_t(rate), ramp)
+      end associate
+      call check_close(t, 'jump at '//str(rate)//' 1/min a second', ramp%passed(1), jump, absolute=0.02_dp*(jump - fold))
+    end do
+    close (unit)
+    call check_equal(t, 'rows', rows, 2)
+  end subroutine ramps
+
+  !> Behind a fold, the delay grows as the 2/3 power of the rate: in speed by 4 where that grows by 8.
+  subroutine delays(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: answer
+    real(dp), allocatable :: later(:)
+    real(dp) :: rate, behind(2)
+    integer :: i
+
+    do i = 1, 2
+      rate = merge(8, 64, i == 1)
+      call ask(t, '&case tasks = ''hysteresis'' / '//pair(index(pair, '&pinion'):)//flat//damped// &
+               '&hysteresis rpm = 11300, 11400, 11500 ramp_rpm_s = '//str(rate)//' /', answer)
+      later = answer%all_of('hysteresis_delays.delay_s')
+      call check_equal(t, 'a jump at '//str(rate), size(later), 1)
+      if (size(later) /= 1) return
+      behind(i) = later(1)*rate
+    end do
+    call check_close(t, '4 times the speed', behind(2)/behind(1), 4.0_dp, 0.1_dp)
+  end subroutine delays
 
   !> Every branch goes on until it leaves the range, closes or meets the motion whose period doubles, over corners and nearly
   !> grazing stretches too; neighbouring points are close, and between folds the stability only changes at doublings.

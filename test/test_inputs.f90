@@ -233,6 +233,7 @@ contains
     call add('hysteresis relief_um', '5')
     call add('hysteresis jump', '0.5')
     call add('hysteresis closeness', '2e-3')
+    call add('hysteresis ramp_rpm_s', '1e5')
     call add('poincare rpm', '17000, 21000')
     call add('poincare relief_um', '5')
     call add('poincare settling_periods', '30')

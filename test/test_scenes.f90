@@ -40,7 +40,8 @@ module test_scenes
     '&harmonic frequency_hz = 0, 1e5 modes = 3 /'// &
     '&life rpm = 5000 duration_h = 1 tensile_strength_mpa = 900 /'// &
     '&stability damping_count = 3 tongues = 2 /'// &
-    '&hysteresis relief_um = 8 / &poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
+    '&hysteresis relief_um = 8 ramp_rpm_s = 1e5 / '// &
+    '&poincare rpm = 6000, 5000 relief_um = 0, 20 settling_periods = 20 kept_periods = 9 /'// &
     '&attractors rpm = 5000, 7000 relief_um = 0 starts = 3 /'// &
     '&branches first = 5000 last = 7000 relief_um = 0 seeds = 2 points = 20 most_periods = 1'// &
     '  second = ''damping_ratio'' second_first = 0.05 second_last = 0.2 /'// &

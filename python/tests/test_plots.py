@@ -446,6 +446,15 @@ def test_hysteresis_shows_both_branches_cut_at_jumps(both, ax):
     assert f'{largest:.0f}' in {text.get_text() for text in ax.texts}
 
 
+def test_hysteresis_shows_runs_at_a_finite_rate(rattling, ax):
+    study = gearsweep.run(rattling.changed(hysteresis={'rpm': np.arange(9000, 12001, 100), 'ramp_rpm_s': 2000}), 'hysteresis')
+    plots.plot_hysteresis(study, ax)
+    dotted = [line for line in ax.lines if line.get_linestyle() == ':']
+    for line, way in zip(dotted, ('up', 'down'), strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), study.hysteresis_ramps.at(relief_um=0, direction=way).dynamic_factor)
+    assert 'at 2000 1/min a second' in [text.get_text() for text in ax.findobj(Text)]
+
+
 def test_poincare_shows_each_motion_in_its_colour(both, ax):
     start = both.hysteresis.at(rpm=7000, direction='down', relief_um=0)
     section = {'rpm': np.arange(7000, 4500, -25), 'start_um': start.dte_um, 'start_mm_s': start.dte_rate_mm_s}

@@ -7,11 +7,12 @@ module gearsweep_units
 
   character(8), parameter :: names(*) = [character(8) :: '', 'mm', 'um', 'deg', 'GPa', 'N/um', 'um/N', 'N/mm', &
                                          'mm/s', '1/min', 'N', 'N m', 'kg', 'kg m^2', 'kg/m^3', 'mPa s', 'MPa', &
-                                         '1/GPa', 'W/(m K)', 'J/(kg K)', 's', '1/s', 'h', 'Hz']
+                                         '1/GPa', 'W/(m K)', 'J/(kg K)', 's', '1/s', 'h', 'Hz', &
+                                         '1/min/s']
   !> Of a speed of rotation nothing is converted: it stays in revolutions per minute.
   real(dp), parameter :: values(size(names)) = [1.0_dp, 1e-3_dp, 1e-6_dp, pi/180, 1e9_dp, 1e6_dp, 1e-6_dp, 1e3_dp, &
                                                 1e-3_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1e-3_dp, 1e6_dp, 1e-9_dp, &
-                                                1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 3600.0_dp, 1.0_dp]
+                                                1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 3600.0_dp, 1.0_dp, 1.0_dp]
 
 contains
 

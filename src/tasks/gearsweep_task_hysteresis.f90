@@ -4,12 +4,14 @@ module gearsweep_task_hysteresis
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use gearsweep_continuation, only: branch_options_t, branch_t, follow_branch
   use gearsweep_decimal, only: in_um
-  use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_error, only: code_input, code_memory, error_t, fail
   use gearsweep_error_estimate, only: point_t
+  use gearsweep_hysteresis_ramps, only: fill_delays, fill_ramps, ramps_t, run_ramps
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
+  use gearsweep_ramp, only: periods_of_ramp, ramp_options_t
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: has_result, status_name, status_stopped
   use gearsweep_sweep, only: contact_name, contact_of
@@ -23,6 +25,7 @@ module gearsweep_task_hysteresis
   type, extends(task_t) :: hysteresis_task_t
     real(dp) :: jump = 0.02_dp                   !< of the dynamic factor, from which on a motion is another one
     real(dp) :: closeness = 1e-6_dp              !< of the speeds before and after a change, relative
+    real(dp) :: rate = 0                         !< of the speed on a ramp, (1/min)/s; 0: there is none
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
@@ -37,8 +40,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy speeds', tables='hysteresis hysteresis_changes', &
-      fields='', &
+    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy speeds', &
+      tables='hysteresis hysteresis_changes hysteresis_ramps hysteresis_delays', fields='', &
       gives='the steady motions that a slow run up through the speeds and one down meet, and the speeds at which they change')
   end subroutine describe
 
@@ -54,6 +57,8 @@ contains
                     meaning='a motion is another one where the dynamic factor changes by more at once')
     call reader%get(group, 'closeness', self%closeness, error, tasks=group, at_least=1e-12_dp, at_most=1.0_dp, &
                     meaning='largest relative distance of the speeds before and after a change')
+    call reader%get(group, 'ramp_rpm_s', self%rate, error, unit='1/min/s', tasks=group, above=0.0_dp, at_most=1e9_dp, &
+                    otherwise='none', meaning='rate of runs in which the speed changes at this rate, beside the slow ones')
   end subroutine read_keys
 
   subroutine run(self, stages, error)
@@ -64,13 +69,16 @@ contains
     real(dp), allocatable :: period(:)           ! mesh periods at the speeds, s
     real(dp), allocatable :: relief(:)           ! m
     type(branch_t), allocatable :: branch(:, :)  ! up and down, for each relief; its points in the direction of travel
+    type(ramps_t), allocatable :: ramps(:, :)    ! the same
     integer, allocatable :: which(:)
     integer :: i, way
 
     call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
     period = mesh_period(stages%motion(1)%mesh%teeth(1), rpm)
-    allocate (branch(2, size(which)))
+    allocate (branch(2, size(which)), ramps(2, size(which)))
+    call check_ramp(self, stages, rpm, error)
+    if (allocated(error)) return
     associate (n => size(rpm))
       do i = 1, size(which)
         do way = 1, 2
@@ -80,6 +88,13 @@ contains
           if (allocated(error)) return
           self%failed = self%failed + count(.not. has_result(branch(way, i)%point%steady%status))
           if (any(branch(way, i)%point%steady%status == status_stopped)) return
+          if (.not. self%rate > 0) cycle
+          call run_ramps(stages%motion(which(i)), merge(rpm, rpm(n:1:-1), way == 1), branch(way, i), self%jump, &
+                         ramp_options_t(self%rate, stop=stages%accuracy%steady%stop), ramps(way, i))
+          if (ramps(way, i)%coarse%stopped .or. ramps(way, i)%fine%stopped) return
+          if (ramps(way, i)%coarse%lacks .or. ramps(way, i)%fine%lacks) &
+            call fail(error, code_memory, '&hysteresis ramp_rpm_s: the memory does not hold the steps')
+          if (allocated(error)) return
         end do
         call stages%running%tell(n, stages%accuracy%steady%stop)
       end do
@@ -87,9 +102,29 @@ contains
     relief = stages%amount(which)
     call fill_motions(rpm, period, relief, branch, self%tables(self%place('hysteresis')), error)
     call fill_changes(relief, branch, self%tables(self%place('hysteresis_changes')), error)
+    if (self%rate > 0) then
+      call fill_ramps(rpm, relief, ramps, self%tables(self%place('hysteresis_ramps')), error)
+      call fill_delays(relief, branch, ramps, self%rate, self%tables(self%place('hysteresis_delays')), error)
+    end if
     self%is_done = .true.
     self%log = 'hysteresis: '//str(size(branch))//' runs through '//str(size(rpm))//' speeds'
   end subroutine run
+
+  !> A ramp is no longer than can be followed.
+  subroutine check_ramp(self, stages, rpm, error)
+    class(hysteresis_task_t), intent(in) :: self
+    type(stages_t), intent(in) :: stages
+    real(dp), intent(in) :: rpm(:)
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: most = 1e7_dp
+    real(dp) :: periods
+
+    if (.not. self%rate > 0) return
+    periods = periods_of_ramp(stages%motion(1), rpm, self%rate)
+    if (periods > most) call fail(error, code_input, '&hysteresis ramp_rpm_s = '//str(self%rate)//': from '// &
+      str(rpm(1))//' to '//str(rpm(size(rpm)))//' rpm are '//str(periods, 3)//' mesh periods; at most '//str(most)// &
+      ' can be followed')
+  end subroutine check_ramp
 
   !> A row for each relief, direction and speed.
   pure subroutine fill_motions(rpm, period, relief, branch, table, error)
@@ -240,6 +275,15 @@ contains
                        right(fixed(changes%number('dynamic_factor_after', i), 4), 11)//'   '//trim(changes%word('kind', i)))
       end do
       call lines%add(left('Changes', 19)//str(changes%rows)//'; operating points without a result '//str(self%failed))
+    end associate
+    if (.not. self%rate > 0) return
+    associate (delays => self%tables(self%place('hysteresis_delays')))
+      call lines%add('At '//str(self%rate)//' rpm a second')
+      call lines%add('   relief um   direction      at rpm     later, s')
+      do i = 1, min(delays%rows, most)
+        call lines%add(right(str(delays%number('relief_um', i)), 12)//right(trim(delays%word('direction', i)), 12)// &
+                       right(str(delays%number('rpm', i), 6), 12)//right(str(delays%number('delay_s', i), 4), 13))
+      end do
     end associate
   end subroutine add_report
 end module gearsweep_task_hysteresis

@@ -101,7 +101,7 @@ def plot_hysteresis(hysteresis: Study | Table, ax: Axes | None = None, *, relief
 
     Arrows are jumps, with their speed where there is room; hollow marks tell where the period doubles or halves,
     plus signs where periodic motion ends or begins. A speed without a result is a gap, with a cross at the lower
-    edge.
+    edge. Dotted lines are runs at a finite rate, where the case asks for them.
 
     Parameters
     ----------
@@ -132,10 +132,21 @@ def plot_hysteresis(hysteresis: Study | Table, ax: Axes | None = None, *, relief
         words = ', '.join(dict.fromkeys(runs.status[missing]))
         rows = [(runs.rpm[gaps], look['color']) for gaps, look in zip(missing, looks)]
         ways = [Line2D([], [], label=f'speed goes {way}', **look) for way, look in zip(runs.direction, looks)]
+        if 'hysteresis_ramps' in study:
+            more += _ramps(ax, study, relief_um, looks)
         legends_above(ax, (f'Tip relief {relief_um:g} µm', ways + more + crosses(ax, rows, f'no answer: {words}')))
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Dynamic factor (–)')
     return ax
+
+
+def _ramps(ax: Axes, study: Study, relief_um: float, looks: list[dict]) -> list[Line2D]:
+    """The runs at a finite rate; their entry in the legend."""
+    ramps = study.hysteresis_ramps.at(relief_um=relief_um)
+    for factor, look in zip(ramps.dynamic_factor, looks):
+        ax.plot(ramps.rpm, factor, color=look['color'], linestyle=':', linewidth=0.9)
+    rate = float(study.case.get('hysteresis', 'ramp_rpm_s'))
+    return [Line2D([], [], color=GREY, label=f'at {rate:g} 1/min a second', linestyle=':', linewidth=0.9)]
 
 
 def branch(runs: Table, changes: Table | None, way: str) -> tuple[Reals, Reals]:
