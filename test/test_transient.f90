@@ -10,7 +10,7 @@ module test_transient
   use gearsweep_pair, only: pair_t
   use gearsweep_passage, only: load_places, pass_path, pass_static, passage_options_t, passage_t, place_radius
   use gearsweep_root_rating, only: root_options_t, shared_equally, shares_stated, spaced_on_flank
-  use gearsweep_section_body, only: make_two_grids, section_body_t, step_ratio
+  use gearsweep_section_body, only: make_two_grids, section_body_t, stress_error_share
   use gearsweep_stress, only: root_stress, root_stress_t
   use gearsweep_modal_superposition, only: advance_mode, load_history_t, modal_model_t, motion_record_t, superpose
   use gearsweep_text, only: str
@@ -256,7 +256,7 @@ contains
       call prepare(t, 3, counts(k), places, tooth, grids, options)
       mesh%contact_ratio = 1.7_dp
       call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 5e-4_dp, passage)
-      call follow_tooth(tooth, step_ratio(grids), passage, look_t(samples=samples), found, error)
+      call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=samples), found, error)
       call check_no_error(t, 'passage', error)
       if (k == 1) then
         call integrate(grids(1)%body, grids(1), options, passage%history, 500, samples, rough)
@@ -409,10 +409,10 @@ contains
     call prepare(t, 6, 3, places, tooth, grids, options)
     mesh%contact_ratio = 1.7_dp
     call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 1.0_dp, passage)
-    call follow_tooth(tooth, step_ratio(grids), passage, look_t(samples=80), slow, error)
+    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=80), slow, error)
     call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 2.0_dp, passage)
-    call follow_tooth(tooth, step_ratio(grids), passage, look_t(samples=80), slower, error)
-    call follow_tooth(tooth, step_ratio(grids), passage, look_t(samples=80, corrected=.false.), alone, error)
+    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=80), slower, error)
+    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=80, corrected=.false.), alone, error)
     call check_no_error(t, 'slow passages', error)
     off = [away(slow), away(slower)]
     call check_true(t, 'slow: nearly at rest', off(1) < 1e-4_dp, str(off(1)))
@@ -457,7 +457,7 @@ contains
       call prepare(t, across(k), 20, 9, tooth, grids, options)
       mesh%contact_ratio = 1.7_dp
       call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 1.4e-3_dp, passage)
-      call follow_tooth(tooth, step_ratio(grids), passage, look_t(), found(k), error)
+      call follow_tooth(tooth, stress_error_share(grids), passage, look_t(), found(k), error)
       call check_no_error(t, 'passage', error)
     end do
     off = abs(found(1)%peaks%tension%stress/found(2)%peaks%tension%stress - 1)

@@ -9,7 +9,7 @@ module gearsweep_section_body
   use gearsweep_section, only: section_t, section_options_t, make_section
   implicit none
   private
-  public :: section_body_t, make_section_body, make_two_grids, step_ratio
+  public :: section_body_t, make_section_body, make_two_grids, step_ratio, stress_error_share
 
   !> The body is a metre wide and as stiff as steel, whatever the material: stress depends on neither, and
   !> frequencies and shapes follow from theirs by a factor.
@@ -63,4 +63,15 @@ contains
 
     step_ratio = real(grids(1)%section%options%elements_across, dp)/grids(2)%section%options%elements_across
   end function step_ratio
+
+  !> The error of stress on the first grid over its difference to that on the second. Stress converges with second order once the
+  !> grid suits the fillet; on coarser grids the order is lower and differs from gear to gear (`sh bench/run.sh honesty`).
+  pure real(dp) function stress_error_share(grids) result(share)
+    type(section_body_t), intent(in) :: grids(2)
+    integer, parameter :: fine = 8
+    real(dp) :: order
+
+    order = merge(2.0_dp, 1.5_dp, grids(1)%section%options%elements_across >= fine)
+    share = 1/abs(step_ratio(grids)**order - 1)
+  end function stress_error_share
 end module gearsweep_section_body

@@ -15,7 +15,7 @@ module gearsweep_stress
   use gearsweep_piecewise, only: piecewise_t, spline
   use gearsweep_q8, only: edge_functions, edge_slopes
   use gearsweep_section, only: section_t
-  use gearsweep_section_body, only: section_body_t, step_ratio
+  use gearsweep_section_body, only: section_body_t, stress_error_share
   use gearsweep_text, only: str
   implicit none
   private
@@ -33,7 +33,7 @@ module gearsweep_stress
 
   !> Stress along one side's fillet and half its root land, upwards.
   type :: fillet_stress_t
-    real(dp), allocatable :: along(:)            !< length from the lowest point, m
+    real(dp), allocatable :: along(:)            !< length along the surface from the middle of the root land, m
     real(dp), allocatable :: point(:, :)         !< in the tooth's frame (2, points), m
     real(dp), allocatable :: tangent(:)          !< angle to the tooth axis, rad
     real(dp), allocatable :: stress(:, :)        !< along the surface (points, loads), Pa
@@ -55,7 +55,7 @@ module gearsweep_stress
 contains
 
   !> Root stress of the loaded tooth, from its section's two grids (make_two_grids); their
-  !> largest difference around the peaks gives the error estimate, for second order.
+  !> largest difference around the peaks gives the error estimate.
   !>
   !> `radius(:)` (m) and `line_load(:)` (N/m) are where and how much this tooth
   !> carries at each position, that is with its share of the load.
@@ -72,11 +72,12 @@ contains
     if (allocated(error)) return
     product%error_estimate = max(peak_difference(product, coarse, product%tension), &
                                  peak_difference(product, coarse, product%compression))
-    product%error_estimate = product%error_estimate/abs(step_ratio(grids)**2 - 1)
+    product%error_estimate = product%error_estimate*stress_error_share(grids)
   end subroutine root_stress
 
   !> Largest relative difference of two grids where the stress is within a tenth
-  !> of the peak: the peaks alone may agree by chance.
+  !> of the peak: the peaks alone may agree by chance. Their points are told apart by the length along the surface, as a root land
+  !> or an undercut fillet has two points of one height.
   pure real(dp) function peak_difference(fine, coarse, peak) result(most)
     type(root_stress_t), intent(in) :: fine, coarse
     type(stress_peak_t), intent(in) :: peak
@@ -86,10 +87,10 @@ contains
     most = 0
     if (peak%load == 0) return
     associate (f => fine%side(peak%side), c => coarse%side(peak%side))
-      curve = spline(c%point(2, :), c%stress(:, peak%load))
+      curve = spline(c%along, c%stress(:, peak%load))
       do i = 1, size(f%along)
         if (f%stress(i, peak%load)/peak%stress < 0.9_dp) cycle
-        most = max(most, abs((f%stress(i, peak%load) - curve%value(f%point(2, i)))/peak%stress))
+        most = max(most, abs((f%stress(i, peak%load) - curve%value(f%along(i)))/peak%stress))
       end do
     end associate
   end function peak_difference
@@ -163,7 +164,7 @@ contains
         end associate
       end do
     end do
-    fillet%along(1) = 0
+    fillet%along(1) = norm2(fillet%point(:, 1) - in_tooth_frame(section%grid%x(:, nodes(1))))
     do n = 2, 2*edges
       fillet%along(n) = fillet%along(n - 1) + norm2(fillet%point(:, n) - fillet%point(:, n - 1))
     end do

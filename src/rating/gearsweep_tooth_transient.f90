@@ -64,10 +64,10 @@ contains
     end associate
   end subroutine damp_modes
 
-  !> `tooth(2)`: on both grids, damped, the finer first; `step_ratio`: the size of their elements.
-  subroutine follow_tooth(tooth, step_ratio, passage, look, product, error)
+  !> `tooth(2)`: on both grids, damped, the finer first; `error_share`: of their difference.
+  subroutine follow_tooth(tooth, error_share, passage, look, product, error)
     type(tooth_modes_t), intent(in) :: tooth(2)
-    real(dp), intent(in) :: step_ratio
+    real(dp), intent(in) :: error_share
     type(passage_t), intent(in) :: passage
     type(look_t), intent(in) :: look
     type(tooth_transient_t), intent(out) :: product
@@ -93,8 +93,8 @@ contains
     call fill_fillets(tooth(1), extremes(product%record), seen)
     call fill_fillets(tooth(2), extremes(coarse), coarsely_seen)
     product%peaks%error_estimate = max(peak_difference(seen, coarsely_seen, seen%tension), &
-                                       peak_difference(seen, coarsely_seen, seen%compression))/abs(step_ratio**2 - 1)
-    call compare_points(tooth, step_ratio, product, coarse)
+                                       peak_difference(seen, coarsely_seen, seen%compression))*error_share
+    call compare_points(tooth, error_share, product, coarse)
   end subroutine follow_tooth
 
   !> Samples, and into how many steps each time between them is cut to look for the largest values. With a stated step only
@@ -204,9 +204,9 @@ contains
   end subroutine fill_fillets
 
   !> By how much the two grids differ at the chosen points, for second order.
-  pure subroutine compare_points(tooth, step_ratio, product, coarse)
+  pure subroutine compare_points(tooth, error_share, product, coarse)
     type(tooth_modes_t), intent(in) :: tooth(2)
-    real(dp), intent(in) :: step_ratio
+    real(dp), intent(in) :: error_share
     type(tooth_transient_t), intent(inout) :: product
     type(motion_record_t), intent(in) :: coarse
     integer :: i, row(2)
@@ -218,7 +218,7 @@ contains
       associate (fine => product%record)
         largest = max(abs(fine%highest(row(1))), abs(fine%lowest(row(1))))
         off = max(abs(fine%highest(row(1)) - coarse%highest(row(2))), abs(fine%lowest(row(1)) - coarse%lowest(row(2))))
-        product%point_error(i) = off/largest/abs(step_ratio**2 - 1)
+        product%point_error(i) = off/largest*error_share
       end associate
     end do
   end subroutine compare_points

@@ -17,7 +17,7 @@ module gearsweep_harmonic_tables
     real(dp), allocatable :: s(:)                !< places, path coordinates
     real(dp), allocatable :: tangent(:)          !< points of the fillets that are looked at, rad
     real(dp) :: modulus = 0                      !< stress along a free surface over the strain along it, Pa
-    real(dp) :: step_ratio = 0                   !< of the elements of both grids
+    real(dp) :: error_share = 0                  !< of the difference of both grids, as in gearsweep_section_body
   end type steady_load_t
 
   character(*), parameter :: of_s = 'path coordinate of the load, in base pitches from A', &
@@ -63,7 +63,7 @@ contains
                    micro*load%amplitude*flat(abs(seen(:, moved_y, :, :))))
     call table%add('phase_y_deg', 'deg', ahead, flat(phase(seen(:, moved_y, :, :))/degree))
     call table%add('error_estimate', '', 'estimated discretisation error of the stress at this frequency, relative', &
-                   flat(off_by(seen(:, along, :, :), coarse(:, along, :, :), load%step_ratio)))
+                   flat(off_by(seen(:, along, :, :), coarse(:, along, :, :), load%error_share)))
   end subroutine fill_response
 
   !> Of a load of 1 N.
@@ -104,12 +104,12 @@ contains
     if (abs(amplitude) > 0) phase = atan2(aimag(amplitude), real(amplitude, dp))
   end function phase
 
-  !> The discretisation error that two grids leave, relative, for second order.
-  elemental real(dp) function off_by(fine, coarse, step_ratio)
+  !> The discretisation error that two grids leave, relative.
+  elemental real(dp) function off_by(fine, coarse, error_share)
     complex(dp), intent(in) :: fine, coarse
-    real(dp), intent(in) :: step_ratio
+    real(dp), intent(in) :: error_share
 
-    off_by = abs(fine - coarse)/max(abs(fine), tiny(1.0_dp))/abs(step_ratio**2 - 1)
+    off_by = abs(fine - coarse)/max(abs(fine), tiny(1.0_dp))*error_share
   end function off_by
 
   pure function flat(values)
@@ -163,7 +163,7 @@ contains
       call table%add('stress_mpa', 'MPa', 'amplitude of the stress along the surface there', mega*load%amplitude*largest)
       call table%add('amplification', '', 'the same over that under the load at rest', largest/at_rest)
       call table%add('error_estimate', '', 'estimated discretisation error of this stress, relative', &
-                     abs(coarse/largest - 1)/abs(load%step_ratio**2 - 1))
+                     abs(coarse/largest - 1)*load%error_share)
     end associate
   end subroutine fill_resonances
 

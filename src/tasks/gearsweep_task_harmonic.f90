@@ -8,7 +8,7 @@ module gearsweep_task_harmonic
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_long_tables, only: add_rest, most_rows
   use gearsweep_reader, only: reader_t
-  use gearsweep_section_body, only: step_ratio
+  use gearsweep_section_body, only: stress_error_share
   use gearsweep_task, only: stages_t, task_info_t, task_t
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: tooth_modes_t
@@ -88,7 +88,7 @@ contains
     if (allocated(error)) return
     call check_damping(teeth(1), error)
     if (allocated(error)) return
-    load%step_ratio = step_ratio(stages%running%bodies)
+    load%error_share = stress_error_share(stages%running%bodies)
     allocate (angular, source=frequencies_around(teeth(1)%model, 2*pi*self%frequency))
     call fill_response(load, teeth, angular, self%tables(self%place('harmonic')), error)
     associate (modal => stages%running%modal)

@@ -12,7 +12,7 @@ module gearsweep_task_transient
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
   use gearsweep_root_rating, only: shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path
-  use gearsweep_section_body, only: step_ratio
+  use gearsweep_section_body, only: stress_error_share
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_stop, only: wants_stop
   use gearsweep_task, only: check_reliefs, includes_if_moving, stages_t, task_info_t, task_t
@@ -232,7 +232,7 @@ contains
         found(n)%rpm = self%own_rpm(k)
         call self%pass(stages, which(i), found(n)%rpm, passage, found(n)%status, error)
         if (allocated(error)) return
-        if (has_result(found(n)%status)) call follow_tooth(teeth, step_ratio(stages%running%bodies), passage, self%look, &
+        if (has_result(found(n)%status)) call follow_tooth(teeth, stress_error_share(stages%running%bodies), passage, self%look, &
                                                            found(n)%tooth, error)
         if (allocated(error)) return
         if (self%uses('motion')) call stages%running%tell(1, stages%accuracy%steady%stop)
