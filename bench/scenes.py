@@ -59,6 +59,24 @@ for _ in range({rounds}):
 print(median(taken[::2]), median(taken[1::2]))
 """
 
+# What a task takes beside what it builds on: stress over time beside the modes, flanks and rating beside the mesh.
+TASKS = """
+import time, gearsweep
+def seconds(case, task, earlier=None):
+    start = time.process_time()
+    gearsweep.run(case, task, earlier=earlier)
+    return time.process_time() - start
+section = gearsweep.Case.read({section!r}).changed(modal={{'modes': 50}}, transient={{
+    'modes': 50, 'rpm': [360, 720, 1080, 1440, 1800], 'samples': 110, 'time_step_s': None, 'rayleigh_alpha_1_s': None,
+    'rayleigh_beta_s': None}})
+pair = gearsweep.Case.read({pair!r}).changed(mesh={{'model': 'fe'}})
+mesh = gearsweep.run(pair, 'mesh')
+ways = [(section, 'modal', None), (section, 'transient', None), (pair, 'mesh', None), (pair, 'flank', mesh),
+        (pair, 'rating', mesh)]
+taken = [[seconds(*way) for way in ways] for _ in range({rounds})]
+print(*map(min, zip(*taken)))
+"""
+
 programs = pathlib.Path(sys.argv[1])
 
 
@@ -118,6 +136,21 @@ def once(report):
     report.table(('case', 'in one call', 'task by task', 'ratio'), table)
 
 
+def tasks(report):
+    """Each beside what it builds on, and what it may take of that at most."""
+    section, pair = (str(BENCH.parent / 'data' / name) for name in ('hassan_transient.nml', 'fzg_c40.nml'))
+    found = run(sys.executable, '-c', TASKS.format(section=section, pair=pair, rounds=ROUNDS))
+    modal, transient, mesh, flank, rating = map(float, found.split())
+    rows = [('transient, modes included', '50 modes, 110 times, 5 speeds of `data/hassan_transient.nml`', 'modal', transient, modal, 1.1),
+            ('flank', '`data/fzg_c40.nml`, stiffness by finite elements', 'mesh', flank, mesh, 1),
+            ('rating', 'the same', 'mesh', rating, mesh, 1)]
+    report.add('**Tasks that build on others.** Stress over time beside the modes of its section, flanks and rating beside the stiffness of\n'
+               'the pair, which is not counted for them; the least processor time of some runs.\n')
+    report.table(('task', 'of', 'builds on', 'takes', 'that takes', 'ratio', 'aim'), [
+        (name, of, base, duration(own), duration(whole), f'{own / whole:.2g}', f'{aim:g}')
+        for name, of, base, own, whole, aim in rows])
+
+
 def main():
     report = Report('scenes', 'What is left out')
     report.add(f'{machine()}, one thread, medians. Both ways in turn in one process. The prescribed mesh of\n'
@@ -126,6 +159,7 @@ def main():
     scenes(report)
     packages(report)
     once(report)
+    tasks(report)
     report.save()
 
 
