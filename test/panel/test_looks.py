@@ -5,6 +5,8 @@ import re
 import pytest
 from conftest import ROOT, Window
 
+from gearsweep.plots.sensitivity import NUMBERS
+
 SIZES = [(1280, 800, 'light'), (1280, 800, 'dark'), (800, 900, 'light'), (800, 900, 'dark')]
 
 
@@ -123,6 +125,11 @@ PICTURES = {
 def test_every_picture_is_drawn_here():
     listed = re.findall(r"{ id: '(\w+)'", (ROOT / 'python/gearsweep/panel/static/pictures.js').read_text())
     assert len(listed) > 20 and set(listed) == {one for pictures in PICTURES.values() for one in pictures}
+
+
+def test_numbers_of_sensitivities_are_called_as_in_the_reports_pictures():
+    text = (ROOT / 'python/gearsweep/panel/static/util.js').read_text().split('export const NUMBERS = {')[1].split('};')[0]
+    assert {name: words.strip('"\'') for name, words in re.findall(r"""(\w+): ('[^']*'|"[^"]*")""", text)} == NUMBERS
 
 
 @pytest.mark.parametrize('scheme', ['light', 'dark'])
