@@ -1440,6 +1440,8 @@ class LifeTable(Table):
     """MPa: largest tooth root stress of all parts"""
     worst_part: NDArray[int64]
     """part that does most harm; 0 where none does"""
+    equal_flanks: NDArray[int64]
+    """1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0"""
 
 class LifePartsTable(Table):
     """what each part of the load spectrum does to the tooth roots"""

@@ -388,3 +388,20 @@ def test_cautions(program, tmp_path, member, model, word, stands):
     (tmp_path / 'one.nml').write_text(f"""&case tasks = 'mesh' / &pair module_mm = 3.18 face_width_mm = 25.4 / &load line_load_n_mm = 276 /
 &pinion teeth = 25 effective_mass_kg = 0.556 {member} / &gear teeth = 25 effective_mass_kg = 0.556 {member} / &mesh model = {model} /""")
     assert (word in program('one.nml', cwd=tmp_path).stdout) is stands
+
+
+@pytest.mark.parametrize(('coast_deg', 'cautions'), [(20, 0), (25, 3)])
+def test_iso_6336_3_of_asymmetric_teeth_comes_with_a_caution(program, tmp_path, coast_deg, cautions):
+    """Once for each task that shows such values; the standard is made for equal flanks."""
+    (tmp_path / 'case.nml').write_text(f"""&case tasks = 'static', 'rating', 'life' /
+&pair module_mm = 3 face_width_mm = 20 coast_angle_deg = {coast_deg} / &pinion teeth = 21 / &gear teeth = 34 /
+&load normal_force_n = 4000 / &relief amount_um = 0 / &mesh model = 'weber' / &section elements_across = 4 / &static positions = 3 /
+&rating rpm = 3000 / &life rpm = 3000 duration_h = 1 tensile_strength_mpa = 900 /
+""")
+    done = program('case.nml', cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count('ISO 6336-3 is made for equal flanks') == cautions
+    for table in ('root_rating', 'rating_factors', 'life'):
+        with open(tmp_path / f'results/case.{table}.csv') as lines:
+            rows = list(csv.DictReader(line for line in lines if not line.startswith('#')))
+        assert {row['equal_flanks'] for row in rows} == {str(int(cautions == 0))}, rows

@@ -2,6 +2,7 @@
 !> under the load of the motion.
 module gearsweep_task_life
   use gearsweep_decimal, only: in_um
+  use gearsweep_equal_flanks, only: add_caution, add_equal_flanks
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_fatigue, only: by_gerber, by_goodman, by_soderberg, structural_steel
   use gearsweep_kinds, only: dp
@@ -196,6 +197,7 @@ contains
     if (allocated(error) .or. .not. allocated(parts)) return
     call self%fill_parts(stages%amount(which), parts, self%tables(self%place('life_parts')), error)
     call self%fill_life(stages%amount(which), parts, self%tables(self%place('life')), error)
+    if (.not. allocated(error)) call add_equal_flanks(stages%pair, 2*size(which), self%tables(self%place('life')))
     call self%fill_curve(self%tables(self%place('life_curve')), error)
     self%is_done = .true.
     self%is_stopped = any(parts%status == status_stopped)
@@ -276,7 +278,7 @@ contains
     integer :: m, row, worst(2*size(amount))
 
     m = size(amount)
-    call table%begin('how long the tooth roots last', 2*m, 8, error, extent=[m, 2])
+    call table%begin('how long the tooth roots last', 2*m, 9, error, extent=[m, 2])
     if (allocated(error)) return
     do row = 1, 2*m
       call sum_up(parts(:, (row + 1)/2), 2 - modulo(row, 2), damage(row), largest(row), worst(row), word(row))
@@ -358,6 +360,7 @@ contains
           call lines%add(right(trim(life%word('kind', i)), 12))
         end if
       end do
+      call add_caution(life, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_life

@@ -4,11 +4,12 @@ module gearsweep_task_rating
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_decimal, only: in_um
   use gearsweep_dynamic_factor, only: deviations_of, dynamic_factor_b, method_b_t, resonance_ratio
+  use gearsweep_equal_flanks, only: add_caution, add_equal_flanks
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_error_estimate, only: point_t
   use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
   use gearsweep_form, only: iso_form, iso_form_t, nominal_root_stress
-  use gearsweep_gear, only: coast, drive
+  use gearsweep_gear, only: drive
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_load_factors, only: contact_stress, load_factors_t, rim_factor, root_face_load_factor, tooth_root_stress
@@ -256,7 +257,6 @@ contains
     type(limits_t), intent(in) :: limits
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: angle(2)
 
     call table%begin('factors of ISO 6336:2006 that do not depend on the speed', 2, 29, error, extent=[2])
     if (allocated(error)) return
@@ -284,9 +284,7 @@ contains
     call both('pitch_deviation_um', 'um', 'f_pb after running in', micro*of%pitch_deviation)
     call both('profile_deviation_um', 'um', 'f_f_alpha after running in', micro*of%profile_deviation)
     call add_limits(limits, table)
-    angle = stages%pair%gear(1)%spec%pressure_angle
-    call table%add('equal_flanks', '', '1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0', &
-                   spread(merge(0, 1, abs(angle(coast) - angle(drive)) > 0), 1, 2))
+    call add_equal_flanks(stages%pair, 2, table)
 
   contains
 
@@ -361,6 +359,7 @@ contains
         call lines%add(right(str(rating%number('root_stress_mpa', i), 5), 14)//shown(rating%number('root_safety', i)))
       end do
     end associate
+    call add_caution(self%tables(self%place('rating_factors')), lines)
   end subroutine add_report
 
   !> A factor for the screen.

@@ -2,6 +2,7 @@
 module gearsweep_task_static
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
+  use gearsweep_equal_flanks, only: add_caution, add_equal_flanks
   use gearsweep_gear, only: coast, drive
   use gearsweep_grid_tables, only: fill_elements, fill_nodes, grid_of_section
   use gearsweep_inputs, only: same, unit_inputs_t
@@ -10,6 +11,7 @@ module gearsweep_task_static
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_reader, only: reader_t
+  use gearsweep_pair, only: pair_t
   use gearsweep_root_rating, only: load_positions, load_radius, rate_root, root_options_t, root_rating_t, shared_by_mesh, &
     shared_equally, shares_stated, spaced_on_flank, spaced_on_path
   use gearsweep_stress, only: root_stress, root_stress_t
@@ -118,10 +120,7 @@ contains
     if (allocated(error)) return
     call fill_static(stages%amount, root, self%tables(self%place('static')), error)
     call fill_largest(stages%amount, root, self%tables(self%place('root_stress')), error)
-    associate (angle => stages%pair%gear(1)%spec%pressure_angle)
-      call fill_rating(root(1), stages%member, .not. abs(angle(coast) - angle(drive)) > 0, &
-                       self%tables(self%place('root_rating')), error)
-    end associate
+    call fill_rating(root(1), stages%member, stages%pair, self%tables(self%place('root_rating')), error)
     if (self%options%field_position >= 0) call self%add_field(stages, root, error)
     self%is_done = .true.
     self%log = 'static: root stress at '//str(self%options%positions)//' positions of the load'
@@ -220,10 +219,10 @@ contains
   end subroutine fill_largest
 
   !> What the standard and Lewis give for the whole load at the outer point of single contact.
-  pure subroutine fill_rating(root, member, has_equal_flanks, table, error)
+  pure subroutine fill_rating(root, member, pair, table, error)
     type(root_rating_t), intent(in) :: root
     integer, intent(in) :: member
-    logical, intent(in) :: has_equal_flanks
+    type(pair_t), intent(in) :: pair
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
@@ -240,8 +239,7 @@ contains
     call table%add('iso_radius_mm', 'mm', 'rho_F, radius of the fillet there', [milli*root%iso%radius])
     call table%add('iso_angle_deg', 'deg', 'alpha_Fen, angle of the load to the normal of the tooth''s axis', &
                    [root%iso%load_angle/degree])
-    call table%add('equal_flanks', '', '1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0', &
-                   [merge(1, 0, has_equal_flanks)])
+    call add_equal_flanks(pair, 1, table)
     call table%add('lewis_mpa', 'MPa', 'by Lewis', [mega*root%lewis_stress])
     call table%add('lewis_form_factor', '', 'Y', [root%lewis])
   end subroutine fill_rating
@@ -303,8 +301,7 @@ contains
                      str(rating%number('iso_form_factor'), 4)//', Y_S '//str(rating%number('iso_stress_correction'), 4)// &
                      '); Lewis '//str(rating%number('lewis_mpa'), 5)//' MPa (Y '//str(rating%number('lewis_form_factor'), 4)// &
                      '); for the whole load at point '//trim(rating%word('point', 1)))
-      if (.not. rating%number('equal_flanks') > 0) call lines%add('   ISO 6336-3 is made for equal flanks: here its section '// &
-        'lies between the 30 degree tangents of unequal ones, which nothing confirms')
+      call add_caution(rating, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_static
