@@ -773,6 +773,38 @@ class HysteresisChangesTable(Table):
     mesh_periods_after: NDArray[int64]
     """mesh periods until the motion repeats, after"""
 
+class HysteresisRampsTable(Table):
+    """runs through the speeds at a finite rate"""
+
+    relief_um: NDArray[float64]
+    """um: tip relief, as amount_um of the case"""
+    direction: NDArray[str_]
+    """of the run through the speeds"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    dynamic_factor: NDArray[float64]
+    """largest load of a pair over the static load in the mesh periods between the speed before and this one; NaN at the first speed, and where no mesh period lies between"""
+    error_estimate: NDArray[float64]
+    """estimated error of the dynamic factor: its change with steps twice as long"""
+
+class HysteresisDelaysTable(Table):
+    """how late the runs at a finite rate jump"""
+
+    relief_um: NDArray[float64]
+    """um: tip relief, as amount_um of the case"""
+    direction: NDArray[str_]
+    """of the run through the speeds"""
+    change: NDArray[int64]
+    """which change of this direction in hysteresis_changes"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion just after the jump of the slow run"""
+    ramp_rpm: NDArray[float64]
+    """1/min: speed at which the largest load of a mesh period is first halfway from that before to that after the jump; NaN where it never is"""
+    delay_s: NDArray[float64]
+    """s: time from the jump of the slow run to that"""
+    error_estimate_s: NDArray[float64]
+    """s: estimated error of the delay: its change with steps twice as long"""
+
 class PoincareTable(Table):
     """the motion seen once a mesh period, as a new pair enters"""
 
@@ -956,6 +988,30 @@ class BranchChangesTable(Table):
     """of grazing, in which of the mesh periods; 0 as above"""
     enclosed: NDArray[float64]
     """between places so far apart it is enclosed, in the unit of the parameter's name"""
+
+class BranchCurvesTable(Table):
+    """curves of folds, doublings and grazings over both parameters"""
+
+    curve: NDArray[int64]
+    """which curve"""
+    point: NDArray[int64]
+    """which of its points"""
+    kind: NDArray[str_]
+    """fold, doubling or grazing, all along the curve"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    damping_ratio: NDArray[float64]
+    """damping ratio"""
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    normal_force_n: NDArray[float64]
+    """N: static load"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    phase: NDArray[float64]
+    """of grazing, the mesh phase; else NaN"""
 
 class SensitivityTable(Table):
     """how the dynamic factor changes with each number of the case"""
@@ -1767,6 +1823,10 @@ class Named:
     @property
     def hysteresis_changes(self) -> HysteresisChangesTable: ...
     @property
+    def hysteresis_ramps(self) -> HysteresisRampsTable: ...
+    @property
+    def hysteresis_delays(self) -> HysteresisDelaysTable: ...
+    @property
     def poincare(self) -> PoincareTable: ...
     @property
     def lyapunov(self) -> LyapunovTable: ...
@@ -1782,6 +1842,8 @@ class Named:
     def branch_points(self) -> BranchPointsTable: ...
     @property
     def branch_changes(self) -> BranchChangesTable: ...
+    @property
+    def branch_curves(self) -> BranchCurvesTable: ...
     @property
     def sensitivity(self) -> SensitivityTable: ...
     @property

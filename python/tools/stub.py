@@ -30,7 +30,9 @@ def studies() -> list[gearsweep.Study]:
     tasks = [task if isinstance(task, str) else task['name'] for task in tasks]
     coarse: dict[str, dict[str, Any]] = {'section': {'elements_across': 3}, 'static': {'positions': 2, 'field_position': 0}, 'modal': {'modes': 1}, 'relief': {'amount_um': 0},
               'sweep': {'rpm_step': 19000, 'load_rpm': 1600, 'direction': 'all'}, 'poincare': {'settling_periods': 0, 'kept_periods': 1},
-              'attractors': {'starts': 1}, 'branches': {'first': 3000, 'last': 4000, 'seeds': 1, 'points': 10, 'most_periods': 1},
+              'hysteresis': {'ramp_rpm_s': 1e6}, 'attractors': {'starts': 1},
+              'branches': {'first': 3000, 'last': 4000, 'seeds': 1, 'points': 10, 'most_periods': 1,
+                           'second': 'damping_ratio', 'second_first': 0.1, 'second_last': 0.2},
               'optimum': {'load_factors': [1, 2]}, 'sensitivity': {'rpm': 1600},
               'precision': {'most_steps': 50, 'most_samples': 32, 'most_elements': 4, 'modes': 1},
               'torque': {'rpm': 1600}, 'flank': {'rpm': 1600}, 'rating': {'rpm': 1600},
