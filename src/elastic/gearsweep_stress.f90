@@ -75,9 +75,9 @@ contains
     product%error_estimate = product%error_estimate*stress_error_share(grids)
   end subroutine root_stress
 
-  !> Largest relative difference of two grids where the stress is within a tenth
-  !> of the peak, or largest where it comes so near between two points only: the peaks alone may agree by chance. Their points are told apart by the length along the surface, as a root land
-  !> or an undercut fillet has two points of one height.
+  !> Largest relative difference of two grids where the stress is within a tenth of the peak, or largest where it comes so near
+  !> between two points only: the peaks alone may agree by chance. Their points are told apart by the length along the surface, as a
+  !> root land or an undercut fillet has two points of one height.
   pure real(dp) function peak_difference(fine, coarse, peak) result(most)
     type(root_stress_t), intent(in) :: fine, coarse
     type(stress_peak_t), intent(in) :: peak
