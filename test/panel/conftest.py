@@ -36,6 +36,7 @@ MORE = """&case tasks = 'static', 'modal', 'stability', 'hysteresis', 'poincare'
 &dynamics damping_ratio = 0.01 /
 &sweep rpm_first = 8000 rpm_last = 30000 rpm_step = 500 /
 &static field_position = 16 /
+&hysteresis ramp_rpm_s = 20000 /
 &modal modes = 4 /
 &stability damping_count = 21 tongues = 4 /
 &poincare settling_periods = 100 kept_periods = 30 /

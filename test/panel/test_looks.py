@@ -116,7 +116,8 @@ PICTURES = {
     'hassan.nml': ['root', 'modes', 'section'],
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
     'precision.nml': ['precision'],
-    'more.nml': ['stress', 'stability', 'tongues', 'hysteresis', 'poincare', 'section_plane', 'lyapunov', 'attractors', 'basins', 'rating'],
+    'deflection_relief.nml': ['relief_flank', 'relief_search'],
+    'more.nml': ['stress', 'stability', 'tongues', 'hysteresis', 'ramps', 'poincare', 'section_plane', 'lyapunov', 'attractors', 'basins', 'rating'],
     'rest.nml': ['largest', 'coast', 'dte_harmonics', 'load_harmonics', 'transient', 'transient_peaks', 'branches', 'life', 'gear_modes', 'frequency', 'campbell',
                  'torque', 'torque_gear', 'torque_friction', 'torque_harmonics', 'sensitivity'],
 }

@@ -98,7 +98,7 @@ function numbers() {
 const taskOf = (one) => one.task ?? about.tasks.find((task) => task.tables.includes(one.table))?.name;
 
 /** What these results lack for a picture, in words. */
-const askOf = (one, there) => (one.table in there ? `&${one.set[0]} ${one.set[1]} = '${one.set[2]}'` : `task ${taskOf(one)}`);
+const askOf = (one, there) => (one.table in there ? `&${one.set[0]} ${one.set[1]} = ${isNaN(one.set[2]) ? `'${one.set[2]}'` : one.set[2]}` : `task ${taskOf(one)}`);
 
 function picker(there) {
   const options = PICTURES.map((one) => el('option', { value: one.id }, isThere(one, there) ? one.title : `${one.title} (${askOf(one, there)})`));
