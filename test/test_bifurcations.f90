@@ -196,7 +196,8 @@ contains
     call check_equal(t, 'rows', rows, 6)
   end subroutine slow_sweeps
 
-  !> slow_sweeps.dat again: a ramp at the rate of its march jumps where that does, to 2 % of the delay.
+  !> slow_sweeps.dat again: a ramp at the rate of its march jumps where that does. That march comes to its first speed by a slow
+  !> rise and its speed rises by equal steps a mesh period, ours by equal steps a second: 2 % of the delay are left to both.
   subroutine ramps(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: speeds(4) = [10000.0_dp, 10700.0_dp, 11400.0_dp, 11440.0_dp], zeta = 0.05_dp, fold = 11430.13333_dp
@@ -233,7 +234,8 @@ contains
     call check_equal(t, 'rows', rows, 2)
   end subroutine ramps
 
-  !> Behind a fold, the delay grows as the 2/3 power of the rate: in speed by 4 where that grows by 8.
+  !> Behind a fold, the delay grows as the 2/3 power of the rate: in speed by 4 where that grows by 8. That holds in the limit of
+  !> slow runs near the fold; at these rates a tenth is left to what comes next in the rate.
   subroutine delays(t)
     type(tally_t), intent(inout) :: t
     type(answer_t) :: answer

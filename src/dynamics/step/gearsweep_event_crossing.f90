@@ -280,7 +280,7 @@ contains
     real(dp), parameter :: tight = 1e-8_dp       ! the correction after the last one would be its square
     integer, parameter :: most_iterations = 60
     real(dp), dimension(batch_size) :: low, high, f, slope, moved
-    integer :: iteration, k, l
+    integer :: iteration, l
 
     low = 0
     high = 1
@@ -289,14 +289,7 @@ contains
       if (wanted(l)) place(l) = max(0.0_dp, c(l, 0))/(max(0.0_dp, c(l, 0)) - sum(c(l, :)))
     end do
     do iteration = 1, most_iterations
-      f = c(:, 7)
-      slope = 0
-      do k = 6, 0, -1
-        do l = 1, batch_size
-          slope(l) = slope(l)*place(l) + f(l)
-          f(l) = f(l)*place(l) + c(l, k)
-        end do
-      end do
+      call evaluate(c, place, f, slope)
       do l = 1, batch_size
         low(l) = merge(place(l), low(l), f(l) >= 0)
         high(l) = merge(high(l), place(l), f(l) >= 0)
