@@ -117,7 +117,7 @@ contains
     character(*), intent(in) :: model, task
 
     every = merge(1, 4, model == 'weber' .or. task == 'mesh')
-    if (any(task == [character(11) :: 'branches', 'sensitivity', 'body_modes'])) every = 4
+    if (any(task == [character(11) :: 'branches', 'sensitivity'])) every = 4
     if (task == 'precision') every = 8
   end function every_of
 
