@@ -23,27 +23,22 @@ say() { printf 'gearsweep: %s\n' "$*"; }
 # tell NAME: what comes in, each line with this name before it as soon as it is there.
 tell() { while IFS= read -r line; do printf '%s: %s\n' "$1" "$line"; done; }
 
-# broke NAME CODE WHY: a part that cannot be built, or breaks off, is one failure.
-broke() {
-  say "$1 broke off with code $2$3"
-  failed=$((failed + 1))
-}
-
-# counts NAME: what the part said last must be `N passed, N failed`, and its code must agree with it.
+# counts NAME: what the part said last must be `N passed, N failed`, and its code must agree with it. What cannot be built, or
+# breaks off, is one failure.
 counts() {
   code=$(cat "$work/$1.code")
   line=$(tail -n 1 "$work/$1.said")
   if ! printf '%s\n' "$line" | grep -Eqx '[0-9]+ passed, [0-9]+ failed'; then
-    broke "$1" "$code" ''
-    line='0 passed, 0 failed'
+    say "$1 broke off with code $code"
+    line='0 passed, 1 failed'
   elif [ "$code" != 0 ] && [ "${line##*, }" = '0 failed' ]; then
-    broke "$1" "$code" ', though no check failed'
+    say "$1 broke off with code $code, though no check failed"
+    line="${line%, *}, 1 failed"
   fi
 }
 
-# add_counts NAME: of a part whose checks are its own.
-add_counts() {
-  counts "$1"
+# add: the counts in `line` to those of the whole.
+add() {
   passed=$((passed + ${line%% *}))
   line=${line% failed}
   failed=$((failed + ${line##* }))
@@ -69,39 +64,15 @@ run_part() {
   wait "$telling"
 }
 
-# --- the suites, in both builds at the same time ---------------------------------
+# --- the parts, two at a time --------------------------------------------------------
 
-started=$(date +%s)
-[ $# -gt 0 ] || say 'the suites, in two builds at the same time, take about 8 min, everything about 25'
-if build_check_debug; then
-  say 'suites with run-time checks (debug)'
-  run_part debug env GEARSWEEP_CHECKS="$work/debug.list" "$run_dir/check-debug" "$@" &
-  beside=$!
-else
-  broke debug 1 ': it cannot be built'
-fi
-if build_check_release; then
-  say 'suites as released (release)'
-  run_part release env GEARSWEEP_CHECKS="$work/release.list" "$run_dir/check-release" "$@"
-  counts release
-else
-  broke release 1 ': it cannot be built'
-fi
-if [ -n "$beside" ]; then
-  wait "$beside"
-  beside=
-  counts debug
-  title='debug: no temporary copies of arrays that gfortran tells of, which fpm test and fpm run would print'
-  if grep -q 'array temporary' "$work/debug.said"; then fails "$title"; else pass; fi
-fi
-cat "$work"/*.list >>"$list" 2>/dev/null
-line=$(count_checks)
-say "suites: $line, each counted once over both builds"
-passed=$((passed + ${line%% *}))
-line=${line% failed}
-failed=$((failed + ${line##* }))
-
-# --- further kinds of tests: scripts that find the program as $1, two at a time ---------
+# run_suites BUILD SUITE...: in the build debug, with run-time checks, or release.
+run_suites() {
+  build=$1
+  shift
+  say "the suites as built for $build"
+  run_part "$build" env GEARSWEEP_CHECKS="$work/$build.list" "$run_dir/check-$build" "$@"
+}
 
 # The longest first, so that both lanes end at about the same time.
 list_scripts() {
@@ -110,33 +81,64 @@ list_scripts() {
   done | sort -k 2,2 -k 1,1nr -k 3 | cut -d ' ' -f 3
 }
 
-# lane: takes the next script that nobody has taken, until there is none.
+# name_of SCRIPT: the name of the part: test/test_python.sh is python.
+name_of() {
+  part=$(basename "$1" .sh)
+  echo "${part#test_}"
+}
+
+# run_script SCRIPT: a further kind of tests, that finds the program as $1.
+run_script() {
+  say "$(name_of "$1"): $(sed -n 's/^# Takes \(about .*\)\.$/\1/p' "$1")"
+  run_part "$(name_of "$1")" sh "$1" "$run_dir/gearsweep"
+}
+
+# lane SUITE...: takes the next part that nobody has taken, until there is none.
 lane() {
-  for script in $scripts; do
-    part=$(basename "$script" .sh)
-    part=${part#test_}
-    mkdir "$work/$part.taken" 2>/dev/null || continue
-    say "$part: $(sed -n 's/^# Takes \(about .*\)\.$/\1/p' "$script")"
-    run_part "$part" sh "$script" "$run_dir/gearsweep"
+  for what in debug release $scripts; do
+    lane_part=$(name_of "$what")
+    mkdir "$work/$lane_part.taken" 2>/dev/null || continue
+    since=$(date +%s)
+    # Stands where what the part needs cannot be built.
+    echo 1 >"$work/$lane_part.code"
+    : >"$work/$lane_part.said"
+    case $what in
+      debug | release) "build_check_$what" && run_suites "$what" "$@" ;;
+      *) build_program && run_script "$what" ;;
+    esac
+    say "$lane_part took $(($(date +%s) - since)) s"
   done
 }
 
+started=$(date +%s)
+scripts=
 if [ $# = 0 ]; then
-  if build_program; then
-    scripts=$(list_scripts)
-    lane &
-    beside=$!
-    lane
-    wait "$beside"
-    beside=
-    for script in $scripts; do
-      part=$(basename "$script" .sh)
-      add_counts "${part#test_}"
-    done
-  else
-    broke program 1 ': it cannot be built'
-  fi
+  say 'the suites, in two builds, take about 8 min, everything about 25'
+  scripts=$(list_scripts)
 fi
+lane "$@" &
+beside=$!
+lane "$@"
+wait "$beside"
+beside=
+
+# --- what they say ----------------------------------------------------------------------
+
+for build in debug release; do
+  counts "$build"
+  # Its checks are counted below, but not that it broke off.
+  [ "${line##*, }" = '1 failed' ] && ! grep -qs '^failed ' "$work/$build.list" && title="$build ends well" && fails "$title"
+done
+title='debug: no temporary copies of arrays that gfortran tells of, which fpm test and fpm run would print'
+if grep -q 'array temporary' "$work/debug.said"; then fails "$title"; else pass; fi
+cat "$work"/*.list >>"$list" 2>/dev/null
+line=$(count_checks)
+say "suites: $line, each counted once over both builds"
+add
+for script in $scripts; do
+  counts "$(name_of "$script")"
+  add
+done
 
 say "took $(($(date +%s) - started)) s"
 echo "$passed passed, $failed failed"

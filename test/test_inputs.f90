@@ -117,8 +117,8 @@ contains
     character(*), intent(in) :: model, task
 
     every = merge(1, 4, model == 'weber' .or. task == 'mesh')
-    if (any(task == [character(11) :: 'branches', 'sensitivity'])) every = 4
-    if (task == 'precision') every = 8
+    if (any(task == [character(task_length) :: 'branches', 'sensitivity', 'deflection_relief'])) every = 4
+    if (task == 'precision') every = 16
   end function every_of
 
   ! --- what is walked ---------------------------------------------------------
