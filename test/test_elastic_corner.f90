@@ -10,6 +10,7 @@ module test_elastic_corner
   use gearsweep_gear, only: drive
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
+  use gearsweep_own_flattening, only: flattening_t
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_text, only: str
@@ -39,6 +40,7 @@ contains
     if (t%wants('whole_case')) call whole_case(t)
     if (t%wants('root_share')) call root_share(t)
     if (t%wants('any_load')) call any_load(t)
+    if (t%wants('own_load')) call own_load(t)
     if (t%wants('moved_down')) call moved_down(t)
     if (t%wants('corner_estimate')) call corner_estimate(t)
   end subroutine run
@@ -330,6 +332,50 @@ contains
     end do
     call check_true(t, 'load on the tip', minval(share, mask=s < 1e-6_dp) > 0.05_dp, str(minval(share, mask=s < 1e-6_dp)))
   end subroutine root_share
+
+  !> A pair yields by its own load beyond A and E too: the compliance that its contact problem has under a smaller load is that
+  !> under the nominal one and what the load's logarithm adds, from half of the load to a thirtieth.
+  subroutine own_load(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: teeth(2, 2) = reshape([25, 25, 22, 41], [2, 2])
+    real(dp), parameter :: parts(3) = [0.5_dp, 0.1_dp, 0.03_dp], within(3) = [1e-2_dp, 1e-2_dp, 2e-2_dp]
+    type(fe_options_t) :: options
+    type(flattening_t) :: flattening
+    type(pair_t) :: pair
+    type(piecewise_t) :: whole, small
+    type(disc_t) :: disc
+    type(error_t), allocatable :: error
+    integer :: i, j, k
+
+    options%corner_contact = .true.
+    do k = 1, size(teeth, 2)
+      pair = dogan_pair(teeth(:, k))
+      call fe_stiffness(pair, [steel, steel], options, load, whole, disc, error, flattening)
+      call check_no_error(t, 'stiffness with flattening', error)
+      do i = 1, size(parts)
+        call fe_stiffness(pair, [steel, steel], options, parts(i)*load, small, disc, error)
+        do j = 0, 8
+          ! As far as the smaller load reaches.
+          associate (before => small%breaks(1)*j/8, behind => (small%breaks(size(small%breaks)) - pair%contact_ratio)*j/8)
+            call check_close(t, 'before A under '//str(parts(i))//' of the load', 1/small%value(before), &
+                             by_law(before, parts(i)), relative=within(i))
+            call check_close(t, 'behind E under '//str(parts(i))//' of the load', 1/small%value(pair%contact_ratio + behind), &
+                             by_law(pair%contact_ratio + behind, parts(i)), relative=within(i))
+          end associate
+        end do
+      end do
+      call check_true(t, 'an edge yields more to a small load', all(flattening%at_end > 1.3_dp*flattening%within) .and. &
+                      all(flattening%beyond > 2*flattening%within))
+    end do
+
+  contains
+
+    real(dp) function by_law(s, part)
+      real(dp), intent(in) :: s, part
+
+      by_law = 1/whole%value(s) - flattening%at(s, pair%contact_ratio)*log(part)
+    end function by_law
+  end subroutine own_load
 
   !> Contact beyond the path grows with the load and vanishes with it.
   subroutine any_load(t)

@@ -9,6 +9,7 @@ module test_mesh
   use gearsweep_material, only: material_t
   use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_own_flattening, only: even_flattening, flattening_t
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t, polynomial, spline
   use gearsweep_sharing, only: pair_load, sharing_t, share_load, static_deflection
@@ -218,7 +219,10 @@ contains
   !> loads; pairs that are alike carry alike; the loads balance whatever the gaps; at its nominal load a pair is as it was.
   subroutine own_flattening(t)
     type(tally_t), intent(inout) :: t
-    real(dp), parameter :: k(3) = [300e6_dp, 250e6_dp, 400e6_dp], c = 1.1e-10_dp, nominal = 7000
+    real(dp), parameter :: k(3) = [300e6_dp, 250e6_dp, 400e6_dp], nominal = 7000
+    real(dp), parameter :: c = 1.1e-10_dp, each(3) = c*[2.5_dp, 1.0_dp, 1.4_dp]
+    type(flattening_t), parameter :: at_corners = flattening_t(1.0_dp, [1.4_dp, 1.5_dp], [2.4_dp, 2.6_dp], [0.1_dp, 0.2_dp], &
+                                                               [0.02_dp, 0.03_dp])
     type(material_t), parameter :: steel = material_t()
     real(dp) :: x, e(3), force(3), slope(3), part(2), width(2)
     integer :: i
@@ -231,18 +235,28 @@ contains
     call check_close(t, 'and in plane stress', part(1) - part(2), 2*load_dependence(steel, .false.)*log(3.0_dp))
     do i = 1, 40
       e = [4e-6_dp, 0.0_dp, 1e-6_dp*i]
-      x = static_deflection(k, e, nominal, c)
-      call pair_load(x - e, k, nominal, c, force, slope)
+      x = static_deflection(k, e, nominal, each)
+      call pair_load(x - e, k, nominal, each, force, slope)
       call check_close(t, 'loads balance', sum(force), nominal, 1e-12_dp)
-      associate (by_law => force*(1/k - c*log(max(force, 1e-9_dp)/nominal)))
+      associate (by_law => force*(1/k - each*log(max(force, 1e-9_dp)/nominal)))
         call check_close(t, 'each by its own law', maxval(abs(by_law - (x - e)), mask=x > e), 0.0_dp, absolute=1e-18_dp)
       end associate
       call check_true(t, 'none is pulled', all(force >= 0) .and. all((force > 0) .eqv. (x > e)))
     end do
-    call check_close(t, 'one pair, as it was', static_deflection(k(:1), [0.0_dp], nominal, c), nominal/k(1))
-    call check_close(t, 'two alike', static_deflection(k([1, 1]), [0.0_dp, 0.0_dp], nominal, c), &
+    call check_close(t, 'one pair, as it was', static_deflection(k(:1), [0.0_dp], nominal, [c]), nominal/k(1))
+    call check_close(t, 'two alike', static_deflection(k([1, 1]), [0.0_dp, 0.0_dp], nominal, [c, c]), &
                      nominal/2*(1/k(1) + c*log(2.0_dp)))
-    call check_close(t, 'without', static_deflection(k, e, nominal, 0.0_dp), static_deflection(k, e, nominal))
+    ! An eighth of what the edge adds is left half a zone within the path; half of what is left beyond it after log 2 lengths.
+    do i = 1, 2
+      associate (s => merge(0.0_dp, 1.6_dp, i == 1), out => merge(-1, 1, i == 1), f => at_corners)
+        call check_close(t, 'where the edge is felt', f%at(s - out*f%zone(i)/2, 1.6_dp), (7*f%within + f%at_end(i))/8)
+        call check_close(t, 'within the path', f%at(s - out*1.5_dp*f%zone(i), 1.6_dp), f%within)
+        call check_close(t, 'at the edge', f%at(s, 1.6_dp), f%at_end(i))
+        call check_close(t, 'just beyond', f%at(s + out*1e-12_dp, 1.6_dp), f%at_end(i), 1e-9_dp)
+        call check_close(t, 'beyond', f%at(s + out*log(2.0_dp)*f%length(i), 1.6_dp), (f%at_end(i) + f%beyond(i))/2)
+      end associate
+    end do
+    call check_close(t, 'without', static_deflection(k, e, nominal, [0.0_dp, 0.0_dp, 0.0_dp]), static_deflection(k, e, nominal))
   end subroutine own_flattening
 
   !> The loads balance at every phase; mean stiffness is the integral of K.
@@ -296,7 +310,7 @@ contains
     call prescribed(2.4_dp, [400.0_dp, 20.0_dp, -110.0_dp], [14.0_dp, 9.0_dp], 1, osc)
     osc%mesh%disc = disc
     do n = 1, size(flattening)
-      osc%mesh%flattening = flattening(n)
+      osc%mesh%flattening = even_flattening(flattening(n))
       call share_load(osc%mesh, load, 600, sharing)
       apart = 0
       do k = 1, size(sharing%phase)

@@ -132,6 +132,19 @@ def own_load():
     return 100 * (nominal / own - 1)
 
 
+def edge_flattening():
+    """How many times as fast as Hertz has it the compliance of a pair of case 1 falls with the logarithm of its load: at A where
+    the path ends at an edge, and as far beyond as a smaller load is looked for."""
+    part = 0.3
+    loads = [{'line_load_n_mm': 276 * factor} for factor in (1, part)]
+    meshes = [run(case('case1').changed(mesh={'corner_contact': True}, relief={'amount_um': 0}, load=load), 'mesh').mesh
+              for load in loads]
+    hertz = 2e6 * (1 - 0.3**2) / (np.pi * 206e9) / 0.0254
+    farthest = meshes[1].s[0]
+    whole, small = (np.interp([0, farthest], mesh.s[mesh.s <= 0], mesh.pair_stiffness_n_um[mesh.s <= 0]) for mesh in meshes)
+    return list((1 / small - 1 / whole) / -np.log(part) / hertz)
+
+
 def edge_softer():
     """How much softer a pair of case 1 is 0.05 base pitches before A than at A without an edge, per cent."""
     meshes = [run(case('case1').changed(mesh={'corner_contact': on}, relief={'amount_um': 0}), 'mesh').mesh for on in (False, True)]

@@ -20,12 +20,10 @@ INPUTS = {case.name: case for case in CASES}
 SWITCHES = ('corner_contact', 'tooth_coupling', 'nonlinear_contact')
 AIM = 0.005, 0.005  # of the peak-to-peak transmission error without relief; of the load
 # Where the aim is missed: cases (none: all) and switches that are on; how far off we are of the one and the other instead; why.
-SMALL = 'a corner under a small load yields by more than its secant stiffness says'
 TIP = 'beside a tip corner the contact moves down the flank as the tooth bends: without corner contact that is left out'
 ZONE = 'where an edge is felt the stiffness is one smooth curve between two places'
 MISSED: tuple[tuple[tuple[str, ...], set[str], float, float, str], ...] = (
     ((), {'corner_contact'}, 0.006, 0.005, ZONE),
-    ((), {'corner_contact', 'nonlinear_contact'}, 0.025, 0.012, SMALL),
     (('bore-10',), set(), 0.0055, 0.005, TIP),
     (('stub',), set(), 0.008, 0.005, TIP),
     (('high', 'high-bore'), set(), 0.012, 0.005, TIP),

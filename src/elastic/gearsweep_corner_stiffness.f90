@@ -14,44 +14,47 @@ module gearsweep_corner_stiffness
   use gearsweep_tooth_compliance, only: most_tilt, tooth_t
   implicit none
   private
-  public :: corner_compliance, compliance_slope, moved_contact, edge_zone, edge_share
+  public :: corner_compliance, compliance_slope, moved_contact, edge_zone
 
 contains
 
-  !> Compliance (m2/N) of the pair at the path coordinates `s` beyond A or E, all on one side, under `line_load` (N/m), the
-  !> secant; at A and E themselves the contact is cut in half. It is along the line of action: deflection and load along the
-  !> mate's normal are both `part_along` (corner_t) of what they are there, that is, the one is that part of the other.
+  !> Compliance (m2/N) of the pair at the path coordinates `s` beyond A or E, all on one side, under each `line_load` (N/m; the
+  !> largest first), the secant; (place, load). At A and E themselves the contact is cut in half. It is along the line of action:
+  !> deflection and load along the mate's normal are both `part_along` (corner_t) of what they are there, that is, the one is that
+  !> part of the other.
   subroutine corner_compliance(pair, tooth, material, plane_strain, line_load, s, compliance, error)
     type(pair_t), intent(in) :: pair
     type(tooth_t), intent(in) :: tooth(2)
     type(material_t), intent(in) :: material(2)
     logical, intent(in) :: plane_strain
-    real(dp), intent(in) :: line_load, s(:)
-    real(dp), intent(out) :: compliance(:)
+    real(dp), intent(in) :: line_load(:), s(:)
+    real(dp), intent(out) :: compliance(:, :)
     type(error_t), allocatable, intent(out) :: error
     type(edge_t) :: edge
     type(corner_t) :: corner
     real(dp) :: tip, end_of_path, close_up, curvature(2)
-    integer :: k, member
+    integer :: k, l, member
 
     member = merge(2, 1, sum(s) < 0)
     end_of_path = merge(0.0_dp, pair%contact_ratio, member == 2)
     tip = pair%curvature(member, end_of_path)
     compliance = 0
     call make_edge(material([member, 3 - member]), plane_strain, pair%gear(member)%edge_angle(drive, tip), &
-                   tooth(member)%corner_depth, contact_half_width(material(1), material(2), plane_strain, line_load, tip, &
+                   tooth(member)%corner_depth, contact_half_width(material(1), material(2), plane_strain, line_load(1), tip, &
                    pair%curvature(3 - member, end_of_path)), edge, error)
     do k = 1, size(s)
-      if (allocated(error)) return
       corner = corner_contact(pair, s(k))
       curvature(member) = tip
       curvature(3 - member) = corner%curvature
-      call edge_compliance(edge, line_load, corner%tilt, 1/tip + 1/corner%curvature, &
-                           merge(-1, 1, member == 2)*compliance_slope(pair, tooth, curvature), pair%gear(1)%spec%module, &
-                           close_up, error)
-      compliance(k) = tooth(member)%corner%value(min(most_tilt, corner%tilt)) &
-                      + tooth(3 - member)%compliance%value(corner%curvature) + close_up
-      compliance(k) = compliance(k)/corner%part_along**2
+      do l = 1, size(line_load)
+        if (allocated(error)) return
+        call edge_compliance(edge, line_load(l), corner%tilt, 1/tip + 1/corner%curvature, &
+                             merge(-1, 1, member == 2)*compliance_slope(pair, tooth, curvature), pair%gear(1)%spec%module, &
+                             close_up, error)
+        compliance(k, l) = tooth(member)%corner%value(min(most_tilt, corner%tilt)) &
+                           + tooth(3 - member)%compliance%value(corner%curvature) + close_up
+      end do
+      compliance(k, :) = compliance(k, :)/corner%part_along**2
     end do
   end subroutine corner_compliance
 
@@ -109,12 +112,4 @@ contains
     end do
     zone = min(zone, pair%contact_ratio/8)
   end function edge_zone
-
-  !> What the edge adds to the compliance at a contact so far from the path's end, over what it adds at the end: 1 to 0 over
-  !> the `zone`, smooth up to the second derivative.
-  elemental real(dp) function edge_share(distance, zone)
-    real(dp), intent(in) :: distance, zone
-
-    edge_share = max(0.0_dp, 1 - distance/zone)**3
-  end function edge_share
 end module gearsweep_corner_stiffness

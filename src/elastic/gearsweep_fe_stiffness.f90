@@ -3,13 +3,14 @@
 module gearsweep_fe_stiffness
   use gearsweep_kinds, only: dp, pi
   use gearsweep_corner, only: corner_reach
-  use gearsweep_corner_stiffness, only: compliance_slope, corner_compliance, edge_share, edge_zone, moved_contact
+  use gearsweep_corner_stiffness, only: compliance_slope, corner_compliance, edge_zone, moved_contact
   use gearsweep_disc, only: disc_t
-  use gearsweep_flattening, only: contact_half_width, surface_to_depth, check_contact
+  use gearsweep_flattening, only: contact_half_width, load_dependence, surface_to_depth, check_contact
   use gearsweep_error, only: error_t, fail, code_input, code_numerical
   use gearsweep_hub, only: felt_twist
   use gearsweep_interpolation, only: interpolated, joined
   use gearsweep_material, only: material_t
+  use gearsweep_own_flattening, only: edge_share, even_flattening, flattening_t
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t, spline
   use gearsweep_text, only: str
@@ -25,6 +26,8 @@ module gearsweep_fe_stiffness
   !> How far contact beyond the path is looked for. Where that is less than so many base pitches, loads are so small that
   !> there is none worth its short steps.
   real(dp), parameter :: margin = 4, shortest = 1e-4_dp
+  !> Of the nominal load, that beside which the flattening at a corner is found: what a pair carries near the path's ends.
+  real(dp), parameter :: small = 0.3_dp
 
 contains
 
@@ -38,7 +41,7 @@ contains
   !> With corner contact the curve reaches beyond A and E, to where the gap of the tip corner (see gearsweep_corner) is
   !> `margin` times what the nominal load deflects the softest pair by: no static load closes it there, and in the
   !> motion only one above `margin` times the nominal load on one pair.
-  subroutine fe_stiffness(pair, material, options, line_load, curve, disc, error)
+  subroutine fe_stiffness(pair, material, options, line_load, curve, disc, error, flattening)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)
     type(fe_options_t), intent(in) :: options
@@ -46,8 +49,10 @@ contains
     type(piecewise_t), intent(out) :: curve
     type(disc_t), intent(out) :: disc
     type(error_t), allocatable, intent(out) :: error
+    type(flattening_t), intent(out), optional :: flattening
     type(tooth_t) :: tooth(2)
     real(dp), allocatable :: s(:), half_width(:), total(:)
+    type(flattening_t) :: own
     real(dp) :: width, zone(2), felt
     integer :: i
 
@@ -76,18 +81,19 @@ contains
     disc = both_discs([tooth(1)%disc, tooth(2)%disc], felt, width)
     call check_compliance(s, total - width*disc%most_shared(), error)
     if (allocated(error)) return
+    own = even_flattening(sum(load_dependence(material, options%section%plane_strain))/width)
     if (options%corner_contact) then
       call find_with_corners()
     else
       curve = spline(s, width/total)
     end if
+    if (present(flattening)) flattening = own
 
   contains
 
     !> The path with what the edges add near its ends, and what lies beyond.
     subroutine find_with_corners()
-      real(dp), dimension(corner_knots, 2) :: beyond, there
-      real(dp) :: reach(2)
+      real(dp) :: beyond(corner_knots, 2), there(corner_knots, 2, 2), reach(2)
       integer :: i
 
       reach = corner_reach(pair, margin*line_load*maxval(total))
@@ -99,25 +105,48 @@ contains
       beyond(:, 2) = pair%contact_ratio + (reach(2) - pair%contact_ratio)*[(i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       do i = 1, 2
         if (i == 2 .and. are_equal(pair, material)) then
-          there(:, 2) = there(corner_knots:1:-1, 1)
+          there(:, :, 2) = there(corner_knots:1:-1, :, 1)
           exit
         end if
-        call corner_compliance(pair, tooth, material, options%section%plane_strain, line_load, beyond(:, i), there(:, i), error)
-        there(:, i) = there(:, i) + felt
-        if (.not. allocated(error)) call check_compliance(beyond(:, i), there(:, i) - width*disc%most_shared(), error)
+        call corner_compliance(pair, tooth, material, options%section%plane_strain, [1.0_dp, small]*line_load, beyond(:, i), &
+                               there(:, :, i), error)
+        there(:, :, i) = there(:, :, i) + felt
+        if (.not. allocated(error)) call check_compliance(beyond(:, i), there(:, 1, i) - width*disc%most_shared(), error)
         if (allocated(error)) return
       end do
-      total = total + (there(corner_knots, 1) - total(1))*edge_share(s, zone(1)) &
-              + (there(1, 2) - total(size(s)))*edge_share(pair%contact_ratio - s, zone(2))
+      own%zone = zone
+      call flatten_beyond(-beyond(corner_knots:1:-1, 1), there(corner_knots:1:-1, :, 1)/width, 1, own)
+      call flatten_beyond(beyond(:, 2) - pair%contact_ratio, there(:, :, 2)/width, 2, own)
+      total = total + (there(corner_knots, 1, 1) - total(1))*edge_share(s, zone(1)) &
+              + (there(1, 1, 2) - total(size(s)))*edge_share(pair%contact_ratio - s, zone(2))
       ! Where an edge is felt the stiffness falls within less than a step of the motion: one polynomial, at whose end steps end,
       ! too, costs fewer of them than a spline.
       associate (n => zone_knots, last => size(s), stiffness => width/total)
         curve = joined(interpolated(s(1), s(n + 1), stiffness(:n + 1)), spline(s(n + 1:last - n), stiffness(n + 1:last - n)))
         curve = joined(curve, interpolated(s(last - n), s(last), stiffness(last - n:)))
       end associate
-      curve = joined(joined(spline(beyond(:, 1), width/there(:, 1)), curve), spline(beyond(:, 2), width/there(:, 2)))
+      curve = joined(joined(spline(beyond(:, 1), width/there(:, 1, 1)), curve), spline(beyond(:, 2), width/there(:, 1, 2)))
     end subroutine find_with_corners
   end subroutine fe_stiffness
+
+  !> Fills in how the flattening beyond A or E (`end` 1 or 2) falls with the load, from the compliances there under the nominal
+  !> load and under the `small` part of it. From the end of the path on it goes over to that of the edge alone, as the flanks tilt
+  !> against each other: by an exponential through the places next to the end and farthest from it.
+  pure subroutine flatten_beyond(past, compliance, end, flattening)
+    real(dp), intent(in) :: past(:)              !< beyond the end of the path, ascending from 0, base pitches
+    real(dp), intent(in) :: compliance(:, :)     !< m/N; (place, load)
+    integer, intent(in) :: end
+    type(flattening_t), intent(inout) :: flattening
+    real(dp) :: fall(size(past))
+
+    fall = (compliance(:, 2) - compliance(:, 1))/(-log(small))
+    flattening%at_end(end) = fall(1)
+    flattening%beyond(end) = fall(size(past))
+    flattening%length(end) = past(2)
+    associate (left => (fall(size(past)) - fall(2))/(fall(size(past)) - fall(1)))
+      if (left > 0 .and. left < 1) flattening%length(end) = -past(2)/log(left)
+    end associate
+  end subroutine flatten_beyond
 
   !> What each member's tooth yields along the line of action under `line_load` (N/m) at its path coordinate in `s` (m): bending
   !> with its body, and its flattening for this half width of the contact (m), without the turning of whole gears about their

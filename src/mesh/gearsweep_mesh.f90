@@ -7,6 +7,7 @@
 module gearsweep_mesh
   use gearsweep_disc, only: disc_t
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_own_flattening, only: flattening_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_small_system, only: solve_small
@@ -14,9 +15,9 @@ module gearsweep_mesh
   private
   public :: mesh_t, interval_t, smooth_intervals, coupling, joint_stiffness
 
-  !> How well the stiffness at a tip corner is known: the secant at the whole load is too stiff for a small one by up to this part
-  !> (suite elastic_corner has what grid and depth add).
-  real(dp), parameter, public :: corner_uncertainty = 0.1_dp
+  !> How well the stiffness at a tip corner is known: the secant at the whole load is too stiff for a small one by up to this part;
+  !> where a pair yields by its own load, grid and depth of the contact problem are left (suite elastic_corner).
+  real(dp), parameter, public :: corner_uncertainty = 0.1_dp, own_corner_uncertainty = 0.03_dp
 
   type :: mesh_t
     real(dp) :: contact_ratio = 0
@@ -26,9 +27,9 @@ module gearsweep_mesh
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
     type(disc_t) :: disc                         !< what the discs yield under all pairs together
     type(piecewise_t) :: profile_error           !< e(s) of one pair, m
-    !> How much the compliance of a pair falls as its load grows e times, beside that at the nominal load, which the
-    !> stiffness has: by Hertz, m/N. Known to the static load sharing alone.
-    real(dp) :: flattening = 0
+    !> How the compliance of a pair falls as its load grows, beside that at the nominal load, which the stiffness has. Known to
+    !> the static load sharing alone.
+    type(flattening_t) :: flattening
     !> For friction alone: teeth of both members, path coordinate of the pitch
     !> point, tangent of the working pressure angle.
     integer :: teeth(2) = 0

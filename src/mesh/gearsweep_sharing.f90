@@ -25,13 +25,13 @@ module gearsweep_sharing
 contains
 
   !> Common deflection x that carries the nominal `load` (N): the sum of the pairs' loads at x - e_j (see pair_load).
-  !> `stiffness` (N/m) and `error` (m) of the pairs, any number; `flattening` (m/N; without it, 0) as in mesh_t.
+  !> `stiffness` (N/m) and `error` (m) of the pairs, any number; `flattening` (m/N; without it, 0) as in `pair_load`.
   !>
   !> Without flattening each load is K_j max(0, x - e_j), in closed form. With it, loads grow more than in proportion to
   !> the deflection: Newton's method, from its second step on, comes down to the solution from above without passing it.
   pure real(dp) function static_deflection(stiffness, error, load, flattening) result(x)
     real(dp), intent(in) :: stiffness(:), error(:), load
-    real(dp), intent(in), optional :: flattening
+    real(dp), intent(in), optional :: flattening(:)
     real(dp), parameter :: rounding = 1e-14_dp
     integer, parameter :: most = 50
     logical :: carries(size(stiffness))
@@ -48,7 +48,7 @@ contains
       carries(last) = .false.
     end do
     if (.not. present(flattening)) return
-    if (.not. flattening > 0) return
+    if (.not. any(flattening > 0)) return
     do i = 1, most
       call pair_load(x - error, stiffness, load, flattening, force, slope)
       associate (excess => sum(force) - load)
@@ -84,23 +84,23 @@ contains
   end subroutine pair_load
 
   !> The common deflection (m), but for the turning of discs, and the loads (N) of pairs one behind the other that carry the
-!> nominal `load` (N) together. `stiffness` (N/m) is that of each pair while it carries alone, `error` (m) its profile error,
-!> `shared` (m/N) what it shares with the next one.
-  pure subroutine settle(mesh, load, stiffness, error, shared, deflection, force)
+  !> nominal `load` (N) together. `stiffness` (N/m) is that of each pair while it carries alone, `flattening` (m/N) as in
+  !> `pair_load`, `error` (m) its profile error, `shared` (m/N) what it shares with the next one.
+  pure subroutine settle(mesh, load, stiffness, flattening, error, shared, deflection, force)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
-    real(dp), intent(in) :: stiffness(:), error(:)         !< (pair)
+    real(dp), intent(in) :: stiffness(:), flattening(:), error(:)     !< (pair)
     real(dp), intent(in) :: shared(:)                      !< (pair but the last, at least one)
     real(dp), intent(out) :: deflection
     real(dp), intent(out) :: force(:)                      !< (pair); 0 where a pair is apart
     real(dp), dimension(size(stiffness)) :: own, slope
 
     if (mesh%is_coupled(size(stiffness))) then
-      call settle_coupled(coupling(mesh, stiffness, shared), error, load, mesh%flattening, deflection, force)
+      call settle_coupled(coupling(mesh, stiffness, shared), error, load, flattening, deflection, force)
     else
       own = stiffness/(1 - shared(1)*stiffness)
-      deflection = static_deflection(own, error, load, mesh%flattening)
-      call pair_load(deflection - error, own, load, mesh%flattening, force, slope)
+      deflection = static_deflection(own, error, load, flattening)
+      call pair_load(deflection - error, own, load, flattening, force, slope)
       deflection = deflection + shared(1)*load
     end if
   end subroutine settle
@@ -109,7 +109,7 @@ contains
   !> alone: each load is that of `pair_load` on what the others leave of the deflection. Newton's method on all loads and the
   !> deflection; the loads' slopes jump where a pair parts, so that it may step back and forth there: then half of a step.
   pure subroutine settle_coupled(compliance, error, load, flattening, deflection, force)
-    real(dp), intent(in) :: compliance(:, :), error(:), load, flattening
+    real(dp), intent(in) :: compliance(:, :), error(:), load, flattening(:)
     real(dp), intent(out) :: deflection, force(:)
     real(dp), parameter :: rounding = 1e-14_dp
     integer, parameter :: most = 200, whole_steps = 20
@@ -149,10 +149,12 @@ contains
     real(dp), intent(in) :: load, phase
     real(dp), intent(out) :: deflection
     real(dp), intent(out) :: force(interval%pairs)
-    real(dp), dimension(interval%pairs) :: stiffness, error
+    real(dp), dimension(interval%pairs) :: stiffness, flattening, error
+    integer :: j
 
     call pairs_at(mesh, interval, phase, stiffness, error)
-    call settle(mesh, load, stiffness, error, interval%shared_at(phase), deflection, force)
+    flattening = mesh%flattening%at(interval%place(phase, [(j, j=1, interval%pairs)]), mesh%contact_ratio)
+    call settle(mesh, load, stiffness, flattening, error, interval%shared_at(phase), deflection, force)
   end subroutine settle_at
 
   !> Stiffness (N/m), while it carries alone, and profile error (m) of each pair at a phase of `interval`, one-sided at its ends.
@@ -240,22 +242,23 @@ contains
   pure real(dp) function load_share(mesh, load, s)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load, s
-    real(dp), allocatable :: stiffness(:), error(:), shared(:, :), force(:)
+    real(dp), allocatable :: stiffness(:), flattening(:), error(:), shared(:, :), force(:)
     real(dp) :: place, deflection
     integer :: before, behind, j
 
     ! So many pairs stand before and behind this one.
     before = max(0, floor(s - mesh%reach(1)))
     behind = max(0, ceiling(mesh%reach(2) - s) - 1)
-    allocate (stiffness(-before:behind), error(-before:behind), force(-before:behind))
+    allocate (stiffness(-before:behind), flattening(-before:behind), error(-before:behind), force(-before:behind))
     allocate (shared(0:2, -before:max(behind - 1, -before)))
     do j = -before, behind
       place = s - floor(s) + (floor(s) + j + 1) - 1
       stiffness(j) = mesh%stiffness%value(place, mesh%stiffness%locate(place))
+      flattening(j) = mesh%flattening%at(place, mesh%contact_ratio)
       error(j) = mesh%profile_error%value(place)
       if (j <= ubound(shared, 2)) shared(:, j) = mesh%shared_from(place)
     end do
-    call settle(mesh, load, stiffness, error, shared(0, :), deflection, force)
+    call settle(mesh, load, stiffness, flattening, error, shared(0, :), deflection, force)
     load_share = force(0)/load
   end function load_share
 end module gearsweep_sharing

@@ -1,17 +1,14 @@
 !> The stages that make the mesh: load, pair stiffness, one oscillator for each relief.
 module gearsweep_mesh_stage
   use gearsweep_corner, only: arm_change
-  use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
-  use gearsweep_flattening, only: load_dependence
   use gearsweep_inputs, only: elements_inputs_t, motion_inputs_t, relief_inputs_t, same
   use gearsweep_kinds, only: dp, pi
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh, only: mesh_t
   use gearsweep_motions, only: build_motion
   use gearsweep_pair, only: pair_t
-  use gearsweep_piecewise, only: piecewise_t
   use gearsweep_products, only: study_t
   use gearsweep_section, only: section_options_t
   use gearsweep_stages, only: build_profile_error, build_stiffness, find_load, place_mesh
@@ -62,17 +59,16 @@ contains
     if (known) then
       study%mesh%stiffness = earlier%mesh%stiffness
       study%mesh%disc = earlier%mesh%disc
+      study%mesh%flattening = earlier%mesh%flattening
       call study%running%note('mesh: pair stiffness by model fe, taken over')
     else
-      call by_elements(study%elements_inputs, study%mesh%stiffness, study%mesh%disc, error)
+      call by_elements(study%elements_inputs, study%mesh, error)
       call study%running%note('mesh: pair stiffness by model fe')
     end if
     if (study%case%corner_contact .and. .not. allocated(error)) then
       study%mesh%reach = study%mesh%stiffness%breaks([1, size(study%mesh%stiffness%breaks)])
       call find_friction_arms(study%pair, study%mesh)
     end if
-    if (study%case%nonlinear_contact) study%mesh%flattening = &
-      sum(load_dependence(study%case%material, body%plane_strain))/minval(study%case%spec%face_width)
   end subroutine find_by_elements
 
   !> Straight lines up to half of the reach; on the line of action the arms change by 2 pi/z per base pitch.
@@ -91,13 +87,13 @@ contains
     end do
   end subroutine find_friction_arms
 
-  subroutine by_elements(inputs, stiffness, disc, error)
+  subroutine by_elements(inputs, mesh, error)
     type(elements_inputs_t), intent(in) :: inputs
-    type(piecewise_t), intent(out) :: stiffness
-    type(disc_t), intent(out) :: disc
+    type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(inout) :: error
 
-    call fe_stiffness(inputs%pair, inputs%material, inputs%options, inputs%line_load, stiffness, disc, error)
+    call fe_stiffness(inputs%pair, inputs%material, inputs%options, inputs%line_load, mesh%stiffness, mesh%disc, error, &
+                      mesh%flattening)
   end subroutine by_elements
 
   !> One oscillator for each relief.
@@ -133,9 +129,10 @@ contains
                                length=case%length, roll=case%roll)
       if (allocated(study%pair)) relief%pair = study%pair
       study%motions_inputs%motion = motion_inputs_t( &
-        relief=relief, disc=mesh%disc, reach=mesh%reach, flattening=mesh%flattening, teeth=mesh%teeth, &
+        relief=relief, disc=mesh%disc, reach=mesh%reach, teeth=mesh%teeth, &
         tan_angle=mesh%tan_angle, arm_change=mesh%arm_change, load=study%load, mass=study%mass, damping_ratio=case%damping_ratio, &
         friction=case%friction, has_backlash=case%has_backlash, backlash=case%backlash)
+      if (case%nonlinear_contact) study%motions_inputs%motion%flattening = mesh%flattening
       ! Where a gear's teeth are stated to be thinner, backlash is meant to be.
       if (case%has_allowance .and. .not. case%has_backlash) then
         study%motions_inputs%motion%has_backlash = .true.

@@ -124,7 +124,7 @@ contains
 
     inputs%stiffness%coef = factor*inputs%stiffness%coef
     associate (motion => inputs%motion, disc => inputs%motion%disc)
-      motion%flattening = motion%flattening/factor
+      motion%flattening = motion%flattening%scaled(1/factor)
       disc%turn = disc%turn/factor
       disc%shared = disc%shared/factor
       disc%change = disc%change/factor

@@ -12,6 +12,7 @@ module gearsweep_inputs
   use gearsweep_kinds, only: dp
   use gearsweep_transient, only: steady_choice_t
   use gearsweep_material, only: material_t
+  use gearsweep_own_flattening, only: flattening_t
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_section, only: section_options_t
@@ -66,7 +67,7 @@ module gearsweep_inputs
     type(relief_inputs_t) :: relief
     type(disc_t) :: disc
     real(dp) :: reach(2) = 0                     !< path coordinates between which a pair may be in contact
-    real(dp) :: flattening = 0                   !< m/N, as in mesh_t
+    type(flattening_t) :: flattening             !< as in mesh_t
     integer :: teeth(2) = 0
     real(dp) :: tan_angle = 0
     real(dp) :: arm_change(2, 2) = 0             !< as in mesh_t

@@ -9,7 +9,7 @@ module gearsweep_task_mesh
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_reader, only: reader_t
-  use gearsweep_mesh, only: corner_uncertainty, interval_t, mesh_t
+  use gearsweep_mesh, only: corner_uncertainty, interval_t, mesh_t, own_corner_uncertainty
   use gearsweep_segments, only: contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_table, only: each, over_and_over, table_t
@@ -73,7 +73,8 @@ contains
         call share_load(motion(i)%mesh, motion(i)%load, samples, sharing(i), intervals)
         call find_harmonics(motion(i)%mesh, motion(i)%load, self%harmonics, ste(i))
         if (.not. stages%has_corners()) cycle
-        mesh = motion(i)%mesh%with_softer_corners(corner_uncertainty)
+        mesh = motion(i)%mesh%with_softer_corners(merge(own_corner_uncertainty, corner_uncertainty, &
+                                                        motion(i)%mesh%flattening%within > 0))
         call share_load(mesh, motion(i)%load, samples, softer, intervals)
         corner(i) = maxval(abs(softer%error - sharing(i)%error))
       end do
@@ -157,8 +158,8 @@ contains
     call table%add('effective_contact_ratio', '', 'length of the path over which a pair carries load, in base pitches', &
                    [(ste(i)%effective_contact_ratio, i=1, m)])
     if (.not. stages%has_corners()) return
-    call table%add('corner_estimate_um', 'um', 'what a tenth of the stiffness at a tip corner changes of the transmission '// &
-                   'error where it changes most: it is not known better under small loads', micro*corner)
+    call table%add('corner_estimate_um', 'um', 'what a tenth of the stiffness at a tip corner, with nonlinear_contact 3 % of '// &
+                   'it, changes of the transmission error where it changes most: it is not known better', micro*corner)
   end subroutine fill_ste
 
   !> Harmonics of the static transmission error for each relief; harmonic 0 is the mean.
