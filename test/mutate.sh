@@ -1,6 +1,6 @@
 #!/bin/sh
 # Puts small bugs into the sources, one at a time, and runs the tests that could see each:
-#   sh test/mutate.sh [--rest] [--count N] [--workers N] [room ...]
+#   sh test/mutate.sh [--rest | --resume] [--count N] [--workers N] [room ...]
 # Rooms are the folders of src, and app and python; without one, all. doc/tests.md tells more.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/app/setup.sh"

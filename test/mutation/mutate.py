@@ -22,6 +22,7 @@ SCRATCH = ROOT / 'build/mutate'
 EXPLAINED = ROOT / 'test/mutation/explained.txt'
 COUNT = 400
 VERDICTS = ('killed', 'explained', 'survived')
+NO_MUTANT = ('does not compile', 'same code')
 
 
 def say(text):
@@ -150,7 +151,7 @@ class Worker:
 class Campaign:
     """The mutants of one room."""
 
-    def __init__(self, room, files, count, tests, workers, rest):
+    def __init__(self, room, files, count, tests, workers, kept):
         self.room, self.count, self.workers = room, count, workers
         self.tests = [test for test in tests if test.fits(room)]
         self.order = mutants.ranked(files)
@@ -158,10 +159,9 @@ class Campaign:
         self.file = SCRATCH / 'results' / f'{room}.jsonl'
         self.file.parent.mkdir(exist_ok=True)
         self.old = {}
-        if rest and self.file.exists():
-            for line in self.file.read_text().splitlines():
-                entry = json.loads(line)
-                self.old[entry['key']] = entry
+        if kept and self.file.exists():
+            entries = [json.loads(line) for line in self.file.read_text().splitlines()]
+            self.old = {entry['key']: entry for entry in entries if entry['verdict'] in kept}
         self.file.write_text('')
         self.lock = threading.Condition()
         self.found, self.busy = [], 0
@@ -191,7 +191,7 @@ class Campaign:
                 if self.explained.get(mutant.key):
                     # Known to change nothing that could be seen.
                     entry = {'key': mutant.key, 'kind': mutant.kind, 'verdict': 'survived'}
-                elif not entry or entry['verdict'] == 'survived':
+                elif not entry:
                     entry = {'key': mutant.key, 'kind': mutant.kind, **worker.judge(mutant, self.tests)}
             finally:
                 with self.lock:
@@ -237,7 +237,8 @@ def main():
     rooms = rooms_of(ROOT)
     parser = argparse.ArgumentParser(prog='sh test/mutate.sh', description=__doc__)
     parser.add_argument('rooms', nargs='*', metavar='room', help=', '.join(rooms))
-    parser.add_argument('--rest', action='store_true', help='keeps who was killed before, and runs only the others')
+    parser.add_argument('--rest', action='store_true', help='keeps who was killed before, and runs the others again')
+    parser.add_argument('--resume', action='store_true', help='keeps all verdicts of a run that was interrupted')
     parser.add_argument('--count', type=int, default=COUNT, help=f'mutants in all rooms together, {COUNT} unless told')
     parser.add_argument('--within', type=float, default=1e9, metavar='SECONDS', help='only tests that take no longer')
     parser.add_argument('--workers', type=int, default=min(2, os.cpu_count() or 1), help='how many run at a time')
@@ -260,10 +261,11 @@ def main():
     tests = [test for test in trials.all_tests(ROOT) if any(test.fits(room) for room in wanted)]
     known.prepare(tests)
     count = shares(rooms, options.count)
+    kept = {'killed', *NO_MUTANT} if options.rest else {*VERDICTS, *NO_MUTANT} if options.resume else {}
     results = {}
     for room in wanted:
         say(f'{room}: {count[room]} mutants')
-        results[room] = Campaign(room, rooms[room], count[room], tests, workers, options.rest).run()
+        results[room] = Campaign(room, rooms[room], count[room], tests, workers, kept).run()
     left = report(results)
     print(f'\n{(time.time() - began) / 60:.0f} minutes')
     return 1 if left else 0

@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import build
@@ -19,6 +20,9 @@ import build
 # own have no mutant to look at.
 PICTURES = ('test_plots', 'pictures.md')
 LEFT_OUT = ('test_nothing_in_the_readme_is_old',)
+# The walk over all keys takes longer than all other suites together, many times so with line coverage: it sees
+# mutants of the rooms that read keys, whatever the lines, as the last test.
+WALK, WALKED = 'inputs', ('case', 'tasks')
 SCRIPTS_APART = ('test_python', 'test_sanitize', 'test_wheel', 'test_callers', 'test_fpm', 'test_matrix', 'test_memory')
 
 
@@ -37,7 +41,7 @@ class Test:
         """Does it run one of these changed lines? Lines are known by their text, so that what was measured
         once holds while others move. Those without code, as constants have, and new ones count as reached
         where anything of their file is."""
-        if self.kind != 'suite':
+        if self.kind != 'suite' or self.name == WALK:
             return True
         known = self.reached.get(mutant.file)
         if known is None:
@@ -47,6 +51,8 @@ class Test:
 
     def fits(self, room):
         """Could it see a change in this room?"""
+        if self.name == WALK:
+            return room in WALKED
         if self.kind == 'suite':
             return room not in ('app', 'python')
         if self.kind == 'pytest':
@@ -114,6 +120,7 @@ class Tree:
 
 # Appended to the copy of app/setup.sh.
 INSTALLED = """
+builds_anew=no
 build_package() {{ :; }}
 build_program() {{ :; }}
 run_fpm() {{ mkdir -p "$prefix" && cp -r "{build}/installed/." "$prefix/"; }}
@@ -143,7 +150,7 @@ def words_of(test, tree):
 
 
 # Seconds, until a test has been timed.
-GUESSES = {'suite': 5, 'script': 30, 'pytest': 20, 'callers': 120}
+GUESSES = {WALK: 250, 'suite': 5, 'script': 30, 'pytest': 20, 'callers': 120}
 # Seconds of one process, kB of memory, blocks of a file.
 LIMITS = 'ulimit -t {seconds} && ulimit -v {memory} && ulimit -f 400000 && exec "$@"'
 
@@ -218,17 +225,32 @@ class Known:
         self.lock = threading.Lock()
 
     def prepare(self, tests):
+        with ThreadPoolExecutor(self.workers) as pool:
+            for done in [pool.submit(self._reach, test) for test in tests if test.kind == 'suite' and test.name != WALK]:
+                done.result()
         for test in tests:
             entry = self.entries.setdefault(test.name, {})
-            if test.kind == 'suite':
-                own = fingerprint(self.tree.root, [f'test/test_{test.name}.f90'])
-                if entry.get('own') != own:
-                    entry |= {'own': own, 'reached': self._lines_run(test)}
-                test.reached = entry['reached']
             if 'seconds' not in entry:
-                entry |= {'now': '', 'code': 0, 'fails': [], 'seconds': GUESSES[test.kind]}
+                entry |= {'now': '', 'code': 0, 'fails': [], 'seconds': GUESSES.get(test.name, GUESSES[test.kind])}
             test.code, test.fails, test.seconds = entry['code'], entry['fails'], entry['seconds']
-            self.file.write_text(json.dumps(self.entries))
+        self._keep()
+
+    def _keep(self):
+        self.file.write_text(json.dumps(self.entries))
+
+    def _reach(self, test):
+        """Fills in which lines the suite runs, measured again where its own source has changed."""
+        own = fingerprint(self.tree.root, [f'test/test_{test.name}.f90'])
+        with self.lock:
+            entry = self.entries.setdefault(test.name, {})
+            if entry.get('own') != own:
+                self._build_for_coverage()
+        if entry.get('own') != own:
+            reached = self._lines_run(test)
+            with self.lock:
+                entry |= {'own': own, 'reached': reached}
+                self._keep()
+        test.reached = entry['reached']
 
     def is_sure(self, test):
         """Was the test asked as things are? If not, it is now, and what it caught must be looked at again."""
@@ -238,7 +260,7 @@ class Known:
                 return True
             self._ask(test)
             test.code, test.fails, test.seconds = entry['code'], entry['fails'], entry['seconds']
-            self.file.write_text(json.dumps(self.entries))
+            self._keep()
             return False
 
     def _ask(self, test):
@@ -248,21 +270,24 @@ class Known:
             self.say(f'{test.name} fails without a mutant: {fails[:1] or code}')
         self.entries[test.name] |= {'now': self.now, 'code': code, 'fails': fails, 'seconds': seconds}
 
-    def _lines_run(self, test):
-        """The lines of src with code and whether the suite runs them: {file: {line: bool}}."""
+    def _build_for_coverage(self):
         base = self.scratch / 'coverage'
-        check, stamp = base / 'check', base / 'stamp'
+        stamp = base / 'stamp'
         if not stamp.exists() or stamp.read_text() != self.now:
             self.say('builds for line coverage')
             build.compile_all(self.tree.root, self.sources, build.COVERAGE, base, self.workers)
-            build.link(build.TESTS, self.sources, build.COVERAGE, base, check)
+            build.link(build.TESTS, self.sources, build.COVERAGE, base, base / 'check')
             stamp.write_text(self.now)
+
+    def _lines_run(self, test):
+        """The lines of src with code and whether the suite runs them: {file: {line: bool}}."""
         self.say(f'asks which lines {test.name} runs')
-        data, out = self.scratch / 'counts', self.scratch / 'gcov'
+        base = self.scratch / 'coverage'
+        data, out = (self.scratch / name / test.name for name in ('counts', 'gcov'))
         for folder in (data, out):
             shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir()
-        subprocess.run([check, test.name], cwd=self.tree.root, env=environment(self.tree) | {'GCOV_PREFIX': str(data)},
+            folder.mkdir(parents=True)
+        subprocess.run([base / 'check', test.name], cwd=self.tree.root, env=environment(self.tree) | {'GCOV_PREFIX': str(data)},
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
         counts = sorted(data.glob('**/src_*.gcda'))
         for path in counts:
@@ -279,4 +304,5 @@ class Known:
                 if any(lines.values()):
                     found[file['file']] = lines
         shutil.rmtree(data)
+        shutil.rmtree(out)
         return found
