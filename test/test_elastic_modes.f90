@@ -6,12 +6,13 @@ module test_elastic_modes
   use gearsweep_grid, only: grid_t, rectangle_grid
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
-  use gearsweep_modal, only: modal_t, section_modes
+  use gearsweep_modal, only: estimated_errors, modal_t, section_modes
   use gearsweep_modes, only: modes_t, find_modes
   use gearsweep_q8, only: element_mass
   use gearsweep_section, only: section_options_t, section_t, make_section
   use gearsweep_section_body, only: section_body_t, make_two_grids
   use gearsweep_text, only: str
+  use gearsweep_tooth_block, only: fillet_excess
   use hassan_gears, only: hassan_gear, hassan_options
   use random_bodies, only: random_body_t, random_body
   use testing, only: tally_t, check_true, check_close, check_error, check_no_error
@@ -43,6 +44,8 @@ contains
     if (t%wants('whole_gear_densely')) call whole_gear_densely(t)
     if (t%wants('small_bore')) call small_bore(t)
     if (t%wants('honest_estimates')) call honest_estimates(t)
+    if (t%wants('crossing_modes')) call crossing_modes(t)
+    if (t%wants('undercut_gear')) call undercut_gear(t)
     if (t%wants('own_material')) call own_material(t)
     if (t%wants('refusals')) call refusals(t)
   end subroutine run
@@ -192,28 +195,26 @@ contains
     end do
   end function polar_moment
 
-  !> Random bodies, whole gears and sections, on small bores, where estimates were once too good by an
-  !> order: one in twenty may be exceeded twofold; the middle one of all ratios of error to estimate lies between a half
-  !> and two. What is true comes from a grid three times as
-  !> fine; `sh bench/run.sh honesty` does this for more bodies, wide bores and finer grids. Few teeth, as
-  !> a test has to be quick.
+  !> Random bodies, whole gears and sections, where estimates were once too good by an order on small bores, and by half an
+  !> order on thin rims: one in fifty may be exceeded twofold; the middle one of all ratios of error to estimate lies between
+  !> 0.3 and one. What is true comes from a grid three times as fine; `sh bench/run.sh honesty` does this for more bodies
+  !> and finer grids. Few teeth, as a test has to be quick.
   subroutine honest_estimates(t)
     type(tally_t), intent(inout) :: t
-    integer, parameter :: bodies = 8, modes = 4, most_across = 3
+    integer, parameter :: bodies = 14, modes = 4, most_section = 6, most_whole = 3
     type(random_body_t) :: body
     type(section_body_t) :: grids(2)
     type(modal_t) :: asked, truth
     type(error_t), allocatable :: error
     real(dp) :: ratio(modes, bodies)
-    integer :: i, found, optimistic
+    integer :: i, found
 
     i = 0
     found = 0
-    optimistic = 0
     do while (found < bodies)
       i = i + 1
-      call random_body(i, most_across, most_across, body)
-      if (body%bore_share > 0.12_dp .or. body%options%teeth > 2) cycle
+      call random_body(i, most_section, most_whole, body)
+      if (body%options%teeth > 2) cycle
       if (body%options%teeth == 0 .and. body%gear%spec%teeth > 12) cycle
       found = found + 1
       call make_two_grids(body%gear, material_t(), body%options, grids, error)
@@ -224,12 +225,50 @@ contains
       if (.not. allocated(error)) call section_modes(grids, modes, truth, error)
       call check_no_error(t, 'finer body '//str(i), error)
       ratio(:, found) = abs(asked%modes%frequency/truth%modes%frequency - 1)/asked%error_estimate
-      optimistic = optimistic + count(ratio(:, found) > 2)
     end do
-    call check_true(t, 'estimates are not too small', 2*count(ratio < 2) > size(ratio), str(count(ratio < 2)))
-    call check_true(t, 'estimates are not too large', 2*count(ratio > 0.5_dp) > size(ratio), str(count(ratio > 0.5_dp)))
-    call check_true(t, 'estimates hold twofold in 95 %', 20*optimistic <= bodies*modes, str(optimistic)//' of '//str(bodies*modes))
+    call check_true(t, 'estimates are not too small', 2*count(ratio < 1) > size(ratio), str(count(ratio < 1)))
+    call check_true(t, 'estimates are not too large', 2*count(ratio > 0.3_dp) > size(ratio), str(count(ratio > 0.3_dp)))
+    call check_true(t, 'estimates hold twofold in 98 %', 50*count(ratio > 2) <= size(ratio), str(count(ratio > 2)))
   end subroutine honest_estimates
+
+  !> Two frequencies whose errors are of second order, 0.8 % and none on the finer grid: on the coarser one they have changed
+  !> places. The differences are 0.2 and 2.2 Hz, of which the first is none of a mode. A third lies apart.
+  subroutine crossing_modes(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: fine(3) = [100.8_dp, 101.0_dp, 150.3_dp], coarse(3) = [101.0_dp, 103.2_dp, 151.2_dp]
+    real(dp), parameter :: true(3) = [100, 101, 150]
+    real(dp) :: ratio(3)
+
+    ratio = (fine/true - 1)/estimated_errors(fine, coarse, 2.0_dp)
+    call check_true(t, 'modes that change places: estimates hold', maxval(ratio) < 1.2_dp, str(maxval(ratio)))
+    call check_close(t, 'a mode apart: by its own difference', ratio(3), 1.0_dp, relative=0.01_dp)
+  end subroutine crossing_modes
+
+  !> Ten undercut teeth: along the fillets both of a gear's grids have three parabolas for an element each, which
+  !> make it larger, as its area shows beside that of a grid twice as fine. So its first frequency is too low by more than the
+  !> difference of the two tells.
+  subroutine undercut_gear(t)
+    type(tally_t), intent(inout) :: t
+    type(gear_t) :: gear
+    type(section_body_t) :: grids(2)
+    type(modal_t) :: asked, truth
+    type(error_t), allocatable :: error
+    real(dp) :: ratio
+
+    call make_gear(gear_spec_t('pinion', 10, 0.003_dp, face_width=0.02_dp, bore_radius=0.0015_dp, profile_shift=-0.18_dp, &
+                               rack_tip_radius=0.17_dp, pressure_angle=[18.4_dp, 18.4_dp]*pi/180), gear, error)
+    call make_two_grids(gear, material_t(), section_options_t(teeth=0, elements_across=5), grids, error)
+    if (.not. allocated(error)) call section_modes(grids, 1, asked, error)
+    call check_no_error(t, 'undercut gear', error)
+    call make_two_grids(gear, material_t(), section_options_t(teeth=0, elements_across=10), grids, error)
+    if (.not. allocated(error)) call section_modes(grids, 1, truth, error)
+    call check_no_error(t, 'undercut gear, finer', error)
+    call check_close(t, 'area by which a coarse grid is larger', asked%section%grid%area() - truth%section%grid%area(), &
+                     10*(fillet_excess(gear, 5) - fillet_excess(gear, 10)), relative=0.02_dp)
+    ratio = abs(asked%modes%frequency(1)/truth%modes%frequency(1) - 1)/asked%error_estimate(1)
+    call check_true(t, 'undercut gear: the estimate holds', ratio < 1.5_dp, str(ratio))
+    call check_true(t, 'undercut gear: and is not too large', ratio > 0.3_dp, str(ratio))
+  end subroutine undercut_gear
 
   !> Modes of Hassan's section on two grids.
   subroutine hassan_modes(material, across, count, modal, error)
