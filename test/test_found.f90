@@ -5,12 +5,12 @@ module test_found
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
-  use gearsweep_status, only: has_result, status_marginal, status_name, status_unbounded
+  use gearsweep_status, only: has_result, status_marginal, status_name, status_ok, status_subharmonic, status_unbounded
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t, up
   use gearsweep_text, only: str
   use gearsweep_transient, only: by_marching
   use random_numbers, only: random_t
-  use reference_rows, only: prescribed
+  use reference_rows, only: oscillator_of, prescribed, row_of, row_t
   use single_points, only: solve
   use testing, only: tally_t, check_close, check_equal, check_no_error, check_true
   implicit none
@@ -23,6 +23,7 @@ contains
     type(tally_t), intent(inout) :: t
 
     if (t%wants('known_motions')) call known_motions(t)
+    if (t%wants('shortest_period')) call shortest_period(t)
     if (t%wants('any_tolerance')) call any_tolerance(t)
     if (t%wants('batches')) call batches(t)
     if (t%wants('lost_branches')) call lost_branches(t)
@@ -78,6 +79,32 @@ contains
       call check_close(t, 'its dynamic factor', point%dynamic_factor, 3.232340375_dp, absolute=max(0.1_dp**k, 1e-8_dp))
     end do
   end subroutine known_motions
+
+  !> Motions that are found from strong damping down, over a doubling that ends again on the way, are told with the mesh periods
+  !> after which they do repeat. Rows and values by test/reference/motions/motions.cpp.
+  subroutine shortest_period(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: rows(3) = [character(130) :: &
+      '329 25 40 20 2.8805 1.4403 1 300 0 0 0 0 0.92 1.941 2930 0.000137 0.024 -1 0 0 1 1174.97', &
+      '4106 25 40 20 1.4195 0.7097 3 300 37.7 29.2 0 0 2.355 0.474 9864 0.000157 0 -1 0 0 2 2514.0', &
+      '6815 25 40 20 1.5683 0.7842 1 300 0 0 0 0 0.644 1.109 2351 0.000109 0 -1 2.11 2.11 1 3008.92']
+    integer, parameter :: periods(3) = [1, 2, 1]
+    real(dp), parameter :: dynamic_factor(3) = [1.037067068907_dp, 1.719573528534_dp, 2.250157954457_dp]
+    type(row_t) :: row
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    integer :: i
+
+    do i = 1, size(rows)
+      row = row_of(rows(i))
+      call oscillator_of(row, osc)
+      call solve(osc, row%rpm, options, point)
+      call check_equal(t, 'mesh periods, row '//str(row%id), point%steady%periods, periods(i))
+      call check_equal(t, 'status', point%steady%status, merge(status_ok, status_subharmonic, periods(i) == 1))
+      call check_close(t, 'dynamic factor', point%dynamic_factor, dynamic_factor(i), absolute=2*point%estimate)
+    end do
+  end subroutine shortest_period
 
   !> The tolerance decides how exact a motion is, not which it is.
   subroutine any_tolerance(t)

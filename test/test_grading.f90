@@ -5,13 +5,15 @@ module test_grading
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_operating_point, only: solve_point
-  use gearsweep_oscillator, only: mesh_period, oscillator_t
+  use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
   use gearsweep_periodic_orbit, only: largest_multiplier
   use gearsweep_refinement, only: levels_t
   use gearsweep_response, only: response_t, find_response
   use gearsweep_sweep, only: run_sweep, sweep_t, sweep_options_t
+  use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_status, only: status_ok
   use gearsweep_text, only: str
+  use reference_rows, only: next_row, oscillator_of, row_of, row_t
   use single_points, only: mesh_of, solve
   use testing, only: tally_t, check_true, check_close, check_equal, check_no_error
   implicit none
@@ -31,6 +33,8 @@ contains
     if (t%wants('bounded_steps')) call bounded_steps(t)
     if (t%wants('same_bits')) call same_bits(t)
     if (t%wants('slow_path_of_a_pair')) call slow_path_of_a_pair(t)
+    if (t%wants('parted_pairs')) call parted_pairs(t)
+    if (t%wants('creeping_with_relief')) call creeping_with_relief(t)
   end subroutine run
 
   !> Constant pair stiffness, where the motion has a closed form: dynamic factor within the tolerance, and the
@@ -256,4 +260,72 @@ contains
     call check_true(t, 'enough places', size(response%s) >= 400, str(size(response%s)))
     call check_close(t, 'largest load', maxval(response%load)/osc%load, response%point%dynamic_factor, 1e-4_dp)
   end subroutine slow_path_of_a_pair
+
+  !> Where relief parts pairs, or the motion does, graded steps find what an integrator written apart finds
+  !> (test/reference/motions/make_slow.py).
+  subroutine parted_pairs(t)
+    type(tally_t), intent(inout) :: t
+    type(row_t) :: row
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: point
+    character(1000) :: line
+    real(dp) :: columns(22), dynamic_factor
+    integer :: unit, graded, loss, misses, rows
+
+    graded = 0
+    misses = 0
+    rows = 0
+    open (newunit=unit, file='test/reference/motions/slow.dat', status='old', action='read')
+    do while (next_row(unit, line))
+      row = row_of(line)
+      read (line, *) columns, dynamic_factor, loss
+      call oscillator_of(row, osc)
+      call solve(osc, row%rpm, options, point)
+      rows = rows + 1
+      if (point%resolution%graded_for > 0 .and. loss > 0) graded = graded + 1
+      associate (name => 'row '//str(row%id))
+        call check_equal(t, name//': status', point%steady%status, status_ok)
+        call check_close(t, name, point%dynamic_factor, dynamic_factor, absolute=options%steady%tolerance)
+        call check_true(t, name//': pairs part', point%steady%partial .eqv. loss > 0)
+      end associate
+      if (abs(point%dynamic_factor - dynamic_factor) > 2*point%estimate + 1e-10_dp) misses = misses + 1
+    end do
+    close (unit)
+    call check_true(t, 'most in graded steps', graded > rows/2, str(graded))
+    call check_true(t, 'estimates', misses <= 1, str(misses))
+  end subroutine parted_pairs
+
+  !> With so much relief that pairs take the load over without a jump, one of them carries all of it for a while, and at creeping
+  !> speed nothing more; with any damping, and with backlash. What the largest load is off by grows with the speed.
+  subroutine creeping_with_relief(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: zeta(3) = [1e-3_dp, 1e-2_dp, 0.17_dp], relief(3) = [20.0_dp, 25.0_dp, 40.0_dp], &
+                           rpm(4) = [0.1_dp, 0.5_dp, 1.0_dp, 5.0_dp], micro = 1e-6_dp
+    type(oscillator_t) :: osc
+    type(sweep_options_t) :: options
+    type(sweep_t) :: sweep
+    type(error_t), allocatable :: error
+    type(sharing_t) :: sharing
+    integer :: i, k
+
+    do i = 1, size(zeta)
+      do k = 1, size(relief)
+        osc = mesh_of(ratio, [400.0_dp, 0.0_dp, -110.0_dp], [relief(k), relief(k)], zeta(i))
+        osc%has_backlash = k == 2
+        osc%backlash = 5*micro
+        call make_oscillator(osc, error)
+        call check_no_error(t, 'the mesh', error)
+        call run_sweep([osc], rpm, options, sweep, error)
+        call check_no_error(t, 'the sweep', error)
+        call share_load(osc%mesh, osc%load, 20000, sharing)
+        call check_true(t, 'a pair carries all of it', maxval(sharing%load) > (1 - 1e-9_dp)*osc%load)
+        call check_true(t, 'every speed has a result, zeta '//str(zeta(i))//', '//str(relief(k))//' um', &
+                        all(sweep%status(:, 1) == status_ok), str(count(sweep%status(:, 1) /= status_ok)))
+        call check_true(t, 'within the tolerance', all(sweep%estimate(:, 1) <= options%accuracy%steady%tolerance))
+        call check_true(t, 'the load at rest', all(abs(sweep%dynamic_factor(:, 1) - 1) <= 2e-4_dp*rpm), &
+                        str(maxval(abs(sweep%dynamic_factor(:, 1) - 1)/rpm)))
+      end do
+    end do
+  end subroutine creeping_with_relief
 end module test_grading

@@ -7,7 +7,7 @@ module gearsweep_harmonics
   use gearsweep_kinds, only: dp, pi
   use gearsweep_mesh, only: mesh_t, interval_t
   use gearsweep_quadrature, only: gauss_legendre
-  use gearsweep_segments, only: carrying, segment_t, smooth_segments
+  use gearsweep_segments, only: balance_t, carrying, segment_t, smooth_segments
   use gearsweep_sharing, only: settle_at
   implicit none
   private
@@ -67,7 +67,7 @@ contains
         call refine(f, interval, a, b, whole, most, total, harmonics)
         call extremes(f, interval, a, b, harmonics%least, harmonics%largest)
         harmonics%effective_contact_ratio = harmonics%effective_contact_ratio + &
-                                            (b - a)*sum(merge(1, 0, carrying(mesh, load, interval, (a + b)/2)))
+                                            (b - a)*sum(merge(1, 0, carrying(mesh, balance_t(load), interval, (a + b)/2)))
       end associate
     end do
     associate (discs => mesh%disc%turn*load)

@@ -43,6 +43,7 @@ module gearsweep_mesh
     procedure :: shared_from
     procedure :: is_coupled
     procedure :: curvature_ratio
+    procedure :: mobility
     procedure :: reaches_beyond
     procedure :: with_softer_corners
   end type mesh_t
@@ -241,6 +242,22 @@ contains
     if (s < 0) ratio = ratio + mesh%arm_change(member, 1)*s
     if (s > mesh%contact_ratio) ratio = ratio + mesh%arm_change(member, 2)*(s - mesh%contact_ratio)
   end function curvature_ratio
+
+  !> What the load of a pair makes of the acceleration of the motion (1/kg): the friction factors of pinion and gear over their
+  !> masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards after it (+).
+  pure real(dp) function mobility(mesh, mass, friction, s, recess)
+    class(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: mass(2)              !< of pinion and gear, kg
+    real(dp), intent(in) :: friction             !< mu
+    real(dp), intent(in) :: s                    !< path coordinate of the pair from A, base pitches
+    logical, intent(in) :: recess                !< the pair has passed the pitch point
+    real(dp) :: sense
+
+    mobility = 1/mass(1) + 1/mass(2)
+    if (.not. friction > 0) return
+    sense = merge(friction, -friction, recess)
+    mobility = mobility + sense*(mesh%curvature_ratio(1, s)/mass(1) + mesh%curvature_ratio(2, s)/mass(2))
+  end function mobility
 
   !> Splits the period where a pair enters or leaves, where a relief begins, with friction at the pitch point and, where
   !> contact reaches beyond A and E, where the stiffness has a kink, as it may at A and E.

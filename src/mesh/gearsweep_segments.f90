@@ -7,12 +7,20 @@ module gearsweep_segments
   use gearsweep_sharing, only: settle_at
   implicit none
   private
-  public :: segment_t, smooth_segments, contact_intervals, carrying
+  public :: balance_t, segment_t, smooth_segments, contact_intervals, carrying
 
   type :: segment_t
     real(dp) :: first = 0, last = 0              !< phases
     integer :: interval = 0                          !< in which it lies
   end type segment_t
+
+  !> What the pairs' loads are in balance with: a static load or, with friction, what that makes of the acceleration of a motion,
+  !> in which each pair counts by its `mobility`.
+  type :: balance_t
+    real(dp) :: load = 0                         !< N
+    real(dp) :: friction = 0                     !< mu
+    real(dp) :: mass(2) = 1                      !< of pinion and gear, for friction alone, kg
+  end type balance_t
 
   !> Breaks closer than this are one.
   real(dp), parameter :: same_phase = 1e-12_dp
@@ -32,33 +40,31 @@ contains
     allocate (segments(0))
     do i = 1, size(intervals)
       call stiffness_breaks(mesh, intervals(i), breaks)
-      call add_contact_breaks(mesh, load, intervals(i), breaks)
+      call add_contact_breaks(mesh, balance_t(load), intervals(i), breaks)
       segments = [segments, (segment_t(breaks(k), breaks(k + 1), i), k=1, size(breaks) - 1)]
     end do
   end subroutine smooth_segments
 
-  !> The smooth intervals of a mesh, split also where a pair begins or ceases to carry a static `load` (N), each with the
-  !> pairs that do.
-  pure function contact_intervals(mesh, load, friction) result(intervals)
+  !> The smooth intervals of a mesh, split also where a pair begins or ceases to carry load at rest, each with the pairs that do.
+  pure function contact_intervals(mesh, balance) result(intervals)
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: load
-    logical, intent(in) :: friction              !< as for `smooth_intervals`
+    type(balance_t), intent(in) :: balance
     type(interval_t), allocatable :: intervals(:)
     type(interval_t), allocatable :: whole(:)
     real(dp), allocatable :: breaks(:)
     integer :: i, k
 
-    whole = smooth_intervals(mesh, friction)
+    whole = smooth_intervals(mesh, balance%friction > 0)
     allocate (intervals(0))
     do i = 1, size(whole)
       breaks = [whole(i)%first, whole(i)%last]
-      call add_contact_breaks(mesh, load, whole(i), breaks)
+      call add_contact_breaks(mesh, balance, whole(i), breaks)
       intervals = [intervals, (whole(i), k=1, size(breaks) - 1)]
       associate (new => intervals(size(intervals) - size(breaks) + 2:))
         new%first = breaks(:size(new))
         new%last = breaks(2:)
         do k = 1, size(new)
-          new(k)%carries = carrying(mesh, load, whole(i), (breaks(k) + breaks(k + 1))/2)
+          new(k)%carries = carrying(mesh, balance, whole(i), (breaks(k) + breaks(k + 1))/2)
         end do
       end associate
     end do
@@ -84,9 +90,9 @@ contains
 
   !> Adds the phases at which the set of pairs that carry changes. Between two breaks the set is
   !> looked at in a few places; what comes and goes between them is too short to matter.
-  pure subroutine add_contact_breaks(mesh, load, interval, breaks)
+  pure subroutine add_contact_breaks(mesh, balance, interval, breaks)
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: load
+    type(balance_t), intent(in) :: balance
     type(interval_t), intent(in) :: interval
     real(dp), allocatable, intent(inout) :: breaks(:)
     integer, parameter :: looks = 8
@@ -100,7 +106,7 @@ contains
       from = breaks(i)
       do k = 1, looks
         until = breaks(i) + (breaks(i + 1) - breaks(i))*k/looks
-        call find_changes(mesh, load, interval, from, until, list)
+        call find_changes(mesh, balance, interval, from, until, list)
         from = until
       end do
       if (breaks(i + 1) < list(size(list)) + same_phase) list = list(:size(list) - 1)
@@ -111,9 +117,10 @@ contains
 
   !> Adds the changes between `from` and `until` to `list`. Gaps that are nothing but rounding
   !> errors change without end; they do not matter.
-  pure subroutine find_changes(mesh, load, interval, from, until, list)
+  pure subroutine find_changes(mesh, balance, interval, from, until, list)
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: load, from, until
+    type(balance_t), intent(in) :: balance
+    real(dp), intent(in) :: from, until
     type(interval_t), intent(in) :: interval
     real(dp), allocatable, intent(inout) :: list(:)
     integer, parameter :: most = 8
@@ -121,8 +128,8 @@ contains
     real(dp) :: low, high, middle
     integer :: n
 
-    before = carrying(mesh, load, interval, from)
-    behind = carrying(mesh, load, interval, until)
+    before = carrying(mesh, balance, interval, from)
+    behind = carrying(mesh, balance, interval, until)
     low = from
     do n = 1, most
       if (all(before .eqv. behind)) return
@@ -130,27 +137,44 @@ contains
       do
         middle = (low + high)/2
         if (.not. (middle > low .and. middle < high)) exit
-        if (all(carrying(mesh, load, interval, middle) .eqv. before)) then
+        if (all(carrying(mesh, balance, interval, middle) .eqv. before)) then
           low = middle
         else
           high = middle
         end if
       end do
       if (high > list(size(list)) + same_phase) list = [list, high]
-      before = carrying(mesh, load, interval, high)
+      before = carrying(mesh, balance, interval, high)
       low = high
     end do
   end subroutine find_changes
 
-  !> Which pairs carry a static `load` (N) at a phase of `interval`.
-  pure function carrying(mesh, load, interval, phase)
+  !> Which pairs carry load at rest at a phase of `interval`.
+  pure function carrying(mesh, balance, interval, phase)
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: load, phase
+    type(balance_t), intent(in) :: balance
+    real(dp), intent(in) :: phase
     type(interval_t), intent(in) :: interval
     logical :: carrying(interval%pairs)
-    real(dp) :: deflection, force(interval%pairs)
+    real(dp), parameter :: rounding = 1e-14_dp
+    integer, parameter :: most = 50
+    real(dp), dimension(interval%pairs) :: force, weight
+    real(dp) :: deflection, load, last
+    integer :: i, j
 
-    call settle_at(mesh, interval, load, phase, deflection, force)
+    load = balance%load
+    if (balance%friction > 0) then
+      weight = [(mesh%mobility(balance%mass, balance%friction, interval%place(phase, j), interval%recess(j)), &
+                 j=1, interval%pairs)]/sum(1/balance%mass)
+    end if
+    do i = 1, most
+      call settle_at(mesh, interval, load, phase, deflection, force)
+      if (.not. balance%friction > 0) exit
+      ! The weights are near 1 and near each other, so that this comes to rest in a few turns.
+      last = load
+      load = balance%load*last/sum(weight*force)
+      if (abs(load - last) <= rounding*load) exit
+    end do
     carrying = force > 0
   end function carrying
 end module gearsweep_segments

@@ -10,7 +10,7 @@ module gearsweep_task_mesh
   use gearsweep_memory, only: claim_memory
   use gearsweep_reader, only: reader_t
   use gearsweep_mesh, only: corner_uncertainty, interval_t, mesh_t, own_corner_uncertainty
-  use gearsweep_segments, only: contact_intervals
+  use gearsweep_segments, only: balance_t, contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_table, only: each, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
@@ -69,7 +69,7 @@ contains
         if (i == 2) call claim_memory(size(motion)*(1000 + 24.0_dp*self%harmonics + size(sharing(1)%phase)* &
           (28.0_dp + 16*size(sharing(1)%s, 1))), '&relief amount_um: '//str(size(motion))//' reliefs', error)
         if (allocated(error)) return
-        intervals = contact_intervals(motion(i)%mesh, motion(i)%load, friction=.false.)
+        intervals = contact_intervals(motion(i)%mesh, balance_t(motion(i)%load))
         call share_load(motion(i)%mesh, motion(i)%load, samples, sharing(i), intervals)
         call find_harmonics(motion(i)%mesh, motion(i)%load, self%harmonics, ste(i))
         if (.not. stages%has_corners()) cycle

@@ -22,6 +22,7 @@ module gearsweep_coefficient_table
     integer :: times = 1
     real(dp) :: graded_for = 0         !< duration of the mesh period for which the steps grow behind breaks, s; 0: equal steps
     integer :: scheme = scheme_collocation
+    logical :: by_load = .false.       !< smooth intervals end also where pairs begin and cease to carry the static load
   end type resolution_t
 
   !> What is special about a step.

@@ -12,13 +12,15 @@ module gearsweep_oscillator
   use gearsweep_coupled_pairs, only: closed_set, compliances, sum_response
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
-  use gearsweep_segments, only: contact_intervals
+  use gearsweep_own_flattening, only: flattening_t
+  use gearsweep_segments, only: balance_t, contact_intervals
   use gearsweep_shared_compliance, only: closed_pairs, reduce_sums
   use gearsweep_sharing, only: pairs_at
   use gearsweep_text, only: str
   implicit none
   private
-  public :: oscillator_t, make_oscillator, mesh_period, frequency_ratio, mobility, damping, acceleration
+  public :: oscillator_t, make_oscillator, split_by_load, mesh_period, frequency_ratio, resolving_steps
+  public :: mobility, damping, acceleration
 
   !> The first seven components are set by the caller; `make_oscillator` checks them and fills in the others,
   !> which hold for all speeds.
@@ -37,9 +39,8 @@ module gearsweep_oscillator
     real(dp) :: highest_frequency = 0  !< upper bound of omega over the period, rad/s
     real(dp) :: static_deflection = 0  !< load over mean stiffness, m: the unit of residuals
     real(dp) :: mean_deflection = 0    !< deflection whose mean load over the period is the static one, m
-    !> Smooth intervals of the mesh period: no coefficient has a break within. Where contact reaches beyond A and E, they
-    !> also end where pairs begin and cease to carry the static load.
-    type(interval_t), allocatable :: intervals(:)
+    type(interval_t), allocatable :: intervals(:)   !< smooth ones of the mesh period: no coefficient has a break within
+    logical :: by_load = .false.       !< they also end where pairs begin and cease to carry the static load
     real(dp), allocatable :: frequency(:, :)   !< lowest and highest omega of each interval, rad/s; (2, interval)
   end type oscillator_t
 
@@ -64,8 +65,9 @@ contains
       osc%friction, 'needs the teeth of both members and the pressure angle')
     if (allocated(error)) return
     osc%shared = osc%mesh%disc%shared
-    if (osc%mesh%reaches_beyond()) then
-      osc%intervals = contact_intervals(osc%mesh, osc%load, osc%friction > 0)
+    osc%by_load = osc%mesh%reaches_beyond()
+    if (osc%by_load) then
+      osc%intervals = rest_intervals(osc)
     else
       osc%intervals = smooth_intervals(osc%mesh, osc%friction > 0)
     end if
@@ -91,6 +93,28 @@ contains
       if (.not. met) call fail(error, code_input, what//' = '//str(value)//': '//allowed)
     end subroutine demand
   end subroutine make_oscillator
+
+  !> Lets the smooth intervals end also where pairs begin and cease to carry the static load, which far below resonance the motion
+  !> follows. The contact about which it is linear is then that of the pairs that carry.
+  pure subroutine split_by_load(osc)
+    type(oscillator_t), intent(inout) :: osc
+
+    if (osc%by_load) return
+    osc%by_load = .true.
+    osc%intervals = rest_intervals(osc)
+    osc%frequency = interval_frequencies(osc)
+  end subroutine split_by_load
+
+  !> The smooth intervals by the static load. The motion's stiffness is that at the nominal load, whatever a pair carries.
+  pure function rest_intervals(osc) result(intervals)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), allocatable :: intervals(:)
+    type(mesh_t) :: mesh
+
+    mesh = osc%mesh
+    mesh%flattening = flattening_t()
+    intervals = contact_intervals(mesh, balance_t(osc%load, osc%friction, osc%mass))
+  end function rest_intervals
 
   !> The deflection (m) at which the pairs' mean load over the period, with relief, is the static one: at high
   !> speed the motion tends to it. The load is convex in the deflection, so that Newton's method from above
@@ -229,19 +253,26 @@ contains
     frequency_ratio = 2*pi/mesh_period(osc%mesh%teeth(1), rpm)/osc%natural_frequency
   end function frequency_ratio
 
-  !> What the force of a pair makes of the acceleration of x (1/kg): the friction factors of pinion and gear
-  !> over their masses. The driving pinion's tooth slides inwards before the pitch point (-) and outwards after
-  !> it (+).
+  !> Steps of a period that follow the fastest natural motion, or its decay: 2.6 rad a step.
+  pure real(dp) function resolving_steps(osc, duration)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp) :: fastest
+
+    associate (zeta => osc%damping_ratio)
+      fastest = osc%highest_frequency
+      if (zeta > 1) fastest = fastest*(zeta + sqrt(zeta**2 - 1))
+    end associate
+    resolving_steps = fastest*duration/2.6_dp
+  end function resolving_steps
+
+  !> What the load of a pair makes of the acceleration of x (1/kg).
   elemental real(dp) function mobility(osc, s, recess)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: s          !< path coordinate of the pair from A, base pitches
     logical, intent(in) :: recess      !< the pair has passed the pitch point
-    real(dp) :: sense
 
-    mobility = 1/osc%mass(1) + 1/osc%mass(2)
-    if (.not. osc%friction > 0) return
-    sense = merge(osc%friction, -osc%friction, recess)
-    mobility = mobility + sense*(osc%mesh%curvature_ratio(1, s)/osc%mass(1) + osc%mesh%curvature_ratio(2, s)/osc%mass(2))
+    mobility = osc%mesh%mobility(osc%mass, osc%friction, s, recess)
   end function mobility
 
   !> 2 zeta omega, which multiplies the velocity in the equation of motion; in the unit of `omega`. It is linear

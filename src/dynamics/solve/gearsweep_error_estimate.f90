@@ -9,7 +9,7 @@ module gearsweep_error_estimate
   use gearsweep_transient, only: steady_options_t
   implicit none
   private
-  public :: accuracy_t, step_choice_t, point_t, compare, is_estimated, leave_unknown, mark_inexact, resolving_steps
+  public :: accuracy_t, step_choice_t, point_t, compare, is_estimated, leave_unknown, mark_inexact
 
   !> The method of integration, and how many steps there are.
   type :: step_choice_t
@@ -125,17 +125,4 @@ contains
     if (.not. has_result(point%steady%status) .or. ieee_is_nan(point%estimate)) return
     if (.not. point%estimate <= options%steady%tolerance) point%steady%status = status_inexact
   end subroutine mark_inexact
-
-  !> Steps of a period that follow the fastest natural motion, or its decay: 2.6 rad a step.
-  pure real(dp) function resolving_steps(osc, duration)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: duration             !< of the mesh period, s
-    real(dp) :: fastest
-
-    associate (zeta => osc%damping_ratio)
-      fastest = osc%highest_frequency
-      if (zeta > 1) fastest = fastest*(zeta + sqrt(zeta**2 - 1))
-    end associate
-    resolving_steps = fastest*duration/2.6_dp
-  end function resolving_steps
 end module gearsweep_error_estimate

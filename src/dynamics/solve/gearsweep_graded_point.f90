@@ -1,16 +1,16 @@
-!> Operating points in graded steps, which are short behind breaks and grow as the natural motion decays. They serve
-!> where all pairs between A and E stay in contact: a change of that would need short steps behind it, too.
-!> A pair beyond A or E closes and opens near a break, under next to no load.
+!> Operating points in graded steps, which are short behind breaks and grow as the natural motion decays. Where that has decayed,
+!> the motion follows the static one, so that pairs close and open near where they begin and cease to carry the static load:
+!> there are breaks too. Steps are only graded where the natural motion decays from break to break, so that one motion attracts.
 module gearsweep_graded_point
   use gearsweep_coefficients, only: graded_steps, resolution_t
-  use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t, resolving_steps
+  use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t, resolving_steps, split_by_load
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_periodic_orbit, only: distance, near, settled, steady_t
   use gearsweep_refinement, only: first_guess, levels_t, root
-  use gearsweep_steady, only: find_batch, find_settled, is_one_branch
+  use gearsweep_steady, only: find_batch, find_settled
   use gearsweep_transient, only: by_shooting
   implicit none
   private
@@ -35,7 +35,8 @@ contains
     shortest = minval(duration)
     longest = maxval(duration)
     equal = max(2*resolving_steps(osc, longest), first_guess(osc, longest, options, levels))
-    resolution = resolution_t(dense*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/shortest, 2, shortest)
+    resolution = resolution_t(dense*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/shortest, 2, shortest, &
+                              by_load=.true.)
     if (options%steady%method /= by_shooting .or. graded_steps(osc, resolution) > min(equal/2, real(options%most_steps, dp))) &
       resolution = resolution_t()
   end function graded_resolution
@@ -48,29 +49,32 @@ contains
     type(resolution_t), intent(in) :: first      !< to begin with
     type(levels_t), intent(inout) :: levels      !< lacks: the memory does not hold the steps
     type(point_t), intent(inout) :: points(:)    !< (speed)
-    logical, intent(out) :: solved(:)            !< all pairs stay in contact; (speed)
+    logical, intent(out) :: solved(:)            !< (speed)
     type(steady_t) :: half(size(duration)), full(size(duration))
     type(period_map_t) :: fine, coarse
+    type(oscillator_t) :: split
     type(resolution_t) :: resolution
     real(dp) :: excess
-    integer :: trial, l
+    integer :: trial
 
+    split = osc
+    call split_by_load(split)
     resolution = first
     do trial = 1, most_trials
       solved = .false.
-      call discretise(osc, resolution, fine)
+      call discretise(split, resolution, fine)
       levels%lacks = fine%table%steps == 0
       if (levels%lacks) return
-      call solve_in_contact(fine, duration, options, full)
+      call find_motions(fine, duration, options, full)
       points%steady = full
-      solved = [(is_gradable(osc, full(l)), l=1, size(full))]
+      solved = settled(full)
       if (.not. any(solved)) return
-      call discretise(osc, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
+      call discretise(split, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
       levels%lacks = coarse%table%steps == 0
       if (levels%lacks) solved = .false.
       if (levels%lacks) return
-      call solve_in_contact(coarse, duration, options, half)
-      solved = solved .and. [(is_gradable(osc, half(l)), l=1, size(half))]
+      call find_motions(coarse, duration, options, half)
+      solved = solved .and. settled(half)
       points%steps = fine%table%steps
       points%work = points%work + 2*(fine%table%steps + coarse%table%steps)
       points%resolution = resolution
@@ -80,13 +84,13 @@ contains
       if (any(solved)) excess = maxval(points%step_error, mask=solved)/options%steady%tolerance
       if (excess <= 1) exit
       resolution%base = resolution%base*min(1.2_dp*excess**0.2_dp, 4.0_dp)
-      if (graded_steps(osc, resolution) > options%most_steps) exit
+      if (graded_steps(split, resolution) > options%most_steps) exit
     end do
     call mark_inexact(options, points)
   end subroutine solve_graded
 
-  !> Motions in full contact, at one speed or at all of a batch.
-  pure subroutine solve_in_contact(map, duration, options, steady)
+  !> The motions at one speed or at all of a batch, from those about which they are linear.
+  pure subroutine find_motions(map, duration, options, steady)
     type(period_map_t), intent(inout) :: map
     real(dp), intent(in) :: duration(:)
     type(accuracy_t), intent(in) :: options
@@ -98,15 +102,7 @@ contains
     else
       call find_settled(map, options%steady%tolerance, steady(1))
     end if
-  end subroutine solve_in_contact
-
-  !> Is this a motion for graded steps: in full contact, or with changes only of pairs beyond A and E?
-  pure logical function is_gradable(osc, steady)
-    type(oscillator_t), intent(in) :: osc
-    type(steady_t), intent(in) :: steady
-
-    is_gradable = settled(steady) .and. (.not. steady%departs .or. is_one_branch(osc, steady%partial))
-  end function is_gradable
+  end subroutine find_motions
 
   !> One speed in graded steps, on the branch that `start` leads to.
   pure subroutine solve_one_graded(osc, duration, options, resolution, levels, point, solved, start)
@@ -116,7 +112,7 @@ contains
     type(resolution_t), intent(in) :: resolution  !< to begin with
     type(levels_t), intent(inout) :: levels
     type(point_t), intent(inout) :: point
-    logical, intent(out) :: solved               !< all pairs stay in contact, and `start` leads there
+    logical, intent(out) :: solved               !< `start` leads to the motion found
     real(dp), intent(in), optional :: start(2)   !< state, m
     type(point_t) :: points(1)
     logical :: all_solved(1)

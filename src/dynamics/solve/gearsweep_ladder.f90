@@ -176,8 +176,14 @@ contains
       factor = stride
     end do
     call set_damping(map, damping)
-    if (has_result(here%status) .and. .not. at > damping) steady = here
-    steady%work = work
+    if (has_result(here%status) .and. .not. at > damping) then
+      here%work = work
+      ! A doubled motion may have become the single one again.
+      if (here%periods > 1) call shorten(map, options%tolerance, here)
+      steady = here
+    else
+      steady%work = work
+    end if
   end subroutine lower_damping
 
   !> Where a motion repels, its doubled one takes its place.

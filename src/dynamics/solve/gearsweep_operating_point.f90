@@ -2,11 +2,11 @@
 !> until the estimate of the error is small enough.
 module gearsweep_operating_point
   use gearsweep_coefficients, only: resolution_t, scheme_collocation
-  use gearsweep_error_estimate, only: accuracy_t, compare, is_estimated, leave_unknown, mark_inexact, point_t, resolving_steps
+  use gearsweep_error_estimate, only: accuracy_t, compare, is_estimated, leave_unknown, mark_inexact, point_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_graded_point, only: graded_resolution, most_trials, solve_graded, solve_one_graded
   use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t, resolving_steps
   use gearsweep_period_map, only: period_map_t, set_durations
   use gearsweep_periodic_orbit, only: distance, near, settled, shoot, solve_full_contact, steady_t
   use gearsweep_refinement, only: first_level, given_resolution, given_steps, last_level, level_steps, levels_t, need_given, &

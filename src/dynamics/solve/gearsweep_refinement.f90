@@ -2,10 +2,10 @@
 !> share the coefficients of a level.
 module gearsweep_refinement
   use gearsweep_coefficients, only: resolution_t
-  use gearsweep_error_estimate, only: accuracy_t, resolving_steps
+  use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_gauss, only: order
   use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t, resolving_steps
   use gearsweep_period_map, only: discretise, period_map_t
   implicit none
   private

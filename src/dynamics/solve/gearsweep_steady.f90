@@ -68,7 +68,7 @@ contains
   end subroutine find_beside
 
   !> The steady motion that Newton's method finds from that in full contact, without marching, at one speed: that motion
-  !> itself or, where contact reaches beyond A and E, one in which only pairs beyond them come and go.
+  !> itself or, where steps end by the static load too, one in which pairs come and go near there.
   pure subroutine find_settled(map, tolerance, steady)
     type(period_map_t), intent(inout) :: map         !< with the duration of one speed
     real(dp), intent(in) :: tolerance                !< of the dynamic factor
@@ -76,7 +76,7 @@ contains
     real(dp) :: state(2), work
 
     call solve_full_contact(map, state, steady)
-    if (settled(steady) .or. .not. map%osc%mesh%reaches_beyond()) return
+    if (settled(steady) .or. .not. map%osc%by_load) return
     work = steady%work
     call shoot(map, tolerance, 1, state, steady)
     steady%work = steady%work + work

@@ -7,7 +7,7 @@ module gearsweep_contact_events
   use gearsweep_integrator, only: integrator_t
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
-  use gearsweep_oscillator, only: damping
+  use gearsweep_oscillator, only: damping, resolving_steps
   use gearsweep_overlap_watch, only: watch_sub_step
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
@@ -246,11 +246,27 @@ contains
         call record_contact(map%osc, state%contact_set(l), map%table%full(c%step), map%table%between(c%step), period)
         event%events = event%events + 1
       end associate
+      period%failed = period%failed .or. excites(map, l, abs(approach), c)
       event%contact = 0
     end associate
     period%events = period%events + 1
     period%work = period%work + cost
   end subroutine change_contact
+
+  !> Does a change of contact excite a natural motion that what is left of its step is too long to follow?
+  pure logical function excites(map, l, approach, c)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: l
+    real(dp), intent(in) :: approach             ! speed of flanks that meet or part, m over the phase
+    type(sub_steps_t), intent(in) :: c
+    ! Static deflections: the natural motion takes up a part of that speed. And damping lets pairs close and open up to some
+    ! radians before they would at rest.
+    real(dp), parameter :: negligible = 1e-7_dp, near = 4
+
+    excites = map%table%kind(c%step)%stiff
+    if (excites) excites = approach > negligible*map%osc%static_deflection*map%osc%natural_frequency*map%duration(l) .and. &
+                           (1 - c%left(l))*map%table%width(c%step)*resolving_steps(map%osc, map%duration(l)) > near
+  end function excites
 
   !> Moves motion l to the end of its sub-step, and begins the next one.
   pure subroutine accept(map, l, state, trace)

@@ -11,7 +11,7 @@ module gearsweep_period_map
   use gearsweep_kinds, only: dp
   use gearsweep_literature_period, only: run_literature_period
   use gearsweep_literature_table, only: exact_step_t, literature_table_t, tabulate_literature
-  use gearsweep_oscillator, only: oscillator_t, damping
+  use gearsweep_oscillator, only: oscillator_t, damping, split_by_load
   use gearsweep_radau, only: collocate_stiffly
   use gearsweep_shared_coefficients, only: sum_at_node
   use gearsweep_shared_compliance, only: reduce_sums
@@ -62,9 +62,10 @@ contains
     type(period_map_t), intent(inout) :: map     !< its memory serves again; without steps where memory lacks
 
     map%osc = osc
+    if (resolution%by_load) call split_by_load(map%osc)
     if (resolution%scheme == scheme_collocation) then
       if (allocated(map%literature)) deallocate (map%literature)
-      call tabulate(osc, resolution, map%table)
+      call tabulate(map%osc, resolution, map%table)
       map%steps = map%table%steps
     else
       if (.not. allocated(map%literature)) allocate (map%literature)

@@ -202,7 +202,7 @@ private:
         while (row.touches(pairs, middle)) ++pairs;
         for (int j = 0; j < pairs; ++j) closed[j] = r.state.x > row.error(a, j, middle).at(0);
         for (int pieces = 0; phase < b; ++pieces) {
-            if (pieces > 100000) {
+            if (pieces > 10000000) {
                 r.failed = true;
                 return;
             }
