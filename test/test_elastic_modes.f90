@@ -5,6 +5,7 @@ module test_elastic_modes
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_grid, only: grid_t, rectangle_grid
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_mass_matrix, only: assemble_mass, mass_matrix_t
   use gearsweep_material, only: material_t
   use gearsweep_modal, only: estimated_errors, modal_t, section_modes
   use gearsweep_modes, only: modes_t, find_modes
@@ -46,6 +47,7 @@ contains
     if (t%wants('honest_estimates')) call honest_estimates(t)
     if (t%wants('crossing_modes')) call crossing_modes(t)
     if (t%wants('undercut_gear')) call undercut_gear(t)
+    if (t%wants('assembled_mass')) call assembled_mass(t)
     if (t%wants('own_material')) call own_material(t)
     if (t%wants('refusals')) call refusals(t)
   end subroutine run
@@ -269,6 +271,37 @@ contains
     call check_true(t, 'undercut gear: the estimate holds', ratio < 1.5_dp, str(ratio))
     call check_true(t, 'undercut gear: and is not too large', ratio > 0.3_dp, str(ratio))
   end subroutine undercut_gear
+
+  !> The mass matrix of a ring of elements: a body that moves without turning takes its mass, one that turns the second moment
+  !> of its area, and forces at one node by another's acceleration are those the other way round.
+  subroutine assembled_mass(t)
+    type(tally_t), intent(inout) :: t
+    type(gear_t) :: gear
+    type(section_body_t) :: grids(2)
+    type(mass_matrix_t) :: mass
+    type(error_t), allocatable :: error
+    real(dp), allocatable, dimension(:, :) :: turn, shift, turned, shifted
+
+    call make_gear(gear_spec_t('pinion', 12, 0.003_dp, face_width=0.02_dp, bore_radius=0.004_dp), gear, error)
+    call make_two_grids(gear, material_t(), section_options_t(teeth=0, elements_across=4), grids, error)
+    call check_no_error(t, 'ring', error)
+    associate (body => grids(1)%body, grid => grids(1)%section%grid)
+      mass = assemble_mass(size(grid%x, 2), grid%element, body%mass_matrices())
+      allocate (turn, mold=grid%x)
+      turn(1, :) = -grid%x(2, :)
+      turn(2, :) = grid%x(1, :)
+      allocate (shift, source=spread([1.0_dp, 0.0_dp], 2, size(grid%x, 2)) + turn**2)
+      allocate (turned, mold=turn)
+      allocate (shifted, mold=turn)
+      call mass%times(turn, turned)
+      call check_close(t, 'a turn', sum(turn*turned), body%material%density*body%thickness*polar_moment(grid), relative=1e-12_dp)
+      call mass%times(shift, shifted)
+      call check_close(t, 'symmetry', sum(turn*shifted), sum(shift*turned), absolute=1e-12_dp*norm2(turn)*norm2(shifted))
+      call mass%times(shift - turn**2, shifted)
+      call check_close(t, 'a shift', sum(shifted(1, :)), body%mass(), relative=1e-12_dp)
+      call check_close(t, 'nothing across it', sum(shifted(2, :)), 0.0_dp, absolute=1e-12_dp*body%mass())
+    end associate
+  end subroutine assembled_mass
 
   !> Modes of Hassan's section on two grids.
   subroutine hassan_modes(material, across, count, modal, error)

@@ -320,9 +320,10 @@ contains
                        speeds%number('frequency_hz', i), 1e-13_dp)
       call check_true(t, 'system', speeds%word('system', i) == merge('gears  ', 'section', i <= 3))
     end do
+    ! One of the two went through rad/s and back, which rounds twice.
     do i = 1, 2
       call check_close(t, 'frequency of the section', speeds%number('frequency_hz', 1 + 3*i), &
-                       peaks%number('natural_frequency_hz', i), 0.0_dp)
+                       peaks%number('natural_frequency_hz', i), 1e-15_dp)
     end do
     ! As many pairs carry in the mean as the contact ratio says.
     call check_close(t, 'frequency of the gears', speeds%number('frequency_hz', 1), &

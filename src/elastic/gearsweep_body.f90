@@ -209,17 +209,25 @@ contains
     class(body_t), intent(in) :: body
     real(dp), intent(in) :: u(:, :)
     real(dp) :: f(size(u, 1), size(u, 2))
-    real(dp) :: k(2*nodes_per_element, 2*nodes_per_element), law(3)
-    integer :: at(2, nodes_per_element), list(2*nodes_per_element), e
+    integer, parameter :: own = 2*nodes_per_element
+    real(dp) :: k(own, own), of_element(own), law(3)
+    integer :: list(own), e, c, i
 
     law = body%thickness*elastic_law(body%material, body%plane_strain)
     f = 0
     do e = 1, size(body%grid%element, 2)
       k = element_stiffness(body%grid%x(:, body%grid%element(:, e)), law)
-      at(1, :) = 2*body%grid%element(:, e) - 1
-      at(2, :) = at(1, :) + 1
-      list = reshape(at, [2*nodes_per_element])
-      f(list, :) = f(list, :) + matmul(k, u(list, :))
+      list(1::2) = 2*body%grid%element(:, e) - 1
+      list(2::2) = list(1::2) + 1
+      do c = 1, size(u, 2)
+        of_element = 0
+        do i = 1, own
+          of_element = of_element + k(:, i)*u(list(i), c)
+        end do
+        do i = 1, own
+          f(list(i), c) = f(list(i), c) + of_element(i)
+        end do
+      end do
     end do
   end function stiffness_times
 

@@ -5,6 +5,7 @@ module gearsweep_modes
   use gearsweep_arpack, only: lowest_eigenpairs, pencil_t, work_bytes
   use gearsweep_body, only: body_t
   use gearsweep_error, only: error_t, fail, code_input
+  use gearsweep_mass_matrix, only: assemble_mass, mass_matrix_t
   use gearsweep_memory, only: claim_memory
   use gearsweep_q8, only: nodes_per_element
   use gearsweep_text, only: str
@@ -23,8 +24,7 @@ module gearsweep_modes
   !> Stiffness and mass of a body, as the eigenvalue problem knows them.
   type, extends(pencil_t) :: body_pencil_t
     type(body_t), pointer :: body => null()
-    real(dp), allocatable :: masses(:, :, :)     !< of the elements, kg (8, 8, elements)
-    integer, allocatable :: dof(:, :, :)         !< their unknowns, 0 where held (2, 8, elements)
+    type(mass_matrix_t) :: mass
   contains
     procedure :: solve => solve_stiffness
     procedure :: times => mass_times
@@ -39,7 +39,7 @@ contains
     type(modes_t), intent(out) :: modes
     type(error_t), allocatable, intent(out) :: error
     type(body_pencil_t) :: pencil
-    real(dp), allocatable :: values(:), vectors(:, :)
+    real(dp), allocatable :: masses(:, :, :), values(:), vectors(:, :)
 
     if (count < 1 .or. 2*count + 2 > body%unknowns) then
       call fail(error, code_input, 'number of modes = '//str(count)//': must lie between 1 and '// &
@@ -54,16 +54,15 @@ contains
     if (allocated(error)) return
     pencil%n = body%unknowns
     pencil%body => body
-    allocate (pencil%masses, source=body%mass_matrices())
-    pencil%dof = reshape(body%equation(:, reshape(body%grid%element, [size(body%grid%element)])), &
-                         [2, nodes_per_element, size(pencil%masses, 3)])
+    allocate (masses, source=body%mass_matrices())
+    pencil%mass = assemble_mass(size(body%grid%x, 2), body%grid%element, masses)
     if (body%grid%closed) then
       call find_twins(pencil, count, values, vectors, error)
     else
       call lowest_eigenpairs(pencil, count, reshape([real(dp) ::], [body%unknowns, 0]), values, vectors, error)
     end if
     if (allocated(error)) return
-    call describe(body, pencil, values, vectors, modes)
+    call describe(body, pencil, masses, values, vectors, modes)
   end subroutine find_modes
 
   !> What ARPACK takes, the modes in several forms, and the elements' masses.
@@ -128,44 +127,29 @@ contains
     call pencil%body%stiffness%solve(x, error)
   end subroutine solve_stiffness
 
-  !> y = M x on the unknowns, element by element, in both directions at once. What is held reads a zero before the
-  !> first unknown, and what it gets there is dropped.
+  !> y = M x on the unknowns.
   subroutine mass_times(pencil, x, y)
     class(body_pencil_t), intent(in) :: pencil
     real(dp), intent(in) :: x(:)
     real(dp), intent(out) :: y(:)
-    real(dp) :: from(0:pencil%n), to(0:pencil%n), ye(nodes_per_element, 2)
-    integer :: e, i
+    real(dp) :: u(2, size(pencil%body%equation, 2)), f(2, size(pencil%body%equation, 2))
 
-    from(0) = 0
-    from(1:) = x
-    to = 0
-    do e = 1, size(pencil%masses, 3)
-      associate (dof => pencil%dof(:, :, e), mass => pencil%masses(:, :, e))
-        ye = 0
-        do i = 1, nodes_per_element
-          ye(:, 1) = ye(:, 1) + mass(:, i)*from(dof(1, i))
-          ye(:, 2) = ye(:, 2) + mass(:, i)*from(dof(2, i))
-        end do
-        do i = 1, nodes_per_element
-          to(dof(1, i)) = to(dof(1, i)) + ye(i, 1)
-          to(dof(2, i)) = to(dof(2, i)) + ye(i, 2)
-        end do
-      end associate
-    end do
-    y = to(1:)
+    u = pencil%body%spread_out(x)
+    call pencil%mass%times(u, f)
+    y = pencil%body%gather(f)
   end subroutine mass_times
 
   !> Frequencies, shapes, residuals and energy shares.
   !> Of the two signs of a shape that one in which the sum of all displacements, with weights that differ, is above 0.
-  subroutine describe(body, pencil, values, vectors, modes)
+  !> `masses(:, :, element)`: kg.
+  subroutine describe(body, pencil, masses, values, vectors, modes)
     type(body_t), intent(in) :: body
     type(body_pencil_t), intent(in) :: pencil
-    real(dp), intent(in) :: values(:), vectors(:, :)
+    real(dp), intent(in) :: masses(:, :, :), values(:), vectors(:, :)
     type(modes_t), intent(out) :: modes
     real(dp), allocatable :: u(:, :), forces(:, :), weight(:)
-    real(dp) :: pulled(body%unknowns), moved(body%unknowns), energy
-    integer :: count, nodes, k, e, d
+    real(dp) :: pulled(body%unknowns), moved(body%unknowns)
+    integer :: count, nodes, k, e
 
     count = size(values)
     nodes = size(body%grid%x, 2)
@@ -175,12 +159,9 @@ contains
     allocate (modes%participation(0:maxval(body%grid%part), count), source=0.0_dp)
     do k = 1, count
       modes%shape(:, :, k) = body%spread_out(sign(1.0_dp, sum(vectors(:, k)*weight))*vectors(:, k))
-      do e = 1, size(pencil%masses, 3)
-        associate (list => body%grid%element(:, e), part => body%grid%part(e))
-          do d = 1, 2
-            energy = dot_product(modes%shape(d, list, k), matmul(pencil%masses(:, :, e), modes%shape(d, list, k)))
-            modes%participation(part, k) = modes%participation(part, k) + energy
-          end do
+      do e = 1, size(masses, 3)
+        associate (share => modes%participation(body%grid%part(e), k))
+          share = share + energy(masses(:, :, e), modes%shape(:, :, k), body%grid%element(:, e))
         end associate
       end do
       modes%shape(:, :, k) = modes%shape(:, :, k)/sqrt(sum(modes%participation(:, k)))
@@ -194,4 +175,22 @@ contains
       modes%residual(k) = norm2(pulled - values(k)*moved)/norm2(pulled)
     end do
   end subroutine describe
+
+  !> u'M u of one element in both directions: `mass(:, :)` (kg) of its nodes `list(:)`, `u(2, nodes)`.
+  pure real(dp) function energy(mass, u, list)
+    real(dp), intent(in) :: mass(nodes_per_element, nodes_per_element), u(:, :)
+    integer, intent(in) :: list(nodes_per_element)
+    real(dp) :: ue(nodes_per_element, 2), f(nodes_per_element, 2)
+    integer :: i
+
+    do i = 1, nodes_per_element
+      ue(i, :) = u(:, list(i))
+    end do
+    f = 0
+    do i = 1, nodes_per_element
+      f(:, 1) = f(:, 1) + mass(:, i)*ue(i, 1)
+      f(:, 2) = f(:, 2) + mass(:, i)*ue(i, 2)
+    end do
+    energy = sum(ue*f)
+  end function energy
 end module gearsweep_modes

@@ -13,6 +13,7 @@ module gearsweep_q8
   real(dp), parameter, public :: gauss_weight(3) = [5, 8, 5]/9.0_dp
 
   real(dp), parameter :: corner_x(4) = [-1, 1, 1, -1], corner_y(4) = [-1, -1, 1, 1]
+  integer, parameter :: gauss_points = 9
 
 contains
 
@@ -69,28 +70,37 @@ contains
   pure function element_stiffness(x, elastic) result(k)
     real(dp), intent(in) :: x(2, nodes_per_element), elastic(3)
     real(dp) :: k(2*nodes_per_element, 2*nodes_per_element)
-    real(dp), dimension(nodes_per_element, nodes_per_element) :: xx, xy, yy
-    real(dp) :: g(nodes_per_element, 2), weight
-    integer :: a, b, n
+    real(dp) :: g(nodes_per_element, 2, gauss_points), weight(gauss_points)
+    real(dp), dimension(nodes_per_element) :: xx, xy, yx, yy
+    integer :: a, b, n, i, p
 
-    xx = 0
-    xy = 0
-    yy = 0
     do a = 1, 3
       do b = 1, 3
-        call element_gradients(x, [gauss_place(a), gauss_place(b)], g, weight)
-        weight = weight*gauss_weight(a)*gauss_weight(b)
-        do n = 1, nodes_per_element
-          xx(:, n) = xx(:, n) + g(:, 1)*(weight*g(n, 1))
-          xy(:, n) = xy(:, n) + g(:, 1)*(weight*g(n, 2))
-          yy(:, n) = yy(:, n) + g(:, 2)*(weight*g(n, 2))
-        end do
+        p = 3*(a - 1) + b
+        call element_gradients(x, [gauss_place(a), gauss_place(b)], g(:, :, p), weight(p))
+        weight(p) = weight(p)*gauss_weight(a)*gauss_weight(b)
       end do
     end do
-    k(1::2, 1::2) = elastic(1)*xx + elastic(3)*yy
-    k(1::2, 2::2) = elastic(2)*xy + elastic(3)*transpose(xy)
-    k(2::2, 1::2) = elastic(2)*transpose(xy) + elastic(3)*xy
-    k(2::2, 2::2) = elastic(1)*yy + elastic(3)*xx
+    do n = 1, nodes_per_element
+      xx = 0
+      xy = 0
+      yx = 0
+      yy = 0
+      do p = 1, gauss_points
+        associate (by_x => weight(p)*g(n, 1, p), by_y => weight(p)*g(n, 2, p))
+          xx = xx + g(:, 1, p)*by_x
+          yx = yx + g(:, 2, p)*by_x
+          xy = xy + g(:, 1, p)*by_y
+          yy = yy + g(:, 2, p)*by_y
+        end associate
+      end do
+      do i = 1, nodes_per_element
+        k(2*i - 1, 2*n - 1) = elastic(1)*xx(i) + elastic(3)*yy(i)
+        k(2*i, 2*n - 1) = elastic(2)*yx(i) + elastic(3)*xy(i)
+        k(2*i - 1, 2*n) = elastic(2)*xy(i) + elastic(3)*yx(i)
+        k(2*i, 2*n) = elastic(1)*yy(i) + elastic(3)*xx(i)
+      end do
+    end do
   end function element_stiffness
 
   !> Derivatives of the shape functions by x and y (8, 2), and the Jacobian's determinant.

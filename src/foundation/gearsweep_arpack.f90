@@ -73,13 +73,13 @@ module gearsweep_arpack
 contains
 
   !> How many vectors the basis has. With fewer it is restarted more often, with more there is more to solve for
-  !> before the first look. `extra`: so many more than wanted at least; 11 unless said.
+  !> before the first look. `extra`: so many more than wanted at least; 10 unless said.
   pure integer function basis_size(n, count, extra)
     integer, intent(in) :: n, count
     integer, intent(in), optional :: extra
     integer :: more
 
-    more = 11
+    more = 10
     if (present(extra)) more = extra
     basis_size = min(n, max(2*count, count + more))
   end function basis_size
