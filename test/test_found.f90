@@ -1,10 +1,14 @@
 !> Which motion is found where pairs part: known ones from elsewhere, the same at every tolerance, speed by speed as in
 !> batches, and the words for what is none.
 module test_found
+  use gearsweep_coefficients, only: resolution_t
+  use gearsweep_contact_set, only: period_t
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
+  use gearsweep_period, only: run_period
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_status, only: has_result, status_marginal, status_name, status_ok, status_subharmonic, status_unbounded
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t, up
   use gearsweep_text, only: str
@@ -24,6 +28,7 @@ contains
 
     if (t%wants('known_motions')) call known_motions(t)
     if (t%wants('shortest_period')) call shortest_period(t)
+    if (t%wants('bouncing')) call bouncing(t)
     if (t%wants('any_tolerance')) call any_tolerance(t)
     if (t%wants('batches')) call batches(t)
     if (t%wants('lost_branches')) call lost_branches(t)
@@ -105,6 +110,92 @@ contains
       call check_close(t, 'dynamic factor', point%dynamic_factor, dynamic_factor(i), absolute=2*point%estimate)
     end do
   end subroutine shortest_period
+
+  !> The impact oscillator: two pairs always, of constant stiffness, so that all flanks part and meet as a ball does that bounces on
+  !> a damped spring. The flight is a parabola, the contact a damped oscillation; where it ends is a transcendental equation of one
+  !> unknown. Under next to no load an impact leaves exp(-pi zeta/sqrt(1 - zeta^2)) of the speed; without damping every
+  !> bounce repeats, here with the mesh.
+  subroutine bouncing(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: zeta(4) = [0.0_dp, 1e-3_dp, 0.03_dp, 0.17_dp], drop(3) = [4.0_dp, 50.0_dp, 1e4_dp]
+    type(oscillator_t) :: osc
+    type(period_map_t) :: map
+    type(period_t) :: run
+    real(dp) :: pull, omega, rest, into, out, touching, highest, flight, duration, state(2)
+    character(:), allocatable :: name
+    integer :: i, k
+
+    do i = 1, size(zeta)
+      osc = mesh_of(2.0_dp, zeta(i))
+      pull = osc%load*sum(1/osc%mass)
+      omega = osc%natural_frequency
+      rest = pull/omega**2
+      do k = 1, size(drop)
+        name = ', zeta '//str(zeta(i))//', from '//str(drop(k))//' static deflections'
+        into = sqrt(2*pull*drop(k)*rest)
+        call impact(omega, zeta(i), rest, into, touching, out, highest)
+        ! To the top of the flight behind the impact.
+        duration = into/pull + touching - out/pull
+        call discretise(osc, resolution_t(60*omega*duration), map)
+        call set_durations(map, [duration])
+        call run_period(map, [-drop(k)*rest, 0.0_dp], run)
+        flight = -out**2/(2*pull)
+        state = [run%state(1), run%state(2)/duration]
+        call check_close(t, 'top of the flight'//name, state(1), flight, 1e-8_dp)
+        call check_close(t, 'at rest there'//name, state(2), 0.0_dp, absolute=1e-8_dp*into)
+        call check_close(t, 'largest load'//name, run%peak, 300e6_dp*highest, 1e-8_dp)
+        call check_true(t, 'all flanks part'//name, run%lost)
+        if (k == size(drop)) call check_close(t, 'what an impact leaves'//name, sqrt(state(2)**2 - 2*pull*state(1))/into, &
+                                              exp(-pi*zeta(i)/sqrt(1 - zeta(i)**2)), absolute=2/sqrt(drop(k)))
+        if (i == 1) call check_close(t, 'repeats'//name, state(1), -drop(k)*rest, 1e-8_dp)
+      end do
+    end do
+  end subroutine bouncing
+
+  !> A mass that meets its spring at a speed: how long it touches, at which speed it leaves, and how far it went in.
+  pure subroutine impact(omega, zeta, rest, into, touching, out, highest)
+    real(dp), intent(in) :: omega, zeta, rest, into
+    real(dp), intent(out) :: touching, out, highest
+    real(dp) :: turn, low, high
+    integer :: i
+
+    turn = omega*sqrt(1 - zeta**2)
+    ! It goes in until its speed is 0 for the first time, and is back within half a cycle more.
+    low = 0
+    high = pi/turn
+    do i = 1, 200
+      if (speed((low + high)/2) > 0) then
+        low = (low + high)/2
+      else
+        high = (low + high)/2
+      end if
+    end do
+    highest = place(low)
+    high = low + pi/turn
+    do i = 1, 200
+      if (place((low + high)/2) > 0) then
+        low = (low + high)/2
+      else
+        high = (low + high)/2
+      end if
+    end do
+    touching = low
+    out = speed(low)
+
+  contains
+
+    pure real(dp) function place(time)
+      real(dp), intent(in) :: time
+
+      place = rest + exp(-zeta*omega*time)*(-rest*cos(turn*time) + (into - zeta*omega*rest)/turn*sin(turn*time))
+    end function place
+
+    pure real(dp) function speed(time)
+      real(dp), intent(in) :: time
+
+      speed = exp(-zeta*omega*time)*(into*cos(turn*time) + (omega**2*rest - zeta*omega*into)/turn*sin(turn*time))
+    end function speed
+  end subroutine impact
 
   !> The tolerance decides how exact a motion is, not which it is.
   subroutine any_tolerance(t)
