@@ -1,6 +1,6 @@
 #!/bin/sh
-# The library's motions against an independent solver at random points: 3000 of all kinds and 3000 lightly damped ones, about an
-# hour on two cores. See campaign.py.
+# The library's motions against an independent solver at random points: 3000 of all kinds and 3000 lightly damped ones, many
+# hours. See campaign.py.
 #
 #     sh test/reference/motions/campaign.sh [COUNT]
 set -eu
