@@ -270,7 +270,8 @@ contains
     integer :: i
 
     profile_breaks = breaks_of(mesh%profile_error)
-    stiffness_breaks = breaks_of(mesh%stiffness)
+    allocate (stiffness_breaks(size(mesh%stiffness%breaks)), source=.false.)
+    if (mesh%reaches_beyond()) stiffness_breaks = breaks_of(mesh%stiffness)
     breaks = [0.0_dp, 1.0_dp, phase(mesh%contact_ratio), phase(mesh%reach), &
               phase(pack(mesh%profile_error%breaks, profile_breaks))]
     if (mesh%reaches_beyond()) breaks = [breaks, phase(pack(mesh%stiffness%breaks, stiffness_breaks))]

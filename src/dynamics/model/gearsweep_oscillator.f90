@@ -50,10 +50,12 @@ contains
   subroutine make_oscillator(osc, error)
     type(oscillator_t), intent(inout) :: osc               !< its first seven components are set; the others are filled in
     type(error_t), allocatable, intent(out) :: error       !< a value that is not allowed, by its name
+    real(dp) :: stiffest, mean_stiffness
 
+    stiffest = osc%mesh%stiffness%maximum()
     call demand(osc%mesh%contact_ratio > 1, 'contact ratio', osc%mesh%contact_ratio, 'must be above 1')
     call demand(osc%mesh%disc%shared >= 0, 'shared compliance', osc%mesh%disc%shared, 'must be at least 0')
-    call demand(osc%mesh%disc%most_shared()*osc%mesh%stiffness%maximum() < 1, 'shared compliance', osc%mesh%disc%shared, &
+    call demand(osc%mesh%disc%most_shared()*stiffest < 1, 'shared compliance', osc%mesh%disc%shared, &
                 'must be below the compliance of a pair, of which it is a part')
     call demand(all(osc%mass > 0), 'effective mass', minval(osc%mass), 'must be above 0')
     call demand(osc%load > 0, 'load', osc%load, 'must be above 0')
@@ -73,9 +75,10 @@ contains
     end if
     osc%pairs = maxval(osc%intervals%pairs)
     osc%contacts = osc%pairs + merge(1, 0, osc%has_backlash)
-    osc%natural_frequency = sqrt(osc%mesh%mean_stiffness()*sum(1/osc%mass))
-    osc%highest_frequency = sqrt(osc%pairs*osc%mesh%stiffness%maximum()*sum(1/osc%mass)*(1 + osc%friction))
-    osc%static_deflection = osc%load/osc%mesh%mean_stiffness()
+    mean_stiffness = osc%mesh%mean_stiffness()
+    osc%natural_frequency = sqrt(mean_stiffness*sum(1/osc%mass))
+    osc%highest_frequency = sqrt(osc%pairs*stiffest*sum(1/osc%mass)*(1 + osc%friction))
+    osc%static_deflection = osc%load/mean_stiffness
     if (osc%shared > 0) then
       osc%mean_deflection = mean_deflection_in_series(osc)
     else
