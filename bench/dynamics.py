@@ -284,6 +284,16 @@ def add_corners(report):
     report.table(('', 'from A to E', 'steps', 'with corners', 'steps', 'times as long'), rows)
 
 
+def add_searches(report, problem, light):
+    """The best relief beside sweeps, and all motions of a point beside the march to one."""
+    points, every, one, apart, best = numbers(run(programs / 'dynamics', 'optimum', problem.case, 1e-6))[0]
+    found, search, march = numbers(run(programs / 'dynamics', 'attractors', light.case, 1e-6))[0]
+    report.add(f'**Searches.** The best relief of case 1 takes {1e3 * best:.3g} ms: {best / every:.2f} times its sweep of {points:.0f} points over '
+               f'all reliefs,\n{best / apart:.1f} times the sweep of the largest relief alone, with which pairs part, and '
+               f'{best / one:.1f} times that of a relief in full contact.\nAll motions that attract at the point *light*, {found:.0f}, take '
+               f'{1e3 * search:.3g} ms, the march to one of them from rest {1e3 * march:.3g} ms.\n')
+
+
 def micro(seconds, points):
     return f'{1e6 * seconds / points:.3g}' if points else '-'
 
@@ -355,6 +365,7 @@ def write_report(problems):
     add_sweep(report, problems[0])
     add_parts(report, problems[0])
     add_corners(report)
+    add_searches(report, problems[0], problems[1 + POINTS.index('light')])
     speeds = add_cost(report, problems[0])
     add_start(report, problems[0], next(seconds for n, seconds, *_ in speeds if n == len(problems[0].numbers.rpm)))
     add_points(report, problems[1:])

@@ -13,6 +13,9 @@
 !>         what so many speeds, or such damping, cost: bench_cost tells the numbers
 !>     dynamics threads FILE ERROR
 !>         seconds with one thread and with two, in turn
+!>     dynamics optimum FILE ERROR
+!>     dynamics attractors FILE ERROR
+!>         what these searches cost: bench_searches tells the numbers
 !>     dynamics corners FILE ERROR
 !>         with each pair by itself and with what neighbouring teeth share a line: seconds and mean steps of a point
 !>         with the path from A to E, and the same with contact beyond it
@@ -25,6 +28,7 @@ program dynamics
   use bench_fixed_steps, only: solve_with_steps, runge_kutta, constant, marched => by_marching, shot => by_shooting
   use bench_kernel, only: collocation_rate, best_rate
   use bench_problem, only: problem_t, read_problem, write_problem
+  use bench_searches, only: time_attractors, time_optimum
   use bench_tools, only: word, number, real_number, seconds, median, check, numbers
   use gearsweep, only: dp, error_t, run_sweep, sweep_t, sweep_options_t
   use gearsweep_gauss, only: batch_size
@@ -49,6 +53,10 @@ program dynamics
     call cost_over_speeds(problem, real_number(3), [(number(i), i=4, command_argument_count())])
   else if (word(1) == 'damping') then
     call cost_over_damping(problem, real_number(3), [(real_number(i), i=4, command_argument_count())])
+  else if (word(1) == 'optimum') then
+    call time_optimum(problem, real_number(3))
+  else if (word(1) == 'attractors') then
+    call time_attractors(problem, real_number(3))
   else if (word(1) == 'threads') then
     call compare_threads(real_number(3))
   else
