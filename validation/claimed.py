@@ -2,7 +2,6 @@
 
 import functools
 import re
-import warnings
 
 import numpy as np
 
@@ -283,15 +282,6 @@ def one_range(of, first, last):
 
 
 # Dynamics
-
-def resolved_and_not():
-    """Speeds, 1/min, at which the prescribed mesh of doc/limits.md with 40 um of relief is resolved, and is not."""
-    mesh = gearsweep.Case(_prescribed()).changed(relief={'amount_um': 40})
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore', gearsweep.PartialWarning)
-        status = [run(mesh.changed(sweep={'rpm_first': rpm, 'rpm_last': rpm}), 'sweep').sweep.status[0, 0] for rpm in (1, 0.1)]
-    return [1 if status[0] == 'ok' else float('nan'), 0.1 if status[1] == 'unresolved' else float('nan')]
-
 
 def poisson_high():
     """By how much the first mode of the row "Poisson 0.4999, plane strain" of doc/limits.md lies off, per cent."""
