@@ -440,6 +440,8 @@ contains
     end do
     call check_true(t, 'points of doublings', points > 50, str(points))
     call check_close(t, 'a multiplier is -1', worst, 0.0_dp, absolute=1e-8_dp)
+    call check_true(t, 'from one edge of the tongue to the other', table%word('first_end', 1) == 'range' .and. &
+                    table%word('last_end', 1) == 'range')
     call check_true(t, 'up to the damping that closes the tongue', largest > 0.05_dp .and. largest < 0.2_dp, str(largest))
   end subroutine doubling_curve
 
@@ -462,6 +464,12 @@ contains
     folds = 0
     grazings = 0
     do i = 1, table%rows
+      ! A curve that ends of the range of a number has its last point on that.
+      if (nint(table%number('curve', i)) /= nint(table%number('curve', min(i + 1, table%rows))) .or. i == table%rows) then
+        call check_true(t, 'why a curve ends', (table%word('last_end', i) == 'range') .eqv. &
+                        (minval(abs(table%number('damping_ratio', i) - [0.02_dp, 0.06_dp])) < 1e-12_dp .or. &
+                         minval(abs(table%number('rpm', i) - [10000, 12000])) < 1e-6_dp), table%word('last_end', i))
+      end if
       if (abs(table%number('damping_ratio', i) - 0.02_dp) > 1e-12_dp) cycle
       associate (name => table%word('kind', i), rpm => table%number('rpm', i))
         if (name == 'fold') folds = folds + 1

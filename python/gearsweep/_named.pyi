@@ -1012,6 +1012,10 @@ class BranchCurvesTable(Table):
     """mesh periods until the motion repeats"""
     phase: NDArray[float64]
     """of grazing, the mesh phase; else NaN"""
+    first_end: NDArray[str_]
+    """how the curve ends where its points begin: range: of one of both numbers; closed: in itself; lost: it does not go on, as where it meets a grazing; length: so many points"""
+    last_end: NDArray[str_]
+    """how the curve ends where its points end"""
 
 class SensitivityTable(Table):
     """how the dynamic factor changes with each number of the case"""

@@ -159,14 +159,14 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: numbers(:, :), values(:, :)
-    integer, allocatable :: counts(:, :)
+    integer, allocatable :: counts(:, :), ends(:, :)
     integer :: i, k, m, n, curve
 
     if (allocated(error)) return
     n = sum([((size(found(i)%curve(k)%point), k=1, size(found(i)%curve)), i=1, size(found))])
-    call table%begin('curves of folds, doublings and grazings over both parameters', n, 10, error)
+    call table%begin('curves of folds, doublings and grazings over both parameters', n, 12, error)
     if (allocated(error)) return
-    allocate (numbers(n, 4), values(n, 2), counts(n, 4))
+    allocate (numbers(n, 4), values(n, 2), counts(n, 4), ends(n, 2))
     n = 0
     curve = 0
     do i = 1, size(found)
@@ -178,6 +178,7 @@ contains
             numbers(n, :) = found(i)%plane%numbers_at(point%value)
             values(n, :) = [point%dynamic_factor, merge(point%phase, no_number(), found(i)%curve(k)%kind == kind_grazing)]
             counts(n, :) = [curve, m, found(i)%curve(k)%kind, found(i)%curve(k)%periods]
+            ends(n, :) = found(i)%curve(k)%ends
           end associate
         end do
       end do
@@ -192,6 +193,10 @@ contains
     call table%add('dynamic_factor', '', of_dynamic_factor, values(:, 1))
     call table%add('mesh_periods', '', of_periods, counts(:, 4))
     call table%add('phase', '', 'of grazing, the mesh phase; else NaN', values(:, 2))
+    call table%add_words('first_end', 'how the curve ends where its points begin: range: of one of both numbers; closed: in '// &
+                         'itself; lost: it does not go on, as where it meets a grazing; length: so many points', &
+                         end_name(ends(:, 1)))
+    call table%add_words('last_end', 'how the curve ends where its points end', end_name(ends(:, 2)))
   end subroutine fill_curves
 
   !> The columns of a motion.

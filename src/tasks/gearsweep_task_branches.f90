@@ -286,14 +286,14 @@ contains
                                          trim(parameter_names(self%second)), lines)
   end subroutine add_report
 
-  !> Each curve over both parameters: where it begins and ends.
+  !> Each curve over both parameters: where it begins and ends, and why.
   pure subroutine add_curves(curves, first, second, lines)
     type(table_t), intent(in) :: curves
     character(*), intent(in) :: first, second    ! names of the parameters
     type(lines_t), intent(inout) :: lines
     integer :: row, begin, count
 
-    call lines%add('     curve   of          '//left(first, 26)//second)
+    call lines%add('     curve   of          '//left(first, 26)//left(second, 26)//'ends')
     begin = 1
     count = 0
     do row = 1, curves%rows
@@ -302,7 +302,8 @@ contains
       end if
       count = count + 1
       if (count <= most_rows) call lines%add(right(str(count), 10)//'   '//left(trim(curves%word('kind', begin)), 12)// &
-                                        left(span(curves, first, begin, row), 26)//trim(span(curves, second, begin, row)))
+                                        left(span(curves, first, begin, row), 26)//left(span(curves, second, begin, row), 26)// &
+                                        trim(curves%word('first_end', row))//', '//trim(curves%word('last_end', row)))
       begin = row + 1
     end do
     call add_rest(count, curves%name, lines)

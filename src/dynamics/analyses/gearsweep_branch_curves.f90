@@ -4,7 +4,7 @@
 !> Source: Kuznetsov 2004, Elements of Applied Bifurcation Theory, section 10.3, with pseudo-arclength as in gearsweep_arclength.
 module gearsweep_branch_curves
   use gearsweep_arclength, only: angle_between, correct, tangent_of
-  use gearsweep_branch, only: follow_options_t
+  use gearsweep_branch, only: end_closed, end_length, end_lost, end_range, end_stopped, follow_options_t
   use gearsweep_branch_search, only: whole_branch_t
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
@@ -29,6 +29,7 @@ module gearsweep_branch_curves
     integer :: kind = 0                          !< kind_fold ...
     integer :: periods = 1                       !< mesh periods until its motions repeat
     type(curve_point_t), allocatable :: point(:)
+    integer :: ends(2) = 0                       !< how it ends at its first and its last point (end_range ...)
   end type special_curve_t
 
   !> Largest angle between the tangents of neighbouring points, rad.
@@ -78,7 +79,7 @@ contains
     type(special_curve_t) :: curve
     type(curve_point_t) :: start
     integer :: count(2), i, way
-    logical :: ok, is_closed
+    logical :: ok
 
     if (special%kind == kind_grazing .and. special%overlap%contact == 0) return
     equations%kind = special%kind
@@ -94,13 +95,16 @@ contains
     count(1) = 1
     do way = 2, 1, -1
       equations%overlap = special%overlap
-      call follow_curve(equations, start, 2*way - 3, options, part(:, way), count(way), is_closed)
-      if (is_closed) exit
+      call follow_curve(equations, start, 2*way - 3, options, part(:, way), count(way), curve%ends(way))
+      if (curve%ends(way) == end_closed) exit
     end do
     curve%kind = equations%kind
     curve%periods = equations%periods
     curve%point = [part(count(1):2:-1, 1), part(:count(2), 2)]
-    if (is_closed) curve%point = [curve%point, start]
+    if (any(curve%ends == end_closed)) then
+      curve%ends = end_closed
+      curve%point = [curve%point, start]
+    end if
     if (size(curve%point) < 2) return
     allocate (longer(size(curves) + 1))
     do i = 1, size(curves)
@@ -153,15 +157,15 @@ contains
     end do
   end function passes
 
-  !> Follows a curve one way until it leaves a range, comes back or ends.
-  subroutine follow_curve(equations, start, sense, options, points, count, is_closed)
+  !> Follows a curve one way until it leaves a range, comes back or is lost.
+  subroutine follow_curve(equations, start, sense, options, points, count, end)
     class(motion_equations_t), intent(inout) :: equations
     type(curve_point_t), intent(in) :: start
     integer, intent(in) :: sense
     type(follow_options_t), intent(in) :: options
     type(curve_point_t), intent(inout) :: points(:)
     integer, intent(out) :: count
-    logical, intent(out) :: is_closed
+    integer, intent(out) :: end                  !< end_range ...
     type(curve_point_t) :: here, there
     real(dp) :: step
     logical :: accepted
@@ -170,24 +174,34 @@ contains
     here%tangent = sense*start%tangent
     points(1) = here
     count = 1
-    is_closed = .false.
+    end = end_length
     step = options%longest/10
-    do while (count < size(points) .and. .not. wants_stop(options%stop))
+    do while (count < size(points))
+      if (wants_stop(options%stop)) then
+        end = end_stopped
+        exit
+      end if
       call try_step(equations, sense, here, step, there, accepted)
       if (accepted) accepted = angle_between(here%tangent, there%tangent) < most_angle
       if (.not. accepted) then
         step = step/2
-        if (step < options%shortest) exit
-        cycle
+        if (step >= options%shortest) cycle
+        end = end_lost
+        exit
       end if
       if (angle_between(here%tangent, there%tangent) < most_angle/3) step = min(options%longest, 1.5_dp*step)
       here = there
       equations%overlap%phase = here%phase
       count = count + 1
       points(count) = here
-      if (any(here%z(3:) <= 0 .or. here%z(3:) >= width)) exit
-      is_closed = count > 4 .and. norm2(here%z - start%z) < step .and. dot_product(here%tangent, points(1)%tangent) > 0.9_dp
-      if (is_closed) exit
+      if (any(here%z(3:) <= 0 .or. here%z(3:) >= width)) then
+        end = end_range
+      else if (count > 4 .and. norm2(here%z - start%z) < step .and. dot_product(here%tangent, points(1)%tangent) > 0.9_dp) then
+        end = end_closed
+      else
+        cycle
+      end if
+      exit
     end do
   end subroutine follow_curve
 
