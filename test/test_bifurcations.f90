@@ -464,7 +464,7 @@ contains
     folds = 0
     grazings = 0
     do i = 1, table%rows
-      ! A curve that ends of the range of a number has its last point on that.
+      ! A curve that ends with the range of one of the numbers has its last point there.
       if (nint(table%number('curve', i)) /= nint(table%number('curve', min(i + 1, table%rows))) .or. i == table%rows) then
         call check_true(t, 'why a curve ends', (table%word('last_end', i) == 'range') .eqv. &
                         (minval(abs(table%number('damping_ratio', i) - [0.02_dp, 0.06_dp])) < 1e-12_dp .or. &

@@ -161,15 +161,7 @@ contains
 
     turn = omega*sqrt(1 - zeta**2)
     ! It goes in until its speed is 0 for the first time, and is back within half a cycle more.
-    low = 0
-    high = pi/turn
-    do i = 1, 200
-      if (speed((low + high)/2) > 0) then
-        low = (low + high)/2
-      else
-        high = (low + high)/2
-      end if
-    end do
+    low = atan2(into*turn, zeta*omega*into - omega**2*rest)/turn
     highest = place(low)
     high = low + pi/turn
     do i = 1, 200

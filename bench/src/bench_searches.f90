@@ -46,9 +46,11 @@ contains
       from = seconds()
       call run_sweep(problem%osc(full:full), problem%rpm, options, alone, error)
       taken(i, 2) = seconds() - from
+      call check(error)
       from = seconds()
       call run_sweep(problem%osc(n:n), problem%rpm, options, alone, error)
       taken(i, 3) = seconds() - from
+      call check(error)
       from = seconds()
       call find_optimum(with_part, problem%osc(n), largest, problem%rpm, options, optimum, error)
       taken(i, 4) = seconds() - from

@@ -273,8 +273,7 @@ contains
     allocate (stiffness_breaks(size(mesh%stiffness%breaks)), source=.false.)
     if (mesh%reaches_beyond()) stiffness_breaks = breaks_of(mesh%stiffness)
     breaks = [0.0_dp, 1.0_dp, phase(mesh%contact_ratio), phase(mesh%reach), &
-              phase(pack(mesh%profile_error%breaks, profile_breaks))]
-    if (mesh%reaches_beyond()) breaks = [breaks, phase(pack(mesh%stiffness%breaks, stiffness_breaks))]
+              phase(pack(mesh%profile_error%breaks, profile_breaks)), phase(pack(mesh%stiffness%breaks, stiffness_breaks))]
     if (friction .and. mesh%pitch_point > 0 .and. mesh%pitch_point < mesh%contact_ratio) then
       breaks = [breaks, phase(mesh%pitch_point)]
     end if

@@ -162,7 +162,8 @@ class Campaign:
         if kept and self.file.exists():
             entries = [json.loads(line) for line in self.file.read_text().splitlines()]
             self.old = {entry['key']: entry for entry in entries if entry['verdict'] in kept}
-        self.file.write_text('')
+        if not kept:
+            self.file.write_text('')
         self.lock = threading.Condition()
         self.found, self.busy = [], 0
 
