@@ -5,14 +5,16 @@ program gearsweep_program
   use, intrinsic :: iso_fortran_env, only: error_unit, int64
   use gearsweep
   use gearsweep_characters, only: printable
-  use gearsweep_describe, only: describe, help_on
+  use gearsweep_describe, only: describe
+  use gearsweep_help, only: help_on
   use gearsweep_new_case, only: write_new_case
-  use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record
+  use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record, try_checkpoint
   use gearsweep_error, only: code_stopped
   use gearsweep_files, only: check_folder, check_name, fail_system, folder_of, make_folder, read_text, remove_folder
   use gearsweep_output, only: write_results
   use gearsweep_study, only: record_t
   use gearsweep_system, only: print_text
+  use gearsweep_taken, only: taken_of
   use gearsweep_text, only: fixed, str, to_number
   use gearsweep_interruption, only: catch_signals, watch
   implicit none
@@ -43,13 +45,14 @@ program gearsweep_program
   character(:), allocatable :: text, written, checkpoint
   logical :: made = .false.
   character, parameter :: lf = new_line('a')
-  integer(int64) :: began, ended, rate, told = 0
-  integer :: first_done = -1                     ! points that are taken over from an interrupted run
+  integer(int64) :: began, ended, rate, told = 0, first_told = 0
+  integer :: first_done = -1                     ! points that were done when the first were told
 
-  call catch_signals()
   call system_clock(began, rate)
   call read_arguments(arguments)
   call read_text(place_of(arguments%case), text, error, stream=.true.)
+  ! Not before: a signal ends a program that waits for its case.
+  call catch_signals()
   call check(error)
   call check_folder(arguments%out, error)
   call check_name(arguments%name, error)
@@ -59,8 +62,10 @@ program gearsweep_program
   call make_folder(arguments%out, made, error)
   call check(error)
   checkpoint = arguments%out//'/'//arguments%name//'.checkpoint'
+  call try_checkpoint(checkpoint, error)
   if (arguments%resume) call load_record(checkpoint, case, folder_of(arguments%case), record, error)
   call check(error)
+  if (arguments%resume .and. .not. arguments%quiet) call complain('resumed: '//trim(taken_of(record, case)))
   if (progress_wanted()) then
     call run_study(case, folder_of(arguments%case), arguments%threads, study, error, show_progress, watch=watch, record=record)
     write (error_unit, '(a)', advance='no') achar(13)//repeat(' ', 60)//achar(13)
@@ -75,25 +80,40 @@ program gearsweep_program
   if (.not. arguments%quiet) call show_answer()
   call check(error)
   if (study%stopped) call end_interrupted()
-  call drop_checkpoint(checkpoint)
+  call drop_checkpoint(checkpoint, case, folder_of(arguments%case))
   if (failed_points(study) > 0) call finish(code_partial)
 
 contains
 
   subroutine show_answer()
-    integer :: from, until
-
     call print_line('gearsweep '//version)
     call print_out(report(study))
     call print_line('Time               '//str(real(ended - began, dp)/rate, 3)//' s')
     if (arguments%verbose) call print_out(lf//study%log)
+    call show_files()
+  end subroutine show_answer
+
+  !> What was written: of several tables how many, unless all names are wanted.
+  subroutine show_files()
+    character(*), parameter :: table = '.csv'//lf
+    character(:), allocatable :: others, line
+    integer :: from, until, tables
+
+    others = ''
+    tables = 0
     from = 1
     do while (from <= len(written))
       until = from + index(written(from:), lf) - 1
-      call print_line('Wrote              '//written(from:until - 1))
+      line = written(from:until)
       from = until + 1
+      if (line(max(1, len(line) - len(table) + 1):) == table) tables = tables + 1
+      if (line(max(1, len(line) - len(table) + 1):) /= table) others = others//'Wrote              '//line
+      if (arguments%verbose) call print_out('Wrote              '//line)
     end do
-  end subroutine show_answer
+    if (arguments%verbose) return
+    if (tables > 0) call print_line('Wrote              '//str(tables)//' tables: '//arguments%out//'/'//arguments%name//'.*.csv')
+    call print_out(others)
+  end subroutine show_files
 
   subroutine print_line(line)
     character(*), intent(in) :: line
@@ -155,10 +175,13 @@ contains
     real(dp) :: seconds
 
     call system_clock(now)
-    if (first_done < 0) first_done = done - 1
+    if (first_done < 0) then
+      first_done = done
+      first_told = now
+    end if
     if (done < total .and. 10*(now - told) < rate) return
     told = now
-    seconds = real(now - began, dp)/rate
+    seconds = real(now - first_told, dp)/rate
     line = str(done)//' of '//str(total)//' points, '//str(int(100.0_dp*done/total))//' %'
     if (seconds > 1 .and. done > first_done) then
       line = line//', '//duration(seconds*(total - done)/(done - first_done))//' left'
@@ -256,8 +279,7 @@ contains
     call get_command_argument(i, word)
   end function argument
 
-  !> Help on what the arguments from `first` on name: a task, a group, a key, or a group and its key; on the command
-  !> line where they name nothing.
+  !> Help on what the arguments from `first` on name or mean; on the command line where there are none.
   subroutine show_help_on(first)
     integer, intent(in) :: first
     character(:), allocatable :: words
@@ -331,8 +353,9 @@ contains
       '  --quiet         print errors only'//lf// &
       '  --version       print the version'//lf// &
       '  --help          print this'//lf// &
-      '  --help WORD     tell of a task, a group or a key of a case, or of GROUP KEY'//lf// &
+      '  --help WORD...  tell of a task, a group, a key or GROUP KEY of a case, or of what means these words'//lf// &
       '  --new TASK...   print a case for these tasks with every key, its default and its meaning'//lf// &
+      '  --new --short TASK...  the same with the required and the common keys only'//lf// &
       '  --describe      print all tasks, groups and keys as JSON'//lf// &
       lf// &
       'exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,'//lf// &
@@ -364,6 +387,7 @@ contains
     integer :: ignored
 
     write (error_unit, '(a)', iostat=ignored) 'gearsweep: '//printable(message)
+    flush (error_unit, iostat=ignored)
   end subroutine complain
 
   subroutine finish(code)

@@ -1,6 +1,6 @@
 !> Ctrl-C and `kill` end a run soon, and what is done by then is kept; the second time they end it at once.
 module gearsweep_interruption
-  use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
+  use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t
   use gearsweep_error, only: code_stopped
   implicit none
   private
@@ -25,11 +25,14 @@ module gearsweep_interruption
 contains
 
   subroutine catch_signals()
-    integer(c_int), parameter :: interrupt = 2, terminate = 15
+    integer(c_int), parameter :: interrupt = 2, broken_pipe = 13, terminate = 15
+    integer(c_intptr_t), parameter :: ignore = 1
     type(c_funptr) :: before
 
     before = c_signal(interrupt, c_funloc(note_signal))
     before = c_signal(terminate, c_funloc(note_signal))
+    ! Who reads may leave: what is left to print is dropped then.
+    before = c_signal(broken_pipe, transfer(ignore, before))
   end subroutine catch_signals
 
   subroutine note_signal(number) bind(c)

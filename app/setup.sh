@@ -20,10 +20,12 @@ debug_flags='-g -Og -std=f2018 -fPIC -Wall -Wextra -Wno-uninitialized -Wno-maybe
 sanitize_flags='-g -O1 -std=f2018 -fPIC -fno-omit-frame-pointer -fcheck=all,no-array-temps -fsanitize=address,undefined -fno-sanitize=signed-integer-overflow -fno-sanitize-recover=undefined'
 sanitize_c_flags='-g -O1 -fPIC -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined'
 
-# Where another process builds in this folder: after it. The lock is open as 9.
+# Where another process builds in this folder: after it. The lock is open as 9. With $lanes, that is the other lane of this run.
 await_lock() {
   command -v flock >/dev/null || return 0
-  flock -n 9 || { say "waiting for another build"; flock 9; }
+  flock -n 9 && return
+  [ -n "${lanes-}" ] || say "waiting for another build"
+  flock 9
 }
 
 say() { printf 'gearsweep: %s\n' "$*" >&2; }
@@ -31,10 +33,10 @@ say() { printf 'gearsweep: %s\n' "$*" >&2; }
 # quietly WHAT COMMAND...: where the command fails, shows the end of what it said. WHAT says about how long it takes.
 quietly() {
   say "$1"
-  what=$1
+  step=$1
   shift
   "$@" >"$log" 2>&1 </dev/null && return
-  say "failed: $what. The end of $log:"
+  say "failed: $step. The end of $log:"
   tail -n 25 "$log" >&2
   return 1
 }
@@ -76,7 +78,6 @@ install_tools() {
     case $tool in
       cc) missing="$missing gcc" ;;
       ldd) missing="$missing libc-bin" ;;
-      script) missing="$missing bsdutils" ;;
       setpriv | flock) missing="$missing util-linux" ;;
       nm | ar | readelf) missing="$missing binutils" ;;
       timeout | truncate | mkfifo) missing="$missing coreutils" ;;

@@ -1,5 +1,5 @@
-"""Puts the latest tables of results/bench into doc/performance.md, between its markers, the pictures that
-it shows beside it, and what the README shows of them into the README.
+"""Puts the latest tables of results/bench into doc/performance.md, between its markers, with what they say in
+short above them, and the pictures that it shows beside it.
 
     python bench/doc.py
 """
@@ -19,12 +19,10 @@ text = page.read_text()
 for name in re.findall(r'<!-- begin (\w+) -->', text):
     table = (RESULTS / f'{name}.md').read_text().strip()
     text = between(f'<!-- begin {name} -->', f'<!-- end {name} -->', text, table)
+short = ''.join((RESULTS / f'{name}.short.md').read_text() for name in ('dynamics', 'honesty', 'elastic'))
+text = between('<!-- performance: begin, by sh bench/run.sh doc -->', '<!-- performance: end -->', text,
+               f'{machine()}, one thread unless said:\n\n{short}'.rstrip())
 page.write_text(text)
 for name in re.findall(r'\(bench_(\w+)\.svg\)', text):
     draw(name)
     shutil.copyfile(RESULTS / f'{name}.svg', page.with_name(f'bench_{name}.svg'))
-
-readme = BENCH.parent / 'README.md'
-lines = ''.join((RESULTS / f'{name}.readme.md').read_text() for name in ('dynamics', 'honesty', 'elastic'))
-readme.write_text(between('<!-- performance: begin, by sh bench/run.sh doc -->', '<!-- performance: end -->', readme.read_text(),
-                          f'{machine()}, one thread unless said:\n\n{lines}'.rstrip()))

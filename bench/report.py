@@ -33,7 +33,7 @@ def machine():
 
 
 class Report:
-    """Markdown on the screen and in results/bench/NAME.md; what the README shows of it in NAME.readme.md."""
+    """Markdown on the screen and in results/bench/NAME.md; what the page says of it in short in NAME.short.md."""
 
     def __init__(self, name, title):
         RESULTS.mkdir(parents=True, exist_ok=True)
@@ -45,7 +45,7 @@ class Report:
         self.lines.append(text)
 
     def tell(self, text):
-        """A line for the README."""
+        """A line of what the page says in short."""
         print(f'- {text}', flush=True)
         self.short.append(f'- {text}\n')
 
@@ -64,7 +64,7 @@ class Report:
 
     def save(self):
         (RESULTS / f'{self.name}.md').write_text('\n'.join(self.lines))
-        (RESULTS / f'{self.name}.readme.md').write_text(''.join(self.short))
+        (RESULTS / f'{self.name}.short.md').write_text(''.join(self.short))
 
 
 def rows_of(name):

@@ -5,7 +5,7 @@
 
 static const char text[] =
     "&case tasks = 'sweep' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /"
-    "&load torque_nm = 100 / &relief amount_um = 0, 10, 20 / &mesh model = 'weber' /"
+    "&load torque_nm = 100 / &relief amount_um = 0, 10, 20 /"
     "&sweep rpm_first = 1000 rpm_last = 15000 rpm_step = 500 /";
 
 int main(void) {

@@ -11,7 +11,7 @@ C     for each relief.
       TEXT = '&case tasks = "sweep" / &pair module_mm = 3 '
      1  // 'face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34'
      2  // ' / &load torque_nm = 100 / &relief amount_um = 0, 10, 20 /'
-     3  // ' &mesh model = "weber" / &sweep rpm_first = 1000 '
+     3  // ' &sweep rpm_first = 1000 '
      4  // 'rpm_last = 15000 rpm_step = 500 /'
       STUDY = 0
       NONE = 0

@@ -3,7 +3,7 @@ program first
   use gearsweep, only: case_t, error_t, make_table, read_case, run_study, study_t, table_t
   implicit none
   character(*), parameter :: text = "&case tasks = 'sweep' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 /"// &
-    "&gear teeth = 34 / &load torque_nm = 100 / &relief amount_um = 0, 10, 20 / &mesh model = 'weber' /"// &
+    "&gear teeth = 34 / &load torque_nm = 100 / &relief amount_um = 0, 10, 20 /"// &
     "&sweep rpm_first = 1000 rpm_last = 15000 rpm_step = 500 /"
   type(case_t) :: case
   type(study_t) :: study

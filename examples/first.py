@@ -8,7 +8,6 @@ text = """
 &gear   teeth = 34 /
 &load   torque_nm = 100 /
 &relief amount_um = 0, 10, 20 /
-&mesh   model = 'weber' /
 &sweep  rpm_first = 1000  rpm_last = 15000  rpm_step = 500 /
 """
 study = gearsweep.run(gearsweep.Case(text))

@@ -73,7 +73,8 @@ int gsc_edit(const char *action, const char *text, size_t text_length, const cha
    resume   file that an interrupted run left: what was done by then is taken over, to the same bits; one of another
             version, or of a case that differs, is refused. NULL or empty: begins anew
    keep     file that is written where the run is interrupted, and removed where it is not; may be that of resume;
-            NULL or empty: none
+            whether it can be written is tried before the run, and where it cannot in the end, the message of
+            GSC_INTERRUPTED says so. NULL or empty: none
    study    what was found; untouched after an error */
 int gsc_run(const char *text, size_t text_length, const char *folder, int threads, const gsc_study *earlier, int *watch,
             const char *resume, const char *keep, gsc_study **study, char *message, size_t message_size);

@@ -119,7 +119,7 @@ contains
     case ('transient')
       text = text//', no DF: the motion had not settled when the march ended'
     case ('unbounded')
-      text = text//', no DF: the motion grows without bound'
+      text = text//', no DF: no bound was seen'
     case default
       error stop 'a status that the table has no words for'
     end select

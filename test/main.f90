@@ -52,6 +52,7 @@ program check
   use test_points, only: run_points => run
   use test_precision, only: run_precision => run
   use test_rating, only: run_rating => run
+  use test_rating_methods, only: run_rating_methods => run
   use test_reader, only: run_reader => run
   use test_reliefs, only: run_reliefs => run
   use test_resonances, only: run_resonances => run
@@ -114,6 +115,7 @@ program check
     & suite_t('rating', run_rating), &
     & suite_t('flank', run_flank), &
     & suite_t('iso_rating', run_iso_rating), &
+    & suite_t('rating_methods', run_rating_methods), &
     & suite_t('transient', run_transient), &
     & suite_t('frequency_response', run_frequency_response), &
     & suite_t('life', run_life), &

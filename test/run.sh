@@ -112,6 +112,7 @@ lane() {
 
 started=$(date +%s)
 scripts=
+lanes=2
 if [ $# = 0 ]; then
   say 'the suites, in two builds, take about 8 min, everything about 25'
   scripts=$(list_scripts)

@@ -1,7 +1,9 @@
 !> All attracting motions of operating points: against an independent solver from starts of its own, and what does not depend
 !> on how they are found.
 module test_attractors
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
+  use gearsweep_all_motions, only: largest_reached
   use gearsweep_attractor_search, only: attractor_options_t, start_states
   use gearsweep_attractors, only: attractors_t, find_attractors
   use gearsweep_case, only: case_t
@@ -13,6 +15,7 @@ module test_attractors
   use gearsweep_study, only: run_study, study_t
   use gearsweep_tables, only: column_of
   use gearsweep_text, only: str
+  use quantities, only: answer_t, ask
   use reference_rows, only: next_row, oscillator_of, row_of, row_t
   use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
   implicit none
@@ -39,6 +42,8 @@ contains
     if (t%wants('ended_and_too_slow')) call ended_and_too_slow(t)
     if (t%wants('grid_of_starts')) call grid_of_starts(t)
     if (t%wants('in_a_sweep')) call in_a_sweep(t)
+    if (t%wants('reached')) call reached(t)
+    if (t%wants('followed_by_damping')) call followed_by_damping(t)
   end subroutine run
 
   !> A pair of which the independent solver knows three motions at 8000 rpm, two of them with dynamic factors of 1.017275, where all
@@ -73,6 +78,25 @@ contains
     call check_close(t, 'damped: all starts lead to it', share(2), 1.0_dp)
     call check_close(t, 'damped: one motion', motions(2), 1.0_dp)
   end subroutine in_a_sweep
+
+  !> A motion that no start reaches counts for no largest value, unless a sweep shows it; one without a result never does.
+  subroutine reached(t)
+    type(tally_t), intent(inout) :: t
+    type(attractors_t) :: found
+
+    allocate (found%motion(3))
+    found%motion%point%dynamic_factor = [1.2_dp, 7.0_dp, 996.0_dp]
+    found%motion%point%steady%status = status_ok
+    found%motion%starts = [60, 3, 0]
+    call check_close(t, 'reached by starts', largest_reached(found), 7.0_dp)
+    found%motion(2)%point%steady%status = status_stopped
+    call check_close(t, 'with a result', largest_reached(found), 1.2_dp)
+    found%alone_is = 3
+    call check_close(t, 'shown by a sweep', largest_reached(found), 996.0_dp)
+    found%motion%starts = 0
+    found%alone_is = 0
+    call check_true(t, 'reached by none', ieee_is_nan(largest_reached(found)))
+  end subroutine reached
 
   !> motions.dat: what the solver knows from its starts, and what is found here from others.
   subroutine independent_solver(t)
@@ -254,4 +278,18 @@ contains
     call check_close(t, 'velocities', maxval(start(2, :)), options%span*osc%static_deflection*osc%natural_frequency*duration* &
                      (1 - 1.0_dp/options%starts), 1e-12_dp)
   end subroutine grid_of_starts
+  !> The transient decays as exp(-zeta omega t): at this speed to a tenth over the 2000 mesh periods that were the default, of
+  !> which most starts need more.
+  subroutine followed_by_damping(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: begin = '&case tasks = ''attractors'' / &pinion teeth = 25 effective_mass_kg = 0.8 / '// &
+      '&gear effective_mass_kg = 0.8 / &load normal_force_n = 7000 / &mesh model = ''polynomial'' contact_ratio = 1.6 '// &
+      'coefficients = 400 / &dynamics damping_ratio = 2e-4 / &attractors rpm = 52000 starts = 4 '
+    type(answer_t) :: short, enough
+
+    call ask(t, begin//'followed_periods = 2000 /', short)
+    call ask(t, begin//'/', enough)
+    call check_true(t, '2000 periods are too few', short%one('attractor_points.unsettled_share') > 0.5_dp)
+    call check_true(t, 'as many as it takes', enough%one('attractor_points.unsettled_share') < 0.25_dp)
+  end subroutine followed_by_damping
 end module test_attractors

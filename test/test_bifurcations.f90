@@ -47,6 +47,8 @@ contains
     if (t%wants('doubling_curve')) call doubling_curve(t)
     if (t%wants('curves_to_another_damping')) call curves_to_another_damping(t)
     if (t%wants('refused')) call refused(t)
+    if (t%wants('nothing_in_silence')) call nothing_in_silence(t)
+    if (t%wants('vertical_line')) call vertical_line(t)
   end subroutine run
 
   !> The changes of a study: their kinds, mesh periods, places and dynamic factors.
@@ -239,7 +241,7 @@ contains
   subroutine delays(t)
     type(tally_t), intent(inout) :: t
     type(answer_t) :: answer
-    real(dp), allocatable :: later(:)
+    real(dp), allocatable :: later(:), jump(:), known(:)
     real(dp) :: rate, behind(2)
     integer :: i
 
@@ -251,6 +253,10 @@ contains
       call check_equal(t, 'a jump at '//str(rate), size(later), 1)
       if (size(later) /= 1) return
       behind(i) = later(1)*rate
+      ! It is a whole number of mesh periods, of which the jump's own is one.
+      jump = answer%all_of('hysteresis_delays.ramp_rpm')
+      known = answer%all_of('hysteresis_delays.error_estimate_s')
+      call check_true(t, 'known to no less than a mesh period', known(1) >= 60/(25*jump(1)))
     end do
     call check_close(t, '4 times the speed', behind(2)/behind(1), 4.0_dp, 0.1_dp)
   end subroutine delays
@@ -396,22 +402,26 @@ contains
     type(answer_t) :: over_relief, over_load
     character(word), allocatable :: kind(:), kind_there(:)
     integer, allocatable :: periods(:), periods_there(:)
-    real(dp), allocatable :: relief(:), load(:), factor(:), factor_there(:)
-    real(dp) :: known
+    real(dp), allocatable :: relief(:), load(:), factor(:), factor_there(:), width(:), width_there(:)
+    real(dp) :: known, apart
     integer :: i, k, compared
 
     call ask(t, pair//rest//'&branches parameter = ''relief_um'' first = 2 last = 32'//more, over_relief)
     call ask(t, pair//rest//'&branches parameter = ''normal_force_n'' first = 1750 last = 28000'//more, over_load)
     call changes_of(over_relief, 'relief_um', kind, periods, relief, factor)
     call changes_of(over_load, 'normal_force_n', kind_there, periods_there, load, factor_there)
+    width = over_relief%all_of('branch_changes.enclosed')
+    width_there = over_load%all_of('branch_changes.enclosed')
     compared = 0
     do i = 1, size(relief)
       known = 7000*8/relief(i)
       k = minloc(abs(load - known), 1, mask=kind_there == kind(i) .and. periods_there == periods(i))
       if (k == 0) cycle
       if (abs(load(k) - known) > 1e-3_dp*known) cycle
-      compared = compared + 1
-      call check_close(t, trim(kind(i))//' at '//str(relief(i))//' um', load(k), known, relative=1e-8_dp)
+      ! Behind some grazings Newton's method fails, and both places are only enclosed.
+      apart = width_there(k) + known*width(i)/relief(i)
+      if (apart < 1e-8_dp*known) compared = compared + 1
+      call check_close(t, trim(kind(i))//' at '//str(relief(i))//' um', load(k), known, absolute=1e-8_dp*known + apart)
     end do
     call check_true(t, 'changes compared', compared > 3, str(compared)//' of '//str(size(relief)))
   end subroutine load_and_relief
@@ -536,4 +546,61 @@ contains
       call check_true(t, branches, index(message, '&branches') > 0 .and. index(message, words) > 0, message)
     end subroutine refuses
   end subroutine refused
+  !> With relief, backlash and little damping, behind some grazings the multipliers grow without bound, and Newton's method fails
+  !> there: still, wherever contact or stability differ between two points of a branch, a row of the changes is told between them.
+  subroutine nothing_in_silence(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: relief = '&relief amount_um = 9 gear_fraction = 0.6667 / &dynamics damping_ratio = 0.06 / '// &
+      '&pair backlash_um = 15 / '
+    type(answer_t) :: answer
+    type(table_t) :: points, changes
+    type(error_t), allocatable :: error
+    real(dp), allocatable :: branch(:), point(:), modulus(:), of_change(:), after(:)
+    integer :: i, silent, seen
+    logical :: differs
+
+    call ask(t, pair//curved//relief//'&branches first = 6000 last = 14000 seeds = 5 most_periods = 2 /', answer)
+    call make_table(answer%study, 'branch_points', points, error)
+    call make_table(answer%study, 'branch_changes', changes, error)
+    branch = points%numbers('branch')
+    point = points%numbers('point')
+    modulus = points%numbers('floquet_modulus')
+    of_change = changes%numbers('branch')
+    after = changes%numbers('after_point')
+    silent = 0
+    seen = 0
+    do i = 1, size(branch) - 1
+      if (abs(branch(i + 1) - branch(i)) > 0) cycle
+      differs = points%word('contact', i) /= points%word('contact', i + 1) .or. &
+                (modulus(i) - 1)*(modulus(i + 1) - 1) < 0 .and. min(abs(modulus(i) - 1), abs(modulus(i + 1) - 1)) > 1e-5_dp
+      if (.not. differs) cycle
+      seen = seen + 1
+      if (.not. any(nint(of_change) == nint(branch(i)) .and. nint(after) == nint(point(i)))) silent = silent + 1
+    end do
+    call check_true(t, 'changes', seen > 10, str(seen))
+    call check_equal(t, 'in silence', silent, 0)
+  end subroutine nothing_in_silence
+
+  !> Where the period doubles in full contact, the map is linear: at that speed, motions of twice the period have any amplitude
+  !> up to grazing, and det(M - 1) is 0 for all of them, but for rounding. They are one row, and no folds.
+  subroutine vertical_line(t)
+    type(tally_t), intent(inout) :: t
+    character(word), allocatable :: kind(:)
+    integer, allocatable :: periods(:)
+    real(dp), allocatable :: place(:), factor(:)
+    type(answer_t) :: answer
+    real(dp) :: edge
+    integer :: i
+
+    call ask(t, pair//flat//'&dynamics damping_ratio = 0.03 / &branches first = 24000 last = 38000 seeds = 2 '// &
+             'most_periods = 2 /', answer)
+    call changes_of(answer, 'rpm', kind, periods, place, factor)
+    call check_true(t, 'there is one', any(kind == 'vertical' .and. periods == 2))
+    do i = 1, size(kind)
+      if (periods(i) /= 2 .or. kind(i) /= 'fold' .and. kind(i) /= 'vertical') cycle
+      edge = minval(abs(place - place(i)), mask=kind == 'doubling' .and. periods == 1)
+      if (kind(i) == 'vertical') call check_true(t, 'where the period doubles', edge < 1e-7_dp*place(i))
+      if (kind(i) == 'fold') call check_true(t, 'no fold', edge > 1e-7_dp*place(i), str(place(i), 12))
+    end do
+  end subroutine vertical_line
 end module test_bifurcations

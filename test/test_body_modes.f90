@@ -43,6 +43,7 @@ contains
     if (t%wants('weights')) call weights(t)
     if (t%wants('thamba')) call thamba(t)
     if (t%wants('honest_estimates')) call honest_estimates(t)
+    if (t%wants('webbed_gear')) call webbed_gear(t)
     if (t%wants('refusals')) call refusals(t)
     call release_blas()
   end subroutine run
@@ -384,6 +385,40 @@ contains
       end do
     end do
   end subroutine honest_estimates
+
+  !> A pinion of 28 teeth with rim, web and hub on the default grid, beside CalculiX with ten-node tetrahedra on the finest grid
+  !> that it was given (11595 nodes, which are too stiff too). Grids of this program extrapolate to 4635 Hz of rocking: the estimate
+  !> is neither below the distance to that nor thrice as much.
+  subroutine webbed_gear(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: names(3) = [character(11) :: 'rocking', 'umbrella', 'translation']
+    real(dp), parameter :: calculix(3) = [4673.0_dp, 6571.0_dp, 14131.0_dp], extrapolated = 4635
+    type(gear_t) :: gear
+    type(body_modes_t) :: found
+    type(error_t), allocatable :: error
+    type(gear_spec_t) :: spec
+    real(dp) :: off
+    integer :: i, k
+
+    spec = gear_spec_t('pinion', 28, 0.003_dp, face_width=0.03_dp, addendum=1.0_dp, dedendum=1.25_dp, rack_tip_radius=0.25_dp, &
+                       profile_shift=0.2_dp)
+    spec%bore_radius = 0.012_dp
+    call make_gear(spec, gear, error)
+    call check_no_error(t, 'webbed gear', error)
+    call find_body_modes(gear, material_t(), body_options_t(blank_t(0.007_dp, 0.006_dp, 0.019_dp), modes=1, most_diameters=1), &
+                         c_null_ptr, found, error)
+    call check_no_error(t, 'its modes', error)
+    do i = 1, size(names)
+      do k = 1, size(found%modes)
+        if (name_of(found%modes(k)) == names(i)) exit
+      end do
+      call check_close(t, 'webbed gear, '//trim(names(i)), found%modes(k)%frequency, calculix(i), relative=0.02_dp)
+      if (i > 1) cycle
+      off = found%modes(k)%frequency/extrapolated - 1
+      call check_true(t, 'webbed gear, estimate', off <= found%error_estimate(k) .and. found%error_estimate(k) < 3*off, &
+                      str(off)//' and '//str(found%error_estimate(k)))
+    end do
+  end subroutine webbed_gear
 
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t

@@ -33,6 +33,7 @@ contains
     if (t%wants('one_speed_alone')) call one_speed_alone(t)
     if (t%wants('section_of_a_steady_motion')) call section_of_a_steady_motion(t)
     if (t%wants('too_slow')) call too_slow(t)
+    if (t%wants('nothing_left')) call nothing_left(t)
   end subroutine run
 
   !> 25 teeth, 0.8 kg, 7000 N, contact ratio 1.6, no relief; stiffness in N/um.
@@ -209,4 +210,35 @@ contains
     call follow_branch(mesh_of(curved, 0.1_dp), [1e-3_dp, 9000.0_dp], branch_options_t(accuracy_t(), 0.02_dp, 1e-3_dp), branch)
     call check_equal(t, 'a branch from there', status_name(branch%point(2)%steady%status), 'ok')
   end subroutine too_slow
+
+  !> While pairs of constant stiffness carry, the motion is a damped linear oscillator of frequency w, whose disturbances shrink by
+  !> exp(-zeta w T) in a time T; w^2 = n K (1/m_1 + 1/m_2) with n pairs in contact. So slow that nothing is left of them within
+  !> a mesh period: exp(-1190) is no number. Where n changes a disturbance may grow by the ratio of both w, once a period.
+  subroutine nothing_left(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: kept = 40
+    real(dp), parameter :: ratio(2) = [2.0_dp, 1.6_dp], slow = 9
+    type(section_points_t) :: section
+    type(oscillator_t) :: osc
+    type(error_t), allocatable :: error
+    real(dp) :: decay, two
+    integer :: i
+
+    do i = 1, 2
+      call prescribed(ratio(i), constant, [0.0_dp, 0.0_dp], 1, osc)
+      osc%mesh%teeth = 25
+      osc%mass = 0.8_dp
+      osc%load = 7000
+      osc%damping_ratio = 0.1_dp
+      call make_oscillator(osc, error)
+      call check_no_error(t, 'oscillator', error)
+      two = ratio(i) - 1
+      decay = osc%damping_ratio*mesh_period(25, slow)*sqrt(2/0.8_dp*400e6_dp)*(two*sqrt(2.0_dp) + 1 - two)
+      call check_true(t, 'it underflows', decay > 800, str(decay))
+      call sample_section(osc, [slow], 2, kept, section)
+      call check_equal(t, 'it repeats', status_name(section%status(1)), 'ok')
+      call check_close(t, 'its exponent, contact ratio '//str(ratio(i)), section%exponent(1), -decay, &
+                       absolute=merge(1.0_dp/kept, log(2.0_dp)/2, i == 1))
+    end do
+  end subroutine nothing_left
 end module test_branches

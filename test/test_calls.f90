@@ -109,7 +109,7 @@ contains
       call word_of(study, table%name, column%name, i, 1, word, error)
       same = same .and. word == column%words(i) .and. len(word) <= width
     end do
-    if (kind /= kind_text) call numbers_of(study, table%name, column%name, values, error)
+    if (kind /= kind_text) call numbers_of(study, table%name, column%name, size(values), values, error)
     if (kind /= kind_text) same = same .and. all(transfer(values(:rows), [0_int64]) == transfer(column%numbers, [0_int64]))
     same = same .and. .not. abs(values(rows + 1) - mark) > 0
     call check_true(t, table%name//' '//column%name//': its values, and no more', same .and. .not. allocated(error))
@@ -176,6 +176,10 @@ contains
     call run_case(small, '', 1, 0_int64, watch, 'no/such.checkpoint', '', study, error)
     call check_true(t, 'no checkpoint', error%code == code_file .and. study == -7)
     deallocate (error)
+    call run_case(small, '', 1, 0_int64, watch, '', 'no/such/folder.checkpoint', study, error)
+    call check_true(t, 'no place for a checkpoint', error%code == code_file .and. study == -7)
+    call check_true(t, 'no place for a checkpoint: why', index(error%message, 'cannot write to the folder no/such/') == 1)
+    deallocate (error)
     study = 0
     call size_of(study, 'mesh', 's', rows, kind, width, error)
     call refused(t, 'no study', error, 'study: is 0')
@@ -188,8 +192,10 @@ contains
     call size_of(study, 'mesh', 'colour', rows, kind, width, error)
     call refused(t, 'another column: all are told', error, 'column of mesh = colour: unknown; there is relief_um, s, ')
     values = mark
-    call numbers_of(study, 'mesh', 's', values, error)
+    call numbers_of(study, 'mesh', 's', size(values), values, error)
     call refused(t, 'too few rows', error, 'rows = 2: too small, must be at least ')
+    call numbers_of(study, 'mesh', 's', -5, values(:0), error)
+    call refused(t, 'rows below 0, as they were given', error, 'rows = -5: too small, must be at least ')
     call check_true(t, 'what is refused leaves all as it was', rows == -7 .and. all(.not. abs(values - mark) > 0))
     call word_of(study, 'mesh', 's', 1, 1, word, error)
     call refused(t, 'numbers are no words', error, 'column = s: has numbers')

@@ -25,6 +25,7 @@ contains
 
     if (t%wants('radii')) call radii(t)
     if (t%wants('backlash_by_turning')) call backlash_by_turning(t)
+    if (t%wants('stated_backlash')) call stated_backlash(t)
     if (t%wants('outline_as_cut')) call outline_as_cut(t)
     if (t%wants('protuberance_as_cut')) call protuberance_as_cut(t)
     if (t%wants('tips_and_outlines')) call tips_and_outlines(t)
@@ -115,6 +116,24 @@ contains
       call check_true(t, 'pair '//str(n)//' has backlash', backlash > 10)
     end do
   end subroutine backlash_by_turning
+
+  !> The backlash that a case states is the pair's where the motion takes it; where none is stated and none is left, it is 0 and no
+  !> rounding of the arithmetic (5e-12 um here).
+  subroutine stated_backlash(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: gears = 'module_mm = 2.5 face_width_mm = 25 / &pinion teeth = 17 profile_shift = 0.45 / '// &
+      '&gear teeth = 43 profile_shift = 0.25 / &load torque_nm = 50 / &mesh model = ''weber'' / '
+    real(dp) :: radius(6, 2), point(5), at(5, 2), distance, angle(2), ratio, pitch, backlash(3)
+
+    call ask_geometry(t, '&case tasks=''mesh'' / &pair '//gears, radius, point, at, distance, angle, ratio, pitch, backlash(1))
+    call ask_geometry(t, '&case tasks=''load'' / &sweep load_rpm = 3000 / &pair backlash_um = 80 '//gears, radius, point, at, &
+                      distance, angle, ratio, pitch, backlash(2))
+    call ask_geometry(t, '&case tasks=''mesh'' / &pair backlash_um = 80 '//gears, radius, point, at, distance, angle, ratio, &
+                      pitch, backlash(3))
+    call check_close(t, 'no rounding', backlash(1), 0.0_dp, absolute=tiny(1.0_dp))
+    call check_close(t, 'as stated', backlash(2), 80.0_dp, relative=1e-12_dp)
+    call check_close(t, 'stated, but not for what this case computes', backlash(3), 0.0_dp, absolute=tiny(1.0_dp))
+  end subroutine stated_backlash
 
   !> Angle (rad) by which the gear's space turns until its flank of one side touches the pinion's tooth, both
   !> sampled: the least distance, as an angle about the gear's centre, of the pinion's points from the gear's flank.

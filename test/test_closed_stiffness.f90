@@ -18,6 +18,10 @@ module test_closed_stiffness
   private
   public :: run
 
+  !> The models along the path alone.
+  character(*), parameter :: by_standard = '&mesh model=''iso6336'' corner_contact=.false. / ', &
+                             by_weber = '&mesh model=''weber'' corner_contact=.false. / '
+
 contains
 
   subroutine run(t)
@@ -68,7 +72,7 @@ contains
     do n = 1, size(list)
       do i = 1, 2
         associate (pair => list(n))
-          call ask(t, '&case tasks=''mesh'' / '//text_of(pair)//'&mesh model=''iso6336'' / &material young_gpa='//str(young(i))// &
+          call ask(t, '&case tasks=''mesh'' / '//text_of(pair)//by_standard//'&material young_gpa='//str(young(i))// &
                    ' / &load line_load_n_mm='//str(light(i))//' /', answer)
           ratio = contact_ratio(pair)
           s = answer%all_of('mesh.s')
@@ -97,7 +101,7 @@ contains
       integer, intent(in) :: angle(2)
 
       plain%angle = angle
-      call ask(t, '&case tasks=''mesh'' / '//text_of(plain)//'&mesh model=''iso6336'' / &load line_load_n_mm=300 /', answer)
+      call ask(t, '&case tasks=''mesh'' / '//text_of(plain)//by_standard//'&load line_load_n_mm=300 /', answer)
       largest = answer%one('motion.mean_mesh_stiffness_n_um')/20/(0.75_dp*contact_ratio(plain) + 0.25_dp)
     end function largest
   end subroutine iso_single_stiffness
@@ -123,7 +127,7 @@ contains
     do n = 1, 4
       if (n == 2) cycle
       associate (pair => list(n))
-        call ask(t, '&case tasks=''mesh'' / '//text_of(pair)//'&mesh model=''weber'' / &load line_load_n_mm='//str(line_load)// &
+        call ask(t, '&case tasks=''mesh'' / '//text_of(pair)//by_weber//'&load line_load_n_mm='//str(line_load)// &
                  ' /', answer)
         s = answer%all_of('mesh.s')
         found = answer%all_of('mesh.pair_stiffness_n_um')
@@ -162,7 +166,7 @@ contains
 
     list = examples()
     associate (pair => list(1))
-      call ask(t, '&case tasks=''mesh'' / '//text_of(pair, own(1), own(2))//'&mesh model=''weber'' / '//rest, answer)
+      call ask(t, '&case tasks=''mesh'' / '//text_of(pair, own(1), own(2))//by_weber//rest, answer)
       s = answer%all_of('mesh.s')
       found = answer%all_of('mesh.pair_stiffness_n_um')
       do k = 1, size(s), 29
@@ -184,7 +188,7 @@ contains
         call check_close(t, 'mass of its pinion', answer%one('motion.pinion_mass_kg'), &
                          pi/2*7200*0.02_dp*r(1)**4/rb(1)**2, relative=1e-12_dp)
       end associate
-      call ask(t, '&case tasks=''mesh'' / '//text_of(pair, own(1), own(2))//'&mesh model=''iso6336'' / '//rest, answer)
+      call ask(t, '&case tasks=''mesh'' / '//text_of(pair, own(1), own(2))//by_standard//rest, answer)
       call check_close(t, 'c_gamma of two materials', answer%one('motion.mean_mesh_stiffness_n_um'), &
                        20*iso_c_prime(pair, 2*121*70/191.0_dp, line_load)*(0.75_dp*contact_ratio(pair) + 0.25_dp), 1e-10_dp)
       steel = c_gamma('206', '206')
@@ -199,7 +203,7 @@ contains
       character(*), intent(in) :: pinion, gear
 
       call ask(t, '&case tasks=''mesh'' / '//text_of(list(1), 'young_gpa='//pinion, 'young_gpa='//gear)// &
-               '&mesh model=''iso6336'' / &load line_load_n_mm=300 /', answer)
+               by_standard//'&load line_load_n_mm=300 /', answer)
       c_gamma = answer%one('motion.mean_mesh_stiffness_n_um')
     end function c_gamma
   end subroutine two_materials

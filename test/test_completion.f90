@@ -95,7 +95,8 @@ contains
     case = case//' / &gear teeth = 31'//key('dedendum', 1.2_dp, 1.3_dp, .true.)//key('rack_tip_radius', 0.2_dp, 0.3_dp, .true.)
     case = case//' / &material'//key('young_gpa', 190.0_dp, 215.0_dp, .true.)//key('poisson', 0.2_dp, 0.4_dp, .true.)
     case = case//' / &load'//key('line_load_n_mm', 50.0_dp, 500.0_dp, .false.)//' / &relief'
-    case = case//key('amount_um', 0.0_dp, 30.0_dp, .false.)//key('gear_fraction', 0.0_dp, 1.0_dp, .true.)//' /'
+    case = case//key('amount_um', 0.0_dp, 30.0_dp, .false.)//key('gear_fraction', 0.0_dp, 1.0_dp, .true.)
+    case = case//' / &mesh model = ''weber'' /'
 
   contains
 

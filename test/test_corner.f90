@@ -1,7 +1,8 @@
 !> The tip corner before and behind the path of contact: its gap against brute force on points of the flanks, and the
 !> profile error that it makes beyond the path, with reliefs.
 module test_corner
-  use gearsweep_corner, only: add_corners, arm_change, corner_contact, corner_reach, corner_t, touching_curvature
+  use gearsweep_corner, only: add_corner_stiffness, add_corners, arm_change, corner_contact, corner_reach, corner_t, &
+                              touching_curvature
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
   use gearsweep_interpolation, only: interpolated, joined
@@ -9,7 +10,7 @@ module test_corner
   use gearsweep_mesh, only: mesh_t
   use gearsweep_outline, only: involute_point
   use gearsweep_pair, only: make_pair, pair_t
-  use gearsweep_piecewise, only: piecewise_t
+  use gearsweep_piecewise, only: piecewise_t, polynomial
   use gearsweep_relief, only: parabolic, profile_error, relief_t
   use gearsweep_text, only: str
   use testing, only: tally_t, check_close, check_no_error, check_true
@@ -31,6 +32,7 @@ contains
     if (t%wants('reach')) call reach_of_corner(t)
     if (t%wants('profile_errors')) call profile_errors(t)
     if (t%wants('closes')) call closes(t)
+    if (t%wants('end_stiffness')) call end_stiffness(t)
     if (t%wants('interpolation')) call interpolation(t)
   end subroutine run
 
@@ -369,6 +371,43 @@ contains
       end do
     end do
   end subroutine closes
+
+  !> Teeth that yield along the mate's normal as at the path's end: their stiffness there, times the square of how much of a
+  !> deflection closes the gap, which brute force has from both gears turned. Up to where the gap is four static deflections of the
+  !> softest place, and inside as it was. Under a load that next to nothing deflects the curve ends at A and E.
+  subroutine end_stiffness(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: x = 1e-4_dp, load = 7000
+    type(pair_t) :: pair
+    type(piecewise_t) :: inside, whole
+    type(corner_t) :: ends(2)
+    real(dp) :: s, part
+    integer :: kind, side, i
+
+    do kind = 1, 4
+      pair = example(kind, t)
+      inside = polynomial(0.0_dp, pair%contact_ratio, 1e6_dp*[400.0_dp, 30.0_dp, -110.0_dp])
+      whole = inside
+      call add_corner_stiffness(pair, load, whole)
+      ends = corner_contact(pair, whole%breaks([1, size(whole%breaks)]))
+      call check_close(t, 'four deflections before A', ends(1)%gap, 4*load/260e6_dp, relative=1e-9_dp)
+      call check_close(t, 'four deflections behind E', ends(2)%gap, 4*load/260e6_dp, relative=1e-9_dp)
+      call check_close(t, 'inside as it was', whole%value(0.4_dp), inside%value(0.4_dp))
+      do side = 1, 2
+        do i = 0, 3
+          s = whole%breaks(1)*i/3
+          if (side == 2) s = pair%contact_ratio + (whole%breaks(size(whole%breaks)) - pair%contact_ratio)*i/3
+          part = 1
+          if (i > 0) part = (rolled_gap(pair, s, 3 - side, -x) - rolled_gap(pair, s, 3 - side, x))/(2*x)
+          call check_close(t, 'stiffness of pair '//str(kind)//' at '//str(s), whole%value(s), &
+                           part**2*merge(260e6_dp, 320e6_dp, side == 1), relative=1e-4_dp)
+        end do
+      end do
+      whole = inside
+      call add_corner_stiffness(pair, 1e-6_dp, whole)
+      call check_close(t, 'no reach', whole%breaks(size(whole%breaks)) - whole%breaks(1), pair%contact_ratio)
+    end do
+  end subroutine end_stiffness
 
   !> A polynomial comes back from its values, exactly.
   subroutine interpolation(t)

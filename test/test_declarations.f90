@@ -3,7 +3,8 @@
 module test_declarations
   use gearsweep_case, only: case_t, list_task_names
   use gearsweep_case_reader, only: list_keys, read_case
-  use gearsweep_describe, only: describe, help_on, write_key_table
+  use gearsweep_describe, only: describe
+  use gearsweep_help, only: help_on, write_key_table
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_files, only: read_text
   use gearsweep_key_names, only: key_names, member_key_names, name_key
@@ -29,6 +30,7 @@ contains
     if (t%wants('descriptions')) call descriptions(t)
     if (t%wants('quantities')) call quantities(t)
     if (t%wants('new_cases')) call new_cases(t)
+    if (t%wants('slips')) call slips(t)
     if (t%wants('reference')) call reference(t)
   end subroutine run
 
@@ -81,6 +83,11 @@ contains
     call help_on('damping_ratio', text, error)
     call check_true(t, 'the default', index(text, 'default   0.17'//lf) > 0)
     call check_true(t, 'the bounds', index(text, 'allowed   0 to 1000'//lf) > 0)
+    call help_on('profile shift', text, error)
+    call check_no_error(t, 'help by the words of a meaning', error)
+    call check_true(t, 'help by words finds the key', index(text, '&pinion profile_shift'//lf) > 0)
+    call help_on('K_A', text, error)
+    call check_true(t, 'help by a symbol finds the key that means it', index(text, '&load application_factor'//lf) > 0)
     call help_on('rim_m', text, error)
     call check_error(t, 'a misspelt key', error, 'rim_m: no such task, group or key (did you mean rim_mm?)')
     deallocate (error)
@@ -160,6 +167,7 @@ contains
     type(tally_t), intent(inout) :: t
     character(task_length), allocatable :: names(:)
     character(:), allocatable :: text
+    type(case_t) :: short
     type(error_t), allocatable :: error
     integer :: i
 
@@ -168,6 +176,12 @@ contains
       call check_new(names(i:i), trim(names(i)))
     end do
     call check_new(names, 'all')
+    call write_new_case([character(task_length) :: '--short', 'sweep'], text, error)
+    call check_no_error(t, 'a short case', error)
+    call check_true(t, 'a short case has the required keys', index(text, '&sweep') > 0 .and. index(text, 'rpm_first') > 0)
+    call check_true(t, 'and no key that has a default and is rare', index(text, 'steps_per_period') == 0)
+    call read_case(filled(text), short, error)
+    call check_no_error(t, 'a short case runs with its required keys', error)
     call write_new_case(['sweeep'], text, error)
     call check_error(t, 'a misspelt task', error, 'sweeep: no such task (did you mean sweep?)')
     deallocate (error)
@@ -198,6 +212,45 @@ contains
       end do
     end subroutine check_new
   end subroutine new_cases
+
+  !> Numbers in another unit than their key's, decimal commas, and what is missing: each message says what was given and what
+  !> was probably meant.
+  subroutine slips(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: pair = 'module_mm = 3 face_width_mm = 20'
+
+    call slip('module_mm = 0.003 face_width_mm = 20', '', &
+              '&pair module_mm = 0.003: must be at least 0.05 and at most 1000; if 0.003 m is meant, write 3')
+    call slip('module_mm = 3,18 face_width_mm = 20', '', &
+              '&pair module_mm = 3, 18: must be a single number; decimals take a point')
+    call slip('module_mm = 3 face_width_mm = 0.02', '', &
+              '&pair face_width_mm = 0.02: must be at least a tenth of the module; if 0.02 m is meant, write 20')
+    call slip(pair, '&relief amount_um = 0, 0.01 /', &
+              '&relief amount_um = 0.01: must be 0 or at least 0.05; if 0.01 mm is meant, write 10')
+    call slip(pair, '&relief amount_um = 301 /', '&relief amount_um = 301: must be at most a tenth of the module, 300')
+    call slip(pair, '&relief amount_um = 0,5 10,5 /', '&relief amount_um = 0, 5, 10, 5: has commas without a blank')
+    call slip(pair, '&mesh model = ''webr'' /', '(did you mean weber?)')
+    call slip('face_width_mm = 20', '', '&pair module_mm: missing; must be at least 0.05 and at most 1000')
+    call slip('', '', '&pair module_mm: missing; must be at least 0.05 and at most 1000; missing too: &pair face_width_mm')
+    call slip(pair, '&relief amount_um = 0,5,10 /', '')
+    call slip(pair, '&relief amount_um = 0 5 10.5 /', '')
+    call slip(pair, '&relief amount_um = 0,5,'//lf//'10 /', '')
+    call slip(pair, '&relief amount_um = 300 /', '')
+
+  contains
+
+    subroutine slip(given, more, message)
+      character(*), intent(in) :: given, more    !< keys of &pair; other groups
+      character(*), intent(in) :: message        !< empty: accepted
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case('&case tasks = ''sweep'' / &pair '//given//' / &pinion teeth = 21 / &gear teeth = 34 / '// &
+                     '&load torque_nm = 100 / &sweep rpm_first = 1000 rpm_last = 2000 rpm_step = 500 / '//more, case, error)
+      if (len(message) > 0) call check_error(t, given//more, error, message)
+      if (len(message) == 0) call check_no_error(t, given//more, error)
+    end subroutine slip
+  end subroutine slips
 
   !> With values for the keys that are marked as required, of the load for the first.
   function filled(text) result(case)

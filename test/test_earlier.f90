@@ -42,7 +42,7 @@ contains
     call check_no_error(t, 'the earlier study', error)
     call try('case', 'title', '''again''', [fe, modes, shared, swept, root, followed], [factored])
     call try('relief', 'amount_um', '0, 10, 20', [fe, modes, root], [shared, swept, factored])
-    call try('sweep', 'rpm_step', '500', [fe, modes, shared, root], [swept, followed])
+    call try('sweep', 'rpm_step', '500', [fe, modes, shared, root, followed], [swept])
     call try('dynamics', 'damping_ratio', '0.1', [fe, modes, root], [swept, followed])
     call try('pinion', 'effective_mass_kg', '0.6', [fe, modes, root], [swept, followed])
     call try('static', 'positions', '6', [fe, modes, swept], [root])

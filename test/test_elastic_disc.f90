@@ -3,6 +3,8 @@
 module test_elastic_disc
   use dogan_gears, only: dogan_gear
   use gearsweep_body, only: body_t, make_body
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
   use gearsweep_compliance, only: deflection_at_depth, flank_load
   use gearsweep_disc, only: disc_t, disc_compliance, turning
   use gearsweep_error, only: error_t
@@ -17,6 +19,8 @@ module test_elastic_disc
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_relief, only: relief_t, profile_error
   use gearsweep_section, only: section_options_t, section_t, make_section
+  use gearsweep_study, only: run_study, study_t
+  use gearsweep_tables, only: column_of
   use gearsweep_text, only: str
   use testing, only: tally_t, check_true, check_close, check_no_error
   implicit none
@@ -37,6 +41,7 @@ contains
     if (t%wants('sections_share')) call sections_share(t)
     if (t%wants('third_tooth')) call third_tooth(t)
     if (t%wants('any_support')) call any_support(t)
+    if (t%wants('exported_matrix')) call exported_matrix(t)
   end subroutine run
 
   !> An annulus held at its inner circle, under a couple M that pulls evenly along the outer one:
@@ -352,4 +357,61 @@ contains
       call check_true(t, 'each pair alone', alone%peak_to_peak() > 7.3e-6_dp, str(alone%peak_to_peak()))
     end do
   end subroutine any_support
+
+  !> The table compliance is all that the load sharing has: without relief the pairs in contact have one deflection, so that the
+  !> mesh stiffness of the table mesh is the sum of all elements of the inverse; one pair alone has its own stiffness; and a load
+  !> here moves there what a load there moves here.
+  subroutine exported_matrix(t)
+    type(tally_t), intent(inout) :: t
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+    real(dp), allocatable, dimension(:) :: phase, loaded, moved, compliance, s, mesh_stiffness, pair_stiffness
+    real(dp) :: off(3), stiffness
+    integer :: i, row, pairs, counted(2)
+
+    call read_case('&case tasks = ''mesh'' / &pair module_mm = 3.18 pressure_angle_deg = 20 face_width_mm = 25.4 /'// &
+                   '&pinion teeth = 25 addendum = 1 dedendum = 1.25 rack_tip_radius = 0.25 /'// &
+                   '&gear teeth = 32 addendum = 1 dedendum = 1.25 rack_tip_radius = 0.25 /'// &
+                   '&material young_gpa = 206 poisson = 0.3 / &load line_load_n_mm = 276 / &relief amount_um = 0 /'// &
+                   '&mesh model = ''fe'' corner_contact = .false. nonlinear_contact = .false. /'// &
+                   '&section teeth = 3 fixed = ''sides'', ''rim'' rim_mm = 8 /', case, error)
+    call check_no_error(t, 'the case', error)
+    if (allocated(error)) return
+    call run_study(case, '', 1, study, error)
+    call check_no_error(t, 'the study', error)
+    phase = column_of(study, 'compliance', 'mesh_phase')
+    loaded = column_of(study, 'compliance', 'loaded_s')
+    moved = column_of(study, 'compliance', 'moved_s')
+    compliance = column_of(study, 'compliance', 'compliance_um_n')
+    s = column_of(study, 'mesh', 's')
+    mesh_stiffness = column_of(study, 'mesh', 'mesh_stiffness_n_um')
+    pair_stiffness = column_of(study, 'mesh', 'pair_stiffness_n_um')
+    off = 0
+    counted = 0
+    row = 1
+    do while (row <= size(phase))
+      pairs = 1
+      if (row < size(phase)) pairs = merge(2, 1, abs(loaded(row + 1) - moved(row + 1)) > 0)
+      ! Of breaks, where one place has two stiffnesses, nothing is asked.
+      if (count(abs(s - loaded(row)) < 1e-6_dp) == 1) then
+        i = minloc(abs(s - loaded(row)), 1)
+        counted(pairs) = counted(pairs) + 1
+        if (pairs == 1) then
+          off(1) = max(off(1), abs(compliance(row)*pair_stiffness(i) - 1))
+        else
+          associate (c => compliance(row:row + 3))
+            stiffness = (c(1) + c(4) - c(2) - c(3))/(c(1)*c(4) - c(2)*c(3))
+            off(2) = max(off(2), abs(stiffness/mesh_stiffness(i) - 1))
+            off(3) = max(off(3), abs(c(2) - c(3))/c(1))
+          end associate
+        end if
+      end if
+      row = row + pairs**2
+    end do
+    call check_true(t, 'phases with one pair and with two', all(counted > 20), str(counted(1))//' '//str(counted(2)))
+    call check_true(t, 'one pair', off(1) < 1e-12_dp, str(off(1)))
+    call check_true(t, 'two pairs', off(2) < 1e-12_dp, str(off(2)))
+    call check_true(t, 'reciprocal', off(3) < 1e-14_dp, str(off(3)))
+  end subroutine exported_matrix
 end module test_elastic_disc

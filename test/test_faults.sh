@@ -189,9 +189,9 @@ run one/q.nml --out out
 rm -rf out/.gearsweep-2
 check 'leftovers: the tables' alike out one.kept
 # Killed at any moment: every table is whole, and the next run cleans up.
-many='0'
+many=0.1
 i=0
-while [ $i -lt 300 ]; do i=$((i + 1)) many="$many, 0.0$i"; done
+while [ $i -lt 300 ]; do i=$((i + 1)) many="$many, 0.$((1000 + i))"; done
 pair large.nml "'mesh'" "$many"
 run large.nml --out large.kept
 check 'many reliefs' exits 0
@@ -265,6 +265,100 @@ check 'a locked folder is waited for' wait_for_lock
 exec 8<&-
 wait $waiter
 check 'a locked folder: done when it is free' alike out one.kept
+
+# --- checkpoints ------------------------------------------------------------
+
+# waiting CASE OPTIONS...: the program at work on a case that takes minutes; leaves $pid.
+waiting() {
+  "$program" "$@" >stdout 2>stderr &
+  pid=$!
+  sleep 1
+}
+# ends_by SIGNAL: it is at work, and ends within 20 s of the signal, be the machine busy. Leaves $code.
+ends_by() {
+  kill -0 $pid || { echo "  had ended before: $(head -c 300 stderr)"; return 1; }
+  kill -"$1" $pid
+  for i in $(seq 200); do
+    kill -0 $pid 2>/dev/null || break
+    sleep 0.1
+  done
+  kill -9 $pid 2>/dev/null && echo '  was still at work'
+  wait $pid
+  code=$?
+  [ $code != 137 ]
+}
+# A motion of 10 million mesh periods, and a map of 100 000 damping ratios.
+pair long.nml "'poincare'" 12
+echo '&poincare rpm = 5000 settling_periods = 9999999 /' >>long.nml
+pair map.nml "'stability'" 12
+echo '&stability rpm = 7 damping_count = 99999 /' >>map.nml
+for case in long map; do
+  for signal in INT TERM; do
+    waiting $case.nml --out ended
+    check "$case: ends by $signal" ends_by $signal
+    check "$case: ends by $signal: code" exits 130
+  done
+done
+check 'long: leaves its checkpoint' grep -q 'gearsweep checkpoint' ended/long.checkpoint
+waiting long.nml --out ended --resume
+ends_by TERM
+check 'resumed: says what is taken over' says stderr 'gearsweep: resumed: '
+# Of its own name only, and no case loses that of another.
+cp ended/long.checkpoint kept.checkpoint
+mkdir -p elsewhere
+pair elsewhere/long.nml "'mesh'" 3
+run elsewhere/long.nml --out ended
+check 'another case of the same name: done' exits 0
+check "another case of the same name: the first one's checkpoint stays" cmp -s ended/long.checkpoint kept.checkpoint
+sed 's/5000/6000/' long.nml >elsewhere/long.nml
+waiting elsewhere/long.nml --out ended
+ends_by TERM
+check 'another case that is interrupted: the checkpoint of the first is kept' cmp -s ended/long.checkpoint.old kept.checkpoint
+# What is no checkpoint is neither read nor removed, however long it is.
+for kind in pipe link long; do
+  rm -rf out
+  mkdir out
+  case $kind in
+  pipe) mkfifo out/q.checkpoint ;;
+  link) ln -s "$PWD/kept.checkpoint" out/q.checkpoint ;;
+  long) truncate -s 5G out/q.checkpoint ;;
+  esac
+  timeout 60 "$program" one/q.nml --out out >stdout 2>stderr </dev/null
+  code=$?
+  check "a $kind called as a checkpoint: done" exits 0
+  check "a $kind called as a checkpoint: stays" test -e out/q.checkpoint
+done
+run one/q.nml --out out --resume
+check '5 GB without a first line: no checkpoint' is_one_error 'q.checkpoint: is no checkpoint of gearsweep' 3
+# One that is longer than any text may be is refused for what is wrong with it.
+head -c 128 kept.checkpoint >ended/long.checkpoint
+truncate -s 1100M ended/long.checkpoint
+run long.nml --out ended --resume
+check 'a checkpoint of 1.1 GB: read to its end' is_one_error 'long.checkpoint: is damaged' 3
+rm -rf ended
+# Its place is tried before anything is computed.
+mkdir -p ended/long.checkpoint
+run long.nml --out ended
+check 'a folder called as a checkpoint: told before the run' is_one_error 'cannot write ended/long.checkpoint: it is a folder' 3
+rm -rf ended
+# What is kept of a sweep takes no more room than twice its tables.
+pair many.nml "'sweep'" 12
+sed -i 's/rpm_step = 100/rpm_step = 0.5/' many.nml
+echo '&dynamics damping_ratio = 0.01 /' >>many.nml
+waiting many.nml --out ended
+ends_by TERM
+check 'a checkpoint is at most twice as long as the tables' \
+  test "$(wc -c <ended/many.checkpoint)" -le "$(($(cat ended/*.csv | wc -c) * 2))"
+rm -rf ended
+# Whoever waits for a case on the standard input ends by the first signal.
+mkfifo never
+"$program" - --out out <never >stdout 2>stderr &
+pid=$!
+exec 8>never
+sleep 0.5
+check 'waiting for a case: ends by TERM' ends_by TERM
+exec 8>&-
+rm never
 
 # --- files that are read ------------------------------------------------------------
 
@@ -355,6 +449,7 @@ contact_ratio,@SUM(A1),1.6,+x,stated,-2+3
 contact_ratio,"Table" 1,1.6,-,stated, =HYPERLINK("x","y")
 contact_ratio,Table 1,1.6,-,stated,as "mode" 1, or 2
 contact_ratio,Table 1,1.6,-,stated,as mode 1
+contact_ratio,"Table 2, ""left""",1.6,"-",stated,"as ""mode"" 2, too"
 CSV
 cat >wanted <<'CSV'
 contact_ratio,"'=1+1",-,stated,
@@ -362,6 +457,7 @@ contact_ratio,"'@SUM(A1)","'+x",stated,"'-2+3"
 contact_ratio,"""Table"" 1",-,stated,"' =HYPERLINK(""x"",""y"")"
 contact_ratio,Table 1,-,stated,"as ""mode"" 1, or 2"
 contact_ratio,Table 1,-,stated,as mode 1
+contact_ratio,"Table 2, ""left""",-,stated,"as ""mode"" 2, too"
 CSV
 run published.nml --out out
 check 'formulas: done' exits 0

@@ -412,7 +412,9 @@ contains
     real(dp) :: sum_of(2)
     integer :: i, k
 
-    call study_of(t, '&flank rpm = 3000 dynamic_load = .false. friction_coefficient = 0.05 /', study)
+    ! Without corners: where pairs begin and cease to carry under load, the task mesh has rows besides.
+    call study_of(t, '&mesh model = ''weber'' corner_contact = .false. / '// &
+                  '&flank rpm = 3000 dynamic_load = .false. friction_coefficient = 0.05 /', study)
     s = column_of(study, 'flank', 's')
     relief = column_of(study, 'flank', 'relief_um')
     power = column_of(study, 'flank', 'friction_power_w')
@@ -436,14 +438,14 @@ contains
     call check_true(t, 'relief lowers the loss', loss(2) < 0.95_dp*loss(1))
   end subroutine one_task
 
-  !> At creeping speed the motion's load is the static one but for what rings after a jump; the dynamic rows are the loads of
+  !> At creeping speed the motion's load is the static one; the dynamic rows are the loads of
   !> the task load.
   subroutine dynamic_loads(t)
     type(tally_t), intent(inout) :: t
     type(study_t) :: study
     real(dp), allocatable :: factor(:)
 
-    call study_of(t, '&flank rpm = 30 relief_um = 12 / &dynamics damping_ratio = 1 /', study)
+    call study_of(t, '&mesh model = ''weber'' / &flank rpm = 30 relief_um = 12 / &dynamics damping_ratio = 1 /', study)
     factor = column_of(study, 'flank_losses', 'loss_factor')
     call check_true(t, 'static and dynamic', size(factor) == 2)
     call check_close(t, 'the same in the limit', factor(2), factor(1), 1e-3_dp)
@@ -546,6 +548,6 @@ contains
     call read_case('&case tasks = ''flank'' / &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.8 / '// &
                    '&load normal_force_n = 7000 / &mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400 /', &
                    case, error)
-    call check_error(t, 'no gears', error, 'needs a gear; a prescribed mesh')
+    call check_error(t, 'no gears', error, '&case tasks = ''flank'': needs gears; a prescribed mesh')
   end subroutine refusals
 end module test_flank

@@ -8,6 +8,7 @@ module test_found
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: make_oscillator, mesh_period, oscillator_t
   use gearsweep_period, only: run_period
+  use gearsweep_periodic_orbit, only: is_bounded
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_status, only: has_result, status_marginal, status_name, status_ok, status_subharmonic, status_unbounded
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t, up
@@ -296,5 +297,13 @@ contains
     call solve(osc, 20000.0_dp, options, point)
     call check_equal(t, 'from rest', point%steady%status, status_unbounded)
     call check_true(t, 'no number', .not. has_result(point%steady%status))
+    ! Where the word begins: at 1e4 static deflections, with those of the mean and of the backlash beside; with less damping
+    ! later, as a harmonic of the load drives a linear motion to 1/(2 zeta) of them.
+    osc = mesh_of(1.3_dp, 0.02_dp)
+    call check_true(t, 'below 1e4', is_bounded(osc, 1e-3_dp, [0.99e4_dp*osc%static_deflection, 0.0_dp]))
+    call check_true(t, 'above 1e4', .not. is_bounded(osc, 1e-3_dp, [2.1e4_dp*osc%static_deflection, 0.0_dp]))
+    osc = mesh_of(1.3_dp, 1e-5_dp)
+    call check_true(t, 'with less damping', is_bounded(osc, 1e-3_dp, [0.99e5_dp*osc%static_deflection, 0.0_dp]))
+    call check_true(t, 'with less damping, further', .not. is_bounded(osc, 1e-3_dp, [2.1e5_dp*osc%static_deflection, 0.0_dp]))
   end subroutine unbounded
 end module test_found

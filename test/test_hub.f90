@@ -21,7 +21,46 @@ contains
     if (t%wants('whole_gears')) call whole_gears(t)
     if (t%wants('felt_turning')) call felt_turning(t)
     if (t%wants('rigid_gears')) call rigid_gears(t)
+    if (t%wants('webs')) call webs(t)
   end subroutine run
+
+  !> Two gears of 80 teeth with a rim of 5 mm, a web of 4 mm and a bore of 40 mm. Their moment of inertia is that of the bricks
+  !> of the task body_modes and within 5 % that of rings, the rim up to the reference circle: less than half of a solid disc's. The
+  !> stiffness is that of sections of the rim alone, as one would state them by hand. And a web that is 1 mm thicker adds that ring.
+  subroutine webs(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: teeth = ' teeth = 80 bore_mm = 40', web = ' web_thickness_mm = 4 rim_thickness_mm = 5'
+    character(*), parameter :: case = '&case tasks = ''mesh'' / &pair module_mm = 2 face_width_mm = 20 / &load torque_nm = 200 / '
+    real(dp), parameter :: base = 0.08_dp*cos(pi/9), inside = 0.08_dp - 0.0025_dp - 0.005_dp, bore = 0.02_dp
+    type(answer_t) :: described, by_hand, solid, held, thicker, body
+    character(:), allocatable :: inertia
+
+    call ask(t, case//'&pinion'//teeth//web//' / &gear'//teeth//web//' /', described)
+    call ask(t, case//'&pinion'//teeth//' / &gear'//teeth//' /', solid)
+    call ask(t, '&case tasks = ''body_modes'' / &pair module_mm = 2 face_width_mm = 20 / &pinion'//teeth//web//' / &gear'//teeth// &
+             ' / &body_modes modes = 1 nodal_diameters = 0 elements_across = 3 /', body)
+    call check_close(t, 'mass of rim and web', described%one('motion.pinion_mass_kg'), 7850*pi/2*(0.02_dp*(0.08_dp**4 - bore**4) &
+                     - 0.016_dp*(inside**4 - bore**4))/base**2, 0.05_dp)
+    call check_close(t, 'moment of inertia of the bricks', described%one('motion.gear_mass_kg')*base**2, &
+                     body%one('gear_body.polar_inertia_kgm2'), 1e-3_dp)
+    call check_close(t, 'solid disc', solid%one('motion.pinion_mass_kg'), &
+                     pi/2*7850*0.02_dp*(0.08_dp**4 - bore**4)/base**2, 1e-12_dp)
+    inertia = ' inertia_kgm2 = '//str(described%one('motion.gear_mass_kg')*base**2, 15)
+    call ask(t, case//'&pinion'//teeth//inertia//' / &gear'//teeth//inertia//' / &section teeth = 5 fixed = ''sides'' &
+             &rim_mm = 5 /', by_hand)
+    call check_close(t, 'stiffness as stated by hand', described%one('motion.mean_mesh_stiffness_n_um'), &
+                     by_hand%one('motion.mean_mesh_stiffness_n_um'), 1e-9_dp)
+    call check_close(t, 'resonance as stated by hand', described%one('motion.resonance_rpm'), &
+                     by_hand%one('motion.resonance_rpm'), 1e-9_dp)
+    call check_true(t, 'a rim is softer than a solid body', described%one('motion.mean_mesh_stiffness_n_um') &
+                    < 0.8_dp*solid%one('motion.mean_mesh_stiffness_n_um'), str(described%one('motion.mean_mesh_stiffness_n_um')))
+    call ask(t, case//'&pinion'//teeth//web//' / &gear'//teeth//web//' / &section fixed = ''sides'', ''rim'' /', held)
+    call check_close(t, 'what is held may be said', held%one('motion.mean_mesh_stiffness_n_um'), &
+                     solid%one('motion.mean_mesh_stiffness_n_um'), 1e-12_dp)
+    call ask(t, case//'&pinion'//teeth//' web_thickness_mm = 5 rim_thickness_mm = 5 / &gear'//teeth//web//' /', thicker)
+    call check_close(t, 'a ring of the web', thicker%one('motion.pinion_mass_kg') - described%one('motion.pinion_mass_kg'), &
+                     7850*0.001_dp*pi/2*(inside**4 - bore**4)/base**2, 1e-9_dp)
+  end subroutine webs
 
   !> A chain of two equal halves vibrates with its middle at rest or with the mesh unstrained: two masses on a spring of half the
   !> mesh's length, and the free pair of body and hub. With one hub, two springs: a quadratic equation. Without, one.

@@ -7,7 +7,7 @@ module test_iso_rating
   use gearsweep_error, only: error_t
   use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
-  use gearsweep_gear_materials, only: contact_number, gear_materials, root_number
+  use gearsweep_gear_materials, only: common_names, contact_number, gear_materials, root_number
   use gearsweep_kinds, only: dp, pi
   use gearsweep_load_factors, only: rim_factor, root_face_load_factor
   use gearsweep_material, only: material_t
@@ -20,7 +20,7 @@ module test_iso_rating
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
   implicit none
   private
-  public :: run
+  public :: run, make, solve
 
   real(dp), parameter :: steel(2) = 206e9_dp, poisson(2) = 0.3_dp
 
@@ -277,55 +277,67 @@ contains
   end subroutine load_factors
 
   !> FZG type C as a case: printed stresses of the report C40, whose tangential load is that of the working pitch circle and
-  !> whose load factors are printed to two decimals; and the products of the factors, put together once more.
+  !> whose load factors are printed to two decimals; and the products of the factors, put together once more, with each K_v.
   subroutine task(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: text = '&case tasks = ''rating'' / &pair module_mm = 4.5 face_width_mm = 40 '// &
       'centre_distance_mm = 91.5 / &pinion teeth = 16 profile_shift = 0.1817 rack_tip_radius = 0.375 / &gear teeth = 24 '// &
       'profile_shift = 0.1715 rack_tip_radius = 0.375 / &material density_kgm3 = 7830 / &load torque_nm = 215.513 '// &
       'application_factor = 1.25 / &relief amount_um = 0, 10 / &rating rpm = 1800, 6000 face_load_factor = 1.17 '// &
-      'transverse_load_factor = 1.1 contact_limit_mpa = 1490.03 root_limit_mpa = 818.25, 819.58 /'
+      'transverse_load_factor = 1.1 contact_limit_mpa = 1490.03 root_limit_mpa = 818.25, 819.58 dynamic_factor_method = '
     real(dp), parameter :: on_working = 36.6_dp/36, limits(2) = [818.25_dp, 819.58_dp]
-    character(2), parameter :: by(2) = ['  ', '_b']
-    type(case_t) :: case
-    type(study_t) :: study
-    type(error_t), allocatable :: error
+    character(6), parameter :: methods(3) = ['larger', 'a     ', 'b     ']
     type(table_t) :: rating, factors, dynamic
     real(dp) :: k_v, contact, root
-    integer :: i, member, point, way
+    integer :: i, member, point, method
 
-    call read_case(text, case, error)
-    call check_no_error(t, 'the case', error)
-    call run_study(case, '', 1, study, error)
-    call check_no_error(t, 'the study', error)
-    call make_table(study, 'rating', rating, error)
-    call make_table(study, 'rating_factors', factors, error)
-    call make_table(study, 'dynamic_factors', dynamic, error)
-    call check_no_error(t, 'the tables', error)
-    call check_close(t, 'C40: sigma_H', rating%number('contact_stress_b_mpa', 1)/sqrt(on_working*1.1_dp), 999.48_dp, 5e-3_dp)
-    call check_close(t, 'C40: sigma_F', rating%number('root_stress_b_mpa', 1)/(on_working*1.1_dp), 150.70_dp, 1e-2_dp)
-    do i = 1, rating%rows
-      member = merge(1, 2, rating%word('member', i) == 'pinion')
-      point = (i + 1)/2
-      do way = 1, 2
-        k_v = dynamic%number('dynamic_factor'//trim(by(way)), point)
-        contact = rating%number('contact_stress'//trim(by(way))//'_mpa', i)
-        root = rating%number('root_stress'//trim(by(way))//'_mpa', i)
+    do method = 1, 3
+      call solve(t, text//''''//trim(methods(method))//''' /', 'rating', rating)
+      call solve(t, text//''''//trim(methods(method))//''' /', 'rating_factors', factors)
+      call solve(t, text//''''//trim(methods(method))//''' /', 'dynamic_factors', dynamic)
+      do i = 1, rating%rows
+        member = merge(1, 2, rating%word('member', i) == 'pinion')
+        point = (i + 1)/2
+        associate (a => dynamic%number('dynamic_factor_a', point), b => dynamic%number('dynamic_factor_b', point))
+          k_v = merge(a, b, method == 2 .or. (method == 1 .and. a >= b))
+          call check_true(t, 'the method that counts', rating%word('method', i) == merge('a', 'b', k_v >= a .and. k_v <= a))
+        end associate
+        contact = rating%number('contact_stress_mpa', i)
+        root = rating%number('root_stress_mpa', i)
+        call check_close(t, 'its K_v', rating%number('internal_dynamic_factor', i), k_v, 1e-15_dp)
         call check_close(t, 'sigma_H from its factors', contact**2, &
                          (factors%number('single_pair_factor', member)*factors%number('nominal_contact_mpa', member))**2* &
                          1.25_dp*k_v*1.17_dp*1.1_dp, 1e-12_dp)
         call check_close(t, 'sigma_F from its factors', root, factors%number('nominal_root_mpa', member)*1.25_dp*k_v*1.1_dp* &
                          factors%number('root_face_load_factor', member), 1e-12_dp)
-        call check_close(t, 'S_H', contact*rating%number('contact_safety'//trim(by(way)), i), 1490.03_dp, 1e-12_dp)
-        call check_close(t, 'S_F', root*rating%number('root_safety'//trim(by(way)), i), limits(member), 1e-12_dp)
+        call check_close(t, 'S_H', contact*rating%number('contact_safety', i), 1490.03_dp, 1e-12_dp)
+        call check_close(t, 'S_F', root*rating%number('root_safety', i), limits(member), 1e-12_dp)
+        call check_true(t, 'its row of the dynamic factors', &
+                        abs(rating%number('relief_um', i) - dynamic%number('relief_um', point)) <= 0 .and. &
+                        abs(rating%number('rpm', i) - dynamic%number('rpm', point)) <= 0)
       end do
-      call check_true(t, 'its row of the dynamic factors', &
-                      abs(rating%number('relief_um', i) - dynamic%number('relief_um', point)) <= 0 .and. &
-                      abs(rating%number('rpm', i) - dynamic%number('rpm', point)) <= 0)
     end do
+    call check_close(t, 'C40: sigma_H', rating%number('contact_stress_mpa', 1)/sqrt(on_working*1.1_dp), 999.48_dp, 5e-3_dp)
+    call check_close(t, 'C40: sigma_F', rating%number('root_stress_mpa', 1)/(on_working*1.1_dp), 150.70_dp, 1e-2_dp)
     call check_true(t, 'relief lowers K_v by Method B', &
                     dynamic%number('dynamic_factor_b', 3) < dynamic%number('dynamic_factor_b', 1))
   end subroutine task
+
+  !> One table of a case.
+  subroutine solve(t, text, name, table)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: text, name
+    type(table_t), intent(out) :: table
+    type(case_t) :: case
+    type(study_t) :: study
+    type(error_t), allocatable :: error
+
+    call read_case(text, case, error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+    call check_no_error(t, 'the study', error)
+    if (.not. allocated(error)) call make_table(study, name, table, error)
+    call check_no_error(t, 'the table '//name, error)
+  end subroutine solve
 
   !> A material's numbers, by hand from the lines of ISO 6336-5, Table 1, and the safety factors that follow; and that a better
   !> grade bears no less.
@@ -360,9 +372,22 @@ contains
         call check_true(t, 'the root bears less than the flank', all(root < contact))
       end associate
     end do
+    ! Common names, in any case.
+    call solve(t, begin//'''18CRNIMO7-6'', ''42CrMo4'' material_grade = ''me'' /', 'rating_factors', factors)
+    do i = 1, 2
+      call check_close(t, 'sigma_Hlim by a common name', factors%number('contact_number_mpa', i), contact(i), 1e-12_dp)
+      call check_close(t, 'sigma_Flim by a common name', factors%number('root_number_mpa', i), root(i), 1e-12_dp)
+    end do
+    call check_true(t, 'what the material is and what it is called', factors%word('material', 1) == 'case_hardened' .and. &
+                    factors%word('material_name', 1) == '18CrNiMo7-6' .and. factors%word('material_grade', 2) == 'me')
+    do i = 1, size(common_names)
+      call check_true(t, 'a common name of a material: '//trim(common_names(i)%name), &
+                      any(gear_materials%name == common_names(i)%material))
+    end do
     call read_case(begin//'''case_hardened'' root_limit_mpa = 900 /', case, error)
     call check_error(t, 'a material and a limit', error, '&rating root_limit_mpa')
     call read_case(begin//'''butter'' /', case, error)
     call check_error(t, 'no such material', error, 'must be one of ''normalized_steel''')
+    call check_error(t, 'no such material', error, '''18CrNiMo7-6''')
   end subroutine materials
 end module test_iso_rating

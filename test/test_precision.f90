@@ -6,12 +6,14 @@ module test_precision
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_report, only: failed_points
+  use gearsweep_status, only: status_name
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: kind_text, table_t
   use gearsweep_tables, only: make_table, table_names
   use gearsweep_text, only: str
   use reproducible, only: write_reproducible
-  use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
+  use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   implicit none
   private
   public :: run
@@ -40,6 +42,7 @@ contains
     if (t%wants('grids')) call grids(t)
     if (t%wants('times')) call times(t)
     if (t%wants('meanings')) call meanings(t)
+    if (t%wants('without_values')) call without_values(t)
   end subroutine run
 
   !> The study of a case's text, and one of its tables.
@@ -162,6 +165,43 @@ contains
     call check_equal(t, 'a prescribed mesh has no grids', size(off), 0)
     call check_true(t, 'which the log says', index(study%log, 'grids left out: the mesh is prescribed'//lf) > 0, study%log)
   end subroutine harmonics
+
+  !> So few samples do not have all harmonics, and have no rows for the others; a row without a value says why and counts.
+  subroutine without_values(t)
+    type(tally_t), intent(inout) :: t
+    type(study_t) :: study
+    type(table_t) :: table
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    character(12) :: ok
+    real(dp), allocatable :: value(:)
+    integer :: k
+
+    call answer(t, prescribed//'&mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400 / '// &
+                '&precision harmonics = 20 most_steps = 50 most_samples = 64 /', study, table, 'precision')
+    ! Of 16, 32 and 64 samples, those with more than two in a period of the harmonic.
+    do k = 1, 20
+      value = numbers(table, 'value', 'ste_harmonic', 'fft', k)
+      call check_equal(t, 'samples that have harmonic '//str(k), size(value), count([16, 32, 64] > 2*k))
+    end do
+    call check_equal(t, 'a value in every row', count(ieee_is_nan(table%numbers('value'))), 0)
+    call check_equal(t, 'none fails', failed_points(study), 0)
+    ! Equal steps of the fourth-order method are too long for a mesh so much slower than its own motion.
+    call answer(t, prescribed//'&mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = 400 / '// &
+                '&precision rpm = 40 most_steps = 1600 most_samples = 32 /', study, table, 'precision')
+    ok = status_name(0)
+    call check_equal(t, 'each row without a value says why', count(ieee_is_nan(table%numbers('value'))), &
+                     count(table%columns(table%position('status'))%words /= ok))
+    call check_true(t, 'there are such rows', failed_points(study) > 0)
+    call check_equal(t, 'and counts', failed_points(study), count(ieee_is_nan(table%numbers('value'))))
+    call read_case(geared//'most_elements = 51 /', case, error)
+    call check_error(t, 'more elements than the reference has a grid for', error, contains='&precision most_elements = 51')
+    deallocate (error)
+    ! A whole ring takes more still, and it is not elements_across that is at fault.
+    call read_case(geared//'most_elements = 50 / &section teeth = 0 /', case, error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+    call check_error(t, 'more elements than the memory holds', error, contains='&precision most_elements = 50: ')
+  end subroutine without_values
 
   !> The error shrinks with the elements, and the estimate, for second order, is of its size: the order lies between 1.5 and 4.
   subroutine grids(t)

@@ -122,8 +122,8 @@ contains
   subroutine reliefs_share_one_solution(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: text = '&case tasks=''static'' / &pair module_mm=3.18 face_width_mm=25.4 /'// &
-      '&pinion teeth=25 / &gear teeth=25 / &load line_load_n_mm=276 / &relief amount_um=0, 15 / &mesh model=''weber'' /'// &
-      '&section elements_across=8 / &static positions=9 /'
+      '&pinion teeth=25 / &gear teeth=25 / &load line_load_n_mm=276 / &relief amount_um=0, 15 / '// &
+      '&mesh model=''weber'' corner_contact=.false. / &section elements_across=8 / &static positions=9 /'
     type(case_t) :: case
     type(study_t) :: study
     type(error_t), allocatable :: error

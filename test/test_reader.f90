@@ -2,6 +2,8 @@
 module test_reader
   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_fortran_env, only: int64
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
   use gearsweep_decimal, only: write_decimal
   use gearsweep_error, only: code_input, error_t
   use gearsweep_kinds, only: dp
@@ -31,6 +33,7 @@ contains
     if (t%wants('absurd_sizes')) call test_absurd_sizes(t)
     if (t%wants('numbers')) call test_numbers(t)
     if (t%wants('lists')) call test_lists(t)
+    if (t%wants('twice')) call test_twice(t)
     if (t%wants('texts')) call test_texts(t)
     if (t%wants('defaults')) call test_defaults(t)
     if (t%wants('wrong_values')) call test_wrong_values(t)
@@ -265,6 +268,34 @@ contains
     call check_close(t, 'a list of one', one(1), 7.0_dp)
     call check_true(t, 'an absent list', .not. allocated(none))
   end subroutine test_lists
+
+  !> Reliefs and speeds name the rows of tables: none may be there twice, in whatever order they come.
+  subroutine test_twice(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: mesh = '&pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 / '// &
+      '&load normal_force_n = 6858 / &mesh model=''polynomial'' contact_ratio=1.6 coefficients=400,0,-120 / '
+
+    call one('&case tasks = ''sweep'' / &sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 / &relief amount_um = 0, 1, 1 /', &
+             '&relief amount_um = 0, 1, 1: 1 is given twice')
+    call one('&case tasks = ''poincare'' / &relief amount_um = 0 / &poincare rpm = 3000, 4000, 3e3 /', &
+             '&poincare rpm = 3000, 4000, 3e3: 3000 is given twice')
+    call one('&case tasks = ''load'' / &sweep load_rpm = 2*5000 /', '5000 is given twice')
+    call one('&case tasks = ''poincare'' / &relief amount_um = 2, 1, 0 / &poincare rpm = 3000 relief_um = 1, 2, 1 /', &
+             '1 is given twice')
+    call one('&case tasks = ''poincare'' / &relief amount_um = 2, 1, 0 / &poincare rpm = 4000, 3000 relief_um = 2, 1 /', '')
+
+  contains
+
+    subroutine one(text, message)
+      character(*), intent(in) :: text, message
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case(text//mesh, case, error)
+      if (len(message) > 0) call check_error(t, text, error, contains=message)
+      if (len(message) == 0) call check_no_error(t, text, error)
+    end subroutine one
+  end subroutine test_twice
 
   subroutine test_texts(t)
     type(tally_t), intent(inout) :: t

@@ -2,14 +2,15 @@
 module test_reliefs
   use gearsweep_convex_bounds, only: bound_curves, known_curve_t, may_be_largest
   use gearsweep_error, only: error_t
-  use gearsweep_joint_optimum, only: find_joint_optimum, joint_optimum_t
+  use gearsweep_joint_optimum, only: find_joint_optimum, joint_optimum_t, starts_t
   use gearsweep_kinds, only: dp
   use gearsweep_optimum, only: find_optimum, optimum_t, peak_t, worst_of
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_relief, only: profile_error, relief_t
   use gearsweep_status, only: has_result
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
-  use gearsweep_text, only: str
+  use gearsweep_report, only: report
+  use gearsweep_text, only: fixed, str
   use quantities, only: answer_t, ask
   use random_meshes, only: draw_t, random_mesh
   use random_numbers, only: random_t
@@ -29,6 +30,8 @@ contains
     if (t%wants('optimum_by_brute_force')) call optimum_by_brute_force(t)
     if (t%wants('joint_optimum')) call joint_optimum(t)
     if (t%wants('joint_optimum_of_a_case')) call joint_optimum_of_a_case(t)
+    if (t%wants('where_reliefs_begin')) call where_reliefs_begin(t)
+    if (t%wants('joint_never_worse')) call joint_never_worse(t)
   end subroutine run
 
   !> The oscillator of a draw with a part of its relief.
@@ -252,14 +255,17 @@ contains
     type(sweep_t) :: sweep
     type(joint_optimum_t) :: found
     type(error_t), allocatable :: error
-    real(dp) :: least, largest, rpm(40), starts(2, 5, 3)
+    real(dp) :: least, largest, rpm(40)
+    type(starts_t) :: starts(3)
     integer :: i, k
 
     osc = mesh_of(1.6_dp, [400.0_dp, 0.0_dp, -110.0_dp], [0.0_dp, 0.0_dp], 0.1_dp)
     options%direction = each
     options%accuracy%steady%tolerance = 1e-5_dp
     rpm = [(4000 + 500*i, i=1, size(rpm))]
-    starts = reshape([(([i/4.0_dp, k/3.0_dp], i=0, 4), k=1, 3)], [2, 5, 3])
+    do k = 1, 3
+      starts(k)%number = reshape([([i/4.0_dp, k/3.0_dp], i=0, 4)], [2, 5])
+    end do
     call find_joint_optimum(with_reliefs, osc, starts, rpm, options, found, error)
     call check_no_error(t, 'joint optimum', error)
     least = huge(least)
@@ -315,7 +321,101 @@ contains
     call check_true(t, 'three loads', size(both%all_of('optimum_loads.load_factor')) == 3)
     call check_close(t, 'the largest of all loads', maxval(both%all_of('optimum_loads.worst_dynamic_factor')), &
                      both%one('optimum_design.worst_dynamic_factor'), 1e-14_dp)
+    call told_with_loads(t, both)
     call check_true(t, 'several loads ask for a compromise', both%one('optimum_design.worst_dynamic_factor') > &
                     one%one('optimum.worst_dynamic_factor'))
   end subroutine joint_optimum_of_a_case
+
+  !> Each dynamic factor on the screen names its load.
+  subroutine told_with_loads(t, answer)
+    type(tally_t), intent(inout) :: t
+    type(answer_t), intent(in) :: answer         ! with several loads
+    character(:), allocatable :: text
+    real(dp), allocatable :: load(:), factor(:)
+    integer :: i
+
+    text = report(answer%study)
+    load = answer%all_of('optimum_loads.load_factor')
+    factor = answer%all_of('optimum_loads.worst_dynamic_factor')
+    do i = 1, size(load)
+      call check_true(t, 'told with its load', index(text, 'under '//str(load(i))//' times the load of the case: worst DF '// &
+                                                     fixed(factor(i), 4)) > 0)
+    end do
+    call check_true(t, 'and that of one amount', index(text, ', under the load of the case') > 0)
+  end subroutine told_with_loads
+
+  !> Reliefs that begin at the pitch point do so at the reference diameters of gears without profile shift: 3 mm times 21 and 34.
+  subroutine where_reliefs_begin(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: answer
+
+    call ask(t, '&case tasks = ''optimum'' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 / '// &
+             '&load torque_nm = 100 / &relief amount_um = 0 start = ''pitch'' / &mesh model = ''weber'' / '// &
+             '&sweep rpm_first = 10000 rpm_last = 30000 rpm_step = 2000 / &optimum each_gear = .true. /', answer)
+    call check_close(t, 'pinion', answer%one('optimum_design.pinion_start_diameter_mm'), 63.0_dp, relative=1e-12_dp)
+    call check_close(t, 'gear', answer%one('optimum_design.gear_start_diameter_mm'), 102.0_dp, relative=1e-12_dp)
+    call check_true(t, 'on the screen', index(report(answer%study), ' um from 102.000 mm diameter') > 0)
+  end subroutine where_reliefs_begin
+
+  !> The designs of several numbers have that of one amount among them: none of theirs that is told is worse. Little damping, so
+  !> that contact is lost and DF jumps over the reliefs; from a grid of starts only, 1, 2, 3 and 4 ended by 0.06, 0.12, 0.17 and
+  !> 0.14 above it, and with lengths 1 and 2 by 0.13 and 0.10.
+  subroutine joint_never_worse(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: drawn(5, 5) = reshape([1.407_dp, -12.5_dp, -135.2_dp, 0.0156_dp, 0.0_dp, &
+                                                  1.702_dp, -43.4_dp, -21.4_dp, 0.0273_dp, 0.0_dp, &
+                                                  1.288_dp, 0.6_dp, -5.0_dp, 0.0347_dp, 0.0_dp, &
+                                                  1.811_dp, -26.4_dp, -91.1_dp, 0.0163_dp, 0.0_dp, &
+                                                  ! The gear has half of the relief, and the pitch point is not in the middle.
+                                                  1.521_dp, 18.1_dp, -148.4_dp, 0.0172_dp, 1.0_dp], [5, 5])
+    character(*), parameter :: varied(2) = [character(20) :: 'each_gear', 'with_length'], &
+      uneven(2) = [character(40) :: ' pitch_point = 0.6', 'gear_fraction = 0.5 start = ''pitch''']
+    integer :: i, k
+
+    do i = 1, size(drawn, 2)
+      do k = 1, 2
+        call compare(drawn(:, i), trim(varied(k)), 'each', 'mesh '//str(i))
+        ! Where both ways are followed, too.
+        if (i < 3) call compare(drawn(:, i), trim(varied(k)), 'both', 'mesh '//str(i))
+      end do
+    end do
+
+  contains
+
+    subroutine compare(drawn, varied, direction, name)
+      real(dp), intent(in) :: drawn(5)
+      character(*), intent(in) :: varied, direction, name
+      type(answer_t) :: answer
+
+      call ask(t, '&case tasks = ''optimum'' / &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 1.1 / '// &
+               '&load normal_force_n = 7000 / &mesh model = ''polynomial'' base_pitch_mm = 10 contact_ratio = '// &
+               str(drawn(1))//' coefficients = 400, '//str(drawn(2))//', '//str(drawn(3))// &
+               trim(merge(uneven(1), repeat(' ', 40), drawn(5) > 0))//' / &dynamics damping_ratio = '// &
+               str(drawn(4))//' / &sweep rpm_first = 4000 rpm_last = 20000 rpm_step = 400 direction = '''//direction//''' / '// &
+               '&relief amount_um = 0 '//trim(merge(uneven(2), repeat(' ', 40), drawn(5) > 0))// &
+               ' / &optimum '//varied//' = .true. /', answer)
+      ! Both are told to 1e-5.
+      call check_true(t, varied//' of '//name//', direction '//direction, answer%one('optimum_design.worst_dynamic_factor') < &
+                      answer%one('optimum.worst_dynamic_factor') + 2e-5_dp, &
+                      str(answer%one('optimum_design.worst_dynamic_factor'))//' and '// &
+                      str(answer%one('optimum.worst_dynamic_factor')))
+      if (direction == 'both') call look_for_all(drawn, name, answer%one('optimum.relief_um'), answer%one('optimum.rpm'), &
+                                                 answer%one('optimum.largest_dynamic_factor'))
+    end subroutine compare
+
+    !> The optimum tells the largest of the motions that the task `attractors` finds with that relief at that speed.
+    subroutine look_for_all(drawn, name, relief, rpm, largest)
+      real(dp), intent(in) :: drawn(5), relief, rpm, largest
+      character(*), intent(in) :: name
+      type(answer_t) :: answer
+
+      call ask(t, '&case tasks = ''attractors'' / &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 1.1 / '// &
+               '&load normal_force_n = 7000 / &mesh model = ''polynomial'' base_pitch_mm = 10 contact_ratio = '// &
+               str(drawn(1))//' coefficients = 400, '//str(drawn(2))//', '//str(drawn(3))//' / &dynamics damping_ratio = '// &
+               str(drawn(4))//' / &relief amount_um = '//str(relief, 17)//' / &attractors rpm = '//str(rpm, 17)//' /', answer)
+      call check_true(t, 'no motion that a start reaches is larger: '//name, largest > (1 - 1e-5_dp)* &
+                      answer%one('attractor_points.largest_dynamic_factor'), str(largest)//' and '// &
+                      str(answer%one('attractor_points.largest_dynamic_factor')))
+    end subroutine look_for_all
+  end subroutine joint_never_worse
 end module test_reliefs

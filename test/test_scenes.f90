@@ -1,7 +1,6 @@
 !> Nothing in vain: what a scene leaves out is not there, and what it gives is what
 !> the whole gives, to the last bit or within a stated error.
 module test_scenes
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_coefficients, only: resolution_t
   use gearsweep_contact_set, only: period_t
   use gearsweep_gauss, only: batch_size
@@ -123,33 +122,15 @@ contains
     type(tally_t), intent(inout) :: t
     type(case_t), intent(in) :: case
     type(study_t) :: all_tasks, alone
-    !> Tasks that take a motion from the sweep, and the tables in which they tell its dynamic factor.
-    character(task_length), parameter :: with_motion(6) = [character(task_length) :: 'load', 'flank', 'rating', 'life', &
-      'sensitivity', 'torque']
-    character(table_length), parameter :: told(6) = [character(table_length) :: 'load_points', 'flank_losses', 'dynamic_factors', &
-      'life_parts', 'sensitivity', 'torque_points']
     character(task_length), allocatable :: names(:)
-    character(table_length) :: where_told
     integer :: i
 
     call list_task_names(names)
     call study_of(t, case, all_tasks)
     do i = 1, size(names)
       call study_of(t, case, alone, names(i))
-      if (any(names(i) == with_motion)) then
-        ! Beside a sweep its speeds are solved with those of the sweep, alone by themselves: each to the tolerance.
-        where_told = told(findloc(with_motion, names(i), 1))
-        associate (here => column_of(alone, trim(where_told), 'dynamic_factor'), &
-                   there => column_of(all_tasks, trim(where_told), 'dynamic_factor'))
-          call check_true(t, trim(names(i))//' alone: has an answer where it has one among all', &
-                          all(ieee_is_nan(here) .eqv. ieee_is_nan(there)))
-          call check_close(t, trim(names(i))//' alone: the same motion', &
-                           maxval(abs(here - there), mask=.not. ieee_is_nan(here)), 0.0_dp, absolute=2e-6_dp)
-        end associate
-      else
-        call check_true(t, trim(names(i))//' alone: the same bits', &
-                        same_bits(numbers_of(alone, names(i)), numbers_of(all_tasks, names(i))))
-      end if
+      call check_true(t, trim(names(i))//' alone: the same bits', &
+                      same_bits(numbers_of(alone, names(i)), numbers_of(all_tasks, names(i))))
       call its_tables(t, alone, i)
       call check_true(t, trim(names(i))//' alone: stiffness only where it is needed', allocated(alone%mesh) .eqv. &
                       .not. any(names(i) == [character(10) :: 'geometry', 'section', 'modal', 'body_modes']))

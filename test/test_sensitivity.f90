@@ -409,8 +409,9 @@ contains
     type(answer_t) :: answer
     real(dp), allocatable :: factors(:)
 
-    call ask(t, text_of('load', number(2), number(1), number(3), number(4), number(5), number(6)), answer)
-    factors = answer%all_of('load_points.dynamic_factor')
+    ! Each speed by itself, as the derivatives are of that motion.
+    call ask(t, text_of('sweep', number(2), number(1), number(3), number(4), number(5), number(6)), answer)
+    factors = answer%all_of('sweep.dynamic_factor')
     factor = factors(1)
   end function factor_at
 
@@ -424,8 +425,9 @@ contains
            ' / &mesh model = ''polynomial'' contact_ratio = 1.6 coefficients = '//str(400*stiffness, 17)//', 0, '// &
            str(-110*stiffness, 17)//' / &relief amount_um = '//str(relief, 17)//' gear_fraction = 0.6 / '// &
            '&dynamics damping_ratio = '//str(zeta, 17)//' / &numerics tolerance = 1e-10 / '
-    if (task == 'load') text = text//'&sweep load_rpm = '//str(rpm, 17)//' /'
-    if (task /= 'load') text = text//'&sensitivity rpm = '//str(rpm, 17)//' /'
+    if (task == 'sweep') text = text//'&sweep direction = ''each'' rpm_step = 1 rpm_first = '//str(rpm, 17)//' rpm_last = '// &
+                                str(rpm, 17)//' /'
+    if (task /= 'sweep') text = text//'&sensitivity rpm = '//str(rpm, 17)//' /'
   end function text_of
 
   !> Where contact grazes, as the task `branches` has it; where two pairs have the largest load alike; and where there is no motion.

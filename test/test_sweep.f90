@@ -8,11 +8,12 @@ module test_sweep
   use gearsweep_files, only: read_text
   use gearsweep_optimum, only: find_resonances, peak_t, worst_of
   use gearsweep_oscillator, only: oscillator_t, make_oscillator
-  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, contact_full, contact_lost
+  use gearsweep_sweep, only: sweep_t, sweep_options_t, run_sweep, each, up, down, both, contact_full, contact_lost
   use gearsweep_tables, only: column_of
   use gearsweep_transient, only: by_marching
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_study, only: study_t, run_study
+  use gearsweep_text, only: str
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close, check_equal, check_error, check_no_error
   implicit none
@@ -29,6 +30,9 @@ contains
     if (t%wants('any_stiffness')) call any_stiffness(t)
     if (t%wants('threads_agree')) call threads_agree(t)
     if (t%wants('branches')) call branches(t)
+    if (t%wants('both_directions')) call both_directions(t)
+    if (t%wants('case_1_both')) call case_1_both(t)
+    if (t%wants('whole_contact_once')) call whole_contact_once(t)
     if (t%wants('marching_agrees')) call marching_agrees(t)
     if (t%wants('failures_stay_local')) call failures_stay_local(t)
     if (t%wants('too_many_points')) call too_many_points(t)
@@ -187,7 +191,7 @@ contains
   !> The same bits for any number of threads, in all directions.
   subroutine threads_agree(t)
     type(tally_t), intent(inout) :: t
-    integer, parameter :: directions(3) = [each, up, down]
+    integer, parameter :: directions(4) = [each, up, down, both]
     type(oscillator_t), allocatable :: osc(:)
     type(sweep_options_t) :: options
     type(sweep_t) :: one, many
@@ -195,14 +199,16 @@ contains
     integer :: i, k
 
     call rattling(osc, 0.05_dp)
-    do k = 1, 3
+    do k = 1, size(directions)
       options%direction = directions(k)
       options%threads = 1
       call run_sweep(osc, [(4000 + 170.0_dp*i, i=0, 80)], options, one, error)
       options%threads = 3
       call run_sweep(osc, [(4000 + 170.0_dp*i, i=0, 80)], options, many, error)
       call check_true(t, 'same bits', all(transfer(one%dynamic_factor, [0]) == transfer(many%dynamic_factor, [0])) .and. &
-                      all(transfer(one%estimate, [0]) == transfer(many%estimate, [0])) .and. all(one%status == many%status))
+                      all(transfer(one%estimate, [0]) == transfer(many%estimate, [0])) .and. all(one%status == many%status) &
+                      .and. all(transfer(one%other_factor, [0]) == transfer(many%other_factor, [0])) &
+                      .and. all(one%direction == many%direction))
       call check_true(t, 'contact is lost somewhere', any(one%contact >= contact_lost))
     end do
   end subroutine threads_agree
@@ -231,6 +237,112 @@ contains
     call check_true(t, 'contact kept below', all(pack(rising%contact(:, 1), between) < contact_lost))
     call check_true(t, 'contact lost above', all(pack(falling%contact(:, 1), between) >= contact_lost))
   end subroutine branches
+
+  !> The default direction has at every speed the larger of what one sweep up and another one down have, and the smaller
+  !> beside it; also where the way up meets the same motion again only below its own loss of contact.
+  subroutine both_directions(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: zeta(4) = [0.1_dp, 0.05_dp, 0.02_dp, 0.035_dp]
+    ! The last of these loses contact on the way up at its lowest speed where it is not in full contact.
+    real(dp), parameter :: first(4) = [4000, 4000, 4000, 2400], step(4) = [130, 130, 130, 160]
+    type(oscillator_t), allocatable :: osc(:)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: rising, falling, larger
+    type(error_t), allocatable :: error
+    logical, allocatable :: known(:, :), same(:, :)
+    real(dp) :: off
+    integer :: i, k
+
+    do k = 1, size(zeta)
+      call rattling(osc, zeta(k))
+      options = sweep_options_t()
+      call run_sweep(osc, [(first(k) + step(k)*i, i=0, 110)], options, larger, error)
+      call check_no_error(t, 'both', error)
+      options%direction = up
+      call run_sweep(osc, [(first(k) + step(k)*i, i=0, 110)], options, rising, error)
+      options%direction = down
+      call run_sweep(osc, [(first(k) + step(k)*i, i=0, 110)], options, falling, error)
+      known = has_result(rising%status) .and. has_result(falling%status)
+      associate (a => rising%dynamic_factor, b => falling%dynamic_factor)
+        off = maxval(abs(larger%dynamic_factor - max(a, b)), mask=known)
+        call check_true(t, 'the larger', off < 3e-6_dp, str(off))
+        off = maxval(abs(larger%other_factor - min(a, b)), mask=known)
+        call check_true(t, 'the smaller beside it', off < 3e-6_dp, str(off))
+        same = abs(a - b) < 1e-5_dp
+        call check_true(t, 'which is which', all((larger%direction == 0 .and. same) .or. (larger%direction == up .and. a > b) &
+                                                 .or. (larger%direction == down .and. b > a) .or. .not. known))
+        call check_true(t, 'two motions somewhere', count(known .and. .not. same) > 20, str(count(known .and. .not. same)))
+      end associate
+      call check_true(t, 'what one direction alone has is told', &
+                      all(has_result(larger%status) .eqv. (has_result(rising%status) .or. has_result(falling%status))))
+    end do
+  end subroutine both_directions
+
+  !> Case 1 at a damping ratio of 0.1: without relief the worst of a sweep up is 2.1 and that of a sweep down 3.8. The default
+  !> tells the larger of both, and the other beside it, in every table.
+  subroutine case_1_both(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: way(3) = [character(4) :: 'both', 'up', 'down']
+    type(study_t) :: study(3)
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    character(:), allocatable :: text
+    real(dp) :: worst(3), of_best(3), other(1)
+    integer :: i, at
+
+    do i = 1, 3
+      call read_text('data/case1.nml', text, error)
+      text = replaced(text, '''mesh'', ''load'', ''sweep'', ''optimum''', '''sweep''')
+      text = replaced(text, 'damping_ratio = 0.17', 'damping_ratio = 0.1')
+      text = replaced(text, 'load_rpm = 1600', 'direction = '''//trim(way(i))//'''')
+      call read_case(text, case, error)
+      call check_no_error(t, way(i), error)
+      call run_study(case, 'data/', 2, study(i), error)
+      call check_no_error(t, way(i), error)
+      worst(i) = maxval(column_of(study(i), 'sweep_worst', 'worst_dynamic_factor'))
+      of_best(i:i) = column_of(study(i), 'sweep_summary', 'worst_dynamic_factor')
+    end do
+    call check_true(t, 'up and down differ', worst(3) > 3.7_dp .and. worst(2) < 2.2_dp, str(worst(2))//' '//str(worst(3)))
+    call check_close(t, 'worst: the larger', worst(1), max(worst(2), worst(3)), absolute=3e-6_dp)
+    at = maxloc(column_of(study(1), 'sweep_worst', 'worst_dynamic_factor'), 1)
+    associate (others => column_of(study(1), 'sweep_worst', 'other_dynamic_factor'))
+      call check_close(t, 'worst: the other', others(at), min(worst(2), worst(3)), absolute=3e-6_dp)
+    end associate
+    call check_close(t, 'best relief: the larger', of_best(1), max(of_best(2), of_best(3)), absolute=3e-6_dp)
+    other = column_of(study(1), 'sweep_summary', 'other_dynamic_factor')
+    call check_close(t, 'best relief: the other', other(1), min(of_best(2), of_best(3)), absolute=3e-6_dp)
+    call check_close(t, 'in the resonances', maxval(column_of(study(1), 'resonances', 'dynamic_factor')), worst(1), &
+                     absolute=3e-6_dp)
+  end subroutine case_1_both
+
+  pure function replaced(text, this, that) result(new)
+    character(*), intent(in) :: text, this, that
+    character(:), allocatable :: new
+    integer :: at
+
+    at = index(text, this)
+    new = text(:at - 1)//that//text(at + len(this):)
+  end function replaced
+
+  !> Where contact is not lost nothing is computed twice: the bits are those of the way up, and the one motion stands on both
+  !> sides.
+  subroutine whole_contact_once(t)
+    type(tally_t), intent(inout) :: t
+    type(oscillator_t), allocatable :: osc(:)
+    type(sweep_options_t) :: options
+    type(sweep_t) :: rising, larger
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call rattling(osc, 0.3_dp)
+    call run_sweep(osc, [(2000 + 400.0_dp*i, i=0, 60)], options, larger, error)
+    options%direction = up
+    call run_sweep(osc, [(2000 + 400.0_dp*i, i=0, 60)], options, rising, error)
+    call check_true(t, 'contact is kept', all(larger%contact < contact_lost))
+    call check_true(t, 'same bits', all(transfer(larger%dynamic_factor, [0]) == transfer(rising%dynamic_factor, [0])))
+    call check_true(t, 'one motion', all(larger%direction == 0) .and. &
+                    all(transfer(larger%other_factor, [0]) == transfer(rising%dynamic_factor, [0])))
+  end subroutine whole_contact_once
 
   !> Marching finds what shooting does, to what it was asked for, and says that it repeats every period.
   subroutine marching_agrees(t)

@@ -14,7 +14,7 @@ module test_transient
   use gearsweep_stress, only: root_stress, root_stress_t
   use gearsweep_modal_superposition, only: advance_mode, load_history_t, modal_model_t, motion_record_t, superpose
   use gearsweep_text, only: str
-  use gearsweep_tooth_modes, only: along, find_tooth_modes, moved_y, tooth_modes_t
+  use gearsweep_tooth_modes, only: along, find_tooth_modes, moved_y, per_point, tooth_modes_t
   use gearsweep_tooth_transient, only: damp_modes, damping_t, follow_tooth, look_t, tooth_transient_t
   use hassan_gears, only: hassan_gear, hassan_options, hassan_pair
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
@@ -52,6 +52,7 @@ contains
     if (t%wants('moving_load')) call moving_load(t)
     if (t%wants('passages')) call passages(t)
     if (t%wants('direct')) call direct(t)
+    if (t%wants('jumps')) call jumps(t)
     if (t%wants('at_rest')) call at_rest(t)
     if (t%wants('grids')) call grids_differ(t)
     if (t%wants('refusals')) call refusals(t)
@@ -121,6 +122,8 @@ contains
       if (allocated(model%force)) deallocate (model%force, model%static)
       allocate (model%force(1, n + 1), source=reshape([(sin(pi*i/n), i=0, n)], [1, n + 1]))
       allocate (model%static, source=2*model%force/w**2)
+      ! Of which nothing is left.
+      model%rest_frequency = spread(w, 1, n + 1)
       history%time = [(i/(speed*n), i=0, n)]
       history%load = spread(3.0_dp, 1, n + 1)
       history%weight = reshape([((merge(1.0_dp, 0.0_dp, i == n), n=1, 40*k + 1), i=1, 40*k + 1)], [40*k + 1, 40*k + 1])
@@ -275,7 +278,50 @@ contains
                     > 0.05_dp*maxval(abs(found%record%static(along, :))))
   end subroutine direct
 
-  !> Stress along the drive fillet and displacement along the tooth at the chosen point (2, 0:samples), by Newmark's method of
+  !> A load that is there at once, doubles at once and halves at once: against the same direct integration, whose steps have the
+  !> jumps in their middles. Nothing has moved yet as the load comes, whatever the modes leave out. What these leave out rings by
+  !> itself after a jump, which no correction has: with 30 modes the largest stress is right within 1 %, and that of any time
+  !> within 4 % of it.
+  subroutine jumps(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: places = 5, samples = 500, modes = 30
+    type(tooth_modes_t) :: tooth(2)
+    type(section_body_t) :: grids(2)
+    type(passage_options_t) :: options
+    type(passage_t) :: passage
+    type(tooth_transient_t) :: found
+    type(error_t), allocatable :: error
+    type(mesh_t) :: mesh
+    real(dp), allocatable :: rough(:, :), fine(:, :)
+    real(dp) :: off, own
+    integer :: i, row
+    integer, parameter :: seen(2) = [1, 3]
+
+    call prepare(t, 3, modes, places, tooth, grids, options)
+    options%root%shares = [0.5_dp, 0.5_dp, 1.0_dp, 1.0_dp, 0.5_dp]
+    options%jump = 0.5_dp
+    mesh%contact_ratio = 1.7_dp
+    call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 5e-4_dp, passage)
+    call follow_tooth(tooth, stress_error_share(grids), passage, look_t(samples=samples), found, error)
+    call check_no_error(t, 'passage', error)
+    call integrate(grids(1)%body, grids(1), options, passage%history, samples, samples, rough)
+    call integrate(grids(1)%body, grids(1), options, passage%history, 3*samples, samples, fine)
+    do i = 1, 2
+      row = per_point*(i - 1) + along
+      associate (stress => found%record%value(row, :), exact => fine(seen(i), :), rest => found%record%static(row, :))
+        call check_close(t, 'nothing has moved yet', stress(1), 0.0_dp, absolute=1e-12_dp*maxval(abs(rest)))
+        off = abs(maxval(abs(stress))/maxval(abs(exact)) - 1)
+        own = abs(maxval(abs(rough(seen(i), :)))/maxval(abs(exact)) - 1)/8
+        call check_true(t, 'direct integration: its own error', own < 1e-3_dp, str(own))
+        call check_true(t, 'largest stress, side '//str(i), off < 1e-2_dp, str(off))
+        off = maxval(abs(stress - exact))/maxval(abs(exact))
+        call check_true(t, 'stress at all times', off < 0.04_dp, str(off))
+      end associate
+    end do
+  end subroutine jumps
+
+  !> Stress along the drive fillet, displacement along the tooth there and stress along the coast fillet at the chosen points
+  !> (3, 0:samples), by Newmark's method of
   !> constant average acceleration.
   subroutine integrate(body, grid, options, history, steps, samples, seen)
     type(body_t), intent(in) :: body
@@ -305,7 +351,10 @@ contains
     allocate (kept(body%unknowns, 0:samples))
     u = 0
     v = 0
-    a = 0
+    ! Where the load is there at once.
+    a = matmul(force, load_at(history, 0.0_dp))
+    call dpotrf('L', body%unknowns, m, body%unknowns, info)
+    call dpotrs('L', body%unknowns, 1, m, body%unknowns, a, body%unknowns, info)
     kept(:, 0) = u
     do i = 1, steps
       now = h*i
@@ -385,9 +434,10 @@ contains
       as_modes%modes%shape(:, :, i) = grid%body%spread_out(kept(:, i))
     end do
     call find_tooth_modes(grid, as_modes%modes, [grid%section%gear%reference_radius], [25*pi/180], tooth, error)
-    allocate (seen(2, 0:n - 1))
+    allocate (seen(3, 0:n - 1))
     seen(1, :) = tooth%model%shape(tooth%row_of(1) + along, :)
     seen(2, :) = tooth%model%shape(tooth%row_of(1) + moved_y, :)
+    seen(3, :) = tooth%model%shape(tooth%row_of(2) + along, :)
   end subroutine look_at
 
   !> The slower the load passes, the nearer comes the stress to that at rest: with damping in proportion to the speed. At rest

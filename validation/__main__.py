@@ -4,7 +4,7 @@ import argparse
 import pathlib
 import sys
 
-from . import check, ledger, moving_load, pictures, published, readme, report, spread
+from . import check, ledger, moving_load, page, pictures, published, report, spread
 
 
 def main(arguments=None):
@@ -25,12 +25,12 @@ def main(arguments=None):
     report.write_csv(options.out / 'report.csv', outcomes + checks)
     report.write_page(options.out / 'report.html', outcomes + checks, pictures.all_for(options.papers))
     print(f'Wrote {options.out / "report.html"} and report.csv')
-    if options.readme:
-        readme.update(outcomes)
+    if options.pages:
+        page.update(outcomes)
         published.update()
         pictures.update()
         moving_load.update()
-        print('Wrote README.md, doc/dynamic_factor.svg, doc/transient.md and data/hassan2009.csv')
+        print('Wrote doc/validation.md, doc/dynamic_factor.svg, doc/transient.md and data/hassan2009.csv')
     return int(any(outcome.bad for outcome in outcomes + checks))
 
 
@@ -42,15 +42,15 @@ def _options(arguments):
     parser.add_argument('papers', nargs='*', metavar='PAPER', help=f'of {", ".join(ledger.PAPERS)}; all unless given')
     parser.add_argument('--out', type=pathlib.Path, default=pathlib.Path('results/validation'), metavar='FOLDER',
                         help='where report.html and report.csv go (default: %(default)s)')
-    parser.add_argument('--readme', action='store_true',
-                        help='also renew what README.md and data/ take from the ledger')
+    parser.add_argument('--pages', action='store_true',
+                        help='also renew what doc/ and data/ take from the ledger')
     parser.add_argument('--spread', action='store_true', help='only print how far unstated inputs move our values')
     options = parser.parse_args(arguments)
     for paper in options.papers:
         if paper not in ledger.PAPERS:
             parser.error(f'no paper {paper}: one of {", ".join(ledger.PAPERS)}')
-    if options.readme and options.papers:
-        parser.error('--readme needs all papers')
+    if options.pages and options.papers:
+        parser.error('--pages needs all papers')
     options.papers = options.papers or list(ledger.PAPERS)
     return options
 

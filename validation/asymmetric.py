@@ -9,7 +9,7 @@ stands in.
 import pathlib
 
 from .cases import ANGLES, case, run, study
-from .readme import markdown, parts
+from .page import markdown, parts
 
 NAME = 'karpat_asymmetric'
 PAGE = pathlib.Path(__file__).parent.parent / 'doc' / 'asymmetric.md'

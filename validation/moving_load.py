@@ -3,10 +3,10 @@
 import pathlib
 import re
 
-from . import hassan2009, readme
+from . import hassan2009, page
 
 PATH = pathlib.Path(__file__).parent.parent / 'doc/transient.md'
-BEGIN, END = '<!-- Table 3: begin, by python -m validation --readme -->', '<!-- Table 3: end -->'
+BEGIN, END = '<!-- Table 3: begin, by python -m validation --pages -->', '<!-- Table 3: end -->'
 SPEEDS = (360, 720, 1440, 1800)
 COMPONENTS = ('sigma_x', 'sigma_y', 'tau_xy', 'mises')
 
@@ -43,7 +43,7 @@ def current():
 
 
 def same(text, other):
-    return readme.same(text, other)
+    return page.same(text, other)
 
 
 def update():

@@ -7,7 +7,7 @@ from .cases import DATA
 
 PATH = DATA / 'hassan2009.csv'
 HEAD = '''# Hassan, Thanigaiyarasu, Ramamurti 2009: printed values that the case hassan.nml computes.
-# Made from validation/hassan2009.csv by python -m validation --readme: change that one.
+# Made from validation/hassan2009.csv by python -m validation --pages: change that one.
 # status: stated (follows from the stated inputs), inferred (needs an input that is not
 # stated), fitted (an input was found from this very value, so that agreement shows
 # nothing), not reproducible (the stated inputs do not give it).

@@ -12,9 +12,10 @@ import unicodedata
 from dataclasses import dataclass
 
 from . import Case, Code, Error, Study, __version__
+from ._library import describe, edit
 from ._page import write as write_page
 from ._watch import Line
-from .study import attempt
+from .study import attempt, lost
 
 HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
 
@@ -32,6 +33,10 @@ usage: python -m gearsweep CASE.nml [options]      (- reads the case from standa
   --quiet         print errors only
   --version       print the version
   --help          print this
+  --help WORD...  tell of a task, a group, a key or GROUP KEY of a case, or of what means these words
+  --new TASK...   print a case for these tasks with every key, its default and its meaning
+  --new --short TASK...  the same with the required and the common keys only
+  --describe      print all tasks, groups and keys as JSON
 
 exit code: 0 done, 1 unusable case, 2 unusable command line, 3 file or folder,
            4 some operating points have no answer, 5 a method failed, 6 memory,
@@ -60,21 +65,38 @@ def main(words: list[str] | None = None) -> int:
             from .panel import main as panel
 
             return panel(words[1:])
-        if {'--help', '-h'} & set(words):
-            say(HELP)
-        elif '--version' in words:
-            say(f'gearsweep {__version__}')
-        else:
+        told = what_is_told(words)
+        if told is None:
             answer(arguments(words))
+        else:
+            say(told)
     except KeyboardInterrupt:  # before or after the library computed, or a second one
         return Code.INTERRUPTED
     except Error as error:
-        if error.code == Code.INTERRUPTED:
+        if error.code == Code.INTERRUPTED and not lost(error):
             complain('interrupted; the same command with --resume goes on from here')
         elif error.code != Code.PARTIAL:
             complain(str(error))
-        return error.code
+        return Code.FILE if lost(error) else error.code
     return Code.OK
+
+
+def what_is_told(words: list[str]) -> str | None:
+    """The text that the command line asks for instead of a run, as the program prints it; None: it asks for a run."""
+    for at, word in enumerate(words):
+        rest = words[at + 1 :]
+        try:
+            if word == '--version':
+                return f'gearsweep {__version__}'
+            if word in ('--help', '-h'):
+                return describe(f'help {" ".join(rest)}').removesuffix('\n') if rest and rest[0][:1] not in ('', '-') else HELP
+            if word == '--new':
+                return edit('new', ' '.join(rest)).removesuffix('\n')
+            if word == '--describe':
+                return describe(' '.join(rest) or 'all').removesuffix('\n')
+        except Error as error:
+            raise usage(f'{word} {error}') from error
+    return None
 
 
 def say(text: str) -> None:
@@ -171,6 +193,9 @@ def answer(wanted: Arguments) -> None:
     study, error, _ = attempt(Case(case.text, folder), wanted.threads, None, shown, kept if wanted.resume else '', kept)
     if shown:
         shown.close()
+    taken = [line for line in study.log.splitlines() if line.startswith('resumed: ')] if study and wanted.resume else []
+    if taken and not wanted.quiet:
+        complain(taken[0])
     if study is None:
         remove_folder(wanted.out, made)
         raise error or Error('the run made no study')
@@ -179,12 +204,16 @@ def answer(wanted: Arguments) -> None:
         written = study.write(wanted.out, name)
     except Error as one:  # told after the answer
         failure = one
-    if error is not None and error.code == Code.INTERRUPTED:
+    if error is not None and error.code == Code.INTERRUPTED and not lost(error):
         written.append(kept)
     if not wanted.quiet:
         lines = [f'gearsweep {__version__}\n{study.report()}Time               {time.perf_counter() - began:.3g} s']
         if wanted.verbose:
             lines.append('\n' + study.log.rstrip('\n'))
+        tables = [path for path in written if path.endswith('.csv')]
+        if tables and not wanted.verbose:
+            lines.append(f'Wrote              {len(tables)} tables: {wanted.out}/{name}.*.csv')
+            written = [path for path in written if path not in tables]
         say('\n'.join(lines + [f'Wrote              {path}' for path in written]))
     if failure is not None:
         remove_folder(wanted.out, made)

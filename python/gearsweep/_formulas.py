@@ -58,7 +58,7 @@ def _common(study: Study) -> list[Formula]:
 
 
 def _of(study: Study, member: str) -> Iterator[tuple[str, list[Formula]]]:
-    """Of one gear, the two operating points at which contact and root stress by Method A are largest."""
+    """Of one gear, the two operating points at which contact and root stress are largest."""
     factors, rating = study.rating_factors.at(member=member), study.rating.at(member=member)
     for kind, clause, letter, expressions in STRESSES:
         stress = rating[f'{kind}_stress_mpa']
@@ -68,7 +68,7 @@ def _of(study: Study, member: str) -> Iterator[tuple[str, list[Formula]]]:
         where = {'relief_um': float(rating.relief_um[relief]), 'rpm': float(rating.rpm[speed])}
         point = rating.at(**where)
         values = _short(factors) | {'b': study.geometry.face_width_mm, 'm': study.geometry.module_mm,
-                                    'K_v': study.dynamic_factors.at(**where).dynamic_factor,
+                                    'K_v': point.internal_dynamic_factor,
                                     f'sigma_{letter}': point[f'{kind}_stress_mpa']}  # fmt: skip
         found = [Formula(clause, symbol, text.replace('Z_B', 'Z_D') if member == 'gear' else text, values, values[symbol], 'MPa')
                  for symbol, text in expressions.items()]  # fmt: skip
@@ -82,7 +82,7 @@ def _of(study: Study, member: str) -> Iterator[tuple[str, list[Formula]]]:
 STRESSES = (
     ('contact', 'ISO 6336-2, clause 5', 'H', {'sigma_H': 'Z_B * sigma_H0 * sqrt(K_A * K_v * K_H_beta * K_H_alpha)'}),
     ('root', 'ISO 6336-3, clause 5', 'F',
-     {'sigma_F0': 'F_t / (b * m) * Y_F * Y_S * Y_B', 'sigma_F': 'sigma_F0 * K_A * K_v * K_F_beta * K_F_alpha'}),
+     {'sigma_F0': 'F_t / (b * m) * Y_F * Y_S * Y_B * Y_DT', 'sigma_F': 'sigma_F0 * K_A * K_v * K_F_beta * K_F_alpha'}),
 )  # fmt: skip
 
 #: What the standard calls the columns of the table `rating_factors`.
@@ -101,6 +101,7 @@ SYMBOLS = {
     'Y_F': 'form_factor',
     'Y_S': 'stress_correction',
     'Y_B': 'rim_factor',
+    'Y_DT': 'deep_tooth_factor',
     'sigma_H0': 'nominal_contact_mpa',
     'sigma_F0': 'nominal_root_mpa',
     'cprime': 'single_stiffness_n_mm_um',

@@ -14,7 +14,7 @@ def given(text: str) -> dict[str, dict[str, str]]:
     >>> given("&pinion teeth = 25 / ! small\\n&relief amount_um = 0, 5 shape = 'linear' /")
     {'pinion': {'teeth': '25'}, 'relief': {'amount_um': '0, 5', 'shape': "'linear'"}}
     """
-    found: dict[str, dict[str, str]] = {}
+    found: dict[str, dict[str, list[str]]] = {}
     group = key = ''
     for remark, quoted, begun, ended, name, other in _PART.findall(text):
         if remark:
@@ -23,7 +23,10 @@ def given(text: str) -> dict[str, dict[str, str]]:
             group, key = begun.lower(), ''
         elif name and group:
             key = name.lower()
-            found.setdefault(group, {})[key] = ''
+            found.setdefault(group, {})[key] = []
         elif group and key:
-            found[group][key] = f'{found[group][key]} {quoted or other}'.replace(' ,', ',').strip()
-    return found
+            words = found[group][key]
+            if words and not other.startswith(','):
+                words.append(' ')
+            words.append(quoted or other)
+    return {group: {key: ''.join(words) for key, words in keys.items()} for group, keys in found.items()}

@@ -23,7 +23,7 @@ class GeometryTable(Table):
     coast_working_angle_deg: float
     """deg: working pressure angle of the coast flanks"""
     backlash_um: float
-    """um: along the line of action"""
+    """um: along the line of action: as backlash_um of &pair states it for the motion, else what centre distance and tooth thickness leave"""
     rounding_um: float
     """um: how far the centre distance lies below the one without backlash, by rounding of the inputs"""
     shorten_path: int
@@ -231,7 +231,7 @@ class RootRatingTable(Table):
     point: str
     """of the path of contact where the load acts"""
     iso_mpa: float
-    """MPa: sigma_F0 of ISO 6336-3"""
+    """MPa: sigma_F0 of ISO 6336-3, which takes the load there up to a contact ratio of 2"""
     iso_form_factor: float
     """Y_F"""
     iso_stress_correction: float
@@ -326,6 +326,8 @@ class LoadPointsTable(Table):
     """how the operating point ended, in a word"""
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
+    motions: NDArray[float64]
+    """how many motions attract at this speed, of which this is the one with the largest DF; NaN where that is not known"""
     coast_factor: NDArray[float64]
     """largest load on the coast sides over the static load; 0 where they do not touch; NaN where there is no answer"""
     mean_load_ratio: NDArray[float64]
@@ -428,6 +430,8 @@ class TorquePointsTable(Table):
     """how the operating point ended, in a word"""
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
+    motions: NDArray[float64]
+    """how many motions attract at this speed, of which this is the one with the largest DF; NaN where that is not known"""
 
 class TorqueHarmonicsTable(Table):
     """transmitted torque as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh periods tau; harmonic 0 is the mean"""
@@ -477,7 +481,7 @@ class SweepTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
     branch_lost: NDArray[int64]
-    """with direction up or down, 1: the motion at the speed before led to none here, and this point was solved by itself; else 0"""
+    """with direction up, down or both, 1: the motion at the speed before led to none here, and this point was solved by itself; else 0"""
     frequency_ratio: NDArray[float64]
     """mesh frequency over the natural frequency of the mean mesh stiffness"""
     coast_factor: NDArray[float64]
@@ -485,7 +489,7 @@ class SweepTable(Table):
     motions: NDArray[float64]
     """with direction all: how many motions attract at this speed"""
     largest_dynamic_factor: NDArray[float64]
-    """with direction all: largest DF of these"""
+    """with direction all: largest DF of these, without those that no start reaches"""
     share: NDArray[float64]
     """with direction all: share of the starts that lead to the motion of this row"""
 
@@ -500,14 +504,14 @@ class SweepWorstTable(Table):
     """1/min: speed of the pinion where that is"""
 
 class ResonancesTable(Table):
-    """largest dynamic factor of each relief within 15 % of the speeds at which the least relieved mesh resonates"""
+    """largest dynamic factor of each relief about the speeds at which the least relieved mesh resonates, within 15 % and half-way to the next"""
 
     relief_um: NDArray[float64]
     """um: amount of relief"""
     resonance_rpm: NDArray[float64]
     """1/min: speed of the pinion in the resonance"""
     dynamic_factor: NDArray[float64]
-    """largest DF within 15 % of that speed; NaN where none has an answer"""
+    """largest DF within 15 % of that speed, and no farther than half-way to the next resonance; NaN where none has an answer"""
     rpm: NDArray[float64]
     """1/min: speed of the pinion where that is"""
 
@@ -553,7 +557,7 @@ class SweepSummaryTable(Table):
     points_transient: int
     """the motion had not settled when the march ended"""
     points_unbounded: int
-    """the motion grows without bound"""
+    """the deflection passed 1e4 static ones; no bound was seen"""
     points_stopped: int
     """not computed, as the run was interrupted"""
 
@@ -566,6 +570,8 @@ class OptimumTable(Table):
     """largest DF over the speeds; NaN where none has an answer"""
     rpm: float
     """1/min: speed of the pinion where that is"""
+    largest_dynamic_factor: float
+    """largest DF at that speed of all motions that are known: its own, and those that a start reaches; NaN where there is none"""
     within_um: float
     """um: the true optimum lies so near"""
     points_without_answer: int
@@ -596,6 +602,10 @@ class OptimumDesignTable(Table):
     """path coordinate at which the pinion's relief begins, in base pitches from A"""
     gear_relief_start: float
     """at which the gear's begins"""
+    pinion_start_diameter_mm: float
+    """mm: diameter of the pinion at which its relief begins; NaN for a prescribed mesh"""
+    gear_start_diameter_mm: float
+    """mm: the same of the gear"""
     worst_dynamic_factor: float
     """largest DF over the speeds and loads; NaN where none has an answer"""
     within: float
@@ -803,7 +813,7 @@ class HysteresisDelaysTable(Table):
     delay_s: NDArray[float64]
     """s: time from the jump of the slow run to that"""
     error_estimate_s: NDArray[float64]
-    """s: estimated error of the delay: its change with steps twice as long"""
+    """s: estimated error of the delay: its change with steps twice as long, and a mesh period, of which it is a whole number"""
 
 class PoincareTable(Table):
     """the motion seen once a mesh period, as a new pair enters"""
@@ -855,7 +865,7 @@ class AttractorsTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
     starts: NDArray[int64]
-    """how many starts lead to it"""
+    """how many starts lead to it; 0: none reaches it, and it is left out of largest values"""
     share: NDArray[float64]
     """the same as a share of all starts"""
     dte_um: NDArray[float64]
@@ -873,7 +883,7 @@ class AttractorPointsTable(Table):
     motions: NDArray[int64]
     """how many attracting motions are known"""
     largest_dynamic_factor: NDArray[float64]
-    """largest DF of all of them; NaN where none is known"""
+    """largest DF of those that a start reaches or a sweep of single speeds shows; NaN where none is known"""
     each_dynamic_factor: NDArray[float64]
     """DF that a sweep with direction = 'each' shows; NaN where it has no answer"""
     each_motion: NDArray[int64]
@@ -961,7 +971,7 @@ class BranchChangesTable(Table):
     branch: NDArray[int64]
     """which branch"""
     kind: NDArray[str_]
-    """fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or leaves"""
+    """fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or leaves; vertical: a line of motions begins at one value of the parameter; unknown: contact or stability changes between this point and the one before, and it is not known how"""
     after_point: NDArray[int64]
     """the point of the branch before it"""
     rpm: NDArray[float64]
@@ -987,7 +997,7 @@ class BranchChangesTable(Table):
     in_period: NDArray[int64]
     """of grazing, in which of the mesh periods; 0 as above"""
     enclosed: NDArray[float64]
-    """between places so far apart it is enclosed, in the unit of the parameter's name"""
+    """between motions so far apart it is enclosed, as a distance in the unit of the parameter's name"""
 
 class BranchCurvesTable(Table):
     """curves of folds, doublings and grazings over both parameters"""
@@ -1182,6 +1192,12 @@ class FlankLossesTable(Table):
     """static: as stiffness and relief share the load; dynamic: that of the motion"""
     friction_coefficient: NDArray[float64]
     """mean coefficient of friction"""
+    viscosity_mpa_s: NDArray[float64]
+    """mPa s: of the case: viscosity of the oil"""
+    roughness_um: NDArray[float64]
+    """um: of the case: roughness Ra; NaN where the coefficient of friction is stated"""
+    oil_factor: NDArray[float64]
+    """of the case: X_L of the oil; NaN where the coefficient of friction is stated"""
     loss_factor: NDArray[float64]
     """H_v: mean of load times sliding speed of all pairs, over static load and speed of the base circles"""
     loss_factor_half_shares: NDArray[float64]
@@ -1206,6 +1222,8 @@ class FlankLossesTable(Table):
     """estimated error of DF; NaN where there is no answer or it is not known"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
+    motions: NDArray[float64]
+    """how many motions attract at this speed, of which this is the one with the largest DF; NaN where that is not known; also under the static load"""
 
 class RatingTable(Table):
     """contact stress and tooth root stress by ISO 6336, and their safety factors"""
@@ -1216,22 +1234,18 @@ class RatingTable(Table):
     """1/min: speed of the pinion"""
     member: NDArray[str_]
     """pinion or gear"""
+    method: NDArray[str_]
+    """whose K_v it is, as dynamic_factor_method has it: a or b"""
+    internal_dynamic_factor: NDArray[float64]
+    """K_v by that method; NaN where there is no answer"""
     contact_stress_mpa: NDArray[float64]
-    """MPa: contact stress sigma_H with K_v by Method A"""
+    """MPa: contact stress sigma_H"""
     contact_safety: NDArray[float64]
-    """S_H with K_v by Method A; NaN without contact_limit_mpa or a material"""
+    """S_H; NaN without contact_limit_mpa or a material"""
     root_stress_mpa: NDArray[float64]
-    """MPa: tooth root stress sigma_F with K_v by Method A"""
+    """MPa: tooth root stress sigma_F"""
     root_safety: NDArray[float64]
-    """S_F with K_v by Method A; NaN without root_limit_mpa or a material"""
-    contact_stress_b_mpa: NDArray[float64]
-    """MPa: contact stress sigma_H with K_v by Method B"""
-    contact_safety_b: NDArray[float64]
-    """S_H with K_v by Method B; NaN without contact_limit_mpa or a material"""
-    root_stress_b_mpa: NDArray[float64]
-    """MPa: tooth root stress sigma_F with K_v by Method B"""
-    root_safety_b: NDArray[float64]
-    """S_F with K_v by Method B; NaN without root_limit_mpa or a material"""
+    """S_F; NaN without root_limit_mpa or a material"""
 
 class RatingFactorsTable(Table):
     """factors of ISO 6336:2006 that do not depend on the speed"""
@@ -1264,6 +1278,8 @@ class RatingFactorsTable(Table):
     """Y_S, ISO 6336-3, clause 7"""
     rim_factor: NDArray[float64]
     """Y_B, ISO 6336-3, clause 9"""
+    deep_tooth_factor: NDArray[float64]
+    """Y_DT, ISO 6336-3, clause 10"""
     nominal_root_mpa: NDArray[float64]
     """MPa: nominal tooth root stress sigma_F0, ISO 6336-3, clause 5"""
     single_stiffness_n_mm_um: NDArray[float64]
@@ -1274,12 +1290,18 @@ class RatingFactorsTable(Table):
     """kg/mm: m_red of a unit of face width, from the effective masses of the case"""
     resonance_rpm: NDArray[float64]
     """1/min: resonance running speed n_E1 of the pinion, ISO 6336-1, 6.5.3"""
+    accuracy_grade: NDArray[int64]
+    """of ISO 1328-1; of stated deviations the finest that allows them, 13 for none"""
     pitch_deviation_um: NDArray[float64]
     """um: f_pb after running in"""
     profile_deviation_um: NDArray[float64]
     """um: f_f_alpha after running in"""
     material: NDArray[str_]
-    """of the case; empty for none"""
+    """whose numbers are taken; empty for none"""
+    material_name: NDArray[str_]
+    """what the case calls it; empty for none"""
+    material_grade: NDArray[str_]
+    """its quality grade by ISO 6336-5; empty for none"""
     contact_number_mpa: NDArray[float64]
     """MPa: allowable stress number sigma_Hlim of the material; NaN without one"""
     root_number_mpa: NDArray[float64]
@@ -1292,7 +1314,7 @@ class RatingFactorsTable(Table):
     """1 where both flanks have one pressure angle, as ISO 6336-3 means it, else 0"""
 
 class DynamicFactorsTable(Table):
-    """dynamic factor K_v by Method A, which is that of the motion, and by Method B"""
+    """dynamic factor K_v by Method A, from the motion, and by Method B"""
 
     relief_um: NDArray[float64]
     """um: amount of relief"""
@@ -1304,6 +1326,12 @@ class DynamicFactorsTable(Table):
     """estimated error of DF; NaN where there is no answer or it is not known"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
+    motions: NDArray[float64]
+    """how many motions attract at this speed, of which this is the one with the largest DF; NaN where that is not known"""
+    static_share: NDArray[float64]
+    """largest load of a pair at rest over the static load"""
+    dynamic_factor_a: NDArray[float64]
+    """K_v by ISO 6336-1, Method A: DF over static_share, at least 1; NaN where there is no answer"""
     dynamic_factor_b: NDArray[float64]
     """K_v by ISO 6336-1, Method B"""
     resonance_ratio: NDArray[float64]
@@ -1412,6 +1440,8 @@ class TransientPeaksTable(Table):
     """estimated discretisation error of the stresses, relative"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
+    motions: NDArray[float64]
+    """how many motions attract at this speed, of which this is the one with the largest DF; NaN where that is not known; also under a static load"""
 
 class HarmonicTable(Table):
     """stress, strain and displacement at points of the fillets over the frequency of the load"""
@@ -1520,6 +1550,8 @@ class LifePartsTable(Table):
     """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer, and for the static load"""
     status: NDArray[str_]
     """how the operating point ended, in a word"""
+    motions: NDArray[float64]
+    """how many motions attract at this speed, of which this is the one with the largest DF; NaN where that is not known; also under the static load"""
     engagements: NDArray[float64]
     """how often a tooth carries"""
     root_stress_mpa: NDArray[float64]

@@ -147,11 +147,11 @@ class Line:
         self.told = False
 
     def __call__(self, done: int, total: int) -> None:
-        if self.first is None:
-            self.first = done - 1
+        if self.first is None:  # what a resumed run takes over tells nothing of the time
+            self.first, self.began = done, time.monotonic()
         line = f'{done} of {total} points, {100 * done // total} %'
         seconds = time.monotonic() - self.began
-        if seconds > 1:
+        if seconds > 1 and done > self.first:
             line += f', {_duration(seconds * (total - done) / (done - self.first))} left'
         print(f'\r{line:60}', end='', file=sys.stderr, flush=True)
         self.told = True

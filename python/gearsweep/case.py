@@ -167,9 +167,11 @@ def written(value: Any) -> str:
         except OverflowError as error:
             raise Error(f'a case has no number as large as {type(value).__name__}: {error}') from error
     if isinstance(value, Iterable) and not isinstance(value, (bytes, Mapping)):
-        words = [written(one) for one in value]
-        if all(words):
-            return ', '.join(words)
+        ones = [one.tolist() if hasattr(one, 'tolist') else one for one in value]
+        if all(isinstance(one, str) or not isinstance(one, Iterable) for one in ones):
+            words = [written(one) for one in ones]
+            if all(words):
+                return ', '.join(words)
     raise TypeError(f'a case has no values such as {value!r}')
 
 

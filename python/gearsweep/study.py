@@ -202,7 +202,9 @@ def run(
         Called now and then with the number of operating points that are done, and of all. True shows a bar on
         stderr, by tqdm where it is installed. An exception that it raises ends the run and comes out.
     keep : path, optional
-        File that is written where the run is interrupted, by Ctrl-C or by `progress`, with what is done by then.
+        File that is written where the run is interrupted, by Ctrl-C or by `progress`, with what is done by then. Where none
+        can be written under this name, an `Error` says so before the run begins; where it fails in the end, an `Error` that
+        says why is the `__cause__` of the exception.
     resume : path, optional
         Such a file: the run goes on from there, to the same bits as if it had not been interrupted. One of another
         case or version is refused. Interrupted again, it is written anew, unless `keep` names another file.
@@ -225,7 +227,7 @@ def run(
     ...     &pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 / &section elements_across = 4 /''')
     >>> study = gearsweep.run(case)
     >>> print(f'{study.geometry.contact_ratio:.4f}, {study.motion.natural_frequency_hz:.1f} Hz')
-    1.6248, 7591.3 Hz
+    1.6248, 7722.8 Hz
     >>> 'sweep' in study
     False
     """
@@ -239,12 +241,17 @@ def run(
     with contextlib.closing(bar()) if progress is True else contextlib.nullcontext(progress or None) as shown:
         study, error, cause = attempt(case, threads, earlier, shown, resume, keep or resume)
     if cause is not None:
-        raise cause
+        raise cause from (error if error is not None and lost(error) else None)
     if study is None or (error is not None and error.code == Code.INTERRUPTED):
         raise error or Error('the run made no study')
     if error is not None:
         warnings.warn(str(error), PartialWarning, stacklevel=2)
     return study
+
+
+def lost(error: Error) -> bool:
+    """Does the error of an interrupted run tell that what was done could not be kept?"""
+    return error.code == Code.INTERRUPTED and '; it is not kept: ' in str(error)
 
 
 def attempt(
@@ -272,6 +279,8 @@ def read(path: str | os.PathLike) -> Study:
         about = json.loads(arrays.pop('about').tobytes())
         if about['format'] != _FORMAT:
             raise Error(f'cannot read {path}: format {about["format"]} is not known to this version', Code.FILE)
+        if not all(isinstance(words, str) for words in (about['text'], about['folder'], *(about['texts'][what] for what in _TEXTS))):
+            raise TypeError
         study = _restored(about, {tuple(name.split('.')): values for name, values in arrays.items()})
         _ = [table[name] for table in study for name in table]
         return study

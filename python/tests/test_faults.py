@@ -1,15 +1,19 @@
 """Full disks, links, names and full standard output: old files stay, and nothing ends without a word."""
 
+import json
 import os
 import re
 import subprocess
 import sys
+import time
 
+import numpy as np
 import pytest
 from conftest import GEARED, PRESCRIBED
 
 import gearsweep
 from gearsweep import Case, Code, Error
+from gearsweep._given import given
 
 # Files may have 1 kB, as if the disk were full then; Python leaves out the signal that would end the process.
 LIMITED = """
@@ -90,6 +94,36 @@ def test_control_characters():
             gearsweep.run(Case(PRESCRIBED + f'! {control}'))
     with pytest.raises(Error, match=r'control character .code 155.'):
         gearsweep.run(Case(PRESCRIBED + '! \udc9b'))
+
+
+def test_values_of_a_case_are_a_list_at_most():
+    ring = [1.0]
+    ring.append(ring)
+    for value in (np.ones((2, 2)), [[1, 2], [3, 4]], ring, [np.ones(2)], [range(3)]):
+        with pytest.raises(TypeError, match='a case has no values such as'):
+            Case(PRESCRIBED).changed(relief={'amount_um': value})
+    assert Case(PRESCRIBED).changed(relief={'amount_um': np.array([0, 5])}).get('relief', 'amount_um') == (0, 5)
+
+
+@pytest.mark.parametrize('wrong', [{'texts': None}, {'texts': {'report': None, 'log': None}}, {'folder': None}, {'text': 5}])
+def test_a_file_whose_texts_are_none(tmp_path, wrong):
+    gearsweep.run(Case(PRESCRIBED), 'mesh').save(tmp_path / 'x.npz')
+    with np.load(tmp_path / 'x.npz') as file:
+        arrays = dict(file)
+    about = json.loads(arrays.pop('about').tobytes()) | wrong
+    np.savez(tmp_path / 'x.npz', about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
+    with pytest.raises(Error, match='is no result of gearsweep'):
+        gearsweep.read(tmp_path / 'x.npz')
+
+
+def test_what_a_text_gives_is_found_in_linear_time():
+    """By seconds of this process, whatever else the machine does; where each word took as long as all before it, 35 s."""
+    speeds = ', '.join(str(1000 + i / 2) for i in range(100_000))
+    for text, wanted in ((f'&poincare rpm = {speeds} /', speeds), ('&poincare rpm = ' + 100_000 * '"\'', None)):
+        began = time.process_time()
+        found = given(text)
+        assert time.process_time() - began < 5
+        assert wanted is None or found == {'poincare': {'rpm': wanted}}
 
 
 def test_endless_and_long_cases(tmp_path):

@@ -13,6 +13,7 @@ from conftest import GEARED, PRESCRIBED, bits
 
 import gearsweep
 from gearsweep import Case, Code, Error, _watch
+from gearsweep.study import attempt
 
 # Some 20 000 points, many of them with loss of contact, that follow each other: half a minute.
 LONG = Case(PRESCRIBED).changed(
@@ -69,6 +70,51 @@ def test_ctrl_c_ends_within_a_second(case, task):
     assert took < 5, took
 
 
+@pytest.mark.parametrize(('task', 'keys'), [('poincare', {'settling_periods': 9_999_999}), ('stability', {'rpm': 7, 'damping_count': 99_999})])
+def test_nothing_goes_on_in_the_background(task, keys):
+    """Some 10 million mesh periods, and 100 000 damping ratios: minutes of work that end with the run."""
+    end_by_ctrl_c(0.5, lambda: gearsweep.run(LONG.changed(**{task: keys}), task))
+    deadline = time.monotonic() + 20
+    while any(isinstance(thread, _watch._Worker) for thread in threading.enumerate()):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_a_file_that_cannot_be_kept_is_told_before_the_run(tmp_path):
+    for path in (tmp_path / 'none' / 'x', tmp_path):
+        with pytest.raises(Error, match='cannot write') as caught:
+            gearsweep.run(LONG, keep=path, progress=lambda done, total: pytest.fail('the run had begun'))
+        assert caught.value.code == Code.FILE
+
+
+def test_what_could_not_be_kept_in_the_end_is_told_with_the_interruption(tmp_path):
+    """As where a disk becomes full meanwhile: here the folder is gone."""
+    folder = tmp_path / 'gone'
+    folder.mkdir()
+
+    def stop(done, total):
+        folder.rmdir()
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        gearsweep.run(LONG, progress=stop, keep=folder / 'kept')
+    assert 'it is not kept: cannot write to the folder' in str(caught.value.__cause__)
+    folder.mkdir()
+    study, error, _ = attempt(LONG, progress=stop, keep=folder / 'kept')
+    assert error.code == Code.INTERRUPTED and 'it is not kept: cannot write' in str(error)
+    assert 'stopped' in study.sweep.status
+
+
+def test_the_time_left_counts_from_what_was_taken_over(monkeypatch, capsys):
+    """Of 1000 points 700 were there after 10 s; the next 100 take 2 s, so that the last 200 take 4 s."""
+    now = iter([0.0, 10.0, 10.0, 12.0])
+    monkeypatch.setattr(_watch.time, 'monotonic', lambda: next(now))
+    line = _watch.Line()
+    line(700, 1000)
+    line(800, 1000)
+    assert capsys.readouterr().err.split('\r')[-1].strip() == '800 of 1000 points, 80 %, 4 s left'
+
+
 def test_the_interpreter_ends_while_a_call_that_nobody_waits_for_goes_on(tmp_path):
     """By the signal, as Python ends after Ctrl-C, and not in the middle of libraries that are gone."""
     script = tmp_path / 'ends.py'
@@ -102,7 +148,7 @@ def test_an_exception_in_the_callback_comes_out():
 
 
 @pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
-@pytest.mark.parametrize('direction', ['up', 'down', 'each'])
+@pytest.mark.parametrize('direction', ['both', 'up', 'down', 'each'])
 def test_an_interrupted_run_goes_on_to_the_same_bits(direction, tmp_path):
     case = SHORT.changed(sweep={'direction': direction})
     whole = gearsweep.run(case)

@@ -4,6 +4,7 @@ import http.client
 import io
 import json
 import os
+import socket
 import subprocess
 import sys
 import threading
@@ -24,7 +25,7 @@ from gearsweep._outline import contact_path
 from gearsweep.panel import files
 from gearsweep.panel.desk import Desk, Gone
 from gearsweep.panel.places import DATA, Places, description, file_keys
-from gearsweep.panel.server import Server
+from gearsweep.panel.server import Handler, Server
 
 ROOT = Path(__file__).parents[2]
 CASES = sorted(path.name for path in (ROOT / 'data').glob('*.nml'))
@@ -225,6 +226,22 @@ def distance(point, line):
     return np.hypot(*(start + part[:, None] * side - point).T).min()
 
 
+def test_the_gap_drawn_is_the_backlash_that_the_case_states(desk):
+    case = Case(GEARED)
+    tight, wide = (desk.run(text, '', ['mesh'], teeth=True)['scene'] for text in (case.text, case.changed(pair={'backlash_um': 80}).text))
+    assert wide['pinion'] == tight['pinion']
+    teeth = [np.array(scene['gear']['tooth']) for scene in (tight, wide)]
+    radius = scene_base_radius(tight)
+    moved = np.arctan2(teeth[1][:, 1], teeth[1][:, 0]) - np.arctan2(teeth[0][:, 1], teeth[0][:, 0])
+    # Turned by the backlash over the base radius, on one side of the tooth only.
+    assert np.abs(moved).max() == pytest.approx(0.08 / radius, rel=1e-3)
+    assert (np.abs(moved) < 1e-9).any() and np.allclose(np.hypot(*teeth[0].T), np.hypot(*teeth[1].T), atol=2e-6)
+
+
+def scene_base_radius(scene):
+    return scene['base_pitch'] * scene['gear']['teeth'] / (2 * np.pi)
+
+
 def test_a_prescribed_mesh_has_no_teeth(desk):
     assert desk.run(PRESCRIBED, '', ['mesh'], teeth=True)['scene'] is None
 
@@ -315,6 +332,60 @@ def test_requests_that_are_none_are_refused(server):
     assert ask(server, 'POST', '/call/check', {'nothing': 1})[0] == 400
     assert ask(server, 'POST', '/call/check', {'text': 5, 'place': ''})[0] == 400
     assert ask(server, 'POST', '/call/check', {}, Content_Length='999999999999')[0] == 400
+
+
+def test_requests_without_bounds_get_an_answer(server):
+    assert ask(server, 'POST', '/call/check', {}, Content_Length='-1')[0] == 400
+    assert ask(server, 'GET', '/static/' + 5000 * 'x' + '.js')[0] == 404
+    connection = http.client.HTTPConnection('127.0.0.1', server.server_port, timeout=60)
+    connection.request('POST', '/call/check', 100_000 * '[', {'Origin': server.address.rstrip('/'), 'Content-Type': 'application/json'})
+    assert connection.getresponse().status == 400
+    connection.close()
+
+
+def test_connections_that_say_nothing_are_ended(server, monkeypatch):
+    assert 0 < Handler.timeout <= 60
+    monkeypatch.setattr(Handler, 'timeout', 0.2)
+    with socket.create_connection(('127.0.0.1', server.server_port), timeout=60) as silent:
+        silent.sendall(b'POST /call/check HTTP/1.1\r\nContent-')
+        assert silent.recv(1) == b''
+    # No more at once than a browser opens.
+    monkeypatch.setattr(Handler, 'timeout', 60)
+    many = [socket.create_connection(('127.0.0.1', server.server_port), timeout=60) for _ in range(150)]
+    assert many[-1].recv(1) == b'' and threading.active_count() < 150
+    for one in many:
+        one.close()
+
+
+def test_runs_wait_for_their_turn_and_can_be_stopped_then(desk, monkeypatch):
+    """Two at once; the third waits, and ends when it is stopped, before it had begun."""
+    begun, ends = [], threading.Event()
+
+    def run_for_long(case, *rest, **words):
+        begun.append(case)
+        assert ends.wait(60)
+        raise Error('done')
+
+    monkeypatch.setattr('gearsweep.panel.desk.attempt', run_for_long)
+    ended = {}
+
+    def run(name):
+        with pytest.raises(Error) as caught:
+            desk.run(PRESCRIBED, '', run=name)
+        ended[name] = str(caught.value)
+
+    threads = [threading.Thread(target=run, args=(name,)) for name in 'abc']
+    for thread in threads:
+        thread.start()
+        time.sleep(0.3)
+    assert len(begun) == 2
+    assert desk.stop('c')
+    threads[2].join(60)
+    assert ended == {'c': 'stopped before it was done'} and len(begun) == 2
+    ends.set()
+    for thread in threads:
+        thread.join(60)
+    assert ended['a'] == ended['b'] == 'done'
 
 
 def test_a_run_comes_line_by_line_and_its_files_are_the_programs(server, tmp_path):

@@ -55,6 +55,8 @@ PRESCRIBED = {
 # What a key needs beside it: removed keys are None.
 BESIDE = {
     'torque_nm': {'load': {'normal_force_n': None}},
+    # The narrowest face belongs to the smallest module.
+    'face_width_mm': {'pair': {'module_mm': 0.05}},
     'line_load_n_mm': {'load': {'normal_force_n': None}},
     'length_mm': {'relief': {'start': "'length'", 'amount_um': 5}},
     'pinion_roll_deg': {'relief': {'start': "'roll'", 'amount_um': 5, 'gear_roll_deg': 20}},
@@ -77,7 +79,7 @@ BESIDE = {
     'start_um': {'poincare': {'start_mm_s': 0}},
     'start_mm_s': {'poincare': {'start_um': 0}},
 }
-PRESCRIBED_KEYS = ('contact_ratio', 'base_pitch_mm', 'pitch_point', 'coefficients', 'shared_compliance_um_n')
+PRESCRIBED_KEYS = ('contact_ratio', 'base_pitch_mm', 'pitch_point', 'coefficients', 'shared_compliance_um_n', 'amount_um')
 NUMBER = r'(-?[\d.]+(?:e-?\d+)?)'
 
 

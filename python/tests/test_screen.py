@@ -6,6 +6,7 @@ import math
 import re
 
 import pytest
+from conftest import ROOT
 
 # A geometry, whose lines have closed forms; a prescribed mesh whose pairs part, with too few steps for its
 # slow speeds; and one of which the best relief lies at the end of the range searched.
@@ -14,7 +15,7 @@ CASES = {
 &pair module_mm = 3 face_width_mm = 20 centre_distance_mm = 84.2 /
 &pinion teeth = 21 profile_shift = 0.2 effective_mass_kg = 0.5 /
 &gear teeth = 34 profile_shift = 0.1 effective_mass_kg = 0.9 /
-&load normal_force_n = 4000 / &relief amount_um = 4, 0, 10 / &mesh model = 'weber' /
+&load normal_force_n = 4000 / &relief amount_um = 4, 0, 10 / &mesh model = 'weber' corner_contact = .false. /
 &sweep rpm_first = 3000 rpm_last = 26000 rpm_step = 200 load_rpm = 4000, 6000 /
 """,
     'parted': """&case tasks = 'mesh', 'load', 'sweep', 'optimum' /
@@ -82,12 +83,18 @@ def elements(program, tmp_path_factory):
     return Run(program, 'elements', tmp_path_factory.mktemp('elements'), '--verbose')
 
 
-def curves(run):
+def curves(run, column='dynamic_factor'):
     """Dynamic factor over speed of each relief, in the order of the case: {relief: {rpm: factor}}."""
     found = {}
     for row in run.tables['sweep']:
-        found.setdefault(float(row['relief_um']), {})[float(row['rpm'])] = float(row['dynamic_factor'])
+        found.setdefault(float(row['relief_um']), {})[float(row['rpm'])] = float(row[column])
     return found
+
+
+def windows(resonances):
+    """15 % about each speed, and no farther than half-way to the next."""
+    ends = [0, *((a + b) / 2 for a, b in itertools.pairwise(resonances)), math.inf]
+    return [(max(0.85 * peak, begin), min(1.15 * peak, end)) for peak, (begin, end) in zip(resonances, itertools.pairwise(ends))]
 
 
 def largest(curve):
@@ -135,10 +142,14 @@ def test_worst_and_resonances(runs, name):
     if resonances:
         said = [float(word) for word in rows.pop(0)]
         assert said == pytest.approx(resonances, abs=0.51)
+    # Beside the worst of the larger motions stands that of the smaller ones, where the two ways of the sweep differ.
+    smaller = curves(run, 'other_dynamic_factor') if 'other' in heading else {}
     for words, (relief, curve) in zip(rows, factor.items(), strict=True):
         worst, rpm = largest(curve)
-        near = [largest({speed: df for speed, df in curve.items() if abs(speed / peak - 1) <= 0.15})[0] for peak in resonances]
-        assert [float(word) for word in words] == pytest.approx([relief, worst, -rpm, *near], abs=0.51e-4)
+        other, other_rpm = largest(smaller[relief]) if smaller else (0, 0)
+        near = [largest({speed: df for speed, df in curve.items() if begin < speed <= end})[0] for begin, end in windows(resonances)]
+        beside = [other, -other_rpm] if smaller else []
+        assert [float(word) for word in words] == pytest.approx([relief, worst, -rpm, *beside, *near], abs=0.51e-4)
 
 
 @pytest.mark.parametrize('name', CASES)
@@ -161,16 +172,18 @@ def test_counts_and_errors(runs, name):
     for line in run.lines[at + 1 :]:
         if not line.startswith(' ' * 19):
             break
-        number, word = line.split()[:2]
+        number, word, *more = line.split()[:3]
+        word = f'with {more[0]}' if word == 'with' else word
         counts[word.rstrip(':')] = int(number)
         words[word.rstrip(':')] = line.split(': ', 1)[-1].strip()
     expected = {state: states.count(state) for state in states if state != 'ok'}
     lost = sum(row['contact'] in ('lost', 'coast') for row in rows)
-    assert counts == expected | ({'with': lost} if lost else {})
+    two = sum(row['other_dynamic_factor'] != row['dynamic_factor'] for row in rows if 'other_dynamic_factor' in row)
+    assert counts == expected | ({'with loss': lost} if lost else {}) | ({'with another': two} if two else {})
     # Each says what it means.
     for state, part in {'inexact': 'error exceeds the tolerance', 'unresolved': 'too low', 'subharmonic': 'several mesh periods',
                         'aperiodic': 'no periodic motion', 'chaotic': 'disturbances keep growing', 'transient': 'had not settled',
-                        'unbounded': 'grows without bound'}.items():
+                        'unbounded': 'no bound was seen'}.items():
         assert part in words.get(state, part)
 
 
@@ -178,6 +191,20 @@ def test_parted_has_what_is_counted(runs):
     states = {row['status'] for row in runs['parted'].tables['sweep']}
     assert {'ok', 'inexact', 'unresolved'} <= states
     assert {'full', 'lost'} <= {row['contact'] for row in runs['parted'].tables['sweep']}
+
+
+def top_of(rows):
+    """The largest value of a curve from its rows (place, value), by the parabola through the largest and its neighbours."""
+    at = max(range(len(rows)), key=lambda i: rows[i][1])
+    place, value = rows[at]
+    before = next((row for row in rows[at::-1] if row[0] < place), None)
+    after = next((row for row in rows[at:] if row[0] > place), None)
+    if before is None or after is None:
+        return value
+    (a, u), (b, v) = ((x - place, y - value) for x, y in (before, after))
+    bend = (v / b - u / a) / (b - a)
+    slope = u / a - bend * a
+    return value - slope**2 / (4 * bend) if bend < 0 else value
 
 
 @pytest.mark.parametrize('name', CASES)
@@ -188,14 +215,14 @@ def test_chosen_speeds(runs, name):
     loads = {}
     for row in run.tables['load']:
         key = (float(row['relief_um']), float(row['rpm']))
-        loads[key] = max(loads.get(key, 0), float(row['load_ratio']))
+        loads.setdefault(key, []).append((float(row['s']), float(row['load_ratio'])))
     rows = run.below('   relief um         rpm        DF', 6)
     asked = {'geared': [4000, 6000], 'parted': [600, 3000]}[name]
     assert sorted((float(a), float(b)) for a, b, *_ in rows) == sorted((relief, rpm) for relief in curves(run) for rpm in asked)
     for relief, rpm, factor, estimate, status in rows:
         if status in ANSWERED:
-            # Between the rows of the table the load may be larger by what a step bends: little in 200, more in 30 a period.
-            assert float(factor) == pytest.approx(loads[float(relief), float(rpm)], abs=2e-3 if name == 'geared' else 5e-3)
+            # What a parabola through three rows leaves: little with 200 steps a period, more with 30.
+            assert float(factor) == pytest.approx(top_of(loads[float(relief), float(rpm)]), abs=2e-3 if name == 'geared' else 1e-2)
             assert float(estimate) > 0
         else:
             assert (factor, estimate) == ('none', '-')
@@ -309,7 +336,12 @@ def test_static_error_lines(runs, name, force):
         ste = [row[1] for row in run.numbers('mesh', 'relief_um', 'ste_um') if row[0] == relief]
         share = [row[1] for row in run.numbers('mesh', 'relief_um', 'load_share') if row[0] == relief]
         order = {row[1]: row[2] for row in run.numbers('harmonics', 'relief_um', 'harmonic', 'amplitude_um') if row[0] == relief}
-        expected = [relief, max(ste) - min(ste), order[0], order[1], order[2], order[3], max(share)]
+        expected = [relief, max(ste) - min(ste), order[0], order[1], order[2], order[3]]
+        # Where one pair carries all for a while, that is no column.
+        if any('largest pair load/static' in line for line in run.lines):
+            expected.append(max(share))
+        else:
+            assert max(share) == pytest.approx(1, abs=5e-5)
         # Extremes lie between the rows of the table, too.
         assert [float(word) for word in words] == pytest.approx(expected, rel=6e-3)
     assert 'peak-to-peak' in '\n'.join(run.lines)
@@ -405,3 +437,52 @@ def test_iso_6336_3_of_asymmetric_teeth_comes_with_a_caution(program, tmp_path, 
         with open(tmp_path / f'results/case.{table}.csv') as lines:
             rows = list(csv.DictReader(line for line in lines if not line.startswith('#')))
         assert {row['equal_flanks'] for row in rows} == {str(int(cautions == 0))}, rows
+
+
+def test_a_safety_factor_says_what_it_rests_on(program, tmp_path):
+    """Above the numbers of `rating` and `flank`: what of them is the case's own, and what nobody computed."""
+    (tmp_path / 'case.nml').write_text("""&case tasks = 'rating', 'flank' / &pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 application_factor = 1.25 / &mesh model = 'weber' / &relief amount_um = 0 /
+&rating rpm = 3000 accuracy_grade = 6 face_load_factor = 1.1 material = '18CrNiMo7-6', 'alloy_steel' / &flank rpm = 3000 viscosity_mpa_s = 45 /
+""")
+    done = program('case.nml', cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    screen = done.stdout
+    above = screen[screen.index('Rating by ISO 6336') : screen.index('sigma_H MPa')]
+    for words in ('by the larger of Methods A', 'K_A 1.25', 'K_H_beta 1.1,', 'K_H_alpha and K_F_alpha 1 (not computed)', 'accuracy grade 6',
+                  'pinion: 18CrNiMo7-6 as case_hardened of grade mq: sigma_Hlim 1500, sigma_Flim 425 MPa', 'sigma_FG 850 MPa',
+                  'gear: alloy_steel of grade mq: sigma_Hlim 766.9'):  # fmt: skip
+        assert words in above, words
+    assert 'oil of 45 mPa s where it enters the contact, X_L 1, roughness Ra 0.5 um' in screen
+
+
+@pytest.mark.parametrize('method', ['larger', 'a', 'b'])
+def test_a_rating_names_the_method_of_its_dynamic_factor(program, tmp_path, method):
+    (tmp_path / 'case.nml').write_text(f"""&case tasks = 'rating' / &pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 / &gear teeth = 34 / &load torque_nm = 100 / &mesh model = 'weber' /
+&rating rpm = 3000 dynamic_factor_method = '{method}' /
+""")
+    screen = program('case.nml', cwd=tmp_path).stdout
+    named = {'larger': 'by the larger of Methods A (motion) and B (formula)', 'a': 'by Method A (motion', 'b': 'by Method B (formula)'}
+    assert f'with K_v {named[method]}' in screen and 'no limits and no material are stated' in screen
+
+
+@pytest.mark.parametrize(
+    'words',
+    [
+        ['--help'], ['--help', 'sweep'], ['--help', 'pair', 'module_mm'], ['--help', 'profile', 'shift'], ['--help', 'modul'],
+        ['--new', 'sweep'], ['--new', '--short', 'sweep', 'optimum'], ['--new'], ['--new', 'swep'], ['--version'],
+        ['--describe'], ['--describe', 'keys'], ['--describe', 'nothing'],
+    ],
+    ids=' '.join,
+)  # fmt: skip
+def test_both_programs_answer_alike(program, words, capfd):
+    """The package's command line and the program's have the same words, apart from the general help."""
+    from gearsweep.__main__ import main
+
+    one = program(*words, cwd=ROOT)
+    code = main(words)
+    said = capfd.readouterr()
+    assert (code, said.err) == (one.returncode, one.stderr)
+    if words != ['--help']:
+        assert said.out == one.stdout

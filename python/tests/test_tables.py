@@ -35,12 +35,12 @@ PLACES = {
     'Attracting motions': 'attractors attractor_points',
     'Several motions': 'attractors attractor_points',
     'Optimum relief': 'optimum',
-    'Optimum design': 'optimum_design',
+    'Optimum design': 'optimum_design optimum_loads',
     'Branches of periodic motions': 'branches branch_changes',
     'By how many per cent the dynamic factor': 'sensitivity',
     'Precision at': 'precision precision_finest',
     'Flanks': 'flank_losses',
-    'Rating by': 'rating dynamic_factors',
+    'Rating by': 'rating dynamic_factors rating_factors',
     'Root stress while': 'transient_peaks',
     'Resonances of the section': 'section_resonances',
     'Life of the tooth roots': 'life',
@@ -48,7 +48,8 @@ PLACES = {
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
-WORDS = ('ISO 6336-3', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6')
+WORDS = ('ISO 6336-3', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6',
+         'passed 1e4 static ones')
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
 
 

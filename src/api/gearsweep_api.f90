@@ -5,7 +5,7 @@ module gearsweep_api
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: check_key, complete_case, read_case
   use gearsweep_describe, only: describe_case => describe
-  use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record
+  use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record, try_checkpoint
   use gearsweep_edit, only: change_key
   use gearsweep_error, only: code_input, code_ok, code_partial, code_stopped, error_t, fail
   use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
@@ -49,7 +49,7 @@ contains
     call bring_traps_back()
   end subroutine end_call
 
-  !> What the library has, as text in JSON: `tables`, or as gearsweep_describe has it.
+  !> What the library has: `tables` in JSON, or as gearsweep_describe has it.
   subroutine describe(what, words, error)
     character(*), intent(in) :: what
     character(:), allocatable, intent(out) :: words
@@ -62,7 +62,8 @@ contains
   end subroutine describe
 
   !> A case's text with every default (`complete`), with another value of a key (`change`), what it gives but does
-  !> not use (`unused`), or a case to begin with for the tasks that `text` names with blanks between them (`new`).
+  !> not use (`unused`), or a case to begin with for the tasks that `text` names with blanks between them, `--short` before them or
+  !> not (`new`).
   subroutine edit(action, text, group, key, value, words, error)
     character(*), intent(in) :: action, text, group, key, value
     character(:), allocatable, intent(out) :: words
@@ -104,6 +105,7 @@ contains
     type(kept_t), pointer :: kept, before
     type(study_t), pointer :: earlier_study      ! one that is not associated counts as not passed
     type(record_t), allocatable :: record        ! one that is not allocated counts as not passed
+    type(error_t), allocatable :: lost           ! why what was done is not kept
     character(:), allocatable :: names(:)
     integer :: i
 
@@ -117,6 +119,7 @@ contains
     if (.not. allocated(error)) call read_case(text, case, error)
     if (resume /= '' .or. keep /= '') allocate (record)
     if (.not. allocated(error) .and. resume /= '') call load_record(resume, case, place(folder), record, error)
+    if (keep /= '') call try_checkpoint(keep, error)
     if (allocated(error)) return
     allocate (kept)
     call run_study(case, place(folder), threads, kept%study, error, watch=watch, record=record, &
@@ -127,8 +130,8 @@ contains
       call make_table(kept%study, trim(names(i)), kept%tables(i), error)
     end do
     if (.not. allocated(error) .and. keep /= '') then
-      if (kept%study%stopped) call save_record(record, case, place(folder), keep, error)
-      if (.not. kept%study%stopped) call drop_checkpoint(keep)
+      if (kept%study%stopped) call save_record(record, case, place(folder), keep, lost)
+      if (.not. kept%study%stopped) call drop_checkpoint(keep, case, place(folder))
     end if
     if (allocated(error)) then
       deallocate (kept)
@@ -138,6 +141,7 @@ contains
     if (kept%study%stopped) then
       call fail(error, code_stopped, 'interrupted: what was computed by then is there; points that were not have the '// &
                 'status stopped')
+      if (allocated(lost)) error%message = error%message//'; it is not kept: '//lost%message
     else if (failed_points(kept%study) > 0) then
       call fail(error, code_partial, str(failed_points(kept%study))//' operating points have no answer (NaN); their '// &
                 'status says why')
@@ -186,10 +190,11 @@ contains
     if (kind == kind_text) width = maxval([0, len_trim(column%words)])
   end subroutine size_of
 
-  !> The numbers of a column into the first of `values`.
-  subroutine numbers_of(study, table_name, column_name, values, error)
+  !> The numbers of a column into the first of `values`, of which the caller has `room`: below 0, as he says, is none.
+  subroutine numbers_of(study, table_name, column_name, room, values, error)
     integer(int64), intent(in) :: study
     character(*), intent(in) :: table_name, column_name
+    integer, intent(in) :: room
     real(dp), intent(inout) :: values(:)
     type(error_t), allocatable, intent(inout) :: error
     type(table_t), pointer :: table
@@ -200,7 +205,7 @@ contains
     if (column%kind == kind_text) then
       call fail(error, code_input, 'column = '//column%name//': has words, not numbers')
     else
-      call need_room('rows', size(values), table%rows, error)
+      call need_room('rows', room, table%rows, error)
     end if
     if (.not. allocated(error)) values(:table%rows) = column%numbers
   end subroutine numbers_of

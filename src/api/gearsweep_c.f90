@@ -126,7 +126,7 @@ contains
     call take_string('table', table, table_name, error)
     call take_string('column', column, column_name, error)
     if (.not. present(values)) call fail(error, code_input, 'values: is a null pointer')
-    if (.not. allocated(error)) call numbers_of(transfer(study, 0_int64), table_name, column_name, values, error)
+    if (.not. allocated(error)) call numbers_of(transfer(study, 0_int64), table_name, column_name, rows, values, error)
     info = ended(error, message, message_size)
   end function gsc_column
 

@@ -130,7 +130,7 @@ subroutine gs_column(study, table, column, rows, values, info, message)
   type(error_t), allocatable :: error
 
   call begin_call()
-  call numbers_of(study, table, column, values, error)
+  call numbers_of(study, table, column, rows, values, error)
   call end_call(error, info, message)
 end subroutine gs_column
 

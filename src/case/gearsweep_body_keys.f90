@@ -48,7 +48,8 @@ contains
                       'of the outer teeth and the next teeth')
       call reader%get('section', 'rim_mm', section%rim, error, unit='mm', tasks=with_body, waits=shape, refused=geared, &
                       above=0.0_dp, otherwise='down to the bore, or 2.5 tooth heights', &
-                      meaning='thickness of the body below the root circle; it must leave room to the bore')
+                      meaning='thickness of the body below the root circle; it must leave room to the bore; without it and '// &
+                      'fixed, the pair stiffness of a gear with a web takes its rim_thickness_mm, free inside')
       call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, waits=fineness, &
                       refused=geared, at_least=3, at_most=200, &
                       meaning='finite elements across the loaded tooth, which all else follows')
@@ -57,6 +58,8 @@ contains
                       allowed=[character(5) :: 'sides', 'rim'], &
                       meaning='what is held: the two cut sides, the inner edge; a whole gear has no sides, so its inner '// &
                       'edge must be held')
+      case%has_extent = reader%has('section', 'teeth') .or. reader%has('section', 'half_angle_deg')
+      case%has_support = reader%has('section', 'fixed')
       section%fixed_sides = any(fixed == 'sides')
       section%fixed_rim = any(fixed == 'rim')
       plane = 'strain'

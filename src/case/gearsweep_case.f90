@@ -7,7 +7,7 @@ module gearsweep_case
   use gearsweep_relief, only: linear
   use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_stiffness, only: iso_options_t
-  use gearsweep_sweep, only: up
+  use gearsweep_sweep, only: both
   use gearsweep_task, only: task_length
   use gearsweep_tasks, only: list_tasks, sentence_length, sentence_of, task_slot_t
   use gearsweep_uses, only: unless
@@ -51,10 +51,11 @@ module gearsweep_case
     real(dp) :: damping_ratio = 0.17_dp, friction = 0
     ! &sweep, &numerics
     real(dp) :: rpm_first = 0, rpm_last = 0, rpm_step = 0
-    integer :: direction = up
+    integer :: direction = both
     type(accuracy_t) :: accuracy
     ! &section
     type(section_options_t) :: section
+    logical :: has_support = .false., has_extent = .false.  !< the case says what is held, and how many teeth it has
     integer :: member = 1                        !< whose section is taken: 1 pinion, 2 gear
     character(:), allocatable :: published       !< file of printed values to set beside ours
     !> Keys that are given but not used: a line for each use that they would have.
@@ -66,6 +67,8 @@ module gearsweep_case
     procedure :: needs
     procedure :: tasks_for
     procedure :: needs_elements
+    procedure :: models_teeth
+    procedure :: touches_beyond
     procedure :: weighs
   end type case_t
 
@@ -153,6 +156,20 @@ contains
 
     needs_elements = self%needs('mesh') .and. self%model == 'fe'
   end function needs_elements
+
+  !> Does the pair stiffness come from the gears' teeth, rather than from stated numbers?
+  pure logical function models_teeth(self)
+    class(case_t), intent(in) :: self
+
+    models_teeth = any(self%model == [character(7) :: 'fe', 'weber', 'iso6336'])
+  end function models_teeth
+
+  !> May a pair touch before A and behind E too?
+  pure logical function touches_beyond(self)
+    class(case_t), intent(in) :: self
+
+    touches_beyond = self%corner_contact .and. self%models_teeth()
+  end function touches_beyond
 
   !> Is a member's mass taken from its body, as neither mass nor inertia is given?
   pure logical function weighs(self, member)

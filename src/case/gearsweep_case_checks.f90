@@ -1,6 +1,7 @@
 !> What the keys of a case must be together.
 module gearsweep_case_checks
   use gearsweep_case, only: case_t
+  use gearsweep_kinds, only: dp
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_sweep, only: most_points
   use gearsweep_text, only: str
@@ -18,6 +19,7 @@ contains
     call check_load(case, error)
     if (case%prescribed) call check_prescribed(case, error)
     call check_relief(case, error)
+    if (.not. case%prescribed) call check_units(case, error)
     call check_speeds(case, error)
     do i = 1, size(case%tasks)
       if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check(case%amount, error)
@@ -84,6 +86,38 @@ contains
     if (any(case%roll > 0 .neqv. (case%start == 'roll' .and. case%fraction > 0))) call fail(error, code_input, &
       '&relief pinion_roll_deg, gear_roll_deg: go with start = ''roll'', one for each relieved member')
   end subroutine check_relief
+
+  !> Lengths that no gear has, as they come about where a number is in another unit than its key.
+  subroutine check_units(case, error)
+    type(case_t), intent(in) :: case
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: mm = 1e-3_dp, um = 1e-6_dp, least_relief = 0.05_dp*um, fraction = 0.1_dp
+    integer :: i
+
+    associate (module => case%spec(1)%module, width => case%spec(1)%face_width)
+      if (width < fraction*module) call fail(error, code_input, '&pair face_width_mm = '//str(width/mm)// &
+        ': must be at least a tenth of the module'//trim(meant(width, mm, 'm')))
+      do i = 1, size(case%amount)
+        associate (amount => case%amount(i))
+          if (amount > 0 .and. amount < least_relief) call fail(error, code_input, '&relief amount_um = '//str(amount/um)// &
+            ': must be 0 or at least 0.05'//trim(meant(amount, um, 'mm')))
+          if (amount > fraction*module) call fail(error, code_input, '&relief amount_um = '//str(amount/um)// &
+            ': must be at most a tenth of the module, '//str(fraction*module/um))
+        end associate
+      end do
+    end associate
+
+  contains
+
+    !> What the number would be if it was meant in a unit 1000 times as large.
+    function meant(value, unit, other) result(words)
+      real(dp), intent(in) :: value, unit
+      character(*), intent(in) :: other
+      character(100) :: words
+
+      words = '; if '//str(value/unit)//' '//other//' is meant, write '//str(1000*value/unit)
+    end function meant
+  end subroutine check_units
 
   subroutine check_speeds(case, error)
     type(case_t), intent(in) :: case

@@ -32,10 +32,10 @@ contains
     width = 0
     drive_angle = 20*degree
     call reader%get('pair', 'module_mm', module, error, unit='mm', required=.true., refused=geared, &
-                    at_least=1e-3_dp, at_most=1000.0_dp, meaning='normal module')
+                    at_least=0.05_dp, at_most=1000.0_dp, meaning='normal module')
     call reader%get('pair', 'face_width_mm', width, error, unit='mm', required=cut, refused=unless(cut .or. case%line_load > 0, &
-                    'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=1e-3_dp, at_most=1e5_dp, &
-                    meaning='common face width of the two gears')
+                    'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=0.005_dp, at_most=1e5_dp, &
+                    meaning='common face width of the two gears, at least a tenth of the module')
     call reader%get('pair', 'pressure_angle_deg', drive_angle, error, unit='deg', waits=slides, &
                     refused=unless(cut .or. case%friction > 0, 'a prescribed mesh uses it with friction only; remove it'), &
                     above=3.0_dp, below=45.0_dp, meaning='pressure angle of the rack on the drive flanks; of a prescribed '// &
@@ -78,10 +78,10 @@ contains
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
     call reader%get(group, 'effective_mass_kg', case%mass(member), error, unit='kg', tasks=case%tasks_for('mesh'), &
-                    at_least=1e-12_dp, at_most=1e12_dp, otherwise='that of a solid disc', &
+                    at_least=1e-12_dp, at_most=1e12_dp, otherwise='that of a solid disc, or of rim and web', &
                     meaning='mass on the line of action: moment of inertia over the square of the base radius')
     call reader%get(group, 'inertia_kgm2', case%inertia(member), error, unit='kg m^2', tasks=case%tasks_for('mesh'), &
-                    at_least=1e-15_dp, at_most=1e15_dp, otherwise='that of a solid disc', &
+                    at_least=1e-15_dp, at_most=1e15_dp, otherwise='that of a solid disc, or of rim and web', &
                     meaning='polar moment of inertia, instead of the effective mass')
     call reader%get(group, 'hub_inertia_kgm2', case%hub_inertia(member), error, unit='kg m^2', tasks=case%tasks_for('mesh'), &
                     at_least=0.0_dp, at_most=1e15_dp, refused=geared, &
@@ -243,12 +243,19 @@ contains
       web = ''
       rim = ''
     end if
+    ! The web counts in the mass; it also says that there is a rim, whose thickness the stiffness by elements takes too.
+    if (case%weighs(member) .or. (case%needs_elements() .and. .not. case%has_support .and. case%section%rim <= 0)) then
+      web = ''
+      rim = ''
+    end if
     call reader%get(group, 'web_thickness_mm', case%iso%web_thickness(member), error, unit='mm', given=given(1), &
                     waits=web, refused=geared, above=0.0_dp, otherwise='a solid disc', &
-                    meaning='thickness of the web b_s, for C_R of a stiffness by iso6336 and the task body_modes')
+                    meaning='thickness of the web b_s, for a mass that is not stated, C_R of a stiffness by iso6336 and '// &
+                    'the task body_modes')
     call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(member), error, unit='mm', given=given(2), &
                     waits=rim, refused=geared, above=0.0_dp, otherwise='a solid disc', &
-                    meaning='thickness of the rim s_R below the root circle, for C_R of a stiffness by iso6336 and Y_B of '// &
+                    meaning='thickness of the rim s_R below the root circle, for a mass that is not stated, the pair stiffness '// &
+                    'by elements where &section says neither fixed nor rim_mm, C_R of a stiffness by iso6336 and Y_B of '// &
                     'the tasks rating and life, and for the task body_modes')
     if (given(1) .neqv. given(2)) call fail(error, code_input, '&'//group//' '//trim(merge('rim_thickness_mm', &
       'web_thickness_mm', given(1)))//': missing; a web has web_thickness_mm and rim_thickness_mm')

@@ -60,7 +60,7 @@ contains
     integer, intent(in) :: member
     logical :: uses(3), yields, vibrates, touches
 
-    yields = case%needs('mesh') .and. any(case%model == [character(7) :: 'fe', 'weber', 'iso6336'])
+    yields = case%needs('mesh') .and. case%models_teeth()
     ! Printed values may be a tooth's as a beam.
     vibrates = case%asks('modal') .or. case%asks('precision') .or. case%asks('transient') .or. &
                case%asks('harmonic') .or. case%needs('solid') .or. allocated(case%published)

@@ -26,13 +26,16 @@ contains
     character(*), parameter :: of_model = 'stiffness of one pair of teeth: finite elements, Weber and Banaschek, ISO 6336-1 '// &
                                           'method B, the coefficients of a polynomial, or a table'
     logical :: open
+    integer :: i
 
     case%prescribed = reader%has('mesh', 'contact_ratio')
     call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp, &
                     otherwise='that of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
-    if (case%prescribed .and. case%needs('geometry')) call fail(error, code_input, &
-      '&case tasks: '//trim(case%tasks_for('geometry'))//' needs a gear; a prescribed mesh (&mesh contact_ratio) has none')
-    case%model = 'weber'
+    do i = 1, merge(size(case%tasks), 0, case%prescribed)
+      if (case%tasks(i)%takes('geometry')) call fail(error, code_input, '&case tasks = '''// &
+        trim(case%tasks(i)%info%name)//''': needs gears; a prescribed mesh (&mesh contact_ratio) has none')
+    end do
+    case%model = 'fe'
     if (case%prescribed) case%model = ''
     if (case%prescribed) then
       call reader%get('mesh', 'model', case%model, error, required=.true., allowed=models(:2), meaning=of_model)
@@ -87,8 +90,8 @@ contains
     waits = for_stage(case, 'reliefs')
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, unit='um', required=reader%has_group('relief'), &
-                    tasks=with_relief, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, &
-                    meaning='amounts of tip relief to compute, each at most half of the tooth''s thickness at its tip; '// &
+                    tasks=with_relief, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, distinct=.true., &
+                    meaning='amounts of tip relief to compute, of gears each 0 or from 0.05 um to a tenth of the module; '// &
                     'required where this group is given')
     ! Nothing that is wanted differs between the reliefs.
     if (len_trim(waits) > 0) case%amount = [0.0_dp]
@@ -148,7 +151,7 @@ contains
     call read_contact(reader, case, error)
   end subroutine read_path
 
-  !> What finite elements know beyond the pairs' stiffness on the path.
+  !> What the stiffness of teeth by a model has beyond that of a pair on the path.
   subroutine read_contact(reader, case, error)
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
@@ -163,10 +166,12 @@ contains
                     waits=first_of(waits, unless(case%section%teeth /= 1, 'a section of more than one tooth')), &
                     meaning='whether the load on a tooth moves the next one on the same body, with '// &
                     'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
-    call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for('mesh'), waits=waits, &
-                    refused=geared, meaning='whether a loaded pair may touch before A and behind E too, where the tip corner '// &
-                    'of one tooth meets the other''s flank, with model = ''fe''; papers whose contact ends at A and E leave it '// &
-                    'out')
+    call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for('mesh'), refused=geared, &
+                    waits=first_of(for_stage(case, 'mesh'), unless(case%models_teeth(), &
+                    'model = ''fe'', ''weber'' or ''iso6336''')), &
+                    meaning='whether a loaded pair may touch before A and behind E too, where the tip corner of one tooth '// &
+                    'meets the other''s flank, with model = ''fe'', ''weber'' or ''iso6336''; papers whose contact ends at A '// &
+                    'and E leave it out')
     waits = unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), sharing)
     call reader%get('mesh', 'nonlinear_contact', case%nonlinear_contact, error, tasks=sharing, refused=geared, &
                     waits=first_of(waits, unless(case%model == 'fe', 'model = ''fe''')), &

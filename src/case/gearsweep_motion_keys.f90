@@ -5,7 +5,7 @@ module gearsweep_motion_keys
   use gearsweep_coefficients, only: scheme_collocation, scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_sweep_state, only: all_motions, down, each, up
+  use gearsweep_sweep_state, only: all_motions, both, down, each, up
   use gearsweep_tasks, only: sentence_length
   use gearsweep_transient, only: by_marching, by_shooting
   implicit none
@@ -30,8 +30,8 @@ contains
     type(reader_t), intent(inout) :: reader
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: ways(*) = [character(4) :: 'up', 'down', 'each', 'all']
-    integer, parameter :: directions(*) = [up, down, each, all_motions]
+    character(*), parameter :: ways(*) = [character(4) :: 'both', 'up', 'down', 'each', 'all']
+    integer, parameter :: directions(*) = [both, up, down, each, all_motions]
     character(:), allocatable :: direction
     character(sentence_length) :: over_speed
 
@@ -42,11 +42,11 @@ contains
                     at_least=1e-6_dp, at_most=1e9_dp, meaning='speed beyond which no speed lies; not below rpm_first')
     call reader%get('sweep', 'rpm_step', case%rpm_step, error, unit='1/min', required=.true., tasks=over_speed, &
                     at_least=1e-9_dp, meaning='step from one speed to the next; speeds times reliefs may be at most 1e7')
-    direction = 'up'
+    direction = 'both'
     call reader%get('sweep', 'direction', direction, error, tasks=case%tasks_for('direction'), allowed=ways, &
                     meaning='where several steady motions exist: follow the one found at the speed below (up), at the speed '// &
-                    'above (down), or take each speed by itself (each), and in the sweep also tell how many motions attract '// &
-                    'there (all)')
+                    'above (down), or up and, where that loses contact, down too, and take the one of larger dynamic factor '// &
+                    '(both); or take each speed by itself (each), and in the sweep also tell how many motions attract there (all)')
     case%direction = sum(pack(directions, ways == direction))
   end subroutine read_sweep
 

@@ -14,28 +14,35 @@ module gearsweep_new_case
 
 contains
 
-  !> The text. It runs once the keys marked REQUIRED have a value. Keys that need another value of a key before they
-  !> count stand behind a `!`, with what they need.
-  subroutine write_new_case(tasks, text, error)
-    character(*), intent(in) :: tasks(:)
+  !> The text for these tasks. It runs once the keys marked REQUIRED have a value. Keys that need another
+  !> value of a key before they count stand behind a `!`, with what they need. With `--short` before the tasks the text has the
+  !> required and the common keys only.
+  subroutine write_new_case(words, text, error)
+    character(*), intent(in) :: words(:)
     character(:), allocatable, intent(out) :: text
     type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: option = '--short'
+    character(len(words)), allocatable :: tasks(:)
     type(keys_t) :: keys
     type(lines_t) :: lines
     character(:), allocatable :: wanted
-    logical :: opened
+    logical :: opened, is_short
     integer :: i, k
 
+    is_short = any(words(:min(1, size(words))) == option)
+    tasks = words(merge(2, 1, is_short):)
     call check_tasks(tasks, error)
     if (allocated(error)) return
     call list_keys(tasks, keys)
     wanted = ' '//join(tasks, ' ')//' '
     call lines%add('! A case for gearsweep. Each key has its default and its meaning beside it; keys marked REQUIRED have no')
     call lines%add('! default. What stands behind a ! is not read: remove the ! to use it. gearsweep --help KEY tells more.')
+    if (is_short) call lines%add('! Without --short there is every key of these tasks.')
     do i = 1, size(keys%groups)
       opened = .false.
       do k = 1, keys%known
         if (keys%key(k)%group /= keys%groups(i)%name .or. .not. keys%key(k)%is_for(wanted)) cycle
+        if (is_short .and. .not. is_common(keys%key(k))) cycle
         if (.not. opened) call lines%add('')
         if (.not. opened) call lines%add('&'//trim(keys%groups(i)%name)//'   ! '//keys%groups(i)%meaning)
         opened = .true.
@@ -45,6 +52,17 @@ contains
     end do
     text = lines%text()
   end subroutine write_new_case
+
+  !> Is it a key that most cases give?
+  pure logical function is_common(key)
+    type(key_t), intent(in) :: key
+    character(*), parameter :: common(*) = [character(24) :: 'case title', 'case tasks', 'pinion profile_shift', &
+      'gear profile_shift', 'pinion bore_mm', 'gear bore_mm', 'relief amount_um', 'dynamics damping_ratio', 'rating material', &
+      'rating accuracy_grade', 'rating face_load_factor', 'load application_factor']
+
+    is_common = any(common == trim(key%group)//' '//key%name)
+    if (len(key%refused) == 0) is_common = is_common .or. key%is_required .or. key%is_one_of
+  end function is_common
 
   subroutine add_key(key, tasks, lines)
     type(key_t), intent(in) :: key
@@ -59,7 +77,7 @@ contains
     line = line//trim(key%name)//' ='
     if (key%name == 'tasks') then
       line = line//' '''//join(tasks, ''', ''')//''''
-    else if (allocated(key%default) .and. len(key%otherwise) == 0) then
+    else if (allocated(key%default) .and. len(key%otherwise) == 0 .and. .not. key%is_required) then
       line = line//' '//key%default
     end if
     call key%list_allowed(allowed)

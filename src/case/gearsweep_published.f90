@@ -24,7 +24,7 @@ module gearsweep_published
 contains
 
   !> Reads `text`: comment lines (#), the header, then a row a value; the reason
-  !> is the rest of its line. `path` is for messages.
+  !> is the rest of its line. A text may stand in quotation marks, doubled inside. `path` is for messages.
   subroutine read_published(path, text, rows, error)
     character(*), intent(in) :: path, text
     type(published_t), allocatable, intent(out) :: rows(:)
@@ -85,7 +85,8 @@ contains
       call cut(rest, number)
       call cut(rest, entry%unit)
       call cut(rest, entry%status)
-      entry%reason = rest
+      call unquote(rest, entry%reason, n)
+      if (n <= len(rest)) entry%reason = rest
       call to_number(trim(adjustl(number)), entry%printed, ok)
       if (ok) ok = abs(entry%printed) > 0
       if (.not. ok) call fail(error, code_input, path//' line '//str(line)//': printed = '//number// &
@@ -122,9 +123,46 @@ contains
     character(:), allocatable, intent(out) :: field
     integer :: at
 
-    at = index(rest, ',')
-    if (at == 0) at = len(rest) + 1
-    field = rest(:at - 1)
+    call unquote(rest, field, at)
+    if (at == 0) then
+      at = index(rest, ',')
+      if (at == 0) at = len(rest) + 1
+      field = rest(:at - 1)
+    end if
     rest = rest(min(at + 1, len(rest) + 1):)
   end subroutine cut
+
+  !> The words of a first field that stands wholly in quotation marks, and where it ends; 0 where it does not stand so.
+  pure subroutine unquote(rest, field, end)
+    character(*), intent(in) :: rest
+    character(:), allocatable, intent(out) :: field
+    integer, intent(out) :: end
+    integer :: used
+
+    field = ''
+    end = 0
+    if (index(rest, '"') /= 1) return
+    deallocate (field)
+    allocate (character(len(rest)) :: field)
+    used = 0
+    end = 2
+    do while (end <= len(rest))
+      if (rest(end:end) == '"') then
+        if (rest(end + 1:min(end + 1, len(rest))) /= '"') exit
+        end = end + 1
+      end if
+      used = used + 1
+      field(used:used) = rest(end:end)
+      end = end + 1
+    end do
+    field = field(:used)
+    ! Behind the closing mark.
+    end = end + 1
+    if (end == len(rest) + 1) return
+    if (end > len(rest)) then
+      end = 0
+    else if (rest(end:end) /= ',') then
+      end = 0
+    end if
+  end subroutine unquote
 end module gearsweep_published

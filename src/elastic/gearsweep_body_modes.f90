@@ -39,7 +39,8 @@ contains
   !>
   !> The error estimate is the difference to a grid of half the fineness over ratio**p - 1. Where a bore is held, its edge
   !> on the face is singular: displacements go with the distance to the power 0.71 for nu = 0.3 (Williams 1952, J.
-  !> Appl. Mech. 19), so frequencies converge with p = 1.4; the corner between web and rim gives 0.54 and 1.1.
+  !> Appl. Mech. 19), so frequencies converge with p = 1.4; the corner between web and rim gives 0.54, and the grid that is
+  !> graded to it some 1.8, taken as 1.5 to be on the safe side.
   !> `stop`: the caller's flag; where it ended the search, `product%modes` is not allocated. `error`: code 2 where the gear
   !> has no bore or the body does not fit, 5 or 6 as in gearsweep_sector_modes.
   subroutine find_body_modes(gear, material, options, stop, product, error)
@@ -69,7 +70,7 @@ contains
     if (allocated(error) .or. .not. allocated(fine)) return
     call find_sector_modes(coarser, material, options%support, options%modes, [0, most], stop, coarse, error)
     if (allocated(error) .or. .not. allocated(coarse)) return
-    order = merge(1.1_dp, 1.4_dp, options%blank%web > 0)
+    order = merge(1.5_dp, 1.4_dp, options%blank%web > 0)
     call sort_modes(fine, coarse, (real(options%across, dp)/across)**order - 1, product)
     product%rigid = sum([rigid_motions(options%support, symmetric, 0), rigid_motions(options%support, antisymmetric, 0), &
                          2*rigid_motions(options%support, symmetric, 1), 2*rigid_motions(options%support, antisymmetric, 1)])

@@ -2,7 +2,7 @@
 !> path of contact, with Hertz's flattening.
 module gearsweep_fe_stiffness
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_corner, only: corner_reach
+  use gearsweep_corner, only: contact_reach
   use gearsweep_corner_stiffness, only: compliance_slope, corner_compliance, edge_zone, moved_contact
   use gearsweep_disc, only: disc_t
   use gearsweep_flattening, only: contact_half_width, load_dependence, surface_to_depth, check_contact
@@ -23,9 +23,6 @@ module gearsweep_fe_stiffness
   integer, parameter, public :: fe_knots = 49
   !> And with corner contact beyond each of its ends, and where the edge is felt within it.
   integer, parameter :: corner_knots = 9, zone_knots = 6
-  !> How far contact beyond the path is looked for. Where that is less than so many base pitches, loads are so small that
-  !> there is none worth its short steps.
-  real(dp), parameter :: margin = 4, shortest = 1e-4_dp
   !> Of the nominal load, that beside which the flattening at a corner is found: what a pair carries near the path's ends.
   real(dp), parameter :: small = 0.3_dp
 
@@ -38,9 +35,7 @@ contains
   !> `material` is that of pinion and gear; `line_load` (N/m) is the nominal load that
   !> the flattening is taken at (secant stiffness). Equal gears share the work.
   !>
-  !> With corner contact the curve reaches beyond A and E, to where the gap of the tip corner (see gearsweep_corner) is
-  !> `margin` times what the nominal load deflects the softest pair by: no static load closes it there, and in the
-  !> motion only one above `margin` times the nominal load on one pair.
+  !> With corner contact the curve reaches beyond A and E, to where a pair may be in contact (`contact_reach`).
   subroutine fe_stiffness(pair, material, options, line_load, curve, disc, error, flattening)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)
@@ -96,15 +91,15 @@ contains
       real(dp) :: beyond(corner_knots, 2), there(corner_knots, 2, 2), reach(2)
       integer :: i
 
-      reach = corner_reach(pair, margin*line_load*maxval(total))
-      if (max(-reach(1), reach(2) - pair%contact_ratio) < shortest) then
+      reach = contact_reach(pair, line_load*maxval(total))
+      if (.not. (reach(1) < 0 .or. reach(2) > pair%contact_ratio)) then
         curve = spline(s, width/total)
         return
       end if
       beyond(:, 1) = reach(1)*[(1 - i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       beyond(:, 2) = pair%contact_ratio + (reach(2) - pair%contact_ratio)*[(i/(corner_knots - 1.0_dp), i=0, corner_knots - 1)]
       do i = 1, 2
-        if (i == 2 .and. are_equal(pair, material)) then
+        if (i == 2 .and. are_equal(pair, material, options)) then
           there(:, :, 2) = there(corner_knots:1:-1, :, 1)
           exit
         end if
@@ -223,24 +218,33 @@ contains
     type(fe_options_t), intent(in) :: options
     type(tooth_t), intent(out) :: tooth(2)
     type(error_t), allocatable, intent(inout) :: error
+    type(fe_options_t) :: own
     real(dp) :: ends(2)
     integer :: i
 
     do i = 1, 2
+      own = options
+      ! A rim that its web holds on a narrow strip: free below, between the sides of the section.
+      if (options%rim(i) > 0) then
+        own%section%rim = options%rim(i)
+        own%section%teeth = options%rim_teeth
+        own%section%fixed_rim = .false.
+      end if
       ends = pair%curvature(i, [0.0_dp, pair%contact_ratio])
-      if (i == 2 .and. are_equal(pair, material)) then
+      if (i == 2 .and. are_equal(pair, material, options)) then
         tooth(2) = tooth(1)
       else
-        call tooth_compliance(pair%gear(i), material(i), options, minval(ends), maxval(ends), tooth(i), error)
+        call tooth_compliance(pair%gear(i), material(i), own, minval(ends), maxval(ends), tooth(i), error)
         if (allocated(error)) return
       end if
     end do
   end subroutine both_teeth
 
   !> Do both members yield alike?
-  pure logical function are_equal(pair, material)
+  pure logical function are_equal(pair, material, options)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)
+    type(fe_options_t), intent(in) :: options
 
     associate (p => pair%gear(1)%spec, q => pair%gear(2)%spec)
       are_equal = p%teeth == q%teeth .and. all(same( &
@@ -250,7 +254,8 @@ contains
         [q%module, q%pressure_angle, q%profile_shift, q%addendum, q%dedendum, q%rack_tip_radius, &
          q%tip_alteration, q%bore_radius, q%thinning, q%tip_diameter, q%tip_chamfer, q%tip_rounding, q%tip_form_diameter, &
          q%protuberance, q%grinding_stock])) &
-        .and. same(material(1)%young, material(2)%young) .and. same(material(1)%poisson, material(2)%poisson)
+        .and. same(material(1)%young, material(2)%young) .and. same(material(1)%poisson, material(2)%poisson) &
+        .and. same(options%rim(1), options%rim(2))
     end associate
 
   contains

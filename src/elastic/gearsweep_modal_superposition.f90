@@ -2,17 +2,17 @@
 !>
 !> Between two points of its history each modal force is linear in time. Over such a piece an oscillator's motion is known in
 !> closed form, so that the length of a step changes how often a motion is looked at and not the motion. What the modes that
-!> are left out would add to a slow load (the static correction, or mode acceleration) follows the load at once.
+!> are left out would add to a slow load (the static correction) follows the load as one oscillator for each place.
 !>
-!> Sources: Clough and Penzien 1993, Dynamics of Structures, sections 4.2 and 15.5 (static correction); the piecewise exact
-!> method in Chopra 2012, Dynamics of Structures, section 5.2.
+!> Sources: Clough and Penzien 1993, Dynamics of Structures, sections 4.2, 8.5 (Rayleigh's quotient) and 15.5 (static correction,
+!> which there follows the load at once); the piecewise exact method in Chopra 2012, Dynamics of Structures, section 5.2.
 module gearsweep_modal_superposition
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory
   implicit none
   private
-  public :: modal_model_t, load_history_t, motion_record_t, superpose, advance_mode, slope_at_once
+  public :: modal_model_t, load_history_t, motion_record_t, superpose, advance_mode
 
   !> What a body does in its modes, and what is looked at: stresses, displacements ... each a row.
   type :: modal_model_t
@@ -21,6 +21,8 @@ module gearsweep_modal_superposition
     real(dp), allocatable :: shape(:, :)         !< of each row for a modal coordinate of 1 (row, mode)
     real(dp), allocatable :: force(:, :)         !< on each mode by a unit load at each place (mode, place)
     real(dp), allocatable :: static(:, :)        !< of each row, under a unit load at rest at each place (row, place)
+    !> Of what the modes leave out of the displacements under a unit load at rest at each place: Rayleigh's quotient, rad/s; (place)
+    real(dp), allocatable :: rest_frequency(:)
   end type modal_model_t
 
   !> A load in time. Between two of its points it changes linearly in time, with all that follows from it; two points at one
@@ -43,6 +45,9 @@ module gearsweep_modal_superposition
 
   !> Times that are looked at together.
   integer, parameter :: block_size = 64
+  !> Damping ratio of what the modes leave out: it is many modes, whose swings part from each other and cancel within about one of
+  !> them, however little each is damped.
+  real(dp), parameter :: rest_damping = 0.5_dp
 
 contains
 
@@ -50,7 +55,7 @@ contains
   !>
   !> `recorded(:)`: rows whose values are kept at each sample. `sample(:)`: times, ascending, from the history's first.
   !> `finer`: into so many equal steps each time between two samples is cut to look for the largest values.
-  !> `corrected`: with the static correction. `error`: the memory does not hold it.
+  !> `corrected`: with the static correction, which needs `rest_frequency`. `error`: the memory does not hold it.
   subroutine superpose(model, history, recorded, sample, finer, corrected, record, error)
     type(modal_model_t), intent(in) :: model
     type(load_history_t), intent(in) :: history
@@ -59,21 +64,24 @@ contains
     logical, intent(in) :: corrected
     type(motion_record_t), intent(out) :: record
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: force(:, :), static(:, :), at_once(:, :), weighted(:, :)
-    real(dp) :: p(size(model%frequency)), v(size(model%frequency)), modal(size(model%frequency), block_size)
+    type(modal_model_t) :: whole
+    real(dp), allocatable :: force(:, :), static(:, :), weighted(:, :), p(:), v(:), modal(:, :)
     real(dp) :: time(block_size), part(block_size), now
     integer :: from(block_size), piece, i, n, looks, row
 
-    associate (rows => size(model%shape, 1), points => size(history%time))
-      call claim_memory(8.0_dp*(points*(3.0_dp*rows + 2*size(p) + size(history%weight, 1)) &
-                                + 2.0_dp*size(recorded)*size(sample) + 6.0_dp*rows + 3.0_dp*rows*block_size), &
+    associate (rows => size(model%shape, 1), places => size(history%weight, 1), points => size(history%time), &
+               modes => size(model%frequency) + size(history%weight, 1))
+      call claim_memory(8.0_dp*(points*(1.0_dp*rows + modes + places) + (2.0_dp*rows + places)*modes &
+                                + 2.0_dp*size(recorded)*size(sample) + 6.0_dp*rows + (2.0_dp*rows + modes)*block_size), &
                         'the motion of a tooth under a moving load', error)
       if (allocated(error)) return
-      allocate (weighted, source=history%weight*spread(history%load, 1, size(history%weight, 1)))
-      allocate (force, source=matmul(model%force, weighted))
+      whole = model
+      if (corrected) call add_rest(whole)
+      allocate (weighted, source=history%weight*spread(history%load, 1, places))
+      allocate (force, source=matmul(whole%force, weighted))
       allocate (static, source=matmul(model%static, weighted))
-      allocate (at_once(rows, points), source=0.0_dp)
-      if (corrected) at_once = static - matmul(slope_at_once(model), force)
+      allocate (p(size(whole%frequency)), v(size(whole%frequency)), source=0.0_dp)
+      allocate (modal(size(p), block_size))
       allocate (record%time, source=sample)
       allocate (record%value(size(recorded), size(sample)), record%static(size(recorded), size(sample)))
       allocate (record%highest(rows), source=-huge(1.0_dp))
@@ -82,8 +90,6 @@ contains
     end associate
     record%static_highest = maxval(static, 2)
     record%static_lowest = minval(static, 2)
-    p = 0
-    v = 0
     now = history%time(1)
     piece = 1
     looks = (size(sample) - 1)*finer + 1
@@ -91,7 +97,7 @@ contains
     do i = 0, looks - 1
       n = n + 1
       time(n) = time_of(i)
-      call proceed(model, history%time, force, time(n), piece, now, p, v)
+      call proceed(whole, history%time, force, time(n), piece, now, p, v)
       modal(:, n) = p
       from(n) = piece
       part(n) = share_of(history%time, piece, now)
@@ -118,9 +124,8 @@ contains
       real(dp) :: seen(size(model%shape, 1), block_size)
       integer :: j, at
 
-      seen(:, :n) = matmul(model%shape, modal(:, :n))
+      seen(:, :n) = matmul(whole%shape, modal(:, :n))
       do j = 1, n
-        seen(:, j) = seen(:, j) + between(at_once, from(j), part(j))
         do row = 1, size(seen, 1)
           if (seen(row, j) > record%highest(row)) record%time_highest(row) = time(j)
           record%highest(row) = max(record%highest(row), seen(row, j))
@@ -135,13 +140,26 @@ contains
     end subroutine look
   end subroutine superpose
 
-  !> What the modes of the model have of the static value of each row, for a modal force of 1 (row, mode).
-  pure function slope_at_once(model) result(slope)
-    type(modal_model_t), intent(in) :: model
-    real(dp) :: slope(size(model%shape, 1), size(model%shape, 2))
+  !> Adds what the modes leave out of a load at each place as one more oscillator, so that the model is exact at rest.
+  pure subroutine add_rest(model)
+    type(modal_model_t), intent(inout) :: model
+    real(dp), allocatable :: rest(:, :), force(:, :)
+    integer :: modes, i
 
-    slope = model%shape/spread(model%frequency**2, 1, size(slope, 1))
-  end function slope_at_once
+    modes = size(model%frequency)
+    allocate (rest, source=model%static - matmul(model%shape/spread(model%frequency**2, 1, size(model%shape, 1)), model%force))
+    associate (w => model%rest_frequency)
+      allocate (force(modes + size(w), size(w)), source=0.0_dp)
+      force(:modes, :) = model%force
+      do i = 1, size(w)
+        force(modes + i, i) = w(i)**2
+      end do
+      model%frequency = [model%frequency, w]
+      model%damping = [model%damping, 2*rest_damping*w]
+    end associate
+    model%shape = reshape([model%shape, rest], [size(rest, 1), size(force, 1)])
+    call move_alloc(force, model%force)
+  end subroutine add_rest
 
   !> From `now` to the time `until`, through the points of the history that lie between; `piece` is the one that ends there.
   pure subroutine proceed(model, time, force, until, piece, now, p, v)

@@ -163,7 +163,7 @@ contains
   end subroutine lay_top
 
   !> Radii of all half steps of the rows below the root (0:), from the bore up, and the layers of each row: 1 for those of
-  !> the web, 2 for those that are as wide as the teeth.
+  !> the web, 2 for those that are as wide as the teeth. A body with a web is graded to the corners between the two.
   pure subroutine lay_rows(gear, blank, across, width, radius, row_layers)
     type(gear_t), intent(in) :: gear
     type(blank_t), intent(in) :: blank
@@ -183,7 +183,12 @@ contains
     do k = 1, size(bound) - 1
       associate (from => steps(bound(k)), to => steps(bound(k + 1)))
         rows = max(1, nint(across/growth*(to - from)))
-        radius = [radius, [(place(from + (to - from)*i/(2*rows)), i=1, 2*rows)]]
+        if (blank%web > 0) then
+          rows = max(rows, nint(merge(0.75_dp, 0.5_dp, k == size(bound) - 2)*across))
+          radius = [radius, bound(k) + (bound(k + 1) - bound(k))*graded(rows, k > 1, k < size(bound) - 1)]
+        else
+          radius = [radius, [(place(from + (to - from)*i/(2*rows)), i=1, 2*rows)]]
+        end if
       end associate
       row_layers = [row_layers, spread(merge(1, 2, blank%web > 0 .and. k == size(bound) - 2), 1, rows)]
     end do
@@ -215,6 +220,27 @@ contains
       turning = (gear%root_radius + width/growth)/2
     end function turning
   end subroutine lay_rows
+
+  !> The ends of all half steps of `steps` elements, from 0 (left out) to 1. Towards ends with a sharp corner between web and rim
+  !> or hub they shrink with the square of the distance, as the field there is singular.
+  pure function graded(steps, is_low_sharp, is_high_sharp) result(share)
+    integer, intent(in) :: steps
+    logical, intent(in) :: is_low_sharp, is_high_sharp
+    real(dp) :: share(2*steps)
+    real(dp) :: end(0:steps)
+    integer :: i
+
+    end = [(real(i, dp)/steps, i=0, steps)]
+    if (is_low_sharp .and. is_high_sharp) then
+      end = merge(2*end**2, 1 - 2*(1 - end)**2, end < 0.5_dp)
+    else if (is_low_sharp) then
+      end = end**2
+    else if (is_high_sharp) then
+      end = 1 - (1 - end)**2
+    end if
+    share(2::2) = end(1:)
+    share(1::2) = (end(:steps - 1) + end(1:))/2
+  end function graded
 
   !> Body below, tooth above, as in gearsweep_section: column lines are radial below the root, and even out to circles at
   !> the rim's inner radius.
@@ -259,7 +285,7 @@ contains
     associate (half => gear%spec%face_width/2)
       if (blank%web > 0) then
         n = layers_in_web(across)
-        level = [[(blank%web/2*i/(2*n), i=0, 2*n)], [(blank%web/2 + (half - blank%web/2)*i/(2*n), i=1, 2*n)]]
+        level = [0.0_dp, blank%web/2*graded(n, .false., .true.), blank%web/2 + (half - blank%web/2)*graded(n, .true., .false.)]
       else
         n = max(1, nint(across/2.0_dp))
         level = [(half*i/(2*n), i=0, 2*n)]

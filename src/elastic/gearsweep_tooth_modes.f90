@@ -4,6 +4,7 @@ module gearsweep_tooth_modes
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: coast, drive
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_mass_matrix, only: assemble_mass, mass_matrix_t
   use gearsweep_memory, only: claim_memory
   use gearsweep_modes, only: modes_t
   use gearsweep_outline, only: fillet_parameter, fillet_point
@@ -44,7 +45,7 @@ contains
     real(dp), intent(in) :: radius(:), tangent(:)
     type(tooth_modes_t), intent(out) :: product
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: load(:, :), at_rest(:, :, :)
+    real(dp), allocatable :: load(:, :), moved(:, :), at_rest(:, :, :)
     real(dp) :: stiffer, width
     integer :: i
 
@@ -53,7 +54,7 @@ contains
       width = grid%section%gear%spec%face_width
       ! The body is a metre wide and as stiff as steel.
       stiffer = grid%material%young/body%material%young
-      call claim_memory(size(radius)*(8.0_dp*body%unknowns + 16.0_dp*size(grid%section%grid%x, 2)), &
+      call claim_memory(size(radius)*(16.0_dp*body%unknowns + 16.0_dp*size(grid%section%grid%x, 2)), &
                         'places of a moving load = '//str(size(radius)), error, blas=.true.)
       if (allocated(error)) return
       allocate (load(body%unknowns, size(radius)), source=0.0_dp)
@@ -67,16 +68,44 @@ contains
       do i = 1, count
         product%model%force(i, :) = matmul(body%gather(modes%shape(:, :, i)), load)
       end do
-      call body%stiffness%solve(load, error)
+      allocate (moved, source=load)
+      call body%stiffness%solve(moved, error)
       if (allocated(error)) return
       do i = 1, size(radius)
-        at_rest(:, :, i) = body%spread_out(load(:, i))/(width*stiffer)
+        at_rest(:, :, i) = body%spread_out(moved(:, i))/(width*stiffer)
       end do
-      deallocate (load)
+      call find_rest(grid, modes%shape, load, at_rest, product%model)
+      deallocate (load, moved)
       call read_rows(grid, modes%shape, tangent, stiffer, product, product%model%shape, error)
       if (.not. allocated(error)) call read_rows(grid, at_rest, tangent, stiffer, product, product%model%static, error)
     end associate
   end subroutine find_tooth_modes
+
+  !> Rayleigh's quotient of what the modes `shape` leave out of the displacements `at_rest` under each `load`: elastic over kinetic
+  !> energy. It is not below the highest mode's, as all that is left out is above; where rounding is all that is left, that counts.
+  pure subroutine find_rest(grid, shape, load, at_rest, model)
+    type(section_body_t), intent(in) :: grid
+    real(dp), intent(in) :: shape(:, :, :), load(:, :), at_rest(:, :, :)
+    type(modal_model_t), intent(inout) :: model
+    type(mass_matrix_t) :: mass
+    real(dp) :: rest(2, size(shape, 2)), force(2, size(shape, 2)), elastic, kinetic
+    integer :: i, k
+
+    associate (body => grid%body, w => model%frequency)
+      mass = assemble_mass(size(shape, 2), grid%section%grid%element, body%mass_matrices())
+      allocate (model%rest_frequency(size(load, 2)), source=maxval(w))
+      do i = 1, size(load, 2)
+        rest = at_rest(:, :, i)
+        do k = 1, size(w)
+          rest = rest - shape(:, :, k)*(model%force(k, i)/w(k)**2)
+        end do
+        call mass%times(rest, force)
+        elastic = dot_product(load(:, i), body%gather(rest))
+        kinetic = sum(rest*force)*grid%section%gear%spec%face_width/body%thickness
+        if (elastic > maxval(w)**2*kinetic .and. kinetic > 0) model%rest_frequency(i) = sqrt(elastic/kinetic)
+      end do
+    end associate
+  end subroutine find_rest
 
   !> The rows for displacements `u` (direction, node, column) of all nodes; what `product` keeps besides is that of the last call.
   subroutine read_rows(grid, u, tangent, stiffer, product, rows, error)

@@ -2,7 +2,7 @@
 !> thousands of points should not take longer than the points.
 module gearsweep_decimal
   use gearsweep_kinds, only: dp
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int64
   implicit none
   private
@@ -31,6 +31,10 @@ contains
     call round_decimal(x, figures, mantissa, power)
     if (mantissa > 0) then
       call place(merge(1, 0, x < 0), figures, mantissa, power, text, length)
+    else if (ieee_is_nan(x)) then
+      ! An interrupted sweep has millions.
+      text = 'NaN'
+      length = 3
     else
       write (form, '(a, i0, a)') '(es24.', figures - 1, 'e3)'
       write (text, form) x

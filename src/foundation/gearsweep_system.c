@@ -65,12 +65,12 @@ static int again(int file, short event)
   return errno == EINTR;
 }
 
-/* Reads at most `room` bytes, below 2**31; 0 at the end. */
+/* Reads at most `room` bytes, below 2**31; 0 at the end. Where `gearsweep_open` waits for nothing, this neither. */
 int gearsweep_read(int file, char *to, int room)
 {
   ssize_t n;
   do n = read(file, to, (size_t)room);
-  while (n < 0 && again(file, POLLIN));
+  while (n < 0 && errno == EINTR);
   return n < 0 ? -errno : (int)n;
 }
 
@@ -174,12 +174,13 @@ int gearsweep_begin_set(const char *path, int where[3])
   return own == 0 ? -EEXIST : own;
 }
 
-/* Writes file number `i` of the set, not yet under its name. */
-int gearsweep_add_file(const int where[3], int i, const char *text, int64_t length)
+/* Writes file number `i` of the set, not yet under its name; with `more`, at the end of what it has. */
+int gearsweep_add_file(const int where[3], int i, const char *text, int64_t length, int more)
 {
   char name[32];
   snprintf(name, sizeof name, "new-%d", i);
-  int file = above_standard(openat(where[1], name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  int how = O_WRONLY | O_NOFOLLOW | O_CLOEXEC | (more ? O_APPEND : O_CREAT | O_EXCL);
+  int file = above_standard(openat(where[1], name, how, 0666));
   if (file < 0) return -errno;
   int code = put(file, text, length);
   /* Network folders tell only here that they are full. */
@@ -247,7 +248,7 @@ static int show(const int where[3], const char *name, int i)
 /* Does the file begin with these words? */
 static int begins_with(int folder, const char *name, const char *words)
 {
-  char start[32];
+  char start[256];
   size_t length = strlen(words);
   int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return 0;
@@ -307,4 +308,10 @@ int gearsweep_show_set(const int where[3], int n, int m, const char *names, int 
   for (i = 1; i <= shown && code != 0; i++, name = next(name)) restore(where, name, i);
   flock(where[0], LOCK_UN);
   return code;
+}
+
+/* Removes a file if it begins with these words; no other, no link, and nothing is waited for. */
+void gearsweep_drop_file(const char *path, const char *words)
+{
+  if (begins_with(AT_FDCWD, path, words)) unlink(path);
 }

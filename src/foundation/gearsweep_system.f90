@@ -6,7 +6,7 @@ module gearsweep_system
   implicit none
   private
   public :: open_file, read_file, close_file, print_text, reason_of
-  public :: make_folder_at, remove_folder_at, begin_files, add_file, show_files, end_files
+  public :: make_folder_at, remove_folder_at, begin_files, add_file, show_files, end_files, drop_file
 
   interface
     !> Descriptor; unless `stream` is 1, only of a regular file.
@@ -54,11 +54,11 @@ module gearsweep_system
       integer(c_int), intent(out) :: where(3)
     end function begin_files
 
-    !> Writes file number `i`, not yet under its name.
-    integer(c_int) function add_file(where, i, text, length) bind(c, name='gearsweep_add_file')
+    !> Writes file number `i`, not yet under its name; with `more` 1, at the end of what it has.
+    integer(c_int) function add_file(where, i, text, length, more) bind(c, name='gearsweep_add_file')
       import :: c_char, c_int, c_int64_t
       integer(c_int), intent(in) :: where(3)
-      integer(c_int), value :: i
+      integer(c_int), value :: i, more
       character(kind=c_char), intent(in) :: text(*)
       integer(c_int64_t), value :: length
     end function add_file
@@ -78,6 +78,12 @@ module gearsweep_system
       import :: c_int
       integer(c_int), intent(in) :: where(3)
     end subroutine end_files
+
+    !> Removes a regular file that begins with these words.
+    subroutine drop_file(path, words) bind(c, name='gearsweep_drop_file')
+      import :: c_char
+      character(kind=c_char), intent(in) :: path(*), words(*)
+    end subroutine drop_file
 
     subroutine c_reason(code, words, length) bind(c, name='gearsweep_reason')
       import :: c_char, c_int, c_size_t

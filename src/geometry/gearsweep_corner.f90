@@ -17,7 +17,7 @@ module gearsweep_corner
   use gearsweep_relief, only: relief_t, tip_relief
   implicit none
   private
-  public :: corner_t, corner_contact, corner_reach, add_corners, arm_change, touching_curvature
+  public :: corner_t, corner_contact, corner_reach, contact_reach, add_corners, add_corner_stiffness, arm_change, touching_curvature
 
   !> Where the tip corner is, for one pair at one path coordinate.
   type :: corner_t
@@ -153,6 +153,45 @@ contains
     end function is_within
   end function corner_reach
 
+  !> The path coordinates between which a pair may be in contact under loads that deflect its softest place by `deflection` (m):
+  !> where the gap of the corner is four times that, no static load closes it, and in the motion only one above four times the
+  !> nominal load on one pair. From A to E where loads are so small that there is none worth its short steps.
+  pure function contact_reach(pair, deflection) result(reach)
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: deflection
+    real(dp) :: reach(2)
+    real(dp), parameter :: margin = 4, shortest = 1e-4_dp
+
+    reach = corner_reach(pair, margin*deflection)
+    if (max(-reach(1), reach(2) - pair%contact_ratio) < shortest) reach = [0.0_dp, pair%contact_ratio]
+  end function contact_reach
+
+  !> Extends the stiffness `curve` of a pair (N/m), known from A to E, to where it may be in contact under `load` (N): both teeth
+  !> yield along the mate's normal as they do at the path's end, and by that and the part of the load along the line of action
+  !> (`part_along` of corner_t) the stiffness is less. Continuous at A and E.
+  pure subroutine add_corner_stiffness(pair, load, curve)
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: load
+    type(piecewise_t), intent(inout) :: curve
+    real(dp) :: reach(2)
+
+    reach = contact_reach(pair, load/curve%minimum())
+    if (reach(1) < 0) curve = joined(beyond(reach(1), 0.0_dp, curve%value(0.0_dp)), curve)
+    if (reach(2) > pair%contact_ratio) &
+      curve = joined(curve, beyond(pair%contact_ratio, reach(2), curve%value(pair%contact_ratio)))
+
+  contains
+
+    pure type(piecewise_t) function beyond(first, last, at_end)
+      real(dp), intent(in) :: first, last
+      real(dp), intent(in) :: at_end             ! stiffness, N/m
+      type(corner_t) :: corner(0:degree)
+
+      corner = corner_contact(pair, knots(first, last))
+      beyond = interpolated(first, last, at_end*corner%part_along**2)
+    end function beyond
+  end subroutine add_corner_stiffness
+
   !> Extends the profile error `curve` (m), known from A to E, to `reach` (base pitches; see corner_reach): by the gap
   !> of the corner, the whole relief of the corner, and the relief of the mate where they meet. Continuous at A and E.
   !> Along the line of action: the deflection that closes them (`part_along` of corner_t).
@@ -207,14 +246,20 @@ contains
     pure type(piecewise_t) function piece(first, last, tooth)
       real(dp), intent(in) :: first, last
       integer, intent(in) :: tooth
-      real(dp) :: s(0:degree)
       type(corner_t) :: corner(0:degree)
-      integer :: i
 
-      s = [((first + last)/2 - (last - first)/2*cos(i*acos(-1.0_dp)/degree), i=0, degree)]
-      corner = corner_contact(pair, s)
+      corner = corner_contact(pair, knots(first, last))
       piece = interpolated(first, last, (corner%gap + relief%amount(tooth) &
                                          + tip_relief(relief, pair%contact_ratio, 3 - tooth, corner%s))/corner%part_along)
     end function piece
   end subroutine add_corners
+
+  !> Where `interpolated` takes its values.
+  pure function knots(first, last) result(s)
+    real(dp), intent(in) :: first, last
+    real(dp) :: s(0:degree)
+    integer :: i
+
+    s = [((first + last)/2 - (last - first)/2*cos(i*acos(-1.0_dp)/degree), i=0, degree)]
+  end function knots
 end module gearsweep_corner

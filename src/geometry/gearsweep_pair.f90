@@ -16,6 +16,8 @@ module gearsweep_pair
   !> Teeth that would jam by less, in modules on the centre distance, have no backlash: profile shifts are told with four
   !> digits, and half a unit of the last one of both makes that much.
   real(dp), parameter :: told = 1e-4_dp
+  !> Backlash below so many modules is rounding of the arithmetic.
+  real(dp), parameter :: nothing = 1e-12_dp
 
   type :: pair_t
     type(gear_t) :: gear(2)
@@ -57,6 +59,7 @@ contains
     shifts = sum(generating_shift(pair%gear%spec))
     least = closest(pinion, gear, shifts)
     pair%backlash = -gap(pair%gear, shifts, centre_distance)*cos(working_angle(pair%gear, drive, centre_distance))
+    if (abs(pair%backlash) < nothing*pinion%spec%module) pair%backlash = 0
     if (.not. centre_distance >= least*(1 - 1e-9_dp)) then
       pair%rounding = least - centre_distance
       pair%backlash = 0

@@ -1,10 +1,10 @@
 !> Dynamic factor K_v by ISO 6336-1, Method B: a formula in five ranges of the running speed, for a pair of gears whose mass
-!> acts on the line of action. Beside it stands Method A: the dynamic factor of the equation of motion.
+!> acts on the line of action; and by Method A, from the loads of the equation of motion.
 module gearsweep_dynamic_factor
   use gearsweep_kinds, only: dp, pi
   implicit none
   private
-  public :: method_b_t, resonance_ratio, is_in_range, dynamic_factor_b, deviations_of
+  public :: method_b_t, resonance_ratio, is_in_range, dynamic_factor_a, dynamic_factor_b, deviations_of, grade_of, counted_relief
 
   !> What Method B needs of a pair.
   type :: method_b_t
@@ -20,8 +20,31 @@ module gearsweep_dynamic_factor
   end type method_b_t
 
   real(dp), parameter :: main_end = 1.15_dp, above = 1.5_dp
+  !> The coarsest accuracy grade in which relief counts, and what stands for a grade beyond the coarsest that there is.
+  integer, parameter :: coarsest_relieved = 5
+  integer, parameter, public :: no_grade = 13
 
 contains
+
+  !> K_v by Method A: the largest load of a pair in motion over the largest at rest, at least 1; NaN where it is not known. So it
+  !> has the vibration alone, and not how the pairs share the load, which other factors of the standard say.
+  !> Source: ISO 6336-1:2006, 6.3 and 6.4.
+  elemental real(dp) function dynamic_factor_a(in_motion, at_rest) result(factor)
+    real(dp), intent(in) :: in_motion            !< over the static load of the mesh
+    real(dp), intent(in) :: at_rest              !< over the same
+
+    factor = in_motion/at_rest
+    if (factor < 1) factor = 1
+  end function dynamic_factor_a
+
+  !> C_a as Method B counts it (m): none in the grades 6 and coarser, so that B_k is 1.
+  !> Source: ISO 6336-1:2006, 6.5.4.
+  elemental real(dp) function counted_relief(relief, grade) result(counted)
+    real(dp), intent(in) :: relief               !< at the tip, m
+    integer, intent(in) :: grade                 !< accuracy grade of ISO 1328-1
+
+    counted = merge(relief, 0.0_dp, grade <= coarsest_relieved)
+  end function counted_relief
 
   !> Resonance ratio N: speed of the pinion over its resonance running speed n_E1.
   !> Source: ISO 6336-1:2006, 6.5.3.
@@ -110,4 +133,17 @@ contains
     deviations = 1e-6_dp*sqrt(2.0_dp)**(grade - 5)* &
                  [(0.3_dp*(m + 0.4_dp*sqrt(d)) + 4)*cos(pressure_angle), 2.5_dp*sqrt(m) + 0.17_dp*sqrt(d) + 0.5_dp]
   end function deviations_of
+
+  !> The finest accuracy grade that allows these deviations of a pair, of which the larger gear allows more; `no_grade` for none.
+  pure integer function grade_of(stated, module, diameter, pressure_angle) result(grade)
+    real(dp), intent(in) :: stated(2)            !< as `deviations_of` has them, m
+    real(dp), intent(in) :: module               !< m
+    real(dp), intent(in) :: diameter             !< of the larger gear, m
+    real(dp), intent(in) :: pressure_angle       !< of the rack, rad
+    real(dp), parameter :: rounding = 1e-9_dp
+
+    do grade = 0, no_grade - 1
+      if (all(stated <= (1 + rounding)*deviations_of(grade, module, diameter, pressure_angle))) exit
+    end do
+  end function grade_of
 end module gearsweep_dynamic_factor

@@ -8,7 +8,7 @@ module gearsweep_form
   use gearsweep_rack, only: corner_depth
   implicit none
   private
-  public :: nominal_root_stress, lewis_factor, iso_form_t, iso_form, outer_single_contact
+  public :: nominal_root_stress, lewis_factor, iso_form_t, iso_form, outer_single_contact, deep_tooth_factor
 
   !> Root section and factors of ISO 6336-3:2006, method B.
   type :: iso_form_t
@@ -127,12 +127,25 @@ contains
     end associate
   end function nominal_root_stress
 
-  !> Radius (m) at which a member carries the whole load farthest out: point D
-  !> on the pinion, B on the gear; contact ratios between 1 and 2.
+  !> Radius (m) at which ISO 6336-3 takes the load: as many base pitches below the outer end of the path of contact as the contact
+  !> ratio is above 1. Up to a contact ratio of 2 that is where a member carries the whole load farthest out, point D on the
+  !> pinion, B on the gear.
+  !> Source: ISO 6336-3:2006, clause 6, d_en.
   pure real(dp) function outer_single_contact(pair, member) result(radius)
     type(pair_t), intent(in) :: pair
     integer, intent(in) :: member
 
     radius = pair%radius(member, merge(1.0_dp, pair%contact_ratio - 1, member == 1))
   end function outer_single_contact
+
+  !> Deep tooth factor Y_DT: where two pairs share the load at that radius, and the teeth are so exact that they do.
+  !> Source: ISO 6336-3:2006, clause 10.
+  pure real(dp) function deep_tooth_factor(contact_ratio, grade) result(factor)
+    real(dp), intent(in) :: contact_ratio
+    integer, intent(in) :: grade                 !< accuracy grade of ISO 1328-1
+    integer, parameter :: coarsest = 4
+
+    factor = 1
+    if (contact_ratio > 2.05_dp .and. grade <= coarsest) factor = max(0.7_dp, min(1.0_dp, 2.366_dp - 0.666_dp*contact_ratio))
+  end function deep_tooth_factor
 end module gearsweep_form

@@ -7,7 +7,7 @@ module gearsweep_gear_materials
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: gear_material_t, gear_materials, grades, contact_number, root_number
+  public :: gear_material_t, gear_materials, common_name_t, common_names, grades, contact_number, root_number
 
   !> Quality grades: lowest, usual and highest demands on material and heat treatment.
   character(*), parameter :: grades(3) = ['ml', 'mq', 'me']
@@ -54,6 +54,30 @@ module gearsweep_gear_materials
     & gear_material_t('nitriding_steel', 750, &
     &   reshape([0.0_dp, 1125.0_dp, 0.0_dp, 1250.0_dp, 0.0_dp, 1450.0_dp], [2, 3]), &
     &   reshape([0.0_dp, 270.0_dp, 0.0_dp, 420.0_dp, 0.0_dp, 468.0_dp], [2, 3]))]
+
+  !> What steels and irons are called by common names, and which material each is in its usual treatment.
+  type :: common_name_t
+    character(material_length) :: name = ''
+    character(material_length) :: material = ''
+  end type common_name_t
+
+  type(common_name_t), parameter :: common_names(*) = [ &
+    & common_name_t('C45', 'carbon_steel'), &
+    & common_name_t('34CrNiMo6', 'alloy_steel'), &
+    & common_name_t('42CrMo4', 'alloy_steel'), &
+    & common_name_t('16MnCr5', 'case_hardened'), &
+    & common_name_t('17CrNi6-6', 'case_hardened'), &
+    & common_name_t('18CrNiMo7-6', 'case_hardened'), &
+    & common_name_t('20MnCr5', 'case_hardened'), &
+    & common_name_t('20MoCr4', 'case_hardened'), &
+    & common_name_t('31CrMoV9', 'nitriding_steel'), &
+    & common_name_t('34CrAlNi7-10', 'nitriding_steel'), &
+    & common_name_t('GJL', 'grey_cast_iron'), &
+    & common_name_t('GG', 'grey_cast_iron'), &
+    & common_name_t('GJMB', 'malleable_cast_iron'), &
+    & common_name_t('GTS', 'malleable_cast_iron'), &
+    & common_name_t('GJS', 'nodular_cast_iron'), &
+    & common_name_t('GGG', 'nodular_cast_iron')]
 
 contains
 

@@ -10,6 +10,7 @@ module gearsweep_bounds
     logical :: whole = .false.                   !< integers only
     real(dp) :: low = -huge(1.0_dp), high = huge(1.0_dp)
     logical :: low_is_out = .false., high_is_out = .false.
+    character(12) :: unit = ''                   !< of the numbers
   contains
     procedure :: allow, describe, describe_range
   end type bounds_t
@@ -17,10 +18,12 @@ module gearsweep_bounds
 contains
 
   !> At most one lower and one upper bound.
-  pure subroutine bound_real(bounds, above, at_least, below, at_most)
+  pure subroutine bound_real(bounds, unit, above, at_least, below, at_most)
     type(bounds_t), intent(out) :: bounds
+    character(*), intent(in) :: unit
     real(dp), intent(in), optional :: above, at_least, below, at_most
 
+    bounds%unit = unit
     bounds%low_is_out = present(above)
     bounds%high_is_out = present(below)
     if (present(above)) bounds%low = above

@@ -26,6 +26,8 @@ module gearsweep_entries
     type(value_t), allocatable :: values(:)
     !> Places in the text: the key's first character, its values' first and last.
     integer :: at = 0, first = 0, last = 0
+    !> What stands between its values: a comma and no blank so often, blanks of one line and no comma so often.
+    integer :: bare_commas = 0, bare_blanks = 0
     !> For the reader: somebody asked for this key.
     logical :: used = .false.
   end type entry_t
@@ -45,6 +47,7 @@ module gearsweep_entries
     integer :: group_line = 0
     !> Values of the open key, and commas since the last of them.
     integer :: values = 0, commas = 0
+    integer :: value_line = 0                    ! of the last of them
     !> All groups, entries and keys so far; keys without a value make no entry.
     integer :: groups = 0, entries = 0, keys = 0
     !> Room that the values take, which repeat counts could blow up.
@@ -158,10 +161,11 @@ contains
     if (self%values == 0 .and. self%commas > 0) call fail_at(line, 'no value in front of a comma', error)
     if (self%stored > longest_text + 1) call fail_at(line, 'the repeated values are too many', error)
     if (allocated(error)) return
-    self%commas = 0
     associate (entry => self%list%entries(self%entries), n => self%values)
       if (.not. allocated(entry%values)) allocate (entry%values(0))
       if (n == 0) entry%first = first
+      if (n > 0 .and. self%commas == 1 .and. first == entry%last + 2) entry%bare_commas = entry%bare_commas + 1
+      if (n > 0 .and. self%commas == 0 .and. line == self%value_line) entry%bare_blanks = entry%bare_blanks + 1
       entry%last = last
       if (n + count > size(entry%values)) then
         ! Room for more, their texts, and all of that again as the list is handed over.
@@ -175,6 +179,8 @@ contains
       end do
     end associate
     self%values = self%values + count
+    self%commas = 0
+    self%value_line = line
   end subroutine add_value
 
   !> Hands over all that was added; `line` is the last one.

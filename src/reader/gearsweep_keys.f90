@@ -18,7 +18,7 @@ module gearsweep_keys
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add_group, add, settle, list_groups, has, why_unknown, list_waiting, write_case, write_given
+    procedure :: add_group, add, settle, list_groups, has, why_unknown, lacking_choice, list_waiting, write_case, write_given
   end type keys_t
 
 contains
@@ -112,6 +112,24 @@ contains
     end if
     why = why//'; the keys of &'//group//' are '//join(names, ', ')
   end subroutine why_unknown
+
+  !> Keys of which exactly one must be given, if none is, with a comma in front; else empty.
+  pure function lacking_choice(self) result(words)
+    class(keys_t), intent(in) :: self
+    character(:), allocatable :: words
+    integer :: i
+
+    words = ''
+    do i = 1, self%known
+      associate (key => self%key(i))
+        if (.not. key%is_one_of .or. len(key%waits) > 0) cycle
+        if (key%entry > 0) exit
+        if (len(words) == 0) words = ', one of &'//trim(key%group)
+        words = words//' '//trim(key%name)
+      end associate
+    end do
+    if (i <= self%known) words = ''
+  end function lacking_choice
 
   !> The given keys that wait: for each set of tasks a line `tasks: &group key, key; &group key`.
   pure subroutine list_waiting(self, text)

@@ -14,8 +14,8 @@ module gearsweep_reader
   use gearsweep_namelist, only: name_length, namelist_t, parse_namelist
   use gearsweep_text, only: closest_word, join, lower
   use gearsweep_units, only: in_si
-  use gearsweep_values, only: check_size, check_sizes, describe_texts, fail_entry, read_logical, read_numbers, read_texts, &
-                             tell_number
+  use gearsweep_values, only: check_distinct, check_size, check_sizes, describe_texts, fail_entry, read_logical, read_numbers, &
+                             read_texts, tell_number
   implicit none
   private
   public :: reader_t, open_reader
@@ -28,6 +28,7 @@ module gearsweep_reader
     character(:), allocatable :: tasks           !< those that are wanted, a blank in front of and behind each
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
+    character(:), allocatable :: missing_too     !< the others, a comma and a blank in front of each
   contains
     !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [waits], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
@@ -48,6 +49,7 @@ contains
 
     if (present(keeps_defaults)) reader%keeps_defaults = keeps_defaults
     reader%tasks = ''
+    reader%missing_too = ''
     call parse_namelist(text, reader%list, error)
   end subroutine open_reader
 
@@ -92,7 +94,7 @@ contains
     integer :: at
 
     call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
-    call bound_real(wanted%bounds, above, at_least, below, at_most)
+    call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
     call self%find(wanted, at, error, given, waits, refused)
     scale = in_si(wanted%unit)
     if (present(factor)) scale = scale*factor
@@ -103,16 +105,16 @@ contains
     if (.not. allocated(error)) value = numbers(1)
   end subroutine get_real
 
-  !> A list of numbers; the bounds hold for each, `min_size` and `max_size` for how many there are.
+  !> A list of numbers; the bounds hold for each, `min_size` and `max_size` for how many there are. `distinct`: none twice.
   pure subroutine get_reals(self, group, key, value, error, meaning, unit, given, required, one_of, tasks, waits, &
-                            refused, otherwise, above, at_least, below, at_most, min_size, max_size)
+                            refused, otherwise, above, at_least, below, at_most, min_size, max_size, distinct)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     real(dp), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: unit, tasks, waits, refused, otherwise
     logical, intent(out), optional :: given
-    logical, intent(in), optional :: required, one_of
+    logical, intent(in), optional :: required, one_of, distinct
     real(dp), intent(in), optional :: above, at_least, below, at_most
     integer, intent(in), optional :: min_size, max_size
     type(key_t) :: wanted
@@ -121,7 +123,7 @@ contains
     integer :: at
 
     call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
-    call bound_real(wanted%bounds, above, at_least, below, at_most)
+    call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
     call wanted%allow_list(min_size, max_size)
     call self%find(wanted, at, error, given, waits, refused)
     scale = in_si(wanted%unit)
@@ -129,6 +131,7 @@ contains
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
+    if (present(distinct)) call check_distinct(self%list%entries(at), numbers, error)
     if (.not. allocated(error)) call move_alloc(numbers, value)
   end subroutine get_reals
 
@@ -252,7 +255,11 @@ contains
 
     if (allocated(error)) return
     call self%check_names(error)
-    if (allocated(self%missing)) call fail(error, self%missing%code, self%missing%message)
+    if (.not. allocated(self%missing)) return
+    associate (others => self%missing_too//self%keys%lacking_choice())
+      if (len(others) > 0) call fail(error, self%missing%code, self%missing%message//'; missing too: '//others(3:))
+    end associate
+    call fail(error, self%missing%code, self%missing%message)
   end subroutine finish
 
   pure subroutine check_names(self, error)
@@ -372,6 +379,7 @@ contains
     case default
       call key%bounds%describe(rule)
     end select
+    if (allocated(self%missing)) self%missing_too = self%missing_too//', &'//trim(key%group)//' '//trim(key%name)
     call fail(self%missing, code_input, '&'//trim(key%group)//' '//trim(key%name)//': missing; must be '//rule)
   end subroutine miss
 
@@ -382,10 +390,8 @@ contains
 
     in_group = lower(group)
     of_name = lower(key)
-    if (.not. allocated(list%entries)) then
-      at = 0
-      return
-    end if
+    at = 0
+    if (.not. allocated(list%entries)) return
     do at = size(list%entries), 1, -1
       if (list%entries(at)%key == of_name .and. list%entries(at)%group == in_group) return
     end do

@@ -4,10 +4,12 @@ module gearsweep_values
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
   use gearsweep_namelist, only: entry_t, value_t
-  use gearsweep_text, only: join, lower, shown, str, to_number
+  use gearsweep_sorting, only: sorted
+  use gearsweep_text, only: closest_word, join, lower, shown, str, to_number
   implicit none
   private
-  public :: read_numbers, tell_number, read_logical, read_texts, check_size, check_sizes, describe_texts, fail_entry
+  public :: read_numbers, tell_number, read_logical, read_texts, check_size, check_sizes, check_distinct, &
+            describe_texts, fail_entry
 
 contains
 
@@ -21,6 +23,11 @@ contains
     integer :: i
 
     if (allocated(error)) return
+    if (entry%bare_commas > 0 .and. entry%bare_blanks > 0) then
+      call fail_entry(entry, 'has commas without a blank beside blanks without a comma: decimals take a point, as in 0.5, 10.5', &
+                      error)
+      return
+    end if
     allocate (numbers(size(entry%values)))
     do i = 1, size(numbers)
       call read_number(entry%values(i), bounds, numbers(i), error, entry)
@@ -54,6 +61,9 @@ contains
       call fail_entry(entry, 'must be '//trim(merge('an integer', 'a number  ', bounds%whole)), error)
     else if (.not. bounds%allow(number)) then
       call bounds%describe(rule)
+      ! A length in metres is a likely slip.
+      if (bounds%unit == 'mm' .and. number > 0 .and. bounds%allow(1000*number)) &
+        rule = rule//'; if '//str(number)//' m is meant, write '//str(1000*number)
       call fail_entry(entry, 'must be '//rule, error)
     end if
   end subroutine read_number
@@ -129,7 +139,7 @@ contains
     character(*), intent(in), optional :: allowed(:)
     character(:), allocatable :: rule
     logical :: ok
-    integer :: i, longest
+    integer :: i, longest, closest
 
     if (allocated(error)) return
     do i = 1, size(entry%values)
@@ -137,6 +147,9 @@ contains
       if (present(allowed)) ok = any(lower_all(allowed) == lower(entry%values(i)%text))
       if (ok) cycle
       call describe_texts(rule, allowed)
+      closest = 0
+      if (present(allowed)) closest = closest_word(lower(entry%values(i)%text), allowed)
+      if (closest > 0) rule = rule//' (did you mean '//trim(allowed(closest))//'?)'
       call fail_entry(entry, 'must be '//rule, error)
       return
     end do
@@ -175,7 +188,11 @@ contains
     character(*), intent(in) :: what
     type(error_t), allocatable, intent(inout) :: error
 
-    if (size(entry%values) > 1) call fail_entry(entry, 'must be a single '//what, error)
+    character(:), allocatable :: why
+
+    why = 'must be a single '//what
+    if (size(entry%values) == 2 .and. entry%bare_commas == 1) why = why//'; decimals take a point'
+    if (size(entry%values) > 1) call fail_entry(entry, why, error)
   end subroutine check_size
 
   pure subroutine check_sizes(entry, what, error, min_size, max_size)
@@ -193,6 +210,24 @@ contains
         & call fail_entry(entry, 'must be at most '//str(max_size)//' '//what, error)
     end if
   end subroutine check_sizes
+
+  !> `numbers`: those of the entry, none of which may be there twice.
+  pure subroutine check_distinct(entry, numbers, error)
+    type(entry_t), intent(in) :: entry
+    real(dp), intent(in) :: numbers(:)
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: list(size(numbers))
+    integer :: i, at
+
+    if (allocated(error)) return
+    list = sorted(numbers)
+    do i = 2, size(list)
+      if (list(i) > list(i - 1)) cycle
+      at = minloc(abs(numbers - list(i)), 1)
+      call fail_entry(entry, entry%values(at)%text//' is given twice', error)
+      return
+    end do
+  end subroutine check_distinct
 
   !> `&group key = values: why`
   pure subroutine fail_entry(entry, why, error)

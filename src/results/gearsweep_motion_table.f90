@@ -1,5 +1,6 @@
 !> What all tasks that need the mesh start from, as a table and for the screen: load, masses and stiffness.
 module gearsweep_motion_table
+  use gearsweep_blank, only: has_web
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive
   use gearsweep_hub, only: chain_frequencies, felt_twist
@@ -8,6 +9,7 @@ module gearsweep_motion_table
   use gearsweep_material, only: material_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_stiffness, only: gear_blank_factor
+  use gearsweep_stages, only: rim_teeth, rims
   use gearsweep_study, only: study_t
   use gearsweep_table, only: no_number, table_t
   use gearsweep_text, only: str
@@ -24,6 +26,7 @@ module gearsweep_motion_table
   end type iso_beside_t
 
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp
+  character(*), parameter :: of_web = 'rim and web'
 
 contains
 
@@ -136,13 +139,47 @@ contains
     end if
     if (table%position('felt_rotation_um') > 0) call tell_hubs(table, lines)
     call lines%put(left('Load', 19)//str(table%number('load_n'), 5)//' N on the line of action, effective masses '// &
-                   str(table%number('pinion_mass_kg'), 4)//' and '//str(table%number('gear_mass_kg'), 4)//' kg')
+                   str(table%number('pinion_mass_kg'), 4)//' and '//str(table%number('gear_mass_kg'), 4)//' kg ('// &
+                   trim(origin(study, 1)))
+    if (origin(study, 1) /= origin(study, 2)) call lines%put('; '//trim(origin(study, 2)))
+    call lines%put(')')
     if (table%position('damping_ratio') > 0) call lines%put(', damping ratio '//str(table%number('damping_ratio')))
     if (table%position('friction') > 0) call lines%put(', friction '//str(table%number('friction')))
     call lines%add('')
+    if (origin(study, 1) == of_web .or. origin(study, 2) == of_web) call tell_webs(study, lines)
     call lines%add(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')
   end subroutine add_motion
+
+  !> Where a member's effective mass comes from.
+  pure function origin(study, member) result(words)
+    type(study_t), intent(in) :: study
+    integer, intent(in) :: member
+    character(11) :: words
+
+    words = 'stated'
+    if (study%case%mass(member) > 0 .or. study%case%inertia(member) > 0) return
+    words = 'solid disc'
+    associate (iso => study%case%iso)
+      if (has_web(study%pair%gear(member), iso%web_thickness(member), iso%rim_thickness(member))) words = of_web
+    end associate
+  end function origin
+
+  !> What of rims and webs the stiffness knows.
+  pure subroutine tell_webs(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    character(:), allocatable :: words
+
+    words = 'count in the masses only, not in the stiffness by '//study%case%model
+    if (study%case%model == 'iso6336') words = 'count in the masses, and in the stiffness by C_R'
+    if (study%case%model == 'fe') then
+      words = 'count in the masses only: &section says what is held'
+      if (any(rims(study%case, study%pair) > 0)) words = 'the stiffness is that of rims that sections of '// &
+        str(rim_teeth(study%case))//' teeth hold at their sides; that the webs hold them too is left out'
+    end if
+    call lines%add(left('Rim and web', 19)//words)
+  end subroutine tell_webs
 
   !> How much of the turning the motion has, and how far one degree of freedom is from the chain of all inertias.
   pure subroutine tell_hubs(table, lines)

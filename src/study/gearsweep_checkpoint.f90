@@ -1,50 +1,99 @@
-!> The record of an interrupted run as text: a run of the same version on the same inputs goes on from it, to the
+!> The record of an interrupted run in a file: a run of the same version on the same inputs goes on from it, to the
 !> same bits.
 !>
-!> The first line names the format, version and a checksum of the inputs: the case's text and the stiffness table
-!> that it names. Then come the sweeps that had begun: a line with number, speeds and reliefs, and the bits of their
-!> state as hexadecimal words; and the tables of the other tasks that were done. The last line has a checksum of all
-!> before it.
+!> The first line names the format, version and a sum of the inputs: the case's text and the tables that it names. Then come, in
+!> words of 64 bits, the sweeps that had begun and were not done, and the tasks that were; each begins with a word that says what
+!> it is.
 module gearsweep_checkpoint
+  use, intrinsic :: iso_c_binding, only: c_null_char
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_error_estimate, only: point_t
-  use gearsweep_optimum, only: most_tried
-  use gearsweep_sweep, only: sweep_state_t
-  use gearsweep_sweep_state, only: begin_state
-  use gearsweep_case, only: case_t, speeds
+  use gearsweep_case, only: case_t, speed_count
   use gearsweep_error, only: error_t, fail, code_file
+  use gearsweep_error_estimate, only: point_t
   use gearsweep_file_set, only: file_set_t
   use gearsweep_files, only: beside, read_text
-  use gearsweep_lines, only: lines_t
+  use gearsweep_kinds, only: dp
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_optimum, only: most_tried
+  use gearsweep_record_file, only: opening_length, record_reader_t, record_writer_t, sum_of_text
   use gearsweep_study, only: record_t
-  use gearsweep_task_record, only: add_tasks, add_words, hexadecimal, place_t, read_task, take_line, take_words
+  use gearsweep_sweep, only: sweep_state_t
+  use gearsweep_sweep_state, only: begin_state
+  use gearsweep_system, only: drop_file
+  use gearsweep_task_record, only: is_recorded, put_task, take_task
   use gearsweep_text, only: str
   use gearsweep_version, only: version
   implicit none
   private
-  public :: save_record, load_record, drop_checkpoint
+  public :: save_record, load_record, try_checkpoint, drop_checkpoint
 
-  character(*), parameter :: format = 'gearsweep checkpoint 2'
-  integer, parameter :: longest = 10**9          ! bytes
+  character(*), parameter :: start = 'gearsweep checkpoint ', format = start//'4'
+  !> What comes next in the file.
+  integer(int64), parameter :: at_end = 0, at_sweep = 1, at_task = 2
+  !> In the word before a point: it is solved. The bits below name the words that differ from those of the point before.
+  integer, parameter :: solved_bit = 62
 
 contains
 
-  !> Writes the record to a file, whole or not at all.
+  !> Fails where no checkpoint can be written under this name.
+  subroutine try_checkpoint(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(inout) :: error
+    type(file_set_t) :: files
+    logical :: is_folder
+
+    if (allocated(error)) return
+    inquire (file=path//'/.', exist=is_folder)
+    if (is_folder) call fail(error, code_file, 'cannot write '//path//': it is a folder')
+    associate (last => index(path, '/', back=.true.))
+      call files%begin(path(:last)//'.', error)
+      call files%add(path(last + 1:), format, format, error)
+    end associate
+    call files%leave()
+  end subroutine try_checkpoint
+
+  !> Writes the record to a file, whole or not at all. `folder` is where the case's files lie, with its slash.
   subroutine save_record(record, case, folder, path, error)
     type(record_t), intent(in) :: record
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder, path
     type(error_t), allocatable, intent(inout) :: error
-    type(file_set_t) :: files
-    character(:), allocatable :: text, place
+    type(record_writer_t) :: writer
+    character(:), allocatable :: opening
+    integer :: i
 
-    call write_record(record, case, folder, text)
-    ! Not by folder_of: callers at once would share the length of its result.
-    place = path(:index(path, '/', back=.true.))
-    call files%begin(place//'.', error)
-    call files%add(path(len(place) + 1:), format, text, error)
-    call files%finish(error)
+    if (allocated(error)) return
+    call first_line(case, folder, opening)
+    call writer%begin(path, opening, error)
+    if (allocated(error)) return
+    do i = 1, size(record%states)
+      if (.not. allocated(record%states(i)%points) .or. is_done(record, merge('sweep  ', 'optimum', i == 1))) cycle
+      call writer%put([at_sweep, int(i, int64)])
+      call put_state(record%states(i), writer)
+    end do
+    if (allocated(record%tasks)) then
+      do i = 1, size(record%tasks)
+        if (.not. is_recorded(record%tasks(i)%task)) cycle
+        call writer%put([at_task])
+        call put_task(record%tasks(i), writer)
+      end do
+    end if
+    call writer%put([at_end])
+    call writer%finish(error)
   end subroutine save_record
+
+  !> Is the task recorded by its tables? Then its sweeps are no longer needed.
+  pure logical function is_done(record, name)
+    type(record_t), intent(in) :: record
+    character(*), intent(in) :: name
+    integer :: i
+
+    is_done = .false.
+    if (.not. allocated(record%tasks)) return
+    do i = 1, size(record%tasks)
+      if (record%tasks(i)%info%name == name) is_done = is_recorded(record%tasks(i)%task)
+    end do
+  end function is_done
 
   !> Reads the record of an interrupted run of this case.
   subroutine load_record(path, case, folder, record, error)
@@ -52,75 +101,46 @@ contains
     type(case_t), intent(in) :: case
     type(record_t), intent(out) :: record
     type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: text
+    type(record_reader_t) :: reader
+    character(opening_length) :: line
+    character(:), allocatable :: opening
 
-    call read_text(path, text, error, longest=longest)
     if (allocated(error)) return
-    call read_record(text, path, case, folder, record, error)
+    call first_line(case, folder, opening)
+    call reader%begin(path, line, error)
+    if (allocated(error)) return
+    if (index(line, start) /= 1) then
+      call refuse('is no checkpoint of gearsweep')
+    else if (index(line, format//' version '//version//' ') /= 1) then
+      call refuse('is of another version of gearsweep than '//version)
+    else
+      call reader%look_through(path, error)
+      if (.not. (reader%is_good .or. allocated(error))) call refuse('is damaged')
+      if (line(:opening_length - 1) /= opening) &
+        call refuse('is of another case: the case or a file that it names was changed since')
+      if (.not. allocated(error)) call take_parts(case, reader, record, error)
+      if (.not. (reader%is_good .or. allocated(error))) call refuse('does not fit this case')
+    end if
+    call reader%finish()
+
+  contains
+
+    subroutine refuse(why)
+      character(*), intent(in) :: why
+
+      call fail(error, code_file, 'cannot resume from '//path//': '//why)
+    end subroutine refuse
   end subroutine load_record
 
-  !> Removes a checkpoint that is no longer needed, if there is one.
-  subroutine drop_checkpoint(path)
-    character(*), intent(in) :: path
-    character(:), allocatable :: line
-    integer :: unit, stat
+  !> Removes this case's checkpoint, which is no longer needed, if there is one. Another file of this name is none of ours.
+  subroutine drop_checkpoint(path, case, folder)
+    character(*), intent(in) :: path, folder
+    type(case_t), intent(in) :: case
+    character(:), allocatable :: opening
 
-    open (newunit=unit, file=path, status='old', action='readwrite', iostat=stat)
-    if (stat /= 0) return
-    allocate (character(len(format)) :: line)
-    read (unit, '(a)', iostat=stat) line
-    ! Another file of this name is none of ours.
-    if (stat == 0 .and. line == format) close (unit, status='delete', iostat=stat)
-    if (line /= format) close (unit, iostat=stat)
+    call first_line(case, folder, opening)
+    call drop_file(path//c_null_char, opening//' '//c_null_char)
   end subroutine drop_checkpoint
-
-  !> `folder` is where the case's files lie, with its slash.
-  subroutine write_record(record, case, folder, text)
-    type(record_t), intent(in) :: record
-    type(case_t), intent(in) :: case
-    character(*), intent(in) :: folder
-    character(:), allocatable, intent(out) :: text
-    type(lines_t) :: lines
-    character(:), allocatable :: opening
-    integer :: i
-
-    call first_line(case, folder, opening)
-    call lines%add(opening)
-    do i = 1, size(record%states)
-      if (allocated(record%states(i)%points)) call add_state(record%states(i), i, lines)
-    end do
-    if (allocated(record%tasks)) call add_tasks(record%tasks, lines)
-    text = lines%text()
-    text = text//'end '//hexadecimal(checksum(text))//new_line('a')
-  end subroutine write_record
-
-  !> The record in a checkpoint's text; `path` is for messages.
-  subroutine read_record(text, path, case, folder, record, error)
-    character(*), intent(in) :: text, path, folder
-    type(case_t), intent(in) :: case
-    type(record_t), intent(out) :: record
-    type(error_t), allocatable, intent(inout) :: error
-    character(:), allocatable :: opening
-    integer :: last
-
-    if (allocated(error)) return
-    call first_line(case, folder, opening)
-    last = index(text, new_line('a')//'end ', back=.true.)
-    if (index(text, format) /= 1) then
-      call fail(error, code_file, path//': is no checkpoint of gearsweep')
-    else if (index(text, format//' version '//version//' ') /= 1) then
-      call fail(error, code_file, path//': is of another version of gearsweep than '//version)
-    else if (last == 0) then
-      call fail(error, code_file, path//': is damaged')
-    else if (text(last + 1:) /= 'end '//hexadecimal(checksum(text(:last)))//new_line('a')) then
-      call fail(error, code_file, path//': is damaged')
-    else if (index(text, opening//new_line('a')) /= 1) then
-      call fail(error, code_file, path//': is of another case: the case or a file that it names was changed since')
-    else
-      call read_states(text(:last), len(opening) + 2, case, record, error)
-    end if
-    if (allocated(error)) error%message = 'cannot resume from '//error%message
-  end subroutine read_record
 
   subroutine first_line(case, folder, line)
     type(case_t), intent(in) :: case
@@ -128,11 +148,13 @@ contains
     character(:), allocatable, intent(out) :: line
     character(:), allocatable :: inputs, table
     type(error_t), allocatable :: missing
+    character(16) :: sum
 
     inputs = case%text
     call add_table(case%file)
     call add_table(case%profile_error_file)
-    line = format//' version '//version//' inputs '//hexadecimal(checksum(inputs))
+    write (sum, '(z16.16)') sum_of_text(inputs)
+    line = format//' version '//version//' inputs '//sum
 
   contains
 
@@ -145,105 +167,162 @@ contains
     end subroutine add_table
   end subroutine first_line
 
-  subroutine add_state(state, number, lines)
+  subroutine put_state(state, writer)
     type(sweep_state_t), intent(in) :: state
-    integer, intent(in) :: number
-    type(lines_t), intent(inout) :: lines
+    type(record_writer_t), intent(inout) :: writer
 
-    call lines%add('sweep '//str(number)//' '//str(size(state%points, 1))//' '//str(size(state%points, 2)))
-    call add_words(transfer(state%blocks, [0_int64]), lines)
-    call add_words(int(state%followed, int64), lines)
-    call add_words(transfer(state%pace, [0_int64]), lines)
-    call add_words(int(merge(1, 0, reshape(state%solved, [size(state%solved)])), int64), lines)
-    call add_points(state%points, lines)
-  end subroutine add_state
+    call writer%put(int([shape(state%points), size(state%blocks)], int64))
+    associate (blocks => state%blocks)
+      call writer%put(int([blocks%together, blocks%grouped, blocks%single], int64))
+      call writer%put(transfer([blocks%pace_together, blocks%pace], [0_int64]))
+    end associate
+    call writer%put(int([state%followed, state%returned], int64))
+    call writer%put(transfer(state%pace, [0_int64]))
+    call put_points(state%points, state%solved, writer)
+    call put_points(spread(state%above, 1, 1), spread(state%followed < 0, 1, 1), writer)
+  end subroutine put_state
 
-  subroutine add_points(points, lines)
+  !> Of each point the words that differ from those of the point before.
+  subroutine put_points(points, solved, writer)
     type(point_t), intent(in) :: points(:, :)
-    type(lines_t), intent(inout) :: lines
-    integer :: i, k
+    logical, intent(in) :: solved(:, :)
+    type(record_writer_t), intent(inout) :: writer
+    integer(int64), dimension(storage_size(points)/64) :: before, now
+    integer(int64) :: new(0:storage_size(points)/64)   ! what differs, and the words that do
+    integer :: i, k, j, n
 
+    before = 0
     do k = 1, size(points, 2)
       do i = 1, size(points, 1)
-        call add_words(transfer(points(i, k), [0_int64]), lines)
+        now = transfer(points(i, k), now)
+        new(0) = 0
+        n = 0
+        do j = 1, size(now)
+          if (now(j) == before(j)) cycle
+          n = n + 1
+          new(n) = now(j)
+          new(0) = ibset(new(0), j - 1)
+        end do
+        if (solved(i, k)) new(0) = ibset(new(0), solved_bit)
+        call writer%put(new(:n))
+        before = now
       end do
     end do
-  end subroutine add_points
+  end subroutine put_points
 
-  !> `first` is where the sweeps begin.
-  subroutine read_states(text, first, case, record, error)
-    character(*), intent(in) :: text
-    integer, intent(in) :: first
+  !> All that the file has, as far as it fits the case.
+  subroutine take_parts(case, reader, record, error)
     type(case_t), intent(in) :: case
+    type(record_reader_t), intent(inout) :: reader
     type(record_t), intent(inout) :: record
     type(error_t), allocatable, intent(inout) :: error
-    type(place_t) :: place
-    character(:), allocatable :: line
-    integer :: sizes(3), stat
+    integer(int64) :: part(1), number(1)
 
-    place%at = first
-    do while (place%at < len(text) .and. place%ok)
-      call take_line(text, place, line)
-      if (index(line, 'task ') == 1) then
-        call read_task(text, place, line(6:), record%tasks)
-        cycle
+    do while (reader%is_good .and. .not. allocated(error))
+      part = at_end
+      call reader%take(part)
+      if (part(1) == at_end) return
+      if (part(1) == at_task) then
+        call take_task(reader, record%tasks)
+      else
+        number = 0
+        call reader%take(number)
+        reader%is_good = reader%is_good .and. part(1) == at_sweep .and. number(1) >= 1 .and. number(1) <= size(record%states)
+        if (reader%is_good) call take_state(case, reader, record%states(number(1)), error)
       end if
-      sizes = 0
-      stat = 1
-      if (len(line) > 6) read (line(7:), *, iostat=stat) sizes
-      place%ok = stat == 0 .and. sizes(1) >= 1 .and. sizes(1) <= size(record%states) .and. &
-                 sizes(2) == size(speeds(case)) .and. sizes(3) >= 1 .and. sizes(3) <= max(size(case%amount), most_tried)
-      if (place%ok) call read_state(text, place, sizes, record%states(sizes(1)))
     end do
-    if (.not. place%ok) call fail(error, code_file, 'a checkpoint that does not fit this case')
-  end subroutine read_states
+  end subroutine take_parts
 
-  subroutine read_state(text, place, sizes, state)
-    character(*), intent(in) :: text
-    type(place_t), intent(inout) :: place
-    integer, intent(in) :: sizes(3)
+  subroutine take_state(case, reader, state, error)
+    type(case_t), intent(in) :: case
+    type(record_reader_t), intent(inout) :: reader
     type(sweep_state_t), intent(inout) :: state
-    integer(int64), allocatable :: words(:)
-    type(point_t) :: point
-    integer :: i, k
+    type(error_t), allocatable, intent(inout) :: error
+    integer(int64) :: sizes(3)
+    integer(int64), allocatable :: words(:, :), more(:)
+    type(point_t), allocatable :: above(:, :)
+    logical, allocatable :: none(:, :)
+    integer :: i
 
-    call begin_state(sizes(2), sizes(3), state)
-    allocate (words(size(transfer(state%blocks, [0_int64]))))
-    call take_words(text, place, words)
-    if (place%ok) state%blocks = transfer(words, state%blocks)
-    deallocate (words)
-    allocate (words(sizes(3)))
-    call take_words(text, place, words)
-    if (place%ok) state%followed = int(words)
-    call take_words(text, place, words)
-    if (place%ok) state%pace = transfer(words, state%pace)
-    deallocate (words)
-    allocate (words(size(state%solved)))
-    call take_words(text, place, words)
-    if (place%ok) state%solved = reshape(words == 1, shape(state%solved))
-    deallocate (words)
-    allocate (words(size(transfer(point, [0_int64]))))
-    do k = 1, sizes(3)
-      do i = 1, sizes(2)
-        call take_words(text, place, words)
-        if (place%ok) state%points(i, k) = transfer(words, point)
+    sizes = 0
+    call reader%take(sizes)
+    reader%is_good = reader%is_good .and. sizes(1) == speed_count(case) .and. sizes(2) >= 1 .and. &
+                     sizes(2) <= max(size(case%amount), most_tried)
+    if (.not. reader%is_good) return
+    call claim_memory(sizes(1)*sizes(2)*(4.0_dp + storage_size(state%points)/8), &
+                      'the checkpoint: '//str(int(sizes(1)))//' speeds times '//str(int(sizes(2)))//' reliefs', error)
+    if (allocated(error)) return
+    call begin_state(int(sizes(1)), int(sizes(2)), state)
+    reader%is_good = size(state%blocks) == sizes(3)
+    if (.not. reader%is_good) return
+    allocate (words(sizes(3), 5), more(size(state%followed)))
+    associate (blocks => state%blocks)
+      call take_all(reader, words)
+      do i = 1, 3
+        reader%is_good = reader%is_good .and. all(words(:, i) >= blocks%first - 1) .and. all(words(:, i) <= blocks%last)
+      end do
+      if (.not. reader%is_good) return
+      blocks%together = int(words(:, 1))
+      blocks%grouped = int(words(:, 2))
+      blocks%single = int(words(:, 3))
+      blocks%pace_together = transfer(words(:, 4), 0.0_dp, size(blocks))
+      blocks%pace = transfer(words(:, 5), 0.0_dp, size(blocks))
+    end associate
+    call reader%take(more)
+    reader%is_good = reader%is_good .and. all(more >= 0 .and. more <= sizes(1))
+    if (.not. reader%is_good) return
+    state%followed = int(more)
+    call reader%take(more)
+    reader%is_good = reader%is_good .and. all(more >= 0 .and. more <= sizes(1))
+    if (.not. reader%is_good) return
+    state%returned = int(more)
+    call reader%take(more)
+    state%pace = transfer(more, 0.0_dp, size(more))
+    call take_points(reader, state%points, state%solved)
+    allocate (above(1, size(state%above)))
+    allocate (none(1, size(state%above)))
+    call take_points(reader, above, none)
+    state%above = above(1, :)
+  end subroutine take_state
+
+  !> Column by column.
+  subroutine take_all(reader, words)
+    type(record_reader_t), intent(inout) :: reader
+    integer(int64), intent(out) :: words(:, :)
+    integer :: k
+
+    words = -1
+    do k = 1, size(words, 2)
+      call reader%take(words(:, k))
+    end do
+  end subroutine take_all
+
+  subroutine take_points(reader, points, solved)
+    type(record_reader_t), intent(inout) :: reader
+    type(point_t), intent(inout) :: points(:, :)
+    logical, intent(inout) :: solved(:, :)
+    integer(int64), dimension(storage_size(points)/64) :: now, new
+    integer(int64) :: differs(1)
+    integer :: i, k, j, n
+
+    now = 0
+    do k = 1, size(points, 2)
+      do i = 1, size(points, 1)
+        differs = 0
+        call reader%take(differs)
+        solved(i, k) = btest(differs(1), solved_bit)
+        n = popcnt(ibclr(differs(1), solved_bit))
+        reader%is_good = reader%is_good .and. n <= size(new)
+        if (.not. reader%is_good) return
+        call reader%take(new(:n))
+        n = 0
+        do j = 1, size(now)
+          if (.not. btest(differs(1), j - 1)) cycle
+          n = n + 1
+          now(j) = new(n)
+        end do
+        points(i, k) = transfer(now, points(i, k))
       end do
     end do
-
-  end subroutine read_state
-
-  !> Two sums over the bytes, each modulo a large prime; against accidents, not against intent.
-  pure integer(int64) function checksum(text)
-    character(*), intent(in) :: text
-    integer(int64), parameter :: modulus = 2147483647_int64
-    integer(int64) :: first, second, i
-
-    first = 1
-    second = 0
-    do i = 1, len(text, int64)
-      first = modulo(first*31_int64 + iachar(text(i:i)), modulus)
-      second = modulo(second + first, modulus)
-    end do
-    checksum = ior(ishft(second, 32), first)
-  end function checksum
+  end subroutine take_points
 end module gearsweep_checkpoint

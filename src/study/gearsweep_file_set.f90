@@ -21,7 +21,7 @@ module gearsweep_file_set
     character(:), allocatable :: names, lacked     !< each with its NUL, and how it begins with a NUL
     integer, allocatable :: first(:), last(:)      !< of each file's name in `names`
   contains
-    procedure :: begin, add, lacks, finish
+    procedure :: begin, add, append, lacks, finish, leave
   end type file_set_t
 
 contains
@@ -56,9 +56,22 @@ contains
     self%first = [self%first, len(self%names) + 1]
     self%last = [self%last, len(self%names) + len(name)]
     self%names = self%names//name//c_null_char//start//c_null_char
-    code = add_file(self%where, int(self%files, c_int), text, len(text, c_int64_t))
+    code = add_file(self%where, int(self%files, c_int), text, len(text, c_int64_t), 0_c_int)
     if (code < 0) call fail_system('cannot write '//self%folder//'/'//name, code, error)
   end subroutine add
+
+  !> Writes more of the file that was added last.
+  subroutine append(self, text, error)
+    class(file_set_t), intent(inout) :: self
+    character(*), intent(in) :: text
+    type(error_t), allocatable, intent(inout) :: error
+    integer(c_int) :: code
+
+    if (allocated(error)) return
+    code = add_file(self%where, int(self%files, c_int), text, len(text, c_int64_t), 1_c_int)
+    if (code < 0) call fail_system('cannot write '//self%folder//'/'// &
+                                   self%names(self%first(self%files):self%last(self%files)), code, error)
+  end subroutine append
 
   !> A file of this name is of an earlier set, if it begins with `start`: then its name gets the ending `.old`.
   subroutine lacks(self, name, start)
@@ -83,7 +96,14 @@ contains
       if (code < 0) call fail_system('cannot write '//self%folder//'/'// &
                                      self%names(self%first(failed):self%last(failed)), code, error)
     end if
-    call end_files(self%where)
-    self%begun = .false.
+    call self%leave()
   end subroutine finish
+
+  !> Ends the set; what was not shown is gone.
+  subroutine leave(self)
+    class(file_set_t), intent(inout) :: self
+
+    if (self%begun) call end_files(self%where)
+    self%begun = .false.
+  end subroutine leave
 end module gearsweep_file_set

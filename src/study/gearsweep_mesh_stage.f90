@@ -1,6 +1,6 @@
 !> The stages that make the mesh: load, pair stiffness, one oscillator for each relief.
 module gearsweep_mesh_stage
-  use gearsweep_corner, only: arm_change
+  use gearsweep_corner, only: add_corner_stiffness, arm_change
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_inputs, only: elements_inputs_t, motion_inputs_t, relief_inputs_t, same
@@ -11,7 +11,7 @@ module gearsweep_mesh_stage
   use gearsweep_pair, only: pair_t
   use gearsweep_products, only: study_t
   use gearsweep_section, only: section_options_t
-  use gearsweep_stages, only: build_profile_error, build_stiffness, find_load, place_mesh
+  use gearsweep_stages, only: build_profile_error, build_stiffness, check_load, find_load, place_mesh, rim_teeth, rims
   use gearsweep_text, only: str
   implicit none
   private
@@ -27,6 +27,8 @@ contains
     type(study_t), intent(in), optional :: earlier
 
     call find_load(study%case, study%pair, study%base_pitch, study%load, study%mass, study%hub_mass)
+    if (allocated(study%pair)) call check_load(study%case, study%pair, study%load, error)
+    if (allocated(error)) return
     allocate (study%mesh)
     call place_mesh(study%case, study%pair, study%mesh)
     if (study%case%model == 'fe') then
@@ -34,9 +36,16 @@ contains
     else
       call build_stiffness(study%case, study%pair, study%load, folder, study%mesh%contact_ratio, study%mesh%stiffness, error)
       call study%running%note('mesh: pair stiffness by model '//study%case%model)
+      if (study%case%touches_beyond() .and. .not. allocated(error)) &
+        call add_corner_stiffness(study%pair, study%load, study%mesh%stiffness)
       if (study%case%prescribed .and. .not. allocated(error)) call build_profile_error(study%case, folder, study%mesh, error)
     end if
-    if (.not. allocated(error)) call build_motions(study, error)
+    if (allocated(error)) return
+    if (study%case%touches_beyond()) then
+      study%mesh%reach = study%mesh%stiffness%breaks([1, size(study%mesh%stiffness%breaks)])
+      call find_friction_arms(study%pair, study%mesh)
+    end if
+    call build_motions(study, error)
   end subroutine mesh_and_motion
 
   subroutine find_by_elements(study, error, earlier)
@@ -50,7 +59,9 @@ contains
     body = study%case%section
     body%others_across = min(4, body%elements_across)
     study%elements_inputs = elements_inputs_t(study%pair, study%case%material, fe_options_t( &
-      section=body, tooth_coupling=study%case%tooth_coupling, hub_share=study%hub_mass/study%mass, &
+      section=body, tooth_coupling=study%case%tooth_coupling, rim=rims(study%case, study%pair), &
+      rim_teeth=rim_teeth(study%case), &
+      hub_share=study%hub_mass/study%mass, &
       corner_contact=study%case%corner_contact), &
       study%load/study%case%spec(1)%face_width)
     known = .false.
@@ -64,10 +75,6 @@ contains
     else
       call by_elements(study%elements_inputs, study%mesh, error)
       call study%running%note('mesh: pair stiffness by model fe')
-    end if
-    if (study%case%corner_contact .and. .not. allocated(error)) then
-      study%mesh%reach = study%mesh%stiffness%breaks([1, size(study%mesh%stiffness%breaks)])
-      call find_friction_arms(study%pair, study%mesh)
     end if
   end subroutine find_by_elements
 

@@ -1,9 +1,11 @@
 !> From a case to the products of the first stages: gear pair, load and masses, mesh.
 module gearsweep_stages
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_blank, only: has_web, web_inertia
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_files, only: beside
+  use gearsweep_flattening, only: contact_half_width
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
   use gearsweep_measures, only: check_pin
   use gearsweep_memory, only: claim_memory
@@ -17,7 +19,7 @@ module gearsweep_stages
   use gearsweep_weber, only: weber_stiffness
   implicit none
   private
-  public :: build_pair, find_load, place_mesh, build_stiffness, build_profile_error
+  public :: build_pair, check_load, find_load, place_mesh, rim_teeth, rims, build_stiffness, build_profile_error
 
 contains
 
@@ -42,6 +44,8 @@ contains
       if (allocated(error)) return
     end if
     call make_pair(gear(1), gear(2), distance, pair, error, shorten=case%shorten_path)
+    ! The backlash that is stated for the motion is that of the pair.
+    if (case%has_backlash .and. case%needs('losses')) pair%backlash = case%backlash
     do i = 1, 2
       call check_pin(gear(i), error)
     end do
@@ -82,12 +86,47 @@ contains
       else if (case%inertia(i) > 0) then
         mass(i) = case%inertia(i)/base_radius(i)**2
       else
-        mass(i) = solid_inertia(pair%gear(i), case%material(i)%density)/base_radius(i)**2
+        associate (gear => pair%gear(i), web => case%iso%web_thickness(i), rim => case%iso%rim_thickness(i))
+          if (has_web(gear, web, rim)) then
+            mass(i) = web_inertia(gear, web, rim, case%material(i)%density)/base_radius(i)**2
+          else
+            mass(i) = solid_inertia(gear, case%material(i)%density)/base_radius(i)**2
+          end if
+        end associate
       end if
       if (case%hub_inertia(i) > 0) hub_mass(i) = case%hub_inertia(i)/base_radius(i)**2
       mass(i) = mass(i) + hub_mass(i)
     end do
   end subroutine find_load
+
+  !> Refuses a load (N on the line of action) that flattens the flanks at the pitch point over more than a module, where
+  !> teeth are no half planes: such loads, and such narrow faces, come about where a number is in another unit than its key.
+  pure subroutine check_load(case, pair, load, error)
+    type(case_t), intent(in) :: case
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: load
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: points(5), radius(2), flat, given, scale
+    character(:), allocatable :: key
+
+    points = pair%points()
+    radius = pair%curvature([1, 2], points(3))
+    associate (module => case%spec(1)%module)
+      flat = 2*contact_half_width(case%material(1), case%material(2), .true., load/minval(case%spec%face_width), &
+                                  radius(1), radius(2))
+      if (flat <= module) return
+      scale = (module/flat)**2
+    end associate
+    key = 'torque_nm'
+    given = case%torque
+    if (case%normal_force > 0) key = 'normal_force_n'
+    if (case%normal_force > 0) given = case%normal_force
+    if (case%line_load > 0) key = 'line_load_n_mm'
+    if (case%line_load > 0) given = case%line_load/1000
+    call fail(error, code_input, '&load '//key//' = '//str(given)//': flattens the flanks over '//str(1000*flat, 3)// &
+              ' mm, more than the module; with this face width it must be at most '//str(given*scale, 3)// &
+              trim(merge('; if N mm is meant, divide by 1000', repeat(' ', 34), case%torque > 0)))
+  end subroutine check_load
 
   !> Polar inertia of a disc up to the reference circle, less its bore (kg m^2).
   pure real(dp) function solid_inertia(gear, density)
@@ -96,6 +135,32 @@ contains
 
     solid_inertia = pi/2*density*gear%spec%face_width*(gear%reference_radius**4 - gear%spec%bore_radius**4)
   end function solid_inertia
+
+  !> Thickness (m) of the rims at which the sections of pinion and gear end for the pair stiffness by elements, as the case has
+  !> webs and does not say what is held; 0: as &section says.
+  pure function rims(case, pair)
+    type(case_t), intent(in) :: case
+    type(pair_t), intent(in) :: pair
+    real(dp) :: rims(2)
+    integer :: i
+
+    rims = 0
+    if (case%has_support .or. case%section%rim > 0 .or. case%section%teeth == 0) return
+    do i = 1, 2
+      associate (gear => pair%gear(i), rim => case%iso%rim_thickness(i))
+        if (rim_teeth(case) < gear%spec%teeth .and. has_web(gear, case%iso%web_thickness(i), rim)) rims(i) = rim
+      end associate
+    end do
+  end function rims
+
+  !> Teeth of such a section: as the case says, or five. Between its sides the rim then yields about as much as a beam on an elastic
+  !> foundation, its web.
+  pure integer function rim_teeth(case)
+    type(case_t), intent(in) :: case
+
+    rim_teeth = 5
+    if (case%has_extent) rim_teeth = case%section%teeth
+  end function rim_teeth
 
   !> The path's data. `pair`: not allocated for a prescribed mesh.
   subroutine place_mesh(case, pair, mesh)

@@ -16,8 +16,8 @@ module gearsweep_study
   use gearsweep_stages, only: build_pair
   use gearsweep_stop, only: wants_stop
   use gearsweep_sweep, only: progress_of_sweep
-  use gearsweep_task, only: includes, task_info_t, task_t
-  use gearsweep_task_record, only: is_recorded
+  use gearsweep_taken, only: has_begun, is_taken, take_up, taken_of, tell_taken
+  use gearsweep_task, only: task_info_t
   use gearsweep_tasks, only: task_slot_t
   use gearsweep_text, only: str
   implicit none
@@ -47,11 +47,13 @@ contains
     allocate (study%running)
     study%running%threads = threads
     if (present(progress)) study%running%progress => progress
+    study%running%log = ''
+    if (present(watch)) watch(2:3) = 0
     if (present(record)) then
+      if (taken_of(record, case) /= 'nothing') call study%running%note('resumed: '//trim(taken_of(record, case)))
       study%running%states => record%states
       call move_alloc(record%tasks, study%before)
     end if
-    study%running%log = ''
     study%case = case
     study%tasks = case%tasks
     study%amount = case%amount
@@ -101,18 +103,17 @@ contains
       end if
     end associate
     if (.not. allocated(error)) call list_speeds(study, error)
-    call run_tasks(study, last=.false., error=error, earlier=earlier)
-    call run_tasks(study, last=.true., error=error, earlier=earlier)
+    call run_tasks(study, error, earlier)
     if (.not. allocated(error)) call note_left_out(study)
   end subroutine run_stages
 
-  !> The speeds of the sweep, those whose motions it keeps for other tasks, and how many points there will be.
+  !> The speeds of the sweep, and how many points there will be.
   subroutine list_speeds(study, error)
     type(study_t), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
     integer :: i
 
-    allocate (study%rpm(0), study%keep(0))
+    allocate (study%rpm(0))
     if (study%case%needs('speeds')) then
       call claim_memory(24.0_dp*speed_count(study%case), '&sweep: '//str(speed_count(study%case))//' speeds', error)
       if (allocated(error)) return
@@ -122,16 +123,14 @@ contains
       associate (slot => study%tasks(i))
         if (.not. slot%is_wanted) cycle
         study%running%all_points = study%running%all_points + slot%task%count_points(study%stages_t)
-        if (allocated(slot%task%keep) .and. study%case%needs('keep')) study%keep = [study%keep, slot%task%keep]
       end associate
     end do
+    call tell_taken(study)
   end subroutine list_speeds
 
-  !> The tasks that the case names, and those that run for all, one after the other; those that go on from what a sweep
-  !> kept come `last`.
-  subroutine run_tasks(study, last, error, earlier)
+  !> The tasks that the case names, and those that run for all, one after the other.
+  subroutine run_tasks(study, error, earlier)
     type(study_t), intent(inout) :: study
-    logical, intent(in) :: last
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), target, optional :: earlier
     integer :: i, k
@@ -140,9 +139,10 @@ contains
       if (allocated(error)) return
       associate (slot => study%tasks(i))
         if (.not. (slot%is_wanted .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
-        if (includes(slot%info%needs, 'kept') .neqv. last) cycle
         if (slot%takes('body') .or. slot%takes('solid') .or. slot%takes('motion')) then
-          if (ends_here(study, slot%info)) cycle
+          if (.not. (is_taken(study, i) .or. has_begun(study, i))) then
+            if (ends_here(study, slot%info)) cycle
+          end if
         end if
       end associate
       call run_task(study, i, error, earlier)
@@ -169,21 +169,25 @@ contains
         if (earlier%tasks(i)%task%is_done) running%earlier => earlier%tasks(i)%task
       end if
       if (known) call take_over(earlier%tasks(i), slot, error)
-      if (.not. known .and. allocated(study%before)) call take_up(study%before(i)%task, slot%task, known)
+      if (.not. known .and. is_taken(study, i)) then
+        known = .true.
+        call take_up(study%before(i)%task, slot%task)
+        ! They were counted as the run began.
+        if (slot%is_wanted) before = before - slot%task%count_points(study%stages_t)
+      end if
       if (.not. known) then
         call slot%task%prepare()
         call slot%task%run(study%stages_t, error)
       end if
       if (allocated(error)) return
-      if (allocated(slot%task%found)) running%kept = slot%task%found
       if (slot%task%is_done) then
         call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
         study%stopped = study%stopped .or. slot%task%is_stopped
         if (.not. slot%is_wanted .or. slot%task%is_stopped) return
         before = before + slot%task%count_points(study%stages_t)
-        if (known) running%done = before
-        ! Of those that told nothing on their way, all points at once.
-        call running%tell(before - running%done, study%accuracy%steady%stop)
+        ! Of those that told nothing on their way, all points at once. What is taken over was told as the run began.
+        if (.not. known) call running%tell(before - running%done, study%accuracy%steady%stop)
+        running%done = before
       else
         study%stopped = .true.
         call running%note(trim(slot%info%name)//' left out: the run was interrupted')
@@ -206,9 +210,8 @@ contains
       if (known .and. slot%takes('reliefs')) known = same(maxval(study%amount), maxval(earlier%amount))
       if (known .and. slot%takes('amounts')) known = same(study%amount, earlier%amount)
       if (known .and. slot%takes('accuracy')) known = same(choice_of(study), choice_of(earlier))
-      if (known .and. (slot%takes('speeds') .or. slot%takes('kept'))) known = same(study%rpm, earlier%rpm)
-      if (known .and. (slot%takes('direction') .or. slot%takes('kept'))) known = study%direction == earlier%direction
-      if (known .and. (slot%takes('keep') .or. slot%takes('kept'))) known = same(study%keep, earlier%keep)
+      if (known .and. slot%takes('speeds')) known = same(study%rpm, earlier%rpm)
+      if (known .and. slot%takes('direction')) known = study%direction == earlier%direction
     end associate
   end function is_known
 
@@ -237,20 +240,6 @@ contains
 
     choice_of = choice_t(steps=study%accuracy%step_choice_t, steady=study%accuracy%steady%steady_choice_t)
   end function choice_of
-
-  !> What an interrupted run of the same case had done.
-  subroutine take_up(before, task, known)
-    class(task_t), intent(in) :: before
-    class(task_t), intent(inout) :: task
-    logical, intent(inout) :: known
-
-    if (.not. is_recorded(before)) return
-    known = .true.
-    task%tables = before%tables
-    task%failed = before%failed
-    task%log = before%log
-    task%is_done = .true.
-  end subroutine take_up
 
   !> The result of the same task, as it stands.
   subroutine take_over(before, slot, error)

@@ -145,12 +145,14 @@ contains
     call table%add_index('branch', '', of_branch, number)
     call table%add_words('kind', 'fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; '// &
                          'grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or '// &
-                         'leaves', kind_name(kind))
+                         'leaves; vertical: a line of motions begins at one value of the parameter; unknown: contact or '// &
+                         'stability changes between this point and the one before, and it is not known how', kind_name(kind))
     call table%add('after_point', '', 'the point of the branch before it', after)
     call add_motions(found, rows, .true., table)
     call table%add('phase', '', 'of grazing, the mesh phase; NaN where it is not known or no grazing', phase)
     call table%add('in_period', '', 'of grazing, in which of the mesh periods; 0 as above', period)
-    call table%add('enclosed', '', 'between places so far apart it is enclosed, in the unit of the parameter''s name', enclosed)
+    call table%add('enclosed', '', 'between motions so far apart it is enclosed, as a distance in the unit of the parameter''s '// &
+                   'name', enclosed)
   end subroutine fill_changes
 
   !> A row for each point of each curve over both parameters.

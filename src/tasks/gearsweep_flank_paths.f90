@@ -20,6 +20,7 @@ module gearsweep_flank_paths
     real(dp) :: relief = 0, rpm = 0              !< m, 1/min
     logical :: is_dynamic = .false.
     integer :: status = status_ok                !< of the motion
+    integer :: motions = 0                       !< how many there are; 0: not known, or no motion
     integer, allocatable :: pair(:)              !< as in response_t; (row)
     real(dp), allocatable :: s(:), load(:)       !< base pitches, N; (row)
     real(dp) :: friction = 0                     !< mean coefficient

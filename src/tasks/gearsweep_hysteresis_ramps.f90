@@ -17,6 +17,7 @@ module gearsweep_hysteresis_ramps
     type(ramp_t) :: fine, coarse
     type(level_t), allocatable :: level(:)       !< halfway between the dynamic factors before and after each jump
     integer, allocatable :: change(:)            !< which change of the slow run each of them is
+    integer :: teeth = 0                         !< of the pinion
   end type ramps_t
 
   character(4), parameter :: ways(2) = [character(4) :: 'up', 'down']
@@ -35,6 +36,7 @@ contains
     real(dp) :: start(2)
 
     call list_levels(branch, jump, ramps)
+    ramps%teeth = osc%mesh%teeth(1)
     start = [osc%mean_deflection, 0.0_dp]
     associate (steady => branch%point(1)%steady)
       if (has_result(steady%status)) start = steady%state/[1.0_dp, mesh_period(osc%mesh%teeth(1), rpm(1))]
@@ -125,7 +127,7 @@ contains
           associate (change => ramps(way, i)%change(k))
             values(row, :) = [in_um(relief(i)), real(change, dp), branch(way, i)%change(change)%rpm(2), &
                               delay(branch(way, i)%change(change)%rpm(2), ramps(way, i)%fine%passed(k), &
-                                    ramps(way, i)%coarse%passed(k), rate)]
+                                    ramps(way, i)%coarse%passed(k), rate, ramps(way, i)%teeth)]
           end associate
         end do
       end do
@@ -137,17 +139,19 @@ contains
     call table%add('ramp_rpm', '1/min', 'speed at which the largest load of a mesh period is first halfway from that before to '// &
                    'that after the jump; NaN where it never is', values(:, 4))
     call table%add('delay_s', 's', 'time from the jump of the slow run to that', values(:, 5))
-    call table%add('error_estimate_s', 's', 'estimated error of the delay: its change with steps twice as long', values(:, 6))
+    call table%add('error_estimate_s', 's', 'estimated error of the delay: its change with steps twice as long, and a mesh '// &
+                   'period, of which it is a whole number', values(:, 6))
   end subroutine fill_delays
 
   !> Speed of the jump (1/min), delay and its error (s).
-  pure function delay(slow, fine, coarse, rate)
+  pure function delay(slow, fine, coarse, rate, teeth)
     real(dp), intent(in) :: slow, fine, coarse   ! speeds, 1/min; 0: none
     real(dp), intent(in) :: rate
+    integer, intent(in) :: teeth                 ! of the pinion
     real(dp) :: delay(3)
 
     delay = no_number()
     if (fine > 0) delay(:2) = [fine, abs(fine - slow)/rate]
-    if (fine > 0 .and. coarse > 0) delay(3) = abs(fine - coarse)/rate
+    if (fine > 0 .and. coarse > 0) delay(3) = abs(fine - coarse)/rate + mesh_period(teeth, fine)
   end function delay
 end module gearsweep_hysteresis_ramps

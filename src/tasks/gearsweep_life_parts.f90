@@ -5,7 +5,7 @@ module gearsweep_life_parts
   use gearsweep_flank_paths, only: follow_motion, follow_static, path_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_response, only: find_response, response_t
+  use gearsweep_response, only: response_t
   use gearsweep_root_life, only: root_life, root_life_t
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_task, only: stages_t
@@ -25,6 +25,7 @@ module gearsweep_life_parts
   !> What a part of the spectrum does with one relief.
   type :: part_t
     integer :: status = status_ok                !< of the motion
+    integer :: motions = 0                       !< how many there are; 0: not known, or no motion
     real(dp) :: dynamic_factor = 0               !< NaN for the static load
     real(dp) :: engagements(2) = 0               !< of a tooth of each member
     type(root_life_t) :: root(2)
@@ -53,11 +54,7 @@ contains
     if (.not. rule%dynamic_load) then
       call follow_static(stages%pair, osc, path)
     else
-      if (abs(load_factor - 1) > 0) then
-        call find_response(osc, rpm, stages%accuracy, response)
-      else
-        call stages%find_motion(relief, rpm, response)
-      end if
+      call stages%find_motion(osc, rpm, response, part%motions)
       call follow_motion(stages%pair, response, osc%load, '&life rpm', path, error)
       if (allocated(error)) return
     end if

@@ -2,14 +2,14 @@
 module gearsweep_points
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_kinds, only: dp
-  use gearsweep_lines, only: right
+  use gearsweep_lines, only: lines_t, right
   use gearsweep_optimum, only: peak_t
   use gearsweep_status, only: status_name
-  use gearsweep_table, only: no_number
-  use gearsweep_text, only: fixed
+  use gearsweep_table, only: no_number, table_t
+  use gearsweep_text, only: fixed, str
   implicit none
   private
-  public :: factor_in, factor_of, speed_of, words_of
+  public :: add_several, factor_in, factor_of, known_count, speed_of, words_of
 
   character(*), parameter, public :: of_relief = 'amount of relief', of_speed = 'speed of the pinion'
   character(*), parameter, public :: of_factor = 'dynamic factor DF: largest load of a pair over the static load; NaN '// &
@@ -19,6 +19,8 @@ module gearsweep_points
   character(*), parameter, public :: of_coast = 'largest load on the coast sides over the static load; 0 where they do not touch'
   character(*), parameter, public :: of_corner = 'what a tenth of the stiffness at a tip corner changes of DF: it is not known '// &
     'better under small loads; NaN where there is no answer'
+  character(*), parameter, public :: of_motions = 'how many motions attract at this speed, of which this is the one with the '// &
+    'largest DF; NaN where that is not known'
   integer, parameter, public :: status_length = 12
 
 contains
@@ -45,6 +47,27 @@ contains
     factor_in = right('none', 10)
     if (.not. ieee_is_nan(factor)) factor_in = right(fixed(factor, 4), 10)
   end function factor_in
+
+  !> How many motions there are, where that is known (not 0).
+  elemental real(dp) function known_count(motions)
+    integer, intent(in) :: motions
+
+    known_count = merge(real(motions, dp), no_number(), motions > 0)
+  end function known_count
+
+  !> One line for the screen where several motions attract at some of a table's rows.
+  pure subroutine add_several(table, lines)
+    type(table_t), intent(in) :: table           !< with the column `motions`
+    type(lines_t), intent(inout) :: lines
+    real(dp), allocatable :: known(:)
+    integer :: several
+
+    known = table%numbers('motions')
+    known = pack(known, .not. ieee_is_nan(known))
+    several = count(known > 1)
+    if (several > 0) call lines%add('   '//str(several)//' of '//str(table%rows)//' rows: several motions attract at the '// &
+                                    'speed; this is the one with the largest dynamic factor')
+  end subroutine add_several
 
   !> Names of statuses, padded to one length.
   elemental character(status_length) function words_of(status)

@@ -6,6 +6,8 @@
 !> the same products, they are taken over.
 module gearsweep_task
   use, intrinsic :: iso_c_binding, only: c_ptr
+  use gearsweep_attractor_search, only: attractor_options_t
+  use gearsweep_attractors, only: largest_motion
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_error_estimate, only: accuracy_t, point_t
@@ -16,13 +18,11 @@ module gearsweep_task
   use gearsweep_material, only: material_t
   use gearsweep_member_section, only: member_section_t
   use gearsweep_mesh, only: mesh_t
-  use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_pair, only: pair_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_refinement, only: levels_t
   use gearsweep_response, only: find_response, response_t
-  use gearsweep_sweep_state, only: all_motions, counter_t, each, progress_of_sweep, sweep_options_t, sweep_state_t, up
+  use gearsweep_sweep_state, only: all_motions, both, counter_t, each, progress_of_sweep, sweep_options_t, sweep_state_t
   use gearsweep_stiffness, only: iso_options_t
   use gearsweep_table, only: table_t
   use gearsweep_text, only: str
@@ -39,7 +39,6 @@ module gearsweep_task
     procedure(progress_of_sweep), pointer, nopass :: progress => null()
     integer :: done = 0, all_points = 0          !< operating points, for progress
     type(sweep_state_t), pointer :: states(:) => null()  !< how far the sweeps were when a run was ended
-    type(point_t), allocatable :: kept(:, :)     !< what the sweep found at the speeds `keep`; (speed, relief)
     class(task_t), pointer :: earlier => null()  !< the same task of an earlier study, with its result
   contains
     procedure :: tell
@@ -63,8 +62,7 @@ module gearsweep_task
     type(motions_inputs_t) :: motions_inputs     !< of these, and so of all that follows but for the section
     real(dp), allocatable :: amount(:)           !< the reliefs, m
     real(dp), allocatable :: rpm(:)              !< speeds of &sweep, 1/min, ascending; empty: not wanted
-    integer :: direction = up                    !< in which a sweep goes through them
-    real(dp), allocatable :: keep(:)             !< speeds (1/min) whose motions a sweep keeps for other tasks
+    integer :: direction = both                  !< in which a sweep goes through them
     type(accuracy_t) :: accuracy                 !< with the flag that ends the run
     type(running_t), pointer :: running => null()
   contains
@@ -88,8 +86,6 @@ module gearsweep_task
   !>   accuracy  &numerics
   !>   speeds    those of &sweep
   !>   direction  in which the speeds are gone through
-  !>   keep      the sweep keeps its motions at the speeds that other tasks want
-  !>   kept      what it kept: such a task runs last
   type :: task_info_t
     character(task_length) :: name = ''
     character(:), allocatable :: needs
@@ -104,11 +100,9 @@ module gearsweep_task
     ! Keys that several tasks have, each in its own group:
     real(dp), allocatable :: own_rpm(:)          !< 1/min; not allocated: it takes the speeds of &sweep
     real(dp), allocatable :: own_relief(:)       !< m; not allocated: it takes all of the case
-    real(dp), allocatable :: keep(:)             !< speeds whose motions it takes from a sweep, if there is one, 1/min
     ! Result:
     type(table_t), allocatable :: tables(:)      !< in the order of `describe`
     type(grid_t), allocatable :: grid            !< of those whose rows are nodes or elements
-    type(point_t), allocatable :: found(:, :)    !< motions for other tasks; (speed of `keep` of the stages, relief)
     logical :: is_done = .false.                 !< there is a result
     logical :: is_stopped = .false.              !< the caller ended the run: the result is not whole
     logical :: is_taken = .false.                !< what takes time is an earlier study's
@@ -221,7 +215,7 @@ contains
     logical, intent(in) :: moving
 
     includes_it = includes(needs, stage)
-    if (.not. moving) includes_it = includes_it .and. .not. includes('motion losses accuracy kept', stage)
+    if (.not. moving) includes_it = includes_it .and. .not. includes('motion losses accuracy', stage)
   end function includes_if_moving
 
   !> The words of a list with blanks between them.
@@ -259,7 +253,7 @@ contains
     meaning = 'speeds of the pinion, ascending'
     if (present(order)) meaning = 'speeds of the pinion, '//order
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', tasks=group, at_least=1e-6_dp, at_most=1e9_dp, &
-                    max_size=most, otherwise='those of &sweep', meaning=meaning)
+                    max_size=most, distinct=.true., otherwise='those of &sweep', meaning=meaning)
     if (present(order) .or. .not. allocated(self%own_rpm)) return
     do i = 2, size(self%own_rpm)
       if (self%own_rpm(i) <= self%own_rpm(i - 1)) call fail(error, code_input, '&'//group//' rpm: must ascend; '// &
@@ -275,7 +269,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call reader%get(group, 'relief_um', self%own_relief, error, unit='um', tasks=group, at_least=0.0_dp, at_most=1e9_dp, &
-                    max_size=10000, otherwise='all of &relief amount_um', &
+                    max_size=10000, distinct=.true., otherwise='all of &relief amount_um', &
                     meaning='amounts of tip relief to take, each of which &relief amount_um has')
   end subroutine read_reliefs
 
@@ -330,41 +324,32 @@ contains
     options%all_points = self%running%all_points
   end function sweep_options
 
-  !> The operating point with relief number `relief` at a speed (1/min). Where a sweep of this run kept it, it is the
-  !> sweep's, so that one operating point has one answer in a run.
-  subroutine find_point(self, relief, rpm, point, lacks)
+  !> The operating point at a speed (1/min): of the motions that attract there, the one of largest dynamic factor that a start
+  !> reaches. So it depends on the case alone, and not on how a sweep comes to this speed.
+  subroutine find_point(self, motion, rpm, point, motions, lacks)
     class(stages_t), intent(in) :: self
-    integer, intent(in) :: relief
+    type(oscillator_t), intent(in) :: motion
     real(dp), intent(in) :: rpm
     type(point_t), intent(out) :: point
+    integer, intent(out) :: motions              !< how many there are; 0: not known
     logical, intent(out) :: lacks                !< the memory does not hold it
-    type(levels_t), allocatable :: levels
-    integer :: k
 
-    lacks = .false.
-    k = 0
-    if (allocated(self%running%kept)) k = findloc(abs(self%keep - rpm) <= 0, .true., 1)
-    if (k > 0) then
-      point = self%running%kept(k, relief)
-    else
-      allocate (levels)
-      call solve_point(self%motion(relief), mesh_period(self%motion(relief)%mesh%teeth(1), rpm), self%accuracy, levels, point)
-      lacks = levels%lacks
-    end if
+    call largest_motion(motion, mesh_period(motion%mesh%teeth(1), rpm), attractor_options_t(self%accuracy), point, motions, lacks)
   end subroutine find_point
 
   !> The same, followed over the path of contact.
-  subroutine find_motion(self, relief, rpm, response, harmonics)
+  subroutine find_motion(self, motion, rpm, response, motions, harmonics)
     class(stages_t), intent(in) :: self
-    integer, intent(in) :: relief
+    type(oscillator_t), intent(in) :: motion
     real(dp), intent(in) :: rpm
     type(response_t), intent(out) :: response
+    integer, intent(out) :: motions              !< how many there are; 0: not known
     integer, intent(in), optional :: harmonics   !< with it there is a summary, with so many of the mesh frequency
     type(point_t) :: point
     logical :: lacks
 
-    call self%find_point(relief, rpm, point, lacks)
-    if (.not. lacks) call find_response(self%motion(relief), rpm, self%accuracy, response, point, harmonics)
+    call self%find_point(motion, rpm, point, motions, lacks)
+    if (.not. lacks) call find_response(motion, rpm, self%accuracy, response, point, harmonics)
     response%lacks = response%lacks .or. lacks
   end subroutine find_motion
 
@@ -384,9 +369,9 @@ contains
     type(c_ptr), intent(in) :: stop
     type(counter_t) :: counter
 
+    self%done = self%done + points
     counter = counter_t(before=self%done, total=self%all_points, watch=stop)
     if (associated(self%progress)) counter%progress => self%progress
-    call counter%tick(2*points)
-    self%done = self%done + points
+    call counter%tell()
   end subroutine tell
 end module gearsweep_task

@@ -2,6 +2,7 @@
 !> (see gearsweep_attractors).
 module gearsweep_task_attractors
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_all_motions, only: largest_reached
   use gearsweep_attractor_search, only: attractor_options_t, start_states
   use gearsweep_attractors, only: attractors_t, find_attractors
   use gearsweep_decimal, only: in_um
@@ -45,6 +46,7 @@ contains
     class(attractors_task_t), intent(inout) :: self
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
+    logical :: has_most
 
     call reader%add_group(group, 'The task attractors, over the speeds of &sweep or its own.')
     call self%read_speeds(reader, group, error)
@@ -56,7 +58,8 @@ contains
                     'velocities: those with which the natural motion has such amplitudes')
     call reader%get(group, 'most_periods', self%options%most_periods, error, tasks=group, at_least=1, at_most=64, &
                     meaning='mesh periods after which a motion that is looked for repeats, at most')
-    call reader%get(group, 'followed_periods', self%options%most_cycles, error, tasks=group, at_least=1, at_most=10**7, &
+    call reader%get(group, 'followed_periods', self%options%most_cycles, error, tasks=group, given=has_most, at_least=1, &
+                    at_most=10**7, otherwise='as many as decay to exp(-5) takes, 2000 to 100 000', &
                     meaning='mesh periods that a start is followed at most until a motion has captured it')
   end subroutine read_keys
 
@@ -141,7 +144,8 @@ contains
                          'touched', contact_name(contact))
     call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 5))
     call table%add('mesh_periods', '', of_periods, counts(:, 2))
-    call table%add('starts', '', 'how many starts lead to it', counts(:, 3))
+    call table%add('starts', '', 'how many starts lead to it; 0: none reaches it, and it is left out of largest values', &
+                   counts(:, 3))
     call table%add('share', '', 'the same as a share of all starts', values(:, 8))
     call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', values(:, 6))
     call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
@@ -174,7 +178,8 @@ contains
       call table%add_index('relief_um', 'um', of_relief, each(in_um(relief), n))
       call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
       call table%add('motions', '', 'how many attracting motions are known', counts(:, 1))
-      call table%add('largest_dynamic_factor', '', 'largest DF of all of them; NaN where none is known', values(:, 1))
+      call table%add('largest_dynamic_factor', '', 'largest DF of those that a start reaches or a sweep of single speeds '// &
+                     'shows; NaN where none is known', values(:, 1))
       call table%add('each_dynamic_factor', '', 'DF that a sweep with direction = ''each'' shows; NaN where it has no answer', &
                      values(:, 2))
       call table%add('each_motion', '', 'which of the motions that is; 0: none of them', counts(:, 2))
@@ -184,15 +189,13 @@ contains
     end associate
   end subroutine fill_points
 
-  !> Largest DF of all, DF of the point by itself and its share, share of the starts that settle nowhere.
+  !> Largest DF of those that are reached, DF of the point by itself and its share, share of the starts that settle nowhere.
   pure function summary(found) result(values)
     type(attractors_t), intent(in) :: found
     real(dp) :: values(4)
 
     values = no_number()
-    associate (point => found%motion%point)
-      if (any(has_result(point%steady%status))) values(1) = maxval(point%dynamic_factor, mask=has_result(point%steady%status))
-    end associate
+    values(1) = largest_reached(found)
     if (has_result(found%alone%steady%status)) values(2) = found%alone%dynamic_factor
     if (found%alone_is > 0) values(3) = found%motion(found%alone_is)%starts/real(size(found%to), dp)
     if (found%status == status_ok) values(4) = count(found%to == 0)/real(size(found%to), dp)
@@ -255,8 +258,7 @@ contains
       call lines%add(left('Several motions', 19)//'at '//str(count(points%numbers('motions') > 1))//' of '//str(points%rows)// &
                      ' operating points')
       i = count(points%numbers('unsettled_share') > 0)
-      if (i > 0) call lines%add(left('', 19)//'at '//str(i)//' some starts were not captured within '// &
-                                str(self%options%most_cycles)//' mesh periods')
+      if (i > 0) call lines%add(left('', 19)//'at '//str(i)//' some starts were not captured within followed_periods')
       i = count(ieee_is_nan(points%numbers('unsettled_share')))
       if (i > 0) call lines%add(left('', 19)//'at '//str(i)//' the speed is too low to be searched')
     end associate

@@ -75,7 +75,7 @@ contains
       if (parameter_names(i) == parameter) self%parameter = i
     end do
     call reader%get(group, 'first', self%range(1), error, required=.true., tasks=group, at_least=0.0_dp, below=far, &
-                    meaning='where the range of the parameter begins')
+                    meaning='where the range of the parameter begins; above 0 for rpm and load')
     call reader%get(group, 'last', self%range(2), error, required=.true., tasks=group, above=0.0_dp, at_most=far, &
                     meaning='where it ends')
     call reader%get(group, 'rpm', self%rpm, error, unit='1/min', tasks=group, given=has_rpm, at_least=1e-6_dp, at_most=far, &
@@ -136,7 +136,8 @@ contains
       if (.not. range(1) < range(2)) call fail(error, code_input, '&branches '//prefix//'last = '//str(shown(2))// &
                                                ': must be above '//prefix//'first = '//str(shown(1)))
       if (any(parameter == [of_speed, of_load]) .and. .not. range(1) > 0) &
-        call fail(error, code_input, '&branches '//prefix//'first = '//str(shown(1))//': must be above 0')
+        call fail(error, code_input, '&branches '//prefix//'first = '//str(shown(1))//': must be above 0 where '//prefix// &
+                  'parameter is rpm or load')
     end associate
   end subroutine check_ends
 

@@ -11,7 +11,7 @@ module gearsweep_task_flank
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh_losses, only: even_load_factor, friction_rule_t, half_shares_factor, mean_friction
-  use gearsweep_points, only: of_estimate, of_factor, of_relief, of_speed, of_status, words_of
+  use gearsweep_points, only: add_several, known_count, of_estimate, of_motions, of_factor, of_relief, of_speed, of_status, words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_stopped
@@ -36,7 +36,7 @@ module gearsweep_task_flank
   end type flank_task_t
 
   character(*), parameter :: group = 'flank'
-  character(*), parameter :: stages_needed = 'geometry elasticity density mesh reliefs amounts motion losses accuracy kept'
+  character(*), parameter :: stages_needed = 'geometry elasticity density mesh reliefs amounts motion losses accuracy'
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, mega = 1e-6_dp
   character(*), parameter :: loadings(2) = [character(7) :: 'static', 'dynamic']
   character(*), parameter :: of_loading = 'static: as stiffness and relief share the load; dynamic: that of the motion'
@@ -67,11 +67,10 @@ contains
     call reader%add_group(group, 'The task flank: what happens between the flanks in contact, and what friction costs.')
     geared = unless(.not. is_prescribed(reader), needs_gears)
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
-                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion')
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'dynamic_load', self%dynamic_load, error, tasks=group, refused=geared, &
                     meaning='beside the static load, which stiffness and relief share, also that of the motion at each speed')
-    if (self%dynamic_load .and. allocated(self%own_rpm)) self%keep = self%own_rpm
     call self%read_friction(reader, geared, error)
     call self%read_surfaces(reader, geared, error)
   end subroutine read_keys
@@ -197,7 +196,7 @@ contains
           if (.not. self%dynamic_load) cycle
           n = n + 1
           found(n) = static
-          call stages%find_motion(which(i), static%rpm, response)
+          call stages%find_motion(motion, static%rpm, response, found(n)%motions)
           call follow_motion(stages%pair, response, stages%load, '&flank rpm', found(n), error)
           if (allocated(error)) return
           call stages%running%tell(1, stages%accuracy%steady%stop)
@@ -262,7 +261,7 @@ contains
     integer :: i, n
 
     n = size(paths)
-    call table%begin('what the mesh loses by friction, and the extremes along the path', n, 18, error, &
+    call table%begin('what the mesh loses by friction, and the extremes along the path', n, 22, error, &
                      extent=[n/(merge(2, 1, self%dynamic_load)*size(self%own_rpm)), size(self%own_rpm), &
                              merge(2, 1, self%dynamic_load)])
     if (allocated(error)) return
@@ -271,6 +270,11 @@ contains
     call table%add_index('rpm', '1/min', of_speed, [paths%rpm])
     call table%add_index('loading', '', of_loading, loadings(merge(2, 1, paths%is_dynamic)))
     call table%add('friction_coefficient', '', 'mean coefficient of friction', [paths%friction])
+    call table%add('viscosity_mpa_s', 'mPa s', 'of the case: viscosity of the oil', spread(milli*self%surfaces%viscosity, 1, n))
+    call table%add('roughness_um', 'um', 'of the case: roughness Ra; NaN where the coefficient of friction is stated', &
+                   spread(merge(no_number(), micro*self%rule%roughness, self%rule%coefficient >= 0), 1, n))
+    call table%add('oil_factor', '', 'of the case: X_L of the oil; NaN where the coefficient of friction is stated', &
+                   spread(merge(no_number(), self%rule%oil_factor, self%rule%coefficient >= 0), 1, n))
     call table%add('loss_factor', '', 'H_v: mean of load times sliding speed of all pairs, over static load and speed of the '// &
                    'base circles', [paths%loss_factor])
     call table%add('loss_factor_half_shares', '', 'the same in closed form where all pairs carry alike (Ohlendorf, '// &
@@ -290,6 +294,7 @@ contains
     call table%add('dynamic_factor', '', of_factor//', and for the static load', [paths%dynamic_factor])
     call table%add('error_estimate', '', of_estimate, [paths%estimate])
     call table%add_words('status', of_status, words_of([paths%status]))
+    call table%add('motions', '', of_motions//'; also under the static load', known_count([paths%motions]))
   end subroutine fill_losses
 
   !> Of those that are numbers.
@@ -302,6 +307,18 @@ contains
     if (any(is_number)) largest = maxval(values, mask=is_number)
   end function largest
 
+  !> Where the coefficient of friction comes from.
+  pure function friction_of(losses) result(words)
+    type(table_t), intent(in) :: losses
+    character(80) :: words
+
+    if (ieee_is_nan(losses%number('roughness_um', 1))) then
+      words = 'coefficient of friction as stated'
+    else
+      words = 'X_L '//str(losses%number('oil_factor', 1), 4)//', roughness Ra '//str(losses%number('roughness_um', 1), 4)//' um'
+    end if
+  end function friction_of
+
   pure subroutine add_report(self, lines)
     class(flank_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
@@ -310,6 +327,8 @@ contains
     associate (losses => self%tables(self%place('flank_losses')))
       call lines%add('')
       call lines%add('Flanks')
+      call lines%add('   oil of '//str(losses%number('viscosity_mpa_s', 1), 5)// &
+                     ' mPa s where it enters the contact, '//trim(friction_of(losses)))
       call lines%add('   relief um         rpm   load      pressure MPa   flash K   film um    friction     H_v   efficiency')
       do i = 1, losses%rows
         call lines%add(right(str(losses%number('relief_um', i)), 12)//right(str(losses%number('rpm', i)), 12)//'   '// &
@@ -320,6 +339,7 @@ contains
                        right(str(losses%number('friction_coefficient', i), 3), 12)// &
                        right(fixed(losses%number('loss_factor', i), 4), 8)//right(fixed(losses%number('efficiency', i), 5), 13))
       end do
+      call add_several(losses, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_flank

@@ -9,7 +9,7 @@ module gearsweep_task_life
   use gearsweep_life_parts, only: follow_part, life_rule_t, part_t
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_memory, only: claim_memory
-  use gearsweep_points, only: of_factor, of_relief, of_speed, of_status, words_of
+  use gearsweep_points, only: add_several, known_count, of_factor, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_root_life, only: root_life_t
   use gearsweep_status, only: has_result, status_stopped
@@ -33,7 +33,7 @@ module gearsweep_task_life
   end type life_task_t
 
   character(*), parameter :: group = 'life'
-  character(*), parameter :: stages_needed = 'geometry rims mesh reliefs amounts motion losses accuracy kept'
+  character(*), parameter :: stages_needed = 'geometry rims mesh reliefs amounts motion losses accuracy'
   real(dp), parameter :: mega = 1e-6_dp, hour = 3600
   integer, parameter :: word_length = 10
 
@@ -66,7 +66,6 @@ contains
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'dynamic_load', self%rule%dynamic_load, error, tasks=group, refused=geared, &
                     meaning='the load of the motion at each speed; false: the static load, as stiffness and relief share it')
-    if (self%rule%dynamic_load .and. allocated(self%own_rpm)) self%keep = self%own_rpm
     call reader%get(group, 'stress_factor', self%rule%stress_factor, error, tasks=group, refused=geared, at_least=0.01_dp, &
                     at_most=100.0_dp, meaning='what raises the root stress beside K_A and the dynamic load: K_F_beta K_F_alpha')
     call reader%get(group, 'stress_ratio', self%rule%stress_ratio, error, tasks=group, refused=geared, at_least=-10.0_dp, &
@@ -114,7 +113,8 @@ contains
     tensile = 0
     yield_point = 0
     call reader%get(group, 'tensile_strength_mpa', tensile, error, unit='MPa', tasks=group, refused=no_tensile, &
-                    required=len_trim(no_tensile) == 0, above=0.0_dp, at_most=1e6_dp, meaning='tensile strength R_m')
+                    required=len_trim(no_tensile) == 0, above=0.0_dp, at_most=1e6_dp, &
+                    otherwise='required by goodman and gerber', meaning='tensile strength R_m')
     call reader%get(group, 'yield_strength_mpa', yield_point, error, unit='MPa', tasks=group, refused=no_yield, &
                     required=len_trim(no_yield) == 0, above=0.0_dp, at_most=1e6_dp, otherwise='required by soderberg', &
                     meaning='yield strength R_e')
@@ -244,7 +244,7 @@ contains
 
     n = size(parts, 1)
     m = size(parts, 2)
-    call table%begin('what each part of the load spectrum does to the tooth roots', 2*m*n, 14, error, extent=[m, n, 2])
+    call table%begin('what each part of the load spectrum does to the tooth roots', 2*m*n, 15, error, extent=[m, n, 2])
     if (allocated(error)) return
     root = [((parts(k, i)%root, k=1, n), i=1, m)]
     engagements = [((parts(k, i)%engagements, k=1, n), i=1, m)]
@@ -255,6 +255,7 @@ contains
     call table%add('load_factor', '', 'load over that of the case', over_and_over(each(self%load_factor, 2), m))
     call table%add('dynamic_factor', '', of_factor//', and for the static load', each([parts%dynamic_factor], 2))
     call table%add_words('status', of_status, words_of(each([parts%status], 2)))
+    call table%add('motions', '', of_motions//'; also under the static load', known_count(each([parts%motions], 2)))
     call table%add('engagements', '', 'how often a tooth carries', engagements)
     call table%add('root_stress_mpa', 'MPa', 'largest tooth root stress, by ISO 6336-3 with the load where it acts', &
                    mega*[root%largest])
@@ -360,6 +361,7 @@ contains
           call lines%add(right(trim(life%word('kind', i)), 12))
         end if
       end do
+      call add_several(self%tables(self%place('life_parts')), lines)
       call add_caution(life, lines)
     end associate
   end subroutine add_report

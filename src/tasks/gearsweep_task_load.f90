@@ -8,8 +8,8 @@ module gearsweep_task_load
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
-  use gearsweep_points, only: factor_in, of_coast, of_corner, of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, &
-    status_length, words_of
+  use gearsweep_points, only: add_several, factor_in, known_count, of_coast, of_corner, of_estimate, of_factor, of_motions, &
+    of_periods, of_relief, of_speed, of_status, status_length, words_of
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_name, status_stopped
@@ -36,20 +36,20 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('load', needs='mesh reliefs amounts motion losses accuracy kept', &
+    info = task_info_t('load', needs='mesh reliefs amounts motion losses accuracy', &
                        tables='load load_points motion_harmonics', fields='', &
                        gives='load of one pair along its path at chosen speeds, harmonics, coast load, impacts')
   end subroutine describe
 
-  !> Its speeds stand beside those of the sweep, which keeps its motions there.
+  !> Its speeds stand beside those of the sweep.
   subroutine read_keys(self, reader, error)
     class(load_task_t), intent(inout) :: self
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
 
     call reader%get('sweep', 'load_rpm', self%own_rpm, error, unit='1/min', required=.true., tasks='load', &
-                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion for the task load')
-    if (allocated(self%own_rpm)) self%keep = self%own_rpm
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., &
+                    meaning='speeds of the pinion for the task load')
     call reader%get('sweep', 'motion_harmonics', self%harmonics, error, tasks='load', at_least=1, at_most=1000, &
                     meaning='harmonics of the mesh frequency in the table motion_harmonics')
   end subroutine read_keys
@@ -70,6 +70,7 @@ contains
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
     type(response_t), allocatable :: response(:, :)        ! (relief, speed)
+    integer, allocatable :: motions(:, :)                  ! at each
     real(dp), allocatable :: corner(:, :)                  ! what is not known for the tip corners' stiffness; (relief, speed)
     integer :: i, k
 
@@ -77,11 +78,12 @@ contains
       call claim_memory((1000.0_dp + 64*self%harmonics)*size(motion)*size(rpm), &
                         '&sweep load_rpm: '//str(size(motion)*size(rpm))//' motions', error)
       if (allocated(error)) return
+      allocate (motions(size(motion), size(rpm)))
       allocate (response(size(motion), size(rpm)), corner(merge(size(motion), 0, stages%has_corners()), size(rpm)))
       do k = 1, size(rpm)
         do i = 1, size(motion)
           if (wants_stop(accuracy%steady%stop)) return
-          call stages%find_motion(i, rpm(k), response(i, k), self%harmonics)
+          call stages%find_motion(motion(i), rpm(k), response(i, k), motions(i, k), self%harmonics)
           if (response(i, k)%lacks) call fail(error, code_memory, &
             '&sweep load_rpm = '//str(rpm(k))//': the memory does not hold the motion')
           if (allocated(error)) return
@@ -91,7 +93,7 @@ contains
       end do
     end associate
     call fill_paths(stages, response, self%tables(self%place('load')), error)
-    call fill_points(stages, response, corner, self%tables(self%place('load_points')), error)
+    call fill_points(stages, response, motions, corner, self%tables(self%place('load_points')), error)
     call fill_harmonics(stages, self%harmonics, response, self%tables(self%place('motion_harmonics')), error)
     self%is_done = .true.
     associate (status => response%point%steady%status)
@@ -147,9 +149,10 @@ contains
   end subroutine fill_paths
 
   !> Dynamic factor at the chosen speeds, and what else is read off the motion.
-  pure subroutine fill_points(stages, response, corner, table, error)
+  pure subroutine fill_points(stages, response, motions, corner, table, error)
     type(stages_t), intent(in) :: stages
     type(response_t), intent(in) :: response(:, :)
+    integer, intent(in) :: motions(:, :)         ! how many there are
     real(dp), intent(in) :: corner(:, :)         ! without tip corners of no size
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
@@ -159,7 +162,7 @@ contains
 
     m = size(response, 1)
     n = size(response, 2)
-    call table%begin('dynamic factor and what else is read off the motion, at the speeds of the task load', m*n, 25, error, &
+    call table%begin('dynamic factor and what else is read off the motion, at the speeds of the task load', m*n, 26, error, &
                      extent=[m, n])
     if (allocated(error)) return
     associate (point => response%point)
@@ -176,6 +179,7 @@ contains
       call table%add('error_estimate', '', of_estimate, estimate)
       call table%add_words('status', of_status, words_of(status))
       call table%add('mesh_periods', '', of_periods, [((point(i, k)%steady%periods, k=1, n), i=1, m)])
+      call table%add('motions', '', of_motions, [transpose(known_count(motions))])
     end associate
     if (size(corner) > 0) call table%add('corner_estimate', '', of_corner, [transpose(corner)])
     call add_loads(stages%load, response, has_result(status), table)
@@ -315,6 +319,7 @@ contains
           call lines%add('   '//trim(points%word('status', row)))
         end do
       end do
+      call add_several(points, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_load

@@ -9,7 +9,7 @@ module gearsweep_task_mesh
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_reader, only: reader_t
-  use gearsweep_mesh, only: corner_uncertainty, interval_t, mesh_t, own_corner_uncertainty
+  use gearsweep_mesh, only: corner_uncertainty, coupling, interval_t, mesh_t, own_corner_uncertainty
   use gearsweep_segments, only: balance_t, contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_table, only: each, over_and_over, table_t
@@ -34,7 +34,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('mesh', needs='mesh reliefs amounts', tables='mesh transmission_error harmonics', fields='', &
+    info = task_info_t('mesh', needs='mesh reliefs amounts', tables='mesh transmission_error harmonics compliance', fields='', &
                        gives='pair and mesh stiffness, load sharing, static transmission error and its harmonics')
   end subroutine describe
 
@@ -82,6 +82,7 @@ contains
     call fill_path(stages, sharing, self%tables(self%place('mesh')), error)
     call fill_ste(stages, sharing, ste, corner, self%tables(self%place('transmission_error')), error)
     call fill_harmonics(stages%amount, ste, self%tables(self%place('harmonics')), error)
+    call fill_compliance(stages%motion(1)%mesh, sharing(1), self%tables(self%place('compliance')), error)
     self%is_done = .true.
     self%log = 'mesh: static load sharing and transmission error'
   end subroutine run
@@ -186,15 +187,57 @@ contains
                    each(micro*ste%error_estimate, n))
   end subroutine fill_harmonics
 
+  !> What a load on each pair moves each pair by, where pairs share a compliance: the matrix that the load sharing and the motion
+  !> take, at the phases of the table mesh. It does not depend on the relief.
+  pure subroutine fill_compliance(mesh, sharing, table, error)
+    type(mesh_t), intent(in) :: mesh
+    type(sharing_t), intent(in) :: sharing       !< for its phases, and the pairs that may be in contact
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: values(:, :), shared(:, :), matrix(:, :)
+    integer :: i, j, k, row, rows
+
+    if (.not. mesh%disc%shared > 0) return
+    rows = sum(sharing%pairs**2)
+    call table%begin('deflection of each pair under a unit load on each pair, over a mesh period', rows, 4, error)
+    if (allocated(error)) return
+    allocate (values(rows, 4))
+    row = 0
+    do k = 1, size(sharing%phase)
+      associate (n => sharing%pairs(k), s => sharing%s(:sharing%pairs(k), k))
+        shared = reshape([(mesh%shared_from(s(j)), j=1, max(1, n - 1))], [3, max(1, n - 1)])
+        matrix = coupling(mesh, [(mesh%stiffness%value(s(j)), j=1, n)], shared(1, :))
+        do j = 1, n
+          do i = 1, n
+            row = row + 1
+            values(row, :) = [sharing%phase(k), s(j), s(i), micro*matrix(i, j)]
+          end do
+        end do
+      end associate
+    end do
+    call table%add_index('mesh_phase', '', 'fraction of the mesh period, 0 where a pair enters at A; both sides of a break', &
+                         values(:, 1))
+    call table%add_index('loaded_s', '', 'path coordinate of the pair that is loaded, in base pitches from A', values(:, 2))
+    call table%add_index('moved_s', '', 'path coordinate of the pair that is moved', values(:, 3))
+    call table%add('compliance_um_n', 'um/N', 'by how much it moves along the line of action under a unit load, both gears '// &
+                   'together, as at the load of the case and without the turning of whole bodies', values(:, 4))
+  end subroutine fill_compliance
+
   pure subroutine add_report(self, lines)
     class(mesh_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
+    real(dp), parameter :: shown = 5e-5_dp
+    logical :: one_carries_all
     integer :: i, k
 
-    call lines%add('')
-    call lines%add('Static transmission error')
-    call lines%add('   relief um   peak-to-peak um   mean um   harmonics 1, 2, 3 um         largest pair load/static')
     associate (ste => self%tables(self%place('transmission_error')), harmonics => self%tables(self%place('harmonics')))
+      ! As it is where one pair is alone for a while; else the share is worth a column.
+      one_carries_all = all(abs(ste%numbers('largest_load_share') - 1) < shown)
+      call lines%add('')
+      call lines%add('Static transmission error')
+      call lines%put('   relief um   peak-to-peak um   mean um   harmonics 1, 2, 3 um')
+      if (.not. one_carries_all) call lines%put('         largest pair load/static')
+      call lines%add('')
       do i = 1, ste%rows
         call lines%put(right(str(ste%number('relief_um', i)), 12)//right(str(ste%number('peak_to_peak_um', i), 4), 18)// &
                        right(str(ste%number('mean_um', i), 4), 10)//'  ')
@@ -204,7 +247,8 @@ contains
             if (k < n) call lines%put(right(str(harmonics%number('amplitude_um', (i - 1)*n + 1 + k), 3), 9))
           end do
         end associate
-        call lines%add(right(fixed(ste%number('largest_load_share', i), 4), 26))
+        if (.not. one_carries_all) call lines%put(right(fixed(ste%number('largest_load_share', i), 4), 26))
+        call lines%add('')
       end do
     end associate
   end subroutine add_report

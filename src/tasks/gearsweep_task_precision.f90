@@ -56,7 +56,8 @@ contains
     geared = unless(self%has_gears, needs_gears)
     call reader%add_group(group, 'The task precision, at some speeds and reliefs.')
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', tasks=group, at_least=1e-6_dp, at_most=1e9_dp, &
-                    max_size=1000, otherwise='where the mesh frequency is the natural frequency', meaning='speeds of the pinion')
+                    max_size=1000, distinct=.true., otherwise='where the mesh frequency is the natural frequency', &
+                    meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'most_steps', self%most_steps, error, tasks=group, at_least=2*least_steps, at_most=2**16, &
                     meaning='most steps of a mesh period; they are halved down to 25. The reference has four times as many')
@@ -65,7 +66,7 @@ contains
     call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, at_least=1, at_most=100, &
                     meaning='harmonics of the static transmission error to compare')
     call reader%get(group, 'most_elements', self%most_elements, error, tasks=group, refused=geared, at_least=least_elements + 1, &
-                    at_most=100, &
+                    at_most=50, &
                     meaning='most elements across the loaded tooth, instead of &section elements_across; the reference has '// &
                     'twice as many. Not for a prescribed mesh, which has no grid')
     call reader%get(group, 'modes', self%modes, error, tasks=group, refused=geared, at_least=1, at_most=100, &
@@ -121,7 +122,8 @@ contains
       if (allocated(error) .or. wants_stop(stop)) return
     end associate
     self%is_done = .true.
-    self%failed = count(.not. has_result(trials%references(:trials%reference_count)%status))
+    self%failed = count(.not. has_result(trials%references(:trials%reference_count)%status)) &
+                  + count(.not. has_result(trials%results(:trials%result_count)%status))
     self%log = 'precision: '//str(trials%result_count)//' results beside '//str(trials%reference_count)//' references'
     if (.not. allocated(stages%pair)) self%log = self%log//'; grids left out: the mesh is prescribed'
     call fill('results at several resolutions, with their errors and run times', trials%results(:trials%result_count), &

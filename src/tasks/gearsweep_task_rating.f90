@@ -1,26 +1,21 @@
 !> The task `rating`: contact and tooth root stress of both gears by ISO 6336 with every factor, the dynamic factor by Method A,
-!> which is that of the motion, beside Method B, and the safety factors for stated limits.
+!> from the motion, and by Method B, and the safety factors for stated limits.
 module gearsweep_task_rating
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_decimal, only: in_um
-  use gearsweep_dynamic_factor, only: deviations_of, dynamic_factor_b, method_b_t, resonance_ratio
+  use gearsweep_dynamic_factor, only: dynamic_factor_a, dynamic_factor_b, method_b_t, resonance_ratio
   use gearsweep_equal_flanks, only: add_caution, add_equal_flanks
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_error_estimate, only: point_t
-  use gearsweep_flank_factors, only: flank_factors, flank_factors_t, nominal_flank_stress
-  use gearsweep_form, only: iso_form, iso_form_t, nominal_root_stress
-  use gearsweep_gear, only: drive
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
-  use gearsweep_load_factors, only: contact_stress, load_factors_t, rim_factor, root_face_load_factor, tooth_root_stress
+  use gearsweep_load_factors, only: contact_stress, load_factors_t, tooth_root_stress
   use gearsweep_memory, only: claim_memory
-  use gearsweep_points, only: of_estimate, of_factor, of_relief, of_speed, of_status, words_of
-  use gearsweep_rating_limits, only: add_limits, limits_t, read_limits
+  use gearsweep_points, only: add_several, known_count, of_estimate, of_factor, of_motions, of_relief, of_speed, of_status, words_of
+  use gearsweep_rating_limits, only: add_ground, add_limits, limits_t, read_limits
+  use gearsweep_rating_parts, only: accuracy_of_teeth_t, largest_share, need_method_b, nominal_of, nominal_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_root_rating, only: outer_point
   use gearsweep_status, only: has_result, status_stopped
-  use gearsweep_stiffness, only: iso_stiffness
-  use gearsweep_piecewise, only: piecewise_t
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, no_number, over_and_over, table_t
   use gearsweep_task, only: members, stages_t, task_info_t, task_t
@@ -30,28 +25,22 @@ module gearsweep_task_rating
   private
   public :: rating_task_t
 
+  !> Methods of the dynamic factor, their words in a case and on the screen.
+  integer, parameter :: by_larger = 1, by_a = 2, by_b = 3
+  character(*), parameter :: methods(3) = [character(6) :: 'larger', 'a', 'b']
+  character(*), parameter :: signs(3) = [character(60) :: 'by the larger of Methods A (motion) and B (formula)', &
+    'by Method A (motion, without deviations of the teeth)', 'by Method B (formula)']
+
   type, extends(task_t) :: rating_task_t
-    integer :: grade = 5
-    real(dp) :: deviation(2) = 0                 !< f_pb and f_f_alpha, m; 0: by the grade
-    real(dp) :: running_in = 0.075_dp            !< what it takes of the deviations
+    type(accuracy_of_teeth_t) :: accuracy
+    integer :: method = by_larger                !< of the dynamic factor that counts
     type(load_factors_t) :: factors              !< K_A is that of &load
     type(limits_t) :: limits                     !< what the gears bear
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
-    procedure, private :: read_accuracy, need_method_b
+    procedure, private :: read_method, read_accuracy, signed
   end type rating_task_t
-
-  !> The nominal stresses of both gears, and what they were made from.
-  type :: nominal_t
-    real(dp) :: load = 0                         !< F_t on the reference circle, N
-    type(flank_factors_t) :: flank
-    real(dp) :: contact = 0                      !< sigma_H0, Pa
-    type(iso_form_t) :: form(2)
-    real(dp) :: rim(2) = 1                       !< Y_B
-    real(dp) :: root(2) = 0                      !< sigma_F0, Pa
-    real(dp) :: root_face_load = 1               !< K_F_beta
-  end type nominal_t
 
   character(*), parameter :: group = 'rating'
   real(dp), parameter :: micro = 1e6_dp, mega = 1e-6_dp
@@ -61,7 +50,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry elasticity rims webs mesh reliefs amounts motion losses accuracy kept', &
+    info = task_info_t(group, needs='geometry elasticity rims webs mesh reliefs amounts motion losses accuracy', &
                        tables='rating rating_factors dynamic_factors', fields='', &
                        gives='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
   end subroutine describe
@@ -75,8 +64,8 @@ contains
     call reader%add_group(group, 'The task rating: contact and tooth root stress by ISO 6336.')
     geared = unless(.not. is_prescribed(reader), needs_gears)
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
-                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion')
-    if (allocated(self%own_rpm)) self%keep = self%own_rpm
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
+    call self%read_method(reader, geared, error)
     call self%read_accuracy(reader, geared, error)
     call reader%get(group, 'face_load_factor', self%factors%face_load, error, tasks=group, refused=geared, at_least=1.0_dp, &
                     at_most=100.0_dp, meaning='K_H_beta: largest load of a unit of face width over the mean one')
@@ -86,6 +75,20 @@ contains
     call read_limits(reader, group, geared, self%limits, error)
   end subroutine read_keys
 
+  subroutine read_method(self, reader, geared, error)
+    class(rating_task_t), intent(inout) :: self
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: geared
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: method
+
+    method = methods(by_larger)
+    call reader%get(group, 'dynamic_factor_method', method, error, tasks=group, refused=geared, allowed=methods, &
+                    meaning='which K_v of ISO 6336-1 stresses and safety factors take: that of Method A (a: from the motion, '// &
+                    'without deviations of the teeth), of Method B (b: by formula), or the larger of both')
+    if (.not. allocated(error)) self%method = findloc(methods == method, .true., 1)
+  end subroutine read_method
+
   subroutine read_accuracy(self, reader, geared, error)
     class(rating_task_t), intent(inout) :: self
     type(reader_t), intent(inout) :: reader
@@ -93,19 +96,19 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical :: stated(2)
 
-    call reader%get(group, 'pitch_deviation_um', self%deviation(1), error, unit='um', given=stated(1), tasks=group, &
+    call reader%get(group, 'pitch_deviation_um', self%accuracy%deviation(1), error, unit='um', given=stated(1), tasks=group, &
                     refused=geared, at_least=0.0_dp, at_most=1e4_dp, otherwise='what accuracy_grade allows', &
                     meaning='transverse base pitch deviation f_pb before running in, for K_v by Method B')
-    call reader%get(group, 'profile_deviation_um', self%deviation(2), error, unit='um', given=stated(2), tasks=group, &
+    call reader%get(group, 'profile_deviation_um', self%accuracy%deviation(2), error, unit='um', given=stated(2), tasks=group, &
                     refused=geared, at_least=0.0_dp, at_most=1e4_dp, otherwise='what accuracy_grade allows', &
                     meaning='profile form deviation f_f_alpha before running in, for K_v by Method B')
-    call reader%get(group, 'accuracy_grade', self%grade, error, tasks=group, at_least=0, at_most=12, &
+    call reader%get(group, 'accuracy_grade', self%accuracy%grade, error, tasks=group, at_least=0, at_most=12, &
                     refused=first_of(geared, unless(.not. all(stated), 'both deviations are given; remove it')), &
                     meaning='accuracy grade of ISO 1328-1, for K_v by Method B')
-    call reader%get(group, 'running_in', self%running_in, error, tasks=group, refused=geared, at_least=0.0_dp, &
+    call reader%get(group, 'running_in', self%accuracy%running_in, error, tasks=group, refused=geared, at_least=0.0_dp, &
                     at_most=1.0_dp, meaning='fraction of the deviations that running in takes: 0.075 for case-hardened and '// &
                     'nitrided gears')
-    where (.not. stated) self%deviation = -1
+    where (.not. stated) self%accuracy%deviation = -1
   end subroutine read_accuracy
 
   subroutine run(self, stages, error)
@@ -113,16 +116,18 @@ contains
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
     type(point_t), allocatable :: point(:, :)    ! (speed, relief)
+    integer, allocatable :: motions(:, :)        ! at each
     type(method_b_t), allocatable :: of(:)                 ! of each relief
     type(nominal_t) :: nominal
+    integer :: grade
 
     if (allocated(error)) return
     self%factors%application = stages%iso%application_factor
-    call self%need_method_b(stages, of, error)
-    call find_points(self%own_rpm, stages, point, error)
+    call need_method_b(stages, self%accuracy, of, grade, error)
+    call find_points(self%own_rpm, stages, point, motions, error)
     if (allocated(error) .or. .not. allocated(point)) return
-    nominal = nominal_of(stages, self%factors)
-    call fill_dynamic(stages%amount, self%own_rpm, of, point, self%tables(self%place('dynamic_factors')), error)
+    nominal = nominal_of(stages, self%factors, grade)
+    call fill_dynamic(stages, self%own_rpm, of, point, motions, self%tables(self%place('dynamic_factors')), error)
     call fill_factors(stages, self%factors, nominal, of(1), self%limits, self%tables(self%place('rating_factors')), error)
     call fill_rating(self, nominal, stages%amount, self%tables(self%place('rating')), error)
     self%is_done = .true.
@@ -133,47 +138,12 @@ contains
     self%log = 'rating: '//str(size(point))//' operating points rated'
   end subroutine run
 
-  !> What Method B needs, for each relief. Relief counts by its amount at the tips.
-  subroutine need_method_b(self, stages, of, error)
-    class(rating_task_t), intent(in) :: self
-    type(stages_t), intent(in) :: stages
-    type(method_b_t), allocatable, intent(out) :: of(:)
-    type(error_t), allocatable, intent(inout) :: error
-    type(piecewise_t) :: stiffness
-    type(method_b_t) :: one
-    real(dp) :: deviation(2)
-    integer :: i
-
-    associate (pair => stages%pair, spec => stages%pair%gear%spec, width => minval(stages%pair%gear%spec%face_width))
-      call iso_stiffness(pair, stages%material, stages%load/width, stiffness, error, stages%iso)
-      if (allocated(error)) return
-      deviation = max(deviations_of(self%grade, spec(1)%module, 2*pair%gear(1)%reference_radius, spec(1)%pressure_angle(drive)), &
-                      deviations_of(self%grade, spec(2)%module, 2*pair%gear(2)%reference_radius, spec(2)%pressure_angle(drive)))
-      deviation = merge(self%deviation, deviation, self%deviation >= 0)*(1 - self%running_in)
-      one = method_b_t(spec(1)%teeth, pair%contact_ratio, single_stiffness=stiffness%maximum()/width, &
-                       mass=product(stages%mass)/sum(stages%mass)/width, pitch_deviation=deviation(1), &
-                       profile_deviation=deviation(2))
-      one%mesh_stiffness = one%single_stiffness*(0.75_dp*pair%contact_ratio + 0.25_dp)
-      one%line_load = tangential(stages)*stages%iso%application_factor/width
-    end associate
-    allocate (of(size(stages%amount)), source=one)
-    do i = 1, size(of)
-      of(i)%relief = stages%amount(i)*stages%motions_inputs%motion%relief%fraction
-    end do
-  end subroutine need_method_b
-
-  !> F_t on the reference circle (N).
-  pure real(dp) function tangential(stages) result(load)
-    type(stages_t), intent(in) :: stages
-
-    load = stages%load*cos(stages%pair%gear(1)%spec%pressure_angle(drive))
-  end function tangential
-
   !> The operating points at all speeds; not allocated where the run was interrupted.
-  subroutine find_points(rpm, stages, point, error)
+  subroutine find_points(rpm, stages, point, motions, error)
     real(dp), intent(in) :: rpm(:)
     type(stages_t), intent(in) :: stages
     type(point_t), allocatable, intent(out) :: point(:, :)
+    integer, allocatable, intent(out) :: motions(:, :)     ! how many there are; (speed, relief)
     type(error_t), allocatable, intent(inout) :: error
     type(point_t), allocatable :: found(:, :)
     logical :: lacks
@@ -183,11 +153,11 @@ contains
     call claim_memory(1000.0_dp*size(stages%motion)*size(rpm), '&rating rpm: '//str(size(stages%motion)*size(rpm))// &
                       ' motions', error)
     if (allocated(error)) return
-    allocate (found(size(rpm), size(stages%motion)))
+    allocate (found(size(rpm), size(stages%motion)), motions(size(rpm), size(stages%motion)))
     do i = 1, size(stages%motion)
       do k = 1, size(rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
-        call stages%find_point(i, rpm(k), found(k, i), lacks)
+        call stages%find_point(stages%motion(i), rpm(k), found(k, i), motions(k, i), lacks)
         if (lacks) call fail(error, code_memory, '&rating rpm = '//str(rpm(k))//': the memory does not hold the motion')
         if (allocated(error)) return
         call stages%running%tell(1, stages%accuracy%steady%stop)
@@ -196,41 +166,24 @@ contains
     call move_alloc(found, point)
   end subroutine find_points
 
-  pure type(nominal_t) function nominal_of(stages, factors) result(nominal)
-    type(stages_t), intent(in) :: stages
-    type(load_factors_t), intent(in) :: factors
-    integer :: i
-
-    associate (pair => stages%pair)
-      nominal%load = tangential(stages)
-      nominal%flank = flank_factors(pair, [stages%material%young], [stages%material%poisson])
-      nominal%contact = nominal_flank_stress(pair, nominal%flank, nominal%load)
-      nominal%root_face_load = root_face_load_factor(pair, factors%face_load)
-      do i = 1, 2
-        associate (gear => pair%gear(i))
-          nominal%form(i) = iso_form(gear, outer_point(pair, i))
-          nominal%rim(i) = rim_factor(stages%iso%rim_thickness(i), gear%tip_radius - gear%root_radius)
-          nominal%root(i) = nominal_root_stress(pair, i, nominal%form(i), stages%load)*nominal%rim(i)
-        end associate
-      end do
-    end associate
-  end function nominal_of
-
   !> K_v by both methods.
-  pure subroutine fill_dynamic(amount, rpm, of, point, table, error)
-    real(dp), intent(in) :: amount(:), rpm(:)
+  pure subroutine fill_dynamic(stages, rpm, of, point, motions, table, error)
+    type(stages_t), intent(in) :: stages
+    real(dp), intent(in) :: rpm(:)
     type(method_b_t), intent(in) :: of(:)
     type(point_t), intent(in) :: point(:, :)     ! (speed, relief)
+    integer, intent(in) :: motions(:, :)         ! how many there are
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: factor(:), estimate(:)
+    real(dp), allocatable :: factor(:), estimate(:), share(:)
     integer, allocatable :: status(:)
     integer :: i, m, n
 
-    m = size(amount)
+    m = size(stages%amount)
     n = size(rpm)
-    call table%begin('dynamic factor K_v by Method A, which is that of the motion, and by Method B', m*n, 8, error, extent=[m, n])
+    call table%begin('dynamic factor K_v by Method A, from the motion, and by Method B', m*n, 11, error, extent=[m, n])
     if (allocated(error)) return
+    share = each([(largest_share(stages%motion(i)), i=1, m)], n)
     factor = [point%dynamic_factor]
     estimate = [point%estimate]
     status = [point%steady%status]
@@ -238,11 +191,15 @@ contains
       factor = no_number()
       estimate = no_number()
     end where
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
+    call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
     call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
     call table%add('dynamic_factor', '', of_factor, factor)
     call table%add('error_estimate', '', of_estimate, estimate)
     call table%add_words('status', of_status, words_of(status))
+    call table%add('motions', '', of_motions, [known_count(motions)])
+    call table%add('static_share', '', 'largest load of a pair at rest over the static load', share)
+    call table%add('dynamic_factor_a', '', 'K_v by ISO 6336-1, Method A: DF over static_share, at least 1; NaN where there is '// &
+                   'no answer', dynamic_factor_a(factor, share))
     call table%add('dynamic_factor_b', '', 'K_v by ISO 6336-1, Method B', [(dynamic_factor_b(of(i), rpm), i=1, m)])
     call table%add('resonance_ratio', '', 'N: speed over the resonance running speed of Method B', &
                    [(resonance_ratio(of(i), rpm), i=1, m)])
@@ -258,7 +215,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('factors of ISO 6336:2006 that do not depend on the speed', 2, 29, error, extent=[2])
+    call table%begin('factors of ISO 6336:2006 that do not depend on the speed', 2, 33, error, extent=[2])
     if (allocated(error)) return
     call table%add_index('member', '', 'pinion or gear', members)
     call both('tangential_load_n', 'N', 'nominal load F_t on the reference circle', nominal%load)
@@ -274,6 +231,7 @@ contains
     call table%add('form_factor', '', 'Y_F, ISO 6336-3, clause 6', [nominal%form%form_factor])
     call table%add('stress_correction', '', 'Y_S, ISO 6336-3, clause 7', [nominal%form%correction])
     call table%add('rim_factor', '', 'Y_B, ISO 6336-3, clause 9', nominal%rim)
+    call both('deep_tooth_factor', '', 'Y_DT, ISO 6336-3, clause 10', nominal%deep)
     call table%add('nominal_root_mpa', 'MPa', 'nominal tooth root stress sigma_F0, ISO 6336-3, clause 5', mega*nominal%root)
     call both('single_stiffness_n_mm_um', 'N/(mm um)', 'c'', ISO 6336-1, clause 9', 1e-9_dp*of%single_stiffness)
     call both('mesh_stiffness_n_mm_um', 'N/(mm um)', 'c_gamma_alpha, ISO 6336-1, clause 9', 1e-9_dp*of%mesh_stiffness)
@@ -281,6 +239,8 @@ contains
               1e-3_dp*of%mass)
     call both('resonance_rpm', '1/min', 'resonance running speed n_E1 of the pinion, ISO 6336-1, 6.5.3', &
               1/resonance_ratio(of, 1.0_dp))
+    call table%add('accuracy_grade', '', 'of ISO 1328-1; of stated deviations the finest that allows them, 13 for none', &
+                   [nominal%grade, nominal%grade])
     call both('pitch_deviation_um', 'um', 'f_pb after running in', micro*of%pitch_deviation)
     call both('profile_deviation_um', 'um', 'f_f_alpha after running in', micro*of%profile_deviation)
     call add_limits(limits, table)
@@ -296,49 +256,56 @@ contains
     end subroutine both
   end subroutine fill_factors
 
-  !> Stresses and safety factors, from the dynamic factors of the other table.
+  !> Stresses and safety factors, with the dynamic factor that counts.
   subroutine fill_rating(self, nominal, amount, table, error)
     class(rating_task_t), intent(in) :: self
     type(nominal_t), intent(in) :: nominal
     real(dp), intent(in) :: amount(:)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: a(:), b(:), contact(:), root(:)
+    real(dp), allocatable :: dynamic(:), contact(:), root(:)
+    character(1), allocatable :: method(:)
     integer, allocatable :: member(:)
-    integer :: i, m, n
+    integer :: m, n
 
     m = size(amount)
     n = size(self%own_rpm)
-    call table%begin('contact stress and tooth root stress by ISO 6336, and their safety factors', 2*m*n, 12, error, &
+    call table%begin('contact stress and tooth root stress by ISO 6336, and their safety factors', 2*m*n, 9, error, &
                      extent=[m, n, 2])
     if (allocated(error)) return
-    associate (dynamic => self%tables(self%place('dynamic_factors')))
-      a = each([(dynamic%number('dynamic_factor', i), i=1, m*n)], 2)
-      b = each([(dynamic%number('dynamic_factor_b', i), i=1, m*n)], 2)
-    end associate
+    call self%signed(method, dynamic)
     member = over_and_over([1, 2], m*n)
+    contact = contact_stress(nominal%contact, nominal%flank%single_pair(member), self%factors, dynamic)
+    root = tooth_root_stress(nominal%root(member), self%factors, nominal%root_face_load, dynamic)
     call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), 2*n))
     call table%add_index('rpm', '1/min', of_speed, over_and_over(each(self%own_rpm, 2), m))
     call table%add_index('member', '', 'pinion or gear', members(member))
-    call add(a, '', 'with K_v by Method A')
-    call add(b, '_b', 'with K_v by Method B')
-
-  contains
-
-    subroutine add(dynamic, suffix, by)
-      real(dp), intent(in) :: dynamic(:)
-      character(*), intent(in) :: suffix, by
-
-      contact = contact_stress(nominal%contact, nominal%flank%single_pair(member), self%factors, dynamic)
-      root = tooth_root_stress(nominal%root(member), self%factors, nominal%root_face_load, dynamic)
-      call table%add('contact_stress'//suffix//'_mpa', 'MPa', 'contact stress sigma_H '//by, mega*contact)
-      call table%add('contact_safety'//suffix, '', 'S_H '//by//'; NaN without contact_limit_mpa or a material', &
-                     self%limits%contact(member)/contact)
-      call table%add('root_stress'//suffix//'_mpa', 'MPa', 'tooth root stress sigma_F '//by, mega*root)
-      call table%add('root_safety'//suffix, '', 'S_F '//by//'; NaN without root_limit_mpa or a material', &
-                     self%limits%root(member)/root)
-    end subroutine add
+    call table%add_words('method', 'whose K_v it is, as dynamic_factor_method has it: a or b', method)
+    call table%add('internal_dynamic_factor', '', 'K_v by that method; NaN where there is no answer', dynamic)
+    call table%add('contact_stress_mpa', 'MPa', 'contact stress sigma_H', mega*contact)
+    call table%add('contact_safety', '', 'S_H; NaN without contact_limit_mpa or a material', self%limits%contact(member)/contact)
+    call table%add('root_stress_mpa', 'MPa', 'tooth root stress sigma_F', mega*root)
+    call table%add('root_safety', '', 'S_F; NaN without root_limit_mpa or a material', self%limits%root(member)/root)
   end subroutine fill_rating
+
+  !> The K_v that counts in each row of the table `rating`, and of which method it is. Of two of which one is not known none is
+  !> the larger.
+  pure subroutine signed(self, method, factor)
+    class(rating_task_t), intent(in) :: self
+    character(1), allocatable, intent(out) :: method(:)
+    real(dp), allocatable, intent(out) :: factor(:)
+    real(dp), allocatable :: a(:), b(:)
+    logical, allocatable :: takes_b(:)
+
+    associate (table => self%tables(self%place('dynamic_factors')))
+      a = each(table%numbers('dynamic_factor_a'), 2)
+      b = each(table%numbers('dynamic_factor_b'), 2)
+    end associate
+    takes_b = spread(self%method == by_b, 1, size(a))
+    if (self%method == by_larger) takes_b = b > a
+    factor = merge(b, a, takes_b)
+    method = merge('b', 'a', takes_b)
+  end subroutine signed
 
   pure subroutine add_report(self, lines)
     class(rating_task_t), intent(in) :: self
@@ -346,18 +313,21 @@ contains
     integer :: i
 
     call lines%add('')
-    call lines%add('Rating by ISO 6336, stresses with K_v by Method A')
-    associate (rating => self%tables(self%place('rating')), dynamic => self%tables(self%place('dynamic_factors')))
+    associate (rating => self%tables(self%place('rating')), dynamic => self%tables(self%place('dynamic_factors')), &
+               factors => self%tables(self%place('rating_factors')))
+      call lines%add('Rating by ISO 6336, with K_v '//trim(signs(self%method)))
+      call add_ground(factors, lines)
       call lines%add('   relief um         rpm   member   K_v A   K_v B   sigma_H MPa     S_H   sigma_F MPa     S_F')
       do i = 1, rating%rows
         call lines%put(right(str(rating%number('relief_um', i)), 12)//right(str(rating%number('rpm', i)), 12)//'   '// &
                        left(trim(rating%word('member', i)), 6))
-        call lines%put(shown(dynamic%number('dynamic_factor', (i + 1)/2))// &
+        call lines%put(shown(dynamic%number('dynamic_factor_a', (i + 1)/2))// &
                        shown(dynamic%number('dynamic_factor_b', (i + 1)/2)))
         call lines%put(right(str(rating%number('contact_stress_mpa', i), 5), 14)// &
                        shown(rating%number('contact_safety', i)))
         call lines%add(right(str(rating%number('root_stress_mpa', i), 5), 14)//shown(rating%number('root_safety', i)))
       end do
+      call add_several(dynamic, lines)
     end associate
     call add_caution(self%tables(self%place('rating_factors')), lines)
   end subroutine add_report

@@ -9,10 +9,12 @@ module gearsweep_task_sensitivity
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_long_tables, only: add_rest, most_rows
+  use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period
   use gearsweep_points, only: of_factor, of_relief, of_speed
   use gearsweep_motion_reading, only: differentiable_t
   use gearsweep_reader, only: reader_t
+  use gearsweep_refinement, only: levels_t
   use gearsweep_sensitivity, only: differentiate_motion, differentiate_static, prepare_motion, slope_name, slopes_t
   use gearsweep_status, only: has_result
   use gearsweep_stop, only: wants_stop
@@ -50,12 +52,11 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy kept', &
+    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy', &
                        tables='sensitivity dte_sensitivity ste_sensitivity', fields='', &
                        gives='derivatives of dynamic factor and transmission error by each number of the case')
   end subroutine describe
 
-  !> Where a sweep takes the speeds too, it keeps its motions there.
   subroutine read_keys(self, reader, error)
     class(sensitivity_task_t), intent(inout) :: self
     type(reader_t), intent(inout) :: reader
@@ -63,8 +64,7 @@ contains
 
     call reader%add_group(group, 'The task sensitivity, at speeds of its own.')
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, at_least=1e-6_dp, &
-                    at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion')
-    if (allocated(self%own_rpm)) self%keep = self%own_rpm
+                    at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, at_least=1, at_most=100, &
                     meaning='harmonics of the mesh frequency whose amplitudes are differentiated')
@@ -108,10 +108,12 @@ contains
     type(differentiable_t) :: motion
     type(point_t) :: point
     type(row_t) :: row
+    type(levels_t) :: levels
     logical :: lacks
     integer :: i
 
-    call stages%find_point(which, rpm, point, lacks)
+    call solve_point(stages%motion(which), mesh_period(stages%motion(which)%mesh%teeth(1), rpm), stages%accuracy, levels, point)
+    lacks = levels%lacks
     if (lacks) call fail(error, code_memory, '&sensitivity rpm = '//str(rpm)//': the memory does not hold the motion')
     if (allocated(error)) return
     if (.not. has_result(point%steady%status)) self%failed = self%failed + 1

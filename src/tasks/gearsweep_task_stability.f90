@@ -8,6 +8,7 @@ module gearsweep_task_stability
   use gearsweep_memory, only: claim_memory
   use gearsweep_reader, only: reader_t
   use gearsweep_stability, only: map_stability, stability_t
+  use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
   use gearsweep_text, only: str
@@ -74,11 +75,11 @@ contains
     end associate
     if (allocated(error)) return
     allocate (tongue(self%tongues))
-    call find_tongues(stages%motion(1), damping, tongue, error)
+    call find_tongues(stages%motion(1), damping, tongue, error, stages%accuracy%steady%stop)
     if (allocated(error)) return
-    call map_stability(stages%motion(1), rpm, damping, tolerance, map)
+    call map_stability(stages%motion(1), rpm, damping, tolerance, map, stages%accuracy%steady%stop)
     if (map%lacks) call fail(error, code_memory, '&stability: the memory does not hold the map')
-    if (allocated(error)) return
+    if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
     call fill_map(rpm, damping, map, self%tables(self%place('stability')), error)
     call fill_tongues(tongue, self%tables(self%place('tongues')), error)
     call fill_edges(damping, tongue, self%tables(self%place('tongue_edges')), error)

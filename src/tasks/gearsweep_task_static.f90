@@ -231,7 +231,8 @@ contains
     if (allocated(error)) return
     call table%add_words('member', 'pinion or gear', [members(member)])
     call table%add_words('point', 'of the path of contact where the load acts', [merge('D', 'B', member == 1)])
-    call table%add('iso_mpa', 'MPa', 'sigma_F0 of ISO 6336-3', [mega*root%iso_stress])
+    call table%add('iso_mpa', 'MPa', 'sigma_F0 of ISO 6336-3, which takes the load there up to a contact ratio of 2', &
+                   [mega*root%iso_stress])
     call table%add('iso_form_factor', '', 'Y_F', [root%iso%form_factor])
     call table%add('iso_stress_correction', '', 'Y_S', [root%iso%correction])
     call table%add('iso_thickness_mm', 'mm', 's_Fn, thickness of the tooth at the 30 degree tangents', [milli*root%iso%thickness])

@@ -13,14 +13,16 @@ module gearsweep_task_sweep
   use gearsweep_points, only: factor_in, factor_of, of_coast, of_corner, of_estimate, of_factor, of_periods, of_relief, of_speed, &
     of_status, of_worst, speed_of, words_of
   use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
-  use gearsweep_sweep_state, only: all_motions
-  use gearsweep_sweep, only: contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
+  use gearsweep_sweep_state, only: all_motions, both, down, up
+  use gearsweep_sweep, only: contact_lost, contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
   use gearsweep_table, only: each, no_number, over_and_over, table_t
   use gearsweep_task, only: stages_t, task_info_t, task_t
   use gearsweep_text, only: fixed, str
   implicit none
   private
   public :: sweep_task_t
+
+  character(*), parameter :: of_other = 'with direction both: largest DF over the speeds in the direction in which it is smaller'
 
   type, extends(task_t) :: sweep_task_t
   contains
@@ -33,7 +35,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('sweep', needs='mesh reliefs amounts motion losses accuracy speeds direction keep', &
+    info = task_info_t('sweep', needs='mesh reliefs amounts motion losses accuracy speeds direction', &
                        tables='sweep sweep_worst resonances sweep_summary', fields='', &
                        gives='dynamic factor over speed and relief, resonances, best of the listed reliefs')
   end subroutine describe
@@ -49,7 +51,6 @@ contains
     type(peak_t), allocatable :: resonance(:)
 
     options = stages%sweep_options()
-    if (size(stages%keep) > 0) options%keep = stages%keep
     nullify (state)
     if (associated(stages%running%states)) state => stages%running%states(1)
     if (associated(stages%running%progress)) then
@@ -70,7 +71,6 @@ contains
     call fill_worst(stages, sweep, self%is_stopped, self%tables(self%place('sweep_worst')), error)
     call fill_resonances(stages%amount, sweep, [resonance%rpm], self%tables(self%place('resonances')), error)
     call fill_summary(stages, sweep, self%tables(self%place('sweep_summary')), error)
-    if (size(stages%keep) > 0) self%found = sweep%kept
     self%is_done = .true.
     self%failed = count(.not. has_result(sweep%status))
     associate (points => size(sweep%status), left_out => count(sweep%status == status_stopped))
@@ -91,7 +91,7 @@ contains
 
     n = size(sweep%status, 1)
     m = size(sweep%status, 2)
-    call table%begin('dynamic factor over speed and relief', n*m, 16, error, extent=[m, n])
+    call table%begin('dynamic factor over speed and relief', n*m, 19, error, extent=[m, n])
     if (allocated(error)) return
     call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
     call table%add_index('rpm', '1/min', of_speed, over_and_over(sweep%rpm, m))
@@ -106,14 +106,23 @@ contains
     call table%add('residual', '', 'by how much the motion fails to repeat, in static deflections', [sweep%residual])
     call table%add('steps', '', 'steps in a mesh period', [sweep%steps])
     call table%add('mesh_periods', '', of_periods, [sweep%periods])
-    call table%add('branch_lost', '', 'with direction up or down, 1: the motion at the speed before led to none here, and this '// &
-                   'point was solved by itself; else 0', merge(1, 0, [sweep%branch_lost]))
+    call table%add('branch_lost', '', 'with direction up, down or both, 1: the motion at the speed before led to none here, '// &
+                   'and this point was solved by itself; else 0', merge(1, 0, [sweep%branch_lost]))
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
                    over_and_over(frequency_ratio(stages%motion(1), sweep%rpm), m))
     call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
+    if (stages%direction == both) then
+      call table%add_words('direction', 'with direction both: in which the motion of this row was met: up, down or both', &
+                           direction_name([sweep%direction]))
+      call table%add('other_dynamic_factor', '', 'with direction both: DF of the motion met in the other direction, the same '// &
+                     'where both meet one; NaN where it has no answer', [sweep%other_factor])
+      call table%add_words('other_status', 'with direction both: status of the motion met in the other direction', &
+                           words_of([sweep%other_status]))
+    end if
     if (stages%direction /= all_motions) return
     call table%add('motions', '', 'with direction all: how many motions attract at this speed', [motions%motions])
-    call table%add('largest_dynamic_factor', '', 'with direction all: largest DF of these', [motions%largest])
+    call table%add('largest_dynamic_factor', '', 'with direction all: largest DF of these, without those that no start '// &
+                   'reaches', [motions%largest])
     call table%add('share', '', 'with direction all: share of the starts that lead to the motion of this row', [motions%share])
   end subroutine fill_sweep
 
@@ -124,18 +133,23 @@ contains
     logical, intent(in) :: stopped               ! by the caller
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    type(peak_t) :: worst(size(stages%amount))
+    type(peak_t) :: worst(size(stages%amount)), other(size(stages%amount))
     real(dp) :: corner(size(stages%amount))
     integer :: i
 
     associate (amount => stages%amount)
-      call table%begin('largest dynamic factor of the sweep for each relief', size(amount), 4, error, extent=[size(amount)])
+      call table%begin('largest dynamic factor of the sweep for each relief', size(amount), 6, error, extent=[size(amount)])
     end associate
     if (allocated(error)) return
     worst = [(worst_of(sweep%rpm, sweep%dynamic_factor(:, i)), i=1, size(worst))]
     call table%add_index('relief_um', 'um', of_relief, in_um(stages%amount))
     call table%add('worst_dynamic_factor', '', of_worst, [factor_of(worst)])
     call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
+    if (stages%direction == both) then
+      other = [(smaller_worst(sweep, i), i=1, size(worst))]
+      call table%add('other_dynamic_factor', '', of_other, [factor_of(other)])
+      call table%add('other_rpm', '1/min', 'speed of the pinion where that is', [speed_of(other)])
+    end if
     if (.not. stages%has_corners()) return
     corner = no_number()
     do i = 1, size(worst)
@@ -157,13 +171,14 @@ contains
 
     m = size(amount)
     n = size(rpm)
-    call table%begin('largest dynamic factor of each relief within 15 % of the speeds at which the least relieved mesh '// &
-                     'resonates', m*n, 4, error, extent=[m, n])
+    call table%begin('largest dynamic factor of each relief about the speeds at which the least relieved mesh resonates, '// &
+                     'within 15 % and half-way to the next', m*n, 4, error, extent=[m, n])
     if (allocated(error)) return
-    worst = [((worst_near(sweep%rpm, sweep%dynamic_factor(:, i), rpm(k)), k=1, n), i=1, m)]
+    worst = [((worst_near(sweep%rpm, sweep%dynamic_factor(:, i), rpm, k), k=1, n), i=1, m)]
     call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
     call table%add_index('resonance_rpm', '1/min', 'speed of the pinion in the resonance', over_and_over(rpm, m))
-    call table%add('dynamic_factor', '', 'largest DF within 15 % of that speed; NaN where none has an answer', [factor_of(worst)])
+    call table%add('dynamic_factor', '', 'largest DF within 15 % of that speed, and no farther than half-way to the next '// &
+                   'resonance; NaN where none has an answer', [factor_of(worst)])
     call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
   end subroutine fill_resonances
 
@@ -175,10 +190,10 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical, allocatable :: known(:, :)
     real(dp) :: estimate
-    type(peak_t) :: best
+    type(peak_t) :: best, other
     integer :: i, least
 
-    call table%begin('the points of the sweep, and the best of the listed reliefs', 1, 22, error)
+    call table%begin('the points of the sweep, and the best of the listed reliefs', 1, 24, error)
     if (allocated(error)) return
     estimate = no_number()
     known = has_result(sweep%status) .and. .not. ieee_is_nan(sweep%estimate)
@@ -188,12 +203,20 @@ contains
                    'the sweep was interrupted', [merge(in_um(stages%amount(max(1, least))), no_number(), least > 0)])
     call table%add('worst_dynamic_factor', '', 'largest DF over the speeds with that relief', [factor_of(best)])
     call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(best)])
+    if (stages%direction == both) then
+      other = peak_t(0, no_number())
+      if (least > 0) other = smaller_worst(sweep, least)
+      call table%add('other_dynamic_factor', '', of_other, [factor_of(other)])
+    end if
     call table%add('speeds', '', 'of the pinion', [size(sweep%rpm)])
     call table%add('points', '', 'speeds times reliefs', [size(sweep%status)])
     call table%add('points_without_answer', '', 'points without a dynamic factor', [count(.not. has_result(sweep%status))])
     call table%add('largest_error_estimate', '', 'largest estimated error of a dynamic factor', [estimate])
     call table%add('tolerance', '', 'largest error that the case asks for', [stages%accuracy%steady%tolerance])
-    call table%add('points_with_contact_loss', '', 'points at which all pairs were apart for a while', [count(sweep%contact >= 2)])
+    call table%add('points_with_contact_loss', '', 'points at which all pairs were apart for a while', &
+                   [count(sweep%contact >= contact_lost)])
+    if (stages%direction == both) call table%add('points_with_two_motions', '', 'points at which the directions up and down '// &
+                                                 'meet different motions', [count(sweep%direction /= 0)])
     do i = status_ok, status_stopped
       call table%add('points_'//status_name(i), '', status_meaning(i), [count(sweep%status == i)])
     end do
@@ -219,12 +242,42 @@ contains
     end do
   end subroutine find_best
 
-  !> The largest value within 15 % of a speed.
-  pure type(peak_t) function worst_near(rpm, dynamic_factor, centre) result(worst)
-    real(dp), intent(in) :: rpm(:), dynamic_factor(:), centre
+  !> The largest dynamic factor over the speeds in that of the directions up and down in which it is smaller.
+  pure type(peak_t) function smaller_worst(sweep, relief) result(worst)
+    type(sweep_t), intent(in) :: sweep
+    integer, intent(in) :: relief
+    type(peak_t) :: of_way(2)
+
+    associate (larger => sweep%dynamic_factor(:, relief), smaller => sweep%other_factor(:, relief), &
+               direction => sweep%direction(:, relief))
+      of_way = [worst_of(sweep%rpm, merge(smaller, larger, direction == down)), &
+                worst_of(sweep%rpm, merge(smaller, larger, direction == up))]
+    end associate
+    worst = of_way(1)
+    if (min(of_way(1)%rpm, of_way(2)%rpm) > 0) then
+      if (of_way(2)%dynamic_factor < worst%dynamic_factor) worst = of_way(2)
+    end if
+  end function smaller_worst
+
+  !> The direction in which a motion was met.
+  elemental function direction_name(direction) result(name)
+    integer, intent(in) :: direction             !< of `sweep_t`
+    character(4) :: name
+    character(4), parameter :: names(-1:1) = [character(4) :: 'down', 'both', 'up']
+
+    name = names(direction)
+  end function direction_name
+
+  !> The largest value within 15 % of resonance number `k`, no farther than half-way to its neighbours.
+  pure type(peak_t) function worst_near(rpm, dynamic_factor, resonance, k) result(worst)
+    real(dp), intent(in) :: rpm(:), dynamic_factor(:)
+    real(dp), intent(in) :: resonance(:)         !< speeds, ascending
+    integer, intent(in) :: k
     logical :: near(size(rpm))
 
-    near = abs(rpm - centre) <= 0.15_dp*centre
+    near = abs(rpm - resonance(k)) <= 0.15_dp*resonance(k)
+    if (k > 1) near = near .and. rpm > (resonance(k - 1) + resonance(k))/2
+    if (k < size(resonance)) near = near .and. rpm <= (resonance(k) + resonance(k + 1))/2
     worst = worst_of(pack(rpm, near), pack(dynamic_factor, near))
   end function worst_near
 
@@ -232,17 +285,21 @@ contains
     class(sweep_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
     integer :: i, k
+    logical :: has_two
 
     associate (sweep => self%tables(self%place('sweep')), worst => self%tables(self%place('sweep_worst')), &
                resonances => self%tables(self%place('resonances')), all_points => self%tables(self%place('sweep_summary')))
+      has_two = .false.
+      if (all_points%position('points_with_two_motions') > 0) has_two = all_points%number('points_with_two_motions') > 0
       associate (speeds => sweep%extent(2), peaks => resonances%extent(2))
         call lines%add('')
         call lines%add('Dynamic factor over '//str(speeds)//' speeds, '//str(sweep%number('rpm'))//' to '// &
                        str(sweep%number('rpm', speeds))//' rpm')
         call lines%put('   relief um     worst    at rpm')
+        if (has_two) call lines%put('     other    at rpm')
         if (peaks > 0) then
           call lines%add('   in resonance at rpm (within 15 %)')
-          call lines%put(repeat(' ', 32))
+          call lines%put(repeat(' ', merge(52, 32, has_two)))
         end if
         do k = 1, peaks
           call lines%put(right(str(anint(resonances%number('resonance_rpm', k))), 10))
@@ -252,6 +309,8 @@ contains
           call lines%put(right(str(worst%number('relief_um', i)), 12)//factor_in(worst%number('worst_dynamic_factor', i)))
           if (.not. ieee_is_nan(worst%number('rpm', i))) then
             call lines%put(right(str(worst%number('rpm', i)), 10))
+            if (has_two) call lines%put(factor_in(worst%number('other_dynamic_factor', i))// &
+                                        right(str(worst%number('other_rpm', i)), 10))
             do k = 1, peaks
               call lines%put(factor_in(resonances%number('dynamic_factor', (i - 1)*peaks + k)))
             end do
@@ -278,7 +337,7 @@ contains
     largest = pack(largest, .not. ieee_is_nan(largest))
     motions = pack(motions, .not. ieee_is_nan(motions))
     if (any(motions > 1)) call lines%add(left('', 19)//str(count(motions > 1))// &
-      ' with several motions; the largest DF of all is '//fixed(maxval(largest), 4))
+      ' with several motions; the largest DF of those that a start reaches is '//fixed(maxval(largest), 4))
   end subroutine add_motions
 
   !> How exact, and what failed.
@@ -301,6 +360,12 @@ contains
       if (n > 0) call lines%add(left('', 19)//str(n)//' '//status_name(status)//': '//status_meaning(status))
     end do
     n = nint(all_points%number('points_with_contact_loss'))
-    if (n > 0) call lines%add(left('', 19)//str(n)//' with loss of contact')
+    if (n == 0) return
+    call lines%add(left('', 19)//str(n)//' with loss of contact, where several motions may exist: direction = ''all'' and the '// &
+                   'task attractors show them')
+    if (all_points%position('points_with_two_motions') == 0) return
+    n = nint(all_points%number('points_with_two_motions'))
+    if (n > 0) call lines%add(left('', 19)//str(n)//' with another motion as the speed falls than as it rises: the '// &
+                              'larger counts, "other" is the worst in the direction in which that is smaller')
   end subroutine add_quality
 end module gearsweep_task_sweep

@@ -8,6 +8,7 @@ module gearsweep_task_torque
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh_torque, only: find_torque, mesh_torque_t
   use gearsweep_oscillator, only: mesh_period
+  use gearsweep_points, only: add_several
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: trace_motion
   use gearsweep_status, only: has_result, status_stopped
@@ -36,7 +37,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry mesh reliefs amounts motion losses accuracy kept', &
+    info = task_info_t(group, needs='geometry mesh reliefs amounts motion losses accuracy', &
                        tables='torque torque_points torque_harmonics', fields='', &
                        gives='transmitted torque of both gears over time at chosen speeds, with friction''s share, and its '// &
                        'harmonics')
@@ -51,8 +52,8 @@ contains
     geared = unless(.not. is_prescribed(reader), needs_gears)
     call reader%add_group(group, 'The task torque: what the mesh takes from the pinion and gives to the gear.')
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, &
-                    refused=geared, at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion')
-    if (allocated(self%own_rpm)) self%keep = self%own_rpm
+                    refused=geared, at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., &
+                    meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
     call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, refused=geared, at_least=1, at_most=1000, &
                     meaning='harmonics of the mesh frequency in the table torque_harmonics')
@@ -127,7 +128,7 @@ contains
       run%relief = stages%amount(relief)
       run%rpm = rpm
       run%period = mesh_period(motion%mesh%teeth(1), rpm)
-      call stages%find_point(relief, rpm, run%point, lacks)
+      call stages%find_point(motion, rpm, run%point, run%motions, lacks)
       if (.not. lacks .and. has_result(run%point%steady%status)) then
         run%left_open = stages%load*(stages%accuracy%steady%tolerance + run%point%estimate - run%point%step_error)
         call trace_motion(motion, run%period, stages%accuracy, run%point, trace, lacks, in_half=.true.)
@@ -160,6 +161,7 @@ contains
         call lines%add('   '//torques('pinion', points, row)//torques('gear', points, row)// &
                        str(points%number('friction_loss', row), 4))
       end do
+      call add_several(points, lines)
     end associate
   end subroutine add_report
 

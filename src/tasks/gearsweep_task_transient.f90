@@ -8,7 +8,7 @@ module gearsweep_task_transient
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
   use gearsweep_passage, only: load_places, pass_path, pass_static, passage_options_t, passage_t, place_radius
-  use gearsweep_points, only: words_of
+  use gearsweep_points, only: add_several
   use gearsweep_reader, only: reader_t
   use gearsweep_response, only: response_t
   use gearsweep_root_rating, only: shared_by_mesh, shared_equally, shares_stated, spaced_on_flank, spaced_on_path
@@ -44,7 +44,7 @@ module gearsweep_task_transient
 
   character(*), parameter :: group = 'transient'
   character(*), parameter :: stages_needed = &
-    'geometry section body mesh reliefs amounts motion losses accuracy kept'
+    'geometry section body mesh reliefs amounts motion losses accuracy'
   integer, parameter :: most_passages = 10000
 
 contains
@@ -76,7 +76,7 @@ contains
     call reader%add_group(group, 'The task transient: root stress over time while the load passes over a tooth.')
     geared = unless(.not. is_prescribed(reader), needs_gears)
     call reader%get(group, 'rpm', self%own_rpm, error, unit='1/min', required=.true., tasks=group, refused=geared, &
-                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, meaning='speeds of the pinion')
+                    at_least=1e-6_dp, at_most=1e9_dp, max_size=1000, distinct=.true., meaning='speeds of the pinion')
     call self%read_reliefs(reader, group, error)
     call self%choice%read_keys(reader, group, geared, error)
     call reader%get(group, 'static_correction', self%look%corrected, error, tasks=group, refused=geared, &
@@ -84,7 +84,6 @@ contains
                     'is that of the modes alone')
     call self%read_load(reader, geared, error)
     call self%read_times(reader, geared, error)
-    if (self%passage%root%sharing == shared_by_motion .and. allocated(self%own_rpm)) self%keep = self%own_rpm
   end subroutine read_keys
 
   !> How the load is shared and where it stands.
@@ -230,7 +229,7 @@ contains
         n = n + 1
         found(n)%relief = stages%amount(which(i))
         found(n)%rpm = self%own_rpm(k)
-        call self%pass(stages, which(i), found(n)%rpm, passage, found(n)%status, error)
+        call self%pass(stages, which(i), found(n)%rpm, passage, found(n)%status, found(n)%motions, error)
         if (allocated(error)) return
         if (has_result(found(n)%status)) call follow_tooth(teeth, stress_error_share(stages%running%bodies), passage, self%look, &
                                                            found(n)%tooth, error)
@@ -243,19 +242,20 @@ contains
 
   !> The passage of the load with relief number `relief`. Of a motion that repeats after several mesh periods it is the pair
   !> with the largest load.
-  subroutine pass(self, stages, relief, rpm, passage, status, error)
+  subroutine pass(self, stages, relief, rpm, passage, status, motions, error)
     class(transient_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: relief
     real(dp), intent(in) :: rpm
     type(passage_t), intent(out) :: passage
-    integer, intent(out) :: status
+    integer, intent(out) :: status, motions
     type(error_t), allocatable, intent(inout) :: error
     type(response_t) :: response
     real(dp) :: period
     integer :: worst
 
     status = status_ok
+    motions = 0
     period = mesh_period(stages%pair%gear(1)%spec%teeth, rpm)
     associate (motion => stages%motion(relief))
       if (self%passage%root%sharing /= shared_by_motion) then
@@ -263,7 +263,7 @@ contains
         return
       end if
     end associate
-    call stages%find_motion(relief, rpm, response)
+    call stages%find_motion(stages%motion(relief), rpm, response, motions)
     if (response%lacks) call fail(error, code_memory, '&transient rpm = '//str(rpm)//': the memory does not hold the motion')
     if (allocated(error)) return
     status = response%point%steady%status
@@ -280,7 +280,8 @@ contains
 
     associate (peaks => self%tables(self%place('transient_peaks')))
       call lines%add('')
-      call lines%add('Root stress while the load passes, largest over time')
+      call lines%add('Root stress while the load passes, largest over time anywhere on the fillets (chosen points: table '// &
+                     'transient_points)')
       call lines%add('   relief um         rpm   tension MPa    at rest   compression MPa    at rest   von Mises MPa'// &
                      '   error est. %')
       do i = 1, peaks%rows
@@ -292,6 +293,7 @@ contains
                        right(str(peaks%number('mises_mpa', i), 5), 16)// &
                        right(str(100*peaks%number('error_estimate', i), 2), 15))
       end do
+      call add_several(peaks, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_transient

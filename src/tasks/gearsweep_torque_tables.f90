@@ -7,7 +7,7 @@ module gearsweep_torque_tables
   use gearsweep_kinds, only: dp, pi
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh_torque, only: mesh_torque_t
-  use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
+  use gearsweep_points, only: known_count, of_estimate, of_factor, of_motions, of_periods, of_relief, of_speed, of_status, words_of
   use gearsweep_spectrum, only: spectrum_t
   use gearsweep_status, only: has_result
   use gearsweep_table, only: no_number, table_t
@@ -21,6 +21,7 @@ module gearsweep_torque_tables
     real(dp) :: rpm = 0                          !< 1/min
     real(dp) :: period = 0                       !< of the mesh, s
     type(point_t) :: point
+    integer :: motions = 0                       !< how many there are; 0: not known
     type(mesh_torque_t) :: mesh                  !< without rows where the point has no result
     type(spectrum_t) :: half(2)                  !< of the forces in half as many steps
     !> How wrong the forces may be beside the steps, N, as the motion was followed until it nearly repeats; NaN by a method whose
@@ -117,7 +118,7 @@ contains
     real(dp), dimension(size(runs)) :: factor, estimate
     integer :: i, member
 
-    call table%begin('mean, least and largest transmitted torque at the speeds of the task torque', size(runs), 18, error, &
+    call table%begin('mean, least and largest transmitted torque at the speeds of the task torque', size(runs), 19, error, &
                      extent=[size(runs)/speeds, speeds])
     if (allocated(error)) return
     values = no_number()
@@ -141,6 +142,7 @@ contains
     call table%add('error_estimate', '', of_estimate, estimate)
     call table%add_words('status', of_status, words_of(runs%point%steady%status))
     call table%add('mesh_periods', '', of_periods, [runs%point%steady%periods])
+    call table%add('motions', '', of_motions, [known_count(runs%motions)])
   end subroutine fill_points
 
   pure subroutine add_member(name, values, table)

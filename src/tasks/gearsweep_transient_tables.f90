@@ -3,7 +3,7 @@ module gearsweep_transient_tables
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_points, only: of_relief, of_speed, of_status, words_of
+  use gearsweep_points, only: known_count, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_stress, only: stress_peak_t
   use gearsweep_table, only: no_number, over_and_over, table_t
@@ -17,6 +17,7 @@ module gearsweep_transient_tables
   type :: tooth_run_t
     real(dp) :: relief = 0, rpm = 0              !< m, 1/min
     integer :: status = status_ok                !< of the motion whose load it is
+    integer :: motions = 0                       !< how many there are; 0: not known, or it is not that of a motion
     type(tooth_transient_t) :: tooth             !< empty without a result
   end type tooth_run_t
 
@@ -118,7 +119,7 @@ contains
     type(stress_peak_t) :: high(size(runs)), low(size(runs))
 
     if (allocated(error)) return
-    call table%begin('the largest stress in the root fillets while the load passes', size(runs), 16, error, &
+    call table%begin('the largest stress in the root fillets while the load passes', size(runs), 17, error, &
                      extent=[size(runs)/speeds, speeds])
     if (allocated(error)) return
     high = runs%tooth%peaks%tension
@@ -147,6 +148,7 @@ contains
       call table%add('error_estimate', '', 'estimated discretisation error of the stresses, relative', &
                      known_only(runs%tooth%peaks%error_estimate, known))
       call table%add_words('status', of_status, words_of([runs%status]))
+      call table%add('motions', '', of_motions//'; also under a static load', known_count(runs%motions))
     end associate
   end subroutine fill_peaks
 

@@ -27,6 +27,7 @@ module gearsweep_trials
   use gearsweep_stress, only: root_stress, root_stress_t
   use gearsweep_table, only: no_number
   use gearsweep_task, only: stages_t
+  use gearsweep_text, only: str
   implicit none
   private
   public :: trials_t, result_t, try_methods, try_harmonics, try_grids
@@ -172,6 +173,8 @@ contains
       integer :: k
 
       do k = 1, size(amplitude)
+        ! So few samples do not have it.
+        if (ieee_is_nan(amplitude(k))) cycle
         call append(result_t('ste_harmonic', method, k, relief, -1.0_dp, 'um', samples, 1e6_dp*amplitude(k), &
                              abs(amplitude(k) - truth%amplitude(k))/scale, estimate/scale, watch%shortest), &
                     trials%results, trials%result_count)
@@ -226,6 +229,7 @@ contains
     do i = 1, size(across)
       if (across(i) < least_elements .or. wants_stop(stages%accuracy%steady%stop)) cycle
       call solve_grids(stages, across(i), modes, merge(1, 3, i == 1), found, error)
+      if (allocated(error)) error%message = '&precision most_elements = '//str(most_elements)//': '//error%message
       if (allocated(error)) return
       if (i == 1) then
         call move_alloc(found, truth)

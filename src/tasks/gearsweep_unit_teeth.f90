@@ -41,7 +41,9 @@ contains
                     meaning='beta of damping by Rayleigh')
     self%damping%is_rayleigh = has_alpha .or. has_beta
     by_ratio = first_of(geared, unless(.not. self%damping%is_rayleigh, 'damping by Rayleigh is given; remove one of the two'))
-    call reader%get(group, 'damping_ratio', self%damping%ratio, error, at_least=0.0_dp, at_most=1e3_dp, tasks=group, &
+    ! The resonances of an undamped mode have no bounds; a passing load moves it nevertheless.
+    call reader%get(group, 'damping_ratio', self%damping%ratio, error, at_least=merge(1e-6_dp, 0.0_dp, group == 'harmonic'), &
+                    at_most=1e3_dp, tasks=group, &
                     refused=by_ratio, meaning='damping ratio of every mode')
     allocate (self%tangent, source=[pi/6])
     call reader%get(group, 'tangent_deg', self%tangent, error, unit='deg', above=0.0_dp, below=90.0_dp, min_size=1, &

@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation import asymmetric, readme
+from validation import asymmetric, page
 from validation.cases import ANGLES
 
 RATIO, STIFFNESS, PEAK, FACTOR, THEIRS, STRESS, COASTING = 0, 1, 2, 6, 8, 9, 10
@@ -15,7 +15,7 @@ def rows():
 
 @pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
 def test_the_table_on_the_page_is_of_today():
-    assert readme.same(asymmetric.current(), asymmetric.table())
+    assert page.same(asymmetric.current(), asymmetric.table())
 
 
 def test_sentences_on_the_page_hold(rows):

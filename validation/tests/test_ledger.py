@@ -9,7 +9,7 @@ import pytest
 
 import gearsweep
 from validation import __main__ as runner
-from validation import cases, check, ledger, moving_load, pictures, published, readme, report, spread
+from validation import cases, check, ledger, moving_load, page, pictures, published, report, spread
 
 
 @pytest.fixture
@@ -78,11 +78,11 @@ def test_tolerance_is_not_wider_than_unstated_inputs_bear(row):
 
 
 def test_nothing_in_table_3_is_old():
-    assert moving_load.same(moving_load.current(), moving_load.block()), 'run python -m validation --readme'
+    assert moving_load.same(moving_load.current(), moving_load.block()), 'run python -m validation --pages'
 
 
-def test_nothing_in_the_readme_is_old():
-    assert readme.same(readme.current(), readme.block(check.run(ledger.PAPERS))), 'run python -m validation --readme'
+def test_nothing_on_the_page_is_old():
+    assert page.same(page.current(), page.block(check.run(ledger.PAPERS))), 'run python -m validation --pages'
 
 
 @pytest.mark.parametrize(('text', 'other', 'alike'), [
@@ -90,11 +90,11 @@ def test_nothing_in_the_readme_is_old():
     ('6.6e-5', '6.7e-5', True), ('12 rows', '14 rows', False), ('a 1', 'a 1 2', False),
 ])
 def test_the_last_digit_may_round_otherwise(text, other, alike):
-    assert readme.same(text, other) == alike
+    assert page.same(text, other) == alike
 
 
 def test_the_programs_file_is_the_ledgers():
-    assert published.PATH.read_text(encoding='utf-8') == published.text(), 'run python -m validation --readme'
+    assert published.PATH.read_text(encoding='utf-8') == published.text(), 'run python -m validation --pages'
 
 
 def test_program_and_ledger_say_the_same():
@@ -130,7 +130,7 @@ def test_a_row_out_of_its_tolerance_fails_the_run(row, tmp_path, capsys, monkeyp
     assert 'karpat2012:hertz_width' in capsys.readouterr().err
 
 
-@pytest.mark.parametrize('arguments', [['nobody2020'], ['--readme', 'karpat2012'], ['--no-such']])
+@pytest.mark.parametrize('arguments', [['nobody2020'], ['--pages', 'karpat2012'], ['--no-such']])
 def test_wrong_usage(arguments, capsys):
     with pytest.raises(SystemExit) as stopped:
         runner.main(arguments)

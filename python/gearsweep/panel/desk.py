@@ -20,6 +20,7 @@ import numpy as np
 from .. import _library
 from .._given import given
 from .._library import Code, Error
+from .._watch import Stopped
 from ..case import written
 from ..study import Study, attempt
 from .places import Places, description
@@ -27,6 +28,8 @@ from .scene import scene
 
 #: Studies that are kept for all windows; a page whose study is gone runs its case again.
 _MOST = 40
+#: Runs at once, as each takes all cores; others wait for their turn, and look every so many seconds whether they are stopped.
+_AT_ONCE, _LOOK = 2, 0.1
 _NAMED = re.compile(r'&(\w+)(?: (\w+))?')
 
 
@@ -43,6 +46,7 @@ class Desk:
         self._studies: OrderedDict[str, Study] = OrderedDict()
         self._stops: dict[str, threading.Event] = {}
         self._lock = threading.Lock()
+        self._turns = threading.Semaphore(_AT_ONCE)
 
     def about(self) -> dict[str, Any]:
         """All that a page needs once: the declarations, the cases at hand and the one to begin with."""
@@ -101,7 +105,13 @@ class Desk:
             self._stops[run] = stop
             before = self._studies.get(earlier)
         try:
-            study, error, cause = attempt(case, 0, before, progress, stop=stop)
+            while not self._turns.acquire(timeout=_LOOK):
+                if stop.is_set():
+                    raise Stopped
+            try:
+                study, error, cause = attempt(case, 0, before, progress, stop=stop)
+            finally:
+                self._turns.release()
         except BaseException as caught:
             study, error, cause = None, None, caught
         finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import socket
+import threading
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -17,6 +18,9 @@ from .desk import Desk, Gone, told
 STATIC = Path(__file__).parent / 'static'
 _KINDS = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript', '.svg': 'image/svg+xml'}
 _LONGEST = 20_000_000
+#: Seconds that a connection may say nothing, and how many there may be at once, each with its thread.
+_PATIENCE = 60
+_MOST = 100
 #: Nothing comes from elsewhere, and no other page shows this one.
 _HEADERS = {
     'Content-Security-Policy': "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'",
@@ -41,6 +45,10 @@ class Server(ThreadingHTTPServer):
     def address(self) -> str:
         return f'http://127.0.0.1:{self.server_port}/'
 
+    def verify_request(self, request: Any, client_address: Any) -> bool:
+        """No more than a browser with many windows opens."""
+        return threading.active_count() <= _MOST
+
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A browser that left is no error."""
 
@@ -52,6 +60,7 @@ class Handler(BaseHTTPRequestHandler):
     protocol_version = 'HTTP/1.1'
     server_version = 'gearsweep'
     sys_version = ''
+    timeout = _PATIENCE
 
     def do_GET(self) -> None:
         address = urlsplit(self.path)
@@ -70,12 +79,12 @@ class Handler(BaseHTTPRequestHandler):
             return
         try:
             length = int(self.headers.get('Content-Length', ''))
-            if length > _LONGEST:
+            if not 0 <= length <= _LONGEST:
                 raise ValueError
             asked = json.loads(self.rfile.read(length))
             if not isinstance(asked, dict):
                 raise ValueError
-        except ValueError:
+        except (ValueError, RecursionError):  # also of arrays in arrays, thousands deep
             self.close_connection = True
             self._say(400, {'error': {'message': 'the request is no JSON object of known length'}})
             return
@@ -103,7 +112,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def _static(self, name: str) -> None:
         path = STATIC / name
-        if '/' in name or path.suffix not in _KINDS or not path.is_file():
+        if path.suffix not in _KINDS or path not in STATIC.iterdir():
             self._say(404, {'error': {'message': 'there is no such page'}})
         else:
             self._send(200, path.read_bytes(), _KINDS[path.suffix] + '; charset=utf-8')

@@ -15,6 +15,10 @@ from .kinds import KINDS, in_words
 from .look import BLUE, FAINT, GREEN, HOLLOW, INK, MM, ORANGE, PAGE, PURPLE, SKY, VERMILION, WINE, YELLOW, canvas, legends_above
 from .reliefs import study_of
 
+#: From this ratio of dynamic factors on their axis is logarithmic.
+WIDE = 10
+UNREACHED: dict[str, Any] = {'color': 'none', 'markeredgecolor': INK, 'markeredgewidth': 0.6}
+
 #: The motions at one speed, the one with most starts first; further ones are black.
 HUES = (BLUE, ORANGE, SKY, WINE, YELLOW, GREEN, VERMILION, PURPLE)
 
@@ -23,7 +27,8 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
     """Dynamic factors of all attracting motions over speed, for one relief.
 
     A point for each motion, the larger the more starts lead to it, in the colour of the mesh periods after which it
-    repeats. Where the motion that a sweep by single speeds shows is among them, the point has an outline.
+    repeats. Where the motion that a sweep by single speeds shows is among them, the point has an outline. Motions that
+    no start reaches are hollow. Where dynamic factors differ widely their axis is logarithmic.
 
     Parameters
     ----------
@@ -53,14 +58,21 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
             if not mine.any():
                 continue
             drawn = [found.motion[i] == shown[found.rpm[i]] for i in np.flatnonzero(mine)]
-            edges = [INK if one else 'none' for one in drawn]
-            sizes = 2 + 25 * found.share[mine]
-            ax.scatter(found.rpm[mine], found.dynamic_factor[mine], sizes, color, edgecolors=edges, linewidths=0.6)
+            reached = found.starts[mine] > 0
+            edges = [INK if one else 'none' if some else color for one, some in zip(drawn, reached)]
+            faces = [color if some else 'none' for some in reached]
+            sizes = np.where(reached, 2 + 25 * found.share[mine], 6)
+            ax.scatter(found.rpm[mine], found.dynamic_factor[mine], sizes, faces, edgecolors=edges, linewidths=0.6)
             label = in_words(kind, found.mesh_periods[mine])
             entries.append(Line2D([], [], linestyle='', marker='o', color=color, label=label))
         outline: dict[str, Any] = {'marker': 'o', 'color': 'none', 'markeredgecolor': INK, 'markeredgewidth': 0.6}
         entries.append(Line2D([], [], linestyle='', label='shown by a sweep', **outline))
+        if (found.starts[here] == 0).any():
+            entries.append(Line2D([], [], linestyle='', marker='o', markersize=3, label='no start reaches it', **UNREACHED))
         legends_above(ax, (f'Tip relief {relief_um:g} µm', entries))
+        factor = found.dynamic_factor[here & np.isfinite(found.dynamic_factor)]
+        if factor.size and factor.max() > WIDE * factor.min():
+            ax.set_yscale('log')
         if not here.any():
             ax.set_xlim(np.min(points.rpm), np.max(points.rpm) + 1)
         ax.set_xlabel('Speed of the pinion (1/min)')

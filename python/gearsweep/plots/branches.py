@@ -27,8 +27,16 @@ CHANGES: dict[str, dict[str, Any]] = {
     'fold': {'linestyle': '', 'marker': 'o', 'color': INK, 'markersize': 3},
     'doubling': {**HOLLOW, 'marker': 'D', 'markersize': 3.5, 'markeredgecolor': INK},
     'grazing': {**CROSS, 'marker': '|', 'markersize': 5, 'markeredgecolor': GREY},
+    'vertical': {**HOLLOW, 'marker': '^', 'markersize': 3.5, 'markeredgecolor': GREY},
+    'unknown': {**CROSS, 'marker': 'x', 'markersize': 4, 'markeredgecolor': INK},
 }
-WORDS = {'fold': 'fold', 'doubling': 'period doubles', 'grazing': 'contact grazes'}
+WORDS = {
+    'fold': 'fold',
+    'doubling': 'period doubles',
+    'grazing': 'contact grazes',
+    'vertical': 'a vertical line begins',
+    'unknown': 'changes, not known how',
+}
 
 #: Curves on which these places lie over two numbers of the case.
 CURVES: dict[str, dict[str, Any]] = {

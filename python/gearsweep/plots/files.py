@@ -307,7 +307,7 @@ PICTURES = {
     'branches': Picture('Bifurcation diagram: dynamic factor of all branches, solid where the motion attracts, dashed where it repels, '
                         'with folds, doublings and grazing', _reliefs('branches', plot_branches, 90)),
     'branch_curves': Picture('Curves of folds, doublings and grazing over two numbers of the case', _branch_curves),
-    'sensitivity': Picture('By how many per cent the dynamic factor changes with one per cent of each number of the case', _sensitivity),
+    'sensitivity': Picture('By how many per cent the dynamic factor changes with one per cent of each number of the motion', _sensitivity),
     'precision': Picture("Relative error over run time, a curve for each method, the methods' own estimates beside it", _precision),
     'flank': Picture("Pressure, sliding, flash temperature and film along the path of contact, under the motion's load and, fine, the static one",
                      _flank),

@@ -23,7 +23,8 @@ def plot_sweep(sweep: Study | Table, ax: Axes | None = None, *, points: Sequence
 
     A speed without an answer is a gap, with a cross at the lower edge in the colour of the curve. Points that
     are marginal, subharmonic or inexact have marks of their own. A band shows the estimated error where it is
-    wide enough to be seen.
+    wide enough to be seen. Where the speed rising leads to another motion than the speed falling, the larger is
+    drawn, and the other dotted.
 
     Parameters
     ----------
@@ -43,9 +44,10 @@ def plot_sweep(sweep: Study | Table, ax: Axes | None = None, *, points: Sequence
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         for i, look in enumerate(reliefs.styles):
             curve(ax, sweep.rpm, sweep.dynamic_factor[i], look)
+        others = _other_direction(ax, sweep, reliefs)
         _error_bands(ax, sweep, reliefs)
         circles = [(*point[:2], reliefs.style(point[2])['color'] if len(point) > 2 else INK) for point in points]
-        more = _published(ax, circles) + _status_marks(ax, sweep, reliefs)
+        more = _published(ax, circles) + others + _status_marks(ax, sweep, reliefs)
         missing = np.isnan(sweep.dynamic_factor)
         words = ', '.join(dict.fromkeys(sweep.status[missing]))
         rows = [(sweep.rpm[gaps], look['color']) for gaps, look in zip(missing, reliefs.styles)]
@@ -103,6 +105,16 @@ def curve(ax: Axes, x: Reals, y: Reals, look: dict[str, Any]) -> None:
     known = np.concatenate(([False], np.isfinite(y), [False]))
     alone = known[1:-1] & ~known[:-2] & ~known[2:]
     ax.plot(x, y, **{'marker': 'o', 'markersize': 2.5, **look}, markevery=np.flatnonzero(alone).tolist())
+
+
+def _other_direction(ax: Axes, sweep: Table, reliefs: Reliefs) -> list[Line2D]:
+    """What is met in the other direction, where that is another motion; the entry in the legend."""
+    if 'direction' not in sweep or not (sweep.direction != 'both').any():
+        return []
+    for direction, factor, look in zip(sweep.direction, sweep.other_dynamic_factor, reliefs.styles):
+        apart = direction != 'both'
+        curve(ax, sweep.rpm, np.where(apart, factor, np.nan), {**look, 'linestyle': ':', 'linewidth': 1})
+    return [Line2D([], [], color=GREY, linestyle=':', linewidth=1, label='in the other direction')]
 
 
 def _error_bands(ax: Axes, sweep: Table, reliefs: Reliefs) -> None:

@@ -18,7 +18,7 @@ BY_B: dict[str, Any] = {'marker': 'D', 'markersize': 4, 'markerfacecolor': 'whit
 
 
 def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
-    """Dynamic factor over speed by Method A, which is that of the motion, and, fine, by Method B, for each relief; at a single speed as a dot and a hollow diamond.
+    """Dynamic factor over speed by Method A, from the motion, and, fine, by Method B, for each relief; at a single speed as a dot and a hollow diamond.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
     dynamic = table_of(dynamic, 'dynamic_factors')
     reliefs = Reliefs(dynamic.case)
     with canvas(ax) as ax:
-        for by_a, by_b, look in zip(dynamic.dynamic_factor, dynamic.dynamic_factor_b, reliefs.styles):
+        for by_a, by_b, look in zip(dynamic.dynamic_factor_a, dynamic.dynamic_factor_b, reliefs.styles):
             curve(ax, dynamic.rpm, by_a, look)
             curve(ax, dynamic.rpm, by_b, {**look, **FINE, **BY_B})
         dots: tuple[dict[str, Any], ...] = ({'marker': 'o', 'markersize': 2.5}, BY_B) if len(dynamic.rpm) == 1 else ({}, {})

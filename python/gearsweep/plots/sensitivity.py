@@ -58,6 +58,7 @@ def plot_sensitivity(
     with canvas(ax) as ax:
         ax.barh(np.arange(len(rows)), table.relative_slope[rows], height=0.6, color=ACCENT)
         ax.set_yticks(np.arange(len(rows)), [NUMBERS[name] for name in table.number[rows]])
+        ax.locator_params(axis='x', nbins=3)  # signed numbers with three digits stand apart
         ax.axvline(0, color=INK, linewidth=0.6)
         ax.set_title(f'{rpm:g} 1/min, tip relief {relief_um:g} µm')
         ax.set_ylabel('Number of the case (–)')

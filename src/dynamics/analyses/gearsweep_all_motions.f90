@@ -12,12 +12,12 @@ module gearsweep_all_motions
   use gearsweep_text, only: str
   implicit none
   private
-  public :: all_motions_t, count_motions
+  public :: all_motions_t, count_motions, largest_reached
 
   !> NaN where nothing was looked for, or the speed is too low to be searched; (speed, relief).
   type :: all_motions_t
     real(dp), allocatable :: motions(:, :)       !< how many attract
-    real(dp), allocatable :: largest(:, :)       !< dynamic factor
+    real(dp), allocatable :: largest(:, :)       !< dynamic factor of those that a start reaches or a sweep of single speeds shows
     real(dp), allocatable :: share(:, :)         !< of the starts, to the motion of a sweep of single speeds; 0: to none
     logical :: stopped = .false.                 !< the caller ended it
   end type all_motions_t
@@ -64,10 +64,20 @@ contains
 
     if (found%status /= status_ok) return
     motions = size(found%motion)
-    associate (point => found%motion%point)
-      if (any(has_result(point%steady%status))) largest = maxval(point%dynamic_factor, mask=has_result(point%steady%status))
-    end associate
+    largest = largest_reached(found)
     share = 0
     if (found%alone_is > 0) share = found%motion(found%alone_is)%starts/real(size(found%to), dp)
   end subroutine summarise
+
+  !> The largest dynamic factor of the motions that a start reaches, or a sweep of single speeds shows; NaN where there is none.
+  pure real(dp) function largest_reached(found) result(largest)
+    type(attractors_t), intent(in) :: found
+    logical :: counts(size(found%motion))
+
+    largest = ieee_value(1.0_dp, ieee_quiet_nan)
+    counts = found%motion%starts > 0
+    if (found%alone_is > 0) counts(found%alone_is) = .true.
+    counts = counts .and. has_result(found%motion%point%steady%status)
+    if (any(counts)) largest = maxval(found%motion%point%dynamic_factor, mask=counts)
+  end function largest_reached
 end module gearsweep_all_motions

@@ -21,7 +21,7 @@ module gearsweep_attractor_search
     type(accuracy_t) :: accuracy
     integer :: starts = 8                        !< along each axis of their grid
     real(dp) :: span = 4                         !< from its middle to its edge, in static deflections
-    integer :: most_cycles = 2000                !< mesh periods that a start is followed at most
+    integer :: most_cycles = 0                   !< mesh periods that a start is followed at most; 0: `by_damping`
     integer :: most_periods = 8                  !< mesh periods after which a motion that is looked for repeats, at most
     integer :: threads = 0                       !< 0: as many as the machine has
   end type attractor_options_t
@@ -46,6 +46,7 @@ module gearsweep_attractor_search
     type(known_t), allocatable :: known(:)       !< periodic motions found, attracting or not
     integer :: in_full_contact = 0               !< which of them is that in full contact; 0: none attracts
     integer, allocatable :: to(:)                !< of each start, which of them captured it; 0: none
+    integer :: most_cycles = 0                   !< mesh periods that a start is followed at most
     type(lane_t) :: lane(batch_size)
   end type search_t
 
@@ -80,6 +81,10 @@ contains
 
     start = start_states(osc, duration, options)
     call begin_search(osc, duration, size(start, 2), search, status)
+    search%most_cycles = options%most_cycles
+    if (options%most_cycles == 0) search%most_cycles = by_damping(osc, duration)
+    ! Without damping nothing is captured.
+    if (.not. osc%damping_ratio > 0) search%most_cycles = 2*options%most_periods
     next = 1
     do while (status == status_ok)
       do l = 1, batch_size
@@ -93,13 +98,22 @@ contains
       if (all(search%lane%start == 0)) exit
       call run_batch(search%batch, state, search%lane%start > 0, .false., run)
       do l = 1, batch_size
-        if (search%lane(l)%start > 0) call take_period(run(l), options, search, search%lane(l))
+        if (search%lane(l)%start > 0) call take_period(run(l), search, search%lane(l))
       end do
       if (wants_stop(options%accuracy%steady%stop)) status = status_stopped
     end do
     call move_alloc(search%known, known)
     call move_alloc(search%to, to)
   end subroutine search_motions
+
+  !> Mesh periods in which the natural motion decays to exp(-5) of its amplitude, at least 2000 and at most 100 000.
+  pure integer function by_damping(osc, duration)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    real(dp), parameter :: decays = 5, fewest = 2000, most = 1e5_dp
+
+    by_damping = ceiling(max(fewest, min(most, decays/max(tiny(1.0_dp), osc%damping_ratio*osc%natural_frequency*duration))))
+  end function by_damping
 
   !> States from which motions start (m), the middles of the cells of a grid: displacements about the mean deflection, and
   !> velocities with which the natural motion has such amplitudes. (2, start), the displacement varies fastest.
@@ -174,17 +188,14 @@ contains
   end subroutine enter
 
   !> A lane after one mesh period more: captured, at its end, or to be followed further.
-  pure subroutine take_period(run, options, search, lane)
+  pure subroutine take_period(run, search, lane)
     type(period_t), intent(in) :: run
-    type(attractor_options_t), intent(in) :: options
     type(search_t), intent(inout) :: search
     type(lane_t), intent(inout) :: lane
     !> Periods in a row in full contact after which a motion stays there: as many phases of its oscillation have been seen.
     integer, parameter :: enough = 12
-    integer :: captor, most_cycles
+    integer :: captor
 
-    ! Without damping nothing is captured.
-    most_cycles = merge(options%most_cycles, 2*options%most_periods, search%single%osc%damping_ratio > 0)
     if (run%failed .or. .not. distance(search%single%osc, search%duration, run%state) < huge(1.0_dp)) then
       lane%start = 0
       return
@@ -196,7 +207,7 @@ contains
     if (captor == 0) call watch(search, lane, captor)
     if (captor == 0) call try_newton(search, lane)
     search%to(lane%start) = captor
-    if (captor > 0 .or. lane%length >= most_cycles) lane%start = 0
+    if (captor > 0 .or. lane%length >= search%most_cycles) lane%start = 0
   end subroutine take_period
 
   !> Adds a period to what is remembered of a lane.

@@ -7,7 +7,7 @@ module gearsweep_attractors
   use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t
   use gearsweep_kinds, only: dp
   use gearsweep_known_motion, only: known_t
-  use gearsweep_memory, only: settle_memory, team
+  use gearsweep_memory, only: has_memory, settle_memory, team
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period_map, only: set_durations
@@ -17,7 +17,7 @@ module gearsweep_attractors
   use gearsweep_traps, only: leader_traps, share_traps
   implicit none
   private
-  public :: attractor_t, attractors_t, find_attractors, attractors_at
+  public :: attractor_t, attractors_t, find_attractors, attractors_at, largest_motion
 
   !> An attracting motion.
   type :: attractor_t
@@ -67,8 +67,68 @@ contains
     real(dp), intent(in) :: duration             !< of the mesh period, s
     type(attractor_options_t), intent(in) :: options
     type(attractors_t), intent(out) :: found
-    type(known_t), allocatable :: known(:)
     type(levels_t) :: levels
+
+    call solve_point(osc, duration, options%accuracy, levels, found%alone)
+    call search_beside(osc, duration, options, levels, found)
+  end subroutine attractors_at
+
+  !> The motion of largest dynamic factor at one speed: of those to which starts lead, and the one that is found without. Where
+  !> the natural motion decays between the breaks of the stiffness there is one only; nothing is looked for there. Nor is it by a
+  !> method of the literature, which does not hold every motion that the search finds.
+  pure subroutine largest_motion(osc, duration, options, point, motions, lacks)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(attractor_options_t), intent(in) :: options
+    type(point_t), intent(out) :: point
+    integer, intent(out) :: motions              !< how many there are; 0: not known, or the search takes too many steps
+    logical, intent(out) :: lacks                !< the memory does not hold it
+    type(levels_t) :: levels
+    type(attractors_t) :: found
+    logical :: fits
+    integer :: i
+
+    motions = 0
+    call solve_point(osc, duration, options%accuracy, levels, point)
+    call has_memory(1e4_dp + 40.0_dp*options%starts**2, fits)
+    lacks = levels%lacks .or. .not. fits
+    if (lacks .or. point%steady%status == status_stopped .or. options%accuracy%scheme /= scheme_collocation) return
+    motions = 1
+    if (point%resolution%graded_for > 0) return
+    found%alone = point
+    call search_beside(osc, duration, options, levels, found)
+    lacks = found%lacks
+    if (found%status == status_stopped) point%steady%status = status_stopped
+    if (found%status /= status_ok) motions = 0
+    if (lacks .or. motions == 0) return
+    motions = count(found%motion%starts > 0)
+    if (has_result(point%steady%status)) then
+      if (found%alone_is == 0) motions = motions + 1
+      if (found%alone_is > 0) motions = motions + count([found%motion(found%alone_is)%starts == 0])
+    end if
+    do i = 1, size(found%motion)
+      if (found%motion(i)%starts > 0 .and. i /= found%alone_is .and. is_larger(found%motion(i)%point, point)) &
+        point = found%motion(i)%point
+    end do
+  end subroutine largest_motion
+
+  !> Is this dynamic factor clearly the larger? Of two that are alike to rounding the one that comes first is taken.
+  pure logical function is_larger(point, than)
+    type(point_t), intent(in) :: point, than
+    real(dp), parameter :: alike = 1e-6_dp
+
+    is_larger = has_result(point%steady%status)
+    if (is_larger .and. has_result(than%steady%status)) is_larger = point%dynamic_factor > (1 + alike)*than%dynamic_factor
+  end function is_larger
+
+  !> All motions at one speed, where the one that is found without the search is known.
+  pure subroutine search_beside(osc, duration, options, levels, found)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(attractor_options_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels
+    type(attractors_t), intent(inout) :: found   !< `alone` is known
+    type(known_t), allocatable :: known(:)
     integer, allocatable :: to(:), rank(:)
     integer :: i
 
@@ -81,18 +141,17 @@ contains
       where (to == rank(i)) found%to = i
       found%motion(i)%known = known(rank(i))
       found%motion(i)%starts = count(to == rank(i))
-      call solve_known(osc, duration, options%accuracy, levels, found%motion(i))
+      if (is_of(osc, duration, found%alone, known(rank(i)))) then
+        if (found%alone_is == 0) found%alone_is = i
+        found%motion(i)%point = found%alone
+      else
+        call solve_known(osc, duration, options%accuracy, levels, found%motion(i))
+      end if
       if (found%motion(i)%point%steady%status == status_stopped) found%status = status_stopped
     end do
-    levels%steps_per_second = 0
-    call solve_point(osc, duration, options%accuracy, levels, found%alone)
     if (found%alone%steady%status == status_stopped) found%status = status_stopped
     found%lacks = levels%lacks
-    if (.not. has_result(found%alone%steady%status)) return
-    do i = size(rank), 1, -1
-      if (is_of(osc, duration, found%alone, found%motion(i)%known)) found%alone_is = i
-    end do
-  end subroutine attractors_at
+  end subroutine search_beside
 
   !> Those that attract, in the order of falling numbers of starts; equal ones as they were found.
   pure function most_first(known, starts) result(rank)

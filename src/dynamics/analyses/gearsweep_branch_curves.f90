@@ -81,7 +81,7 @@ contains
     integer :: count(2), i, way
     logical :: ok
 
-    if (special%kind == kind_grazing .and. special%overlap%contact == 0) return
+    if (special%kind > kind_grazing .or. special%kind == kind_grazing .and. special%overlap%contact == 0) return
     equations%kind = special%kind
     equations%overlap = special%overlap
     call settle_start(equations, [special%start(:2)*rescale, special%start(3), second], start, ok)

@@ -11,11 +11,11 @@ module gearsweep_joint_optimum
   use gearsweep_optimum, only: peak_t, worst_of
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: status_stopped
-  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
+  use gearsweep_sweep, only: run_sweep, sweep_options_t, sweep_t
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   implicit none
   private
-  public :: design_t, joint_optimum_t, find_joint_optimum, build_design
+  public :: design_t, joint_optimum_t, starts_t, find_joint_optimum, build_design
 
   !> Numbers of a case, and what they lead to.
   type :: design_t
@@ -23,6 +23,11 @@ module gearsweep_joint_optimum
     type(peak_t), allocatable :: worst(:)        !< largest dynamic factor over the speeds; (load)
     integer, allocatable :: failed(:)            !< speeds without a result; (load)
   end type design_t
+
+  !> Designs to begin with: the search goes down from the best of them.
+  type :: starts_t
+    real(dp), allocatable :: number(:, :)        !< parts of their ranges, 0 to 1; (number, design)
+  end type starts_t
 
   type :: joint_optimum_t
     type(design_t) :: best                       !< without `worst`: no design has a result
@@ -47,11 +52,12 @@ module gearsweep_joint_optimum
 
 contains
 
-  !> The best of the designs that are best around the best one of each group of starts: there are several valleys.
+  !> The best of the designs that are best around the best one of each group of starts, as there are several valleys: none of the
+  !> starts that were tried at all speeds is better.
   subroutine find_joint_optimum(build, context, starts, rpm, options, optimum, error)
     procedure(build_design) :: build
     class(*), intent(in) :: context              !< for `build`
-    real(dp), intent(in) :: starts(:, :, :)      !< designs to begin with; (number, design, group)
+    type(starts_t), intent(in) :: starts(:)      !< in groups
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, ascending, 1/min
     type(sweep_options_t), intent(in) :: options
     type(joint_optimum_t), intent(out) :: optimum
@@ -63,10 +69,9 @@ contains
     ! A dynamic factor to 1e-5 places the optimum far better than it can be made.
     rough = options
     rough%accuracy%steady%tolerance = max(options%accuracy%steady%tolerance, 1e-5_dp)
-    rough%direction = each
     rough%is_counted = .false.
-    do i = 1, size(starts, 3)
-      call descend(build, context, starts(:, :, i), rpm, rough, of_group, error)
+    do i = 1, size(starts)
+      call descend(build, context, starts(i)%number, rpm, rough, of_group, error)
       if (allocated(error)) return
       of_group%tried = of_group%tried + optimum%tried
       optimum%tried = of_group%tried

@@ -57,8 +57,9 @@ module gearsweep_motion_equations
     type(overlaps_t), allocatable :: overlaps    !< where asked for
   end type motion_t
 
-  integer, parameter, public :: kind_fold = 1, kind_doubling = 2, kind_grazing = 3
-  character(*), parameter :: kind_names(3) = [character(8) :: 'fold', 'doubling', 'grazing']
+  !> Unknown: contact or stability changes, and no place of it is known. Vertical: a line of motions at one value of the parameter.
+  integer, parameter, public :: kind_fold = 1, kind_doubling = 2, kind_grazing = 3, kind_unknown = 4, kind_vertical = 5
+  character(*), parameter :: kind_names(5) = [character(8) :: 'fold', 'doubling', 'grazing', 'unknown', 'vertical']
   real(dp), parameter :: width = 10
 
   type, extends(equations_t) :: motion_equations_t

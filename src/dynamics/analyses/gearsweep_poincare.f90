@@ -68,23 +68,24 @@ contains
       if (present(stop)) then
         if (wants_stop(stop)) return
       end if
-      call follow(osc, rpm(i), transient, i, state, section)
-      if (section%lacks) return
+      call follow(osc, rpm(i), transient, i, state, section, stop)
+      if (section%lacks .or. section%status(i) == status_stopped) return
       call name_motion(osc, mesh_period(osc%mesh%teeth(1), rpm(i)), i, section)
     end do
   end subroutine sample_section
 
   !> The samples at speed i; `state` (m, m/s) goes from its begin to its end, unless the steps are too many (unresolved),
-  !> contact changes without end (chatter), or the motion grows without bound.
-  pure subroutine follow(osc, rpm, transient, i, state, section)
+  !> contact changes without end (chatter), or the motion passes all bounds.
+  pure subroutine follow(osc, rpm, transient, i, state, section, stop)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm
     integer, intent(in) :: transient, i
     real(dp), intent(inout) :: state(2)
     type(section_points_t), intent(inout) :: section
+    type(c_ptr), intent(in), optional :: stop
     type(period_map_t) :: map
     type(period_t) :: run
-    real(dp) :: duration, steps, unit, from(2), disturbance(2), growth
+    real(dp) :: duration, steps, unit, from(2), disturbance(2), growth, derivative(2, 2)
     integer :: k
 
     duration = mesh_period(osc%mesh%teeth(1), rpm)
@@ -101,6 +102,10 @@ contains
     disturbance = 1
     growth = 0
     do k = 1 - transient, size(section%x, 1)
+      if (present(stop)) then
+        if (wants_stop(stop)) section%status(i) = status_stopped
+        if (section%status(i) == status_stopped) return
+      end if
       call run_period(map, from, run)
       if (run%failed) return
       from = run%state
@@ -110,11 +115,13 @@ contains
         section%v(:, i) = section%x(:, i)
         return
       end if
-      disturbance = matmul(run%monodromy, disturbance*[1.0_dp, unit])/[1.0_dp, unit]
+      derivative = run%monodromy
+      if (run%shrunk < 0) derivative = run%scaled
+      disturbance = matmul(derivative, disturbance*[1.0_dp, unit])/[1.0_dp, unit]
       if (k > 0) then
         section%x(k, i) = from(1)
         section%v(k, i) = from(2)/duration
-        growth = growth + log(norm2(disturbance))
+        growth = growth + log(norm2(disturbance)) + run%shrunk
       end if
       disturbance = disturbance/norm2(disturbance)
     end do

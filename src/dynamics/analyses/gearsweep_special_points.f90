@@ -3,13 +3,17 @@
 !>
 !> Between two neighbouring points of the branch, the point over a place on their chord is found by Newton's method in the
 !> plane normal to the chord. The place where a test function of it passes zero is enclosed and narrowed by the Illinois
-!> method with bisections between. At corners of the branch a test function may jump over zero; there, the corner is enclosed.
+!> method with bisections between; where the points at both ends stay apart, as the branch leaves the chord, on the chord
+!> between these. Changes of contact part a stretch, and folds and doublings are looked for in each part, and across each change,
+!> where a test function may jump over zero. What cannot be narrowed is told with the enclosure so far.
 module gearsweep_special_points
   use gearsweep_arclength, only: correct
   use gearsweep_branch, only: branch_point_t, measure
   use gearsweep_kinds, only: dp
-  use gearsweep_motion_equations, only: kind_doubling, kind_fold, kind_grazing, motion_equations_t, motion_t
+  use gearsweep_motion_equations, only: kind_doubling, kind_fold, kind_grazing, kind_unknown, kind_vertical, motion_equations_t, &
+                                        motion_t
   use gearsweep_overlaps, only: overlap_t
+  use gearsweep_periodic_orbit, only: largest_multiplier
   implicit none
   private
   public :: special_t, find_specials
@@ -17,18 +21,28 @@ module gearsweep_special_points
   type :: special_t
     integer :: kind = 0
     integer :: after = 0                         !< the point of the branch before it
+    integer :: until = 0                         !< where the branch is vertical: the last such point
     type(branch_point_t) :: point
     type(overlap_t) :: overlap                   !< of grazing; contact 0: not known
     real(dp) :: enclosed = 0                     !< the place is known to this, of the parameter's unknown
     real(dp) :: start(3) = 0                     !< of `point`, with its parameter: a solution of the equations
   end type special_t
 
+  !> A motion of the branch, and what is compared of it.
+  type :: side_t
+    real(dp) :: z(3) = 0
+    real(dp) :: test(2) = 0                      !< as in `branch_point_t`
+    real(dp) :: modulus = 0
+    integer :: events = 0
+    logical :: contact(3) = .false.              !< partial, lost, coast
+  end type side_t
+
   !> A stretch of the branch over its chord.
   type :: stretch_t
     real(dp) :: from(3) = 0, chord(3) = 0, normal(3) = 0, length = 0
     real(dp) :: jacobian(2, 3) = 0
     integer :: kind = 0
-    integer :: events = 0                        !< changes of contact at its begin
+    type(side_t) :: begin
     logical :: by_overlap = .false.              !< grazing by the overlap `sought`; otherwise, by the changes of contact
     type(overlap_t) :: sought
     real(dp) :: sign = 1                         !< which makes the test function positive at its begin
@@ -36,6 +50,8 @@ module gearsweep_special_points
 
   !> A part of the chord below which rounding rules.
   real(dp), parameter :: finest = 1e-15_dp
+  !> Distance of two points below which they are one, in the equations' unknowns: Newton's method leaves so much.
+  real(dp), parameter :: same = 1e-10_dp
 
 contains
 
@@ -46,99 +62,226 @@ contains
     integer, intent(in) :: after                 !< which point `a` is
     type(branch_point_t), intent(in) :: a, b
     type(special_t), allocatable, intent(inout) :: specials(:)
-    type(stretch_t) :: stretch
-    real(dp) :: from, next
-    integer :: kind, i
-    logical :: ok
+    type(side_t) :: left, right, low, high
+    type(overlap_t) :: overlap
+    integer :: i
+    logical :: ok, goes_on
     integer, parameter :: most = 6               ! grazings between two points
 
     call equations%settle_steps(a%z, ok)
     if (.not. ok .or. .not. norm2(b%z - a%z) > 0) return
-    stretch = stretch_t(a%z, b%z - a%z, (b%z - a%z)/norm2(b%z - a%z), norm2(b%z - a%z), a%jacobian, events=a%events)
-    do kind = kind_fold, kind_doubling
-      stretch%kind = kind
-      stretch%sign = sign(1.0_dp, a%test(kind))
-      if (a%test(kind)*b%test(kind) < 0) call locate(equations, sense, after, stretch, 0.0_dp, next, specials)
-    end do
-    stretch%kind = kind_grazing
-    from = 0
+    left = side_t(a%z, a%test, a%modulus, a%events, [a%partial, a%lost, a%coast])
+    right = side_t(b%z, b%test, b%modulus, b%events, [b%partial, b%lost, b%coast])
+    if (is_vertical(left, right)) then
+      i = size(specials)
+      goes_on = .false.
+      if (i > 0) goes_on = specials(i)%until == after
+      if (.not. goes_on) call add(equations, sense, after, kind_vertical, left, left, overlap_t(), specials)
+      if (size(specials) > 0) specials(size(specials))%until = after + 1
+      return
+    end if
     do i = 1, most
-      if (stretch%events == b%events) exit
-      stretch%by_overlap = .false.
-      stretch%sign = 1
-      call locate(equations, sense, after, stretch, from, next, specials)
-      if (.not. next < 1) exit
-      from = next
+      if (is_alike(left, right)) exit
+      low = left
+      high = right
+      call narrow(equations, a%jacobian, kind_grazing, low, high, overlap)
+      call find_in_part(equations, a%jacobian, sense, after, left, low, specials)
+      call add(equations, sense, after, kind_grazing, low, high, overlap, specials)
+      call find_in_part(equations, a%jacobian, sense, after, low, high, specials)
+      left = high
+      call step_beyond(equations, a%jacobian, right, left)
     end do
+    if (.not. is_alike(left, right)) call add(equations, sense, after, kind_unknown, left, right, overlap_t(), specials)
+    call find_in_part(equations, a%jacobian, sense, after, left, right, specials)
   end subroutine find_specials
 
-  !> Narrows the place between `first` and the end of the stretch, and tells what is there. For grazing, `next` is just beyond
-  !> it, and the stretch's changes of contact are those there.
-  subroutine locate(equations, sense, after, stretch, first, next, specials)
+  !> Does the branch run along a line on which only the motion changes, and a multiplier is 1 all along? So does a doubled branch
+  !> in full contact, where the map is linear.
+  pure logical function is_vertical(a, b)
+    type(side_t), intent(in) :: a, b
+    real(dp), parameter :: rounding = 1e-6_dp, upright = 1e-8_dp
+
+    is_vertical = max(abs(a%test(1)), abs(b%test(1))) < rounding .and. abs(b%z(3) - a%z(3)) < upright*norm2(b%z - a%z)
+  end function is_vertical
+
+  !> Is contact the same?
+  pure logical function is_alike(a, b)
+    type(side_t), intent(in) :: a, b
+
+    is_alike = a%events == b%events .and. all(a%contact .eqv. b%contact)
+  end function is_alike
+
+  !> Folds and doublings between two motions; where only the stability differs, that.
+  subroutine find_in_part(equations, jacobian, sense, after, a, b, specials)
     class(motion_equations_t), intent(inout) :: equations
+    real(dp), intent(in) :: jacobian(2, 3)
     integer, intent(in) :: sense, after
-    type(stretch_t), intent(inout) :: stretch
-    real(dp), intent(in) :: first
-    real(dp), intent(out) :: next
+    type(side_t), intent(in) :: a, b
     type(special_t), allocatable, intent(inout) :: specials(:)
-    integer, parameter :: most = 120, bisections = 8
-    real(dp) :: low, high, at, value(2), middle
+    !> A test function below `rounding` has no sign, as at the end of a vertical line.
+    real(dp), parameter :: neutral = 1e-6_dp, rounding = 1e-10_dp
+    type(side_t) :: low, high
+    type(overlap_t) :: overlap
+    integer :: kind
+
+    do kind = kind_fold, kind_doubling
+      if (.not. a%test(kind)*b%test(kind) < 0 .or. min(abs(a%test(kind)), abs(b%test(kind))) < rounding) cycle
+      low = a
+      high = b
+      call narrow(equations, jacobian, kind, low, high, overlap)
+      call add(equations, sense, after, kind, low, high, overlap_t(), specials)
+    end do
+    if (any(a%test*b%test < 0)) return
+    if ((a%modulus - 1)*(b%modulus - 1) < 0 .and. min(abs(a%modulus - 1), abs(b%modulus - 1)) > neutral) &
+      call add(equations, sense, after, kind_unknown, a, b, overlap_t(), specials)
+  end subroutine find_in_part
+
+  !> A place between two motions, told by the second.
+  subroutine add(equations, sense, after, kind, low, high, overlap, specials)
+    class(motion_equations_t), intent(inout) :: equations
+    integer, intent(in) :: sense, after, kind
+    type(side_t), intent(in) :: low, high
+    type(overlap_t), intent(in) :: overlap
+    type(special_t), allocatable, intent(inout) :: specials(:)
     type(special_t) :: found
+    logical :: ok
+
+    found = special_t(kind, after, overlap=overlap, enclosed=norm2(high%z - low%z), start=high%z)
+    call measure(equations, found%start, sense, found%point, ok)
+    if (ok) specials = [specials, found]
+  end subroutine add
+
+  !> A little beyond a change of contact, where that is past for certain; at the end of the stretch, its end. Where Newton's method
+  !> fails, the motion stays.
+  subroutine step_beyond(equations, jacobian, right, left)
+    class(motion_equations_t), intent(inout) :: equations
+    real(dp), intent(in) :: jacobian(2, 3)
+    type(side_t), intent(in) :: right
+    type(side_t), intent(inout) :: left
+    real(dp), parameter :: steps(*) = [1e-9_dp, 1e-8_dp, 1e-7_dp, 1e-6_dp]
+    type(stretch_t) :: stretch
     type(motion_t) :: motion
-    real(dp) :: z(3)
+    real(dp) :: value
+    integer :: i
+    logical :: ok
+
+    ok = norm2(right%z - left%z) > 2*maxval(steps)
+    if (.not. ok) left = right
+    if (.not. ok) return
+    stretch = stretch_between(left, right, kind_fold, jacobian)
+    do i = 1, size(steps)
+      call side_at(equations, stretch, steps(i)/stretch%length, left, motion, value, ok)
+      if (ok) return
+    end do
+  end subroutine step_beyond
+
+  pure type(stretch_t) function stretch_between(low, high, kind, jacobian) result(stretch)
+    type(side_t), intent(in) :: low, high
+    integer, intent(in) :: kind
+    real(dp), intent(in) :: jacobian(2, 3)
+
+    stretch%from = low%z
+    stretch%chord = high%z - low%z
+    stretch%length = norm2(stretch%chord)
+    stretch%normal = stretch%chord/stretch%length
+    stretch%jacobian = jacobian
+    stretch%kind = kind
+    stretch%begin = low
+    if (kind /= kind_grazing) stretch%sign = sign(1.0_dp, low%test(kind))
+  end function stretch_between
+
+  !> Narrows the place of a change between two motions, on one chord after the other.
+  subroutine narrow(equations, jacobian, kind, low, high, overlap)
+    class(motion_equations_t), intent(inout) :: equations
+    real(dp), intent(in) :: jacobian(2, 3)
+    integer, intent(in) :: kind
+    type(side_t), intent(inout) :: low, high
+    type(overlap_t), intent(out) :: overlap      !< of grazing; contact 0: not known
+    integer, parameter :: most_chords = 40
+    real(dp), parameter :: shrinks = 0.7_dp
+    type(stretch_t) :: stretch
+    integer :: chord
+
+    do chord = 1, most_chords
+      if (.not. norm2(high%z - low%z) > same) exit
+      stretch = stretch_between(low, high, kind, jacobian)
+      call narrow_on_chord(equations, stretch, low, high)
+      if (stretch%by_overlap) overlap = stretch%sought
+      if (.not. norm2(high%z - low%z) < shrinks*stretch%length) exit
+    end do
+  end subroutine narrow
+
+  !> The same on one chord.
+  subroutine narrow_on_chord(equations, stretch, low, high)
+    class(motion_equations_t), intent(inout) :: equations
+    type(stretch_t), intent(inout) :: stretch
+    type(side_t), intent(inout) :: low, high
+    integer, parameter :: most = 120, bisections = 8
+    type(side_t) :: middle
+    type(motion_t) :: motion
+    real(dp) :: at, place(2), value(2), now
     integer :: trial, last
     logical :: ok
 
-    low = first
-    high = 1
-    next = 1
+    place = [0.0_dp, 1.0_dp]
     value = [1.0_dp, -1.0_dp]
     last = 0
     do trial = 1, most
-      at = (low + high)/2
+      at = sum(place)/2
       if (trial > bisections .and. modulo(trial, 4) /= 0 .and. (stretch%kind /= kind_grazing .or. stretch%by_overlap)) &
-        at = low + (high - low)*value(1)/(value(1) - value(2))
-      if (.not. (at > low .and. at < high)) at = (low + high)/2
-      call test_at(equations, stretch, at, z, motion, middle, ok)
-      if (.not. ok) return
-      if (middle > 0) then
-        low = at
-        value(1) = middle
+        at = place(1) + (place(2) - place(1))*value(1)/(value(1) - value(2))
+      if (.not. (at > place(1) .and. at < place(2))) at = sum(place)/2
+      call try_places(equations, stretch, place, at, middle, motion, now, ok)
+      if (.not. ok) exit
+      if (now > 0) then
+        place(1) = at
+        value(1) = now
+        low = middle
         if (last == 1) value(2) = value(2)/2
         last = 1
       else
-        high = at
-        value(2) = middle
+        place(2) = at
+        value(2) = now
+        high = middle
         if (last == 2) value(1) = value(1)/2
         last = 2
       end if
       if (trial == bisections .and. stretch%kind == kind_grazing) call choose_overlap(equations, stretch, low, high, value)
-      if (high - low <= max(finest, 1e-14_dp/stretch%length) .or. .not. abs(middle) > 1e-15_dp) exit
+      if (place(2) - place(1) <= max(finest, 1e-14_dp/stretch%length) .or. .not. abs(now) > 1e-15_dp) exit
     end do
-    call test_at(equations, stretch, high, z, motion, middle, ok)
-    if (.not. ok) return
-    found = special_t(stretch%kind, after, enclosed=(high - low)*abs(stretch%chord(3)), start=z)
-    if (stretch%kind == kind_grazing) then
-      if (stretch%by_overlap) found%overlap = stretch%sought
-      next = min(1.0_dp, high + max(4*(high - low), 1e-9_dp))
-      call test_at(equations, stretch, next, z, motion, middle, ok)
-      if (.not. ok) return
-      stretch%events = motion%events
-    end if
-    call measure(equations, found%start, sense, found%point, ok)
-    if (ok) specials = [specials, found]
-  end subroutine locate
+  end subroutine narrow_on_chord
 
-  !> The branch over a place on the chord, and the test function there, positive as at the begin of the stretch.
-  subroutine test_at(equations, stretch, place, z, motion, value, ok)
+  !> The branch over a place on the chord or, where Newton's method fails there, over another between the same two.
+  subroutine try_places(equations, stretch, between, at, side, motion, value, ok)
     class(motion_equations_t), intent(inout) :: equations
     type(stretch_t), intent(in) :: stretch
-    real(dp), intent(in) :: place                ! 0 to 1
-    real(dp), intent(out) :: z(3)
+    real(dp), intent(in) :: between(2)
+    real(dp), intent(inout) :: at
+    type(side_t), intent(out) :: side
     type(motion_t), intent(out) :: motion
     real(dp), intent(out) :: value
     logical, intent(out) :: ok
-    real(dp) :: jacobian(2, 3)
+    real(dp), parameter :: parts(*) = [0.25_dp, 0.75_dp, 0.06_dp, 0.94_dp]
+    integer :: i
+
+    call side_at(equations, stretch, at, side, motion, value, ok)
+    do i = 1, size(parts)
+      if (ok) return
+      at = between(1) + parts(i)*(between(2) - between(1))
+      if (at > between(1) .and. at < between(2)) call side_at(equations, stretch, at, side, motion, value, ok)
+    end do
+  end subroutine try_places
+
+  !> The branch over a place on the chord, and the test function there, positive as at the begin of the stretch.
+  subroutine side_at(equations, stretch, place, side, motion, value, ok)
+    class(motion_equations_t), intent(inout) :: equations
+    type(stretch_t), intent(in) :: stretch
+    real(dp), intent(in) :: place                ! 0 to 1
+    type(side_t), intent(inout) :: side          ! unchanged where that fails
+    type(motion_t), intent(out) :: motion
+    real(dp), intent(out) :: value
+    logical, intent(out) :: ok
+    real(dp) :: jacobian(2, 3), z(3), trace, determinant
 
     z = stretch%from + place*stretch%chord
     jacobian = stretch%jacobian
@@ -146,44 +289,51 @@ contains
     call correct(equations, stretch%normal, max(stretch%length, 1e-9_dp), jacobian, z, ok)
     if (ok) call equations%run_motion(z, stretch%kind == kind_grazing, motion, ok)
     if (.not. ok) return
-    if (stretch%kind == kind_grazing .and. .not. stretch%by_overlap) then
-      value = merge(1, -1, motion%events == stretch%events)
+    associate (m => motion%monodromy)
+      trace = m(1, 1) + m(2, 2)
+      determinant = m(1, 1)*m(2, 2) - m(1, 2)*m(2, 1)
+    end associate
+    side = side_t(z, 1 + determinant + [-trace, trace], largest_multiplier(motion%monodromy), motion%events, &
+                  [motion%partial, motion%lost, motion%coast])
+    if (stretch%kind /= kind_grazing) then
+      value = stretch%sign*side%test(stretch%kind)
     else
-      call value_of(equations, stretch, motion, value)
-      value = stretch%sign*value
+      value = merge(1, -1, is_alike(side, stretch%begin))
+      if (stretch%by_overlap) call value_of_overlap(equations, stretch, motion, value)
     end if
-  end subroutine test_at
+  end subroutine side_at
 
-  !> The test function of the stretch's kind; where its overlap is not found, whether contact changes as at the begin decides.
-  subroutine value_of(equations, stretch, motion, value)
+  !> The overlap sought over the static deflection; where it is not found, the value stays.
+  subroutine value_of_overlap(equations, stretch, motion, value)
     class(motion_equations_t), intent(inout) :: equations
     type(stretch_t), intent(in) :: stretch
     type(motion_t), intent(in) :: motion
-    real(dp), intent(out) :: value
+    real(dp), intent(inout) :: value
+    real(dp) :: found
     logical :: ok
 
     equations%kind = stretch%kind
     equations%overlap = stretch%sought
-    call equations%special_value(motion, value, ok)
+    call equations%special_value(motion, found, ok)
     equations%kind = 0
-    if (.not. ok) value = stretch%sign*merge(1, -1, motion%events == stretch%events)
-  end subroutine value_of
+    if (ok) value = stretch%sign*found
+  end subroutine value_of_overlap
 
-  !> The overlap that passes zero between two places: of those of one contact that have different signs there, the one that is
+  !> The overlap that passes zero between two motions: of those of one contact that have different signs there, the one that is
   !> nearest to zero at both.
   subroutine choose_overlap(equations, stretch, low, high, value)
     class(motion_equations_t), intent(inout) :: equations
     type(stretch_t), intent(inout) :: stretch
-    real(dp), intent(in) :: low, high
+    type(side_t), intent(in) :: low, high
     real(dp), intent(inout) :: value(2)          ! of the test function at both
     real(dp), parameter :: nearby = 0.02_dp
     type(motion_t) :: at_low, at_high
-    real(dp) :: z(3), best, now, found(2)
+    real(dp) :: best, now, found(2)
     integer :: i, k
     logical :: ok
 
-    call test_at(equations, stretch, low, z, at_low, now, ok)
-    if (ok) call test_at(equations, stretch, high, z, at_high, now, ok)
+    call equations%run_motion(low%z, .true., at_low, ok)
+    if (ok) call equations%run_motion(high%z, .true., at_high, ok)
     if (.not. ok) return
     best = huge(best)
     do i = 1, at_low%overlaps%count

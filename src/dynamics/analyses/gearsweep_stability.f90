@@ -12,10 +12,12 @@ module gearsweep_stability
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_memory, only: has_memory
   use gearsweep_oscillator, only: damping, make_oscillator, mesh_period, oscillator_t
   use gearsweep_period_map, only: discretise, period_map_t, run_full_contact, set_durations
   use gearsweep_piecewise, only: constant
+  use gearsweep_stop, only: wants_stop
   implicit none
   private
   public :: hill_t, make_hill, disturb, stability_t, map_stability
@@ -26,6 +28,7 @@ module gearsweep_stability
     type(period_map_t) :: map
     real(dp) :: frequency = 0                    !< mean of omega over the period, rad/s
     logical :: lacks = .false.                   !< the memory does not hold the steps
+    type(c_ptr) :: stop = c_null_ptr             !< an integer of the caller: once it is not 0, nothing more is computed
   end type hill_t
 
   type :: stability_t
@@ -38,13 +41,15 @@ module gearsweep_stability
 
 contains
 
-  !> The multipliers over speeds and damping ratios, whatever damping the oscillator has.
-  subroutine map_stability(osc, rpm, damping_ratio, tolerance, map)
+  !> The multipliers over speeds and damping ratios, whatever damping the oscillator has. Once the integer behind `stop` is not
+  !> 0 the rest is left out, and the map is not to be used.
+  subroutine map_stability(osc, rpm, damping_ratio, tolerance, map, stop)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, ascending, 1/min
     real(dp), intent(in) :: damping_ratio(:)
     real(dp), intent(in) :: tolerance            !< of the trace of the monodromy matrix
     type(stability_t), intent(out) :: map
+    type(c_ptr), intent(in), optional :: stop
     type(hill_t) :: hill
     real(dp) :: duration(batch_size), longest
     logical :: resolved, fits
@@ -55,6 +60,7 @@ contains
     if (map%lacks) return
     allocate (map%modulus(size(rpm), size(damping_ratio)), map%sense(size(rpm), size(damping_ratio)))
     if (size(damping_ratio) == 0) return
+    if (present(stop)) hill%stop = stop
     longest = huge(longest)
     first = 1
     do while (first <= size(rpm))
@@ -72,6 +78,7 @@ contains
         if (map%lacks) return
       end if
       do k = 1, size(damping_ratio)
+        if (wants_stop(hill%stop)) return
         call judge(hill, damping_ratio(k), duration, resolved, map%modulus(first:last, k), map%sense(first:last, k))
       end do
       first = last + 1
@@ -150,11 +157,11 @@ contains
       if (steps > most_steps) return
     end do
     call take_steps(hill, steps, duration, damping_ratio, fine)
-    do while (steps < most_steps .and. .not. hill%lacks)
+    do while (steps < most_steps .and. .not. (hill%lacks .or. wants_stop(hill%stop)))
       steps = 2*steps
       coarse = fine
       call take_steps(hill, steps, duration, damping_ratio, fine)
-      if (hill%lacks) exit
+      if (hill%lacks .or. wants_stop(hill%stop)) exit
       resolved = all(abs(fine - coarse) <= 20*tolerance*max(1.0_dp, abs(fine)))
       if (resolved) return
     end do
@@ -173,7 +180,9 @@ contains
     hill%lacks = hill%map%table%steps == 0
     if (hill%lacks) return
     hill%frequency = mean_frequency(hill%map%table)
+    trace = 0
     do k = 1, size(damping_ratio)
+      if (wants_stop(hill%stop)) return
       call disturb(hill, damping_ratio(k), spread(duration, 1, batch_size), of_speed, determinant)
       trace(k) = of_speed(1)
     end do

@@ -11,15 +11,15 @@ module gearsweep_sweep
   use gearsweep_refinement, only: forget_levels, levels_t
   use gearsweep_relief_family, only: relief_family_t, find_family
   use gearsweep_status, only: has_result, status_stopped
-  use gearsweep_sweep_state, only: begin_state, counter_t, down, each, find_final, fits, progress_of_sweep, sweep_options_t, &
-                                   sweep_state_t, units_done, up
-  use gearsweep_sweep_work, only: continue_sweep, keep_points, solve_block, solve_family_block
+  use gearsweep_sweep_state, only: begin_state, both, counter_t, down, each, find_final, fits, progress_of_sweep, &
+                                   sweep_options_t, sweep_state_t, units_done, up
+  use gearsweep_sweep_work, only: continue_sweep, return_from_above, solve_block, solve_family_block
   use gearsweep_memory, only: claim_memory, settle_memory, team
   use gearsweep_text, only: str
   use gearsweep_traps, only: leader_traps, share_traps
   implicit none
   private
-  public :: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep, contact_name, contact_of, each, up, down
+  public :: sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep, contact_name, contact_of, each, up, down, both
 
   !> Results; NaN where there is none. First index speed, second relief.
   type :: sweep_t
@@ -35,7 +35,10 @@ module gearsweep_sweep
     integer, allocatable :: periods(:, :)        !< mesh periods until the motion repeats
     !> Up or down: the motion at the speed before led to none, and this one was found without it.
     logical, allocatable :: branch_lost(:, :)
-    type(point_t), allocatable :: kept(:, :)     !< at the speeds to keep
+    !> With `both`: the direction that led to the motion, 1 up, -1 down, 0 both, and what the other led to.
+    integer, allocatable :: direction(:, :)
+    integer, allocatable :: other_status(:, :)
+    real(dp), allocatable :: other_factor(:, :)  !< dynamic factor, the same or smaller; NaN where it has none
   end type sweep_t
 
   integer, parameter, public :: contact_full = 0, contact_partial = 1, contact_lost = 2, contact_coast = 3
@@ -56,11 +59,11 @@ contains
     procedure(progress_of_sweep), optional :: progress
     type(sweep_state_t), intent(inout), optional :: state      !< with it, another call goes on from where this one was ended
     type(sweep_state_t) :: own
-    integer :: kept
+    logical :: begun
 
-    kept = 0
-    if (allocated(options%keep)) kept = size(options%keep)
-    call claim_points(size(rpm), size(osc), kept, error)
+    begun = .false.
+    if (present(state)) begun = fits(state, size(rpm), size(osc))
+    call claim_points(size(rpm), size(osc), begun, error)
     if (allocated(error)) return
     call allocate_sweep(rpm, size(osc), sweep)
     if (present(state)) then
@@ -88,10 +91,8 @@ contains
     logical :: lacks
 
     if (.not. fits(state, size(rpm), size(osc))) call begin_state(size(rpm), size(osc), state)
-    i = 0
-    if (allocated(options%keep)) i = size(options%keep)
-    allocate (sweep%kept(i, size(osc)))
-    counter = counter_t(units_done(state, options%direction), options%done_before, options%all_points)
+    counter = counter_t(units_done(state, options%direction), merge(3, 2, options%direction == both), options%done_before, &
+                        options%all_points)
     if (options%is_counted) counter%watch = options%accuracy%steady%stop
     if (counter%total == 0) counter%total = size(sweep%status)
     if (options%is_counted .and. present(progress)) counter%progress => progress
@@ -109,8 +110,8 @@ contains
       do i = 1, size(state%blocks)
         ! All reliefs have the same blocks.
         if (state%blocks(i)%relief /= 1) cycle
-        call solve_family_block(osc(family%reference), family%part, rpm, options, &
-                                [state%blocks(i)%first, state%blocks(i)%last], counter, levels, state%points, state%solved)
+        call solve_family_block(osc(family%reference), family%part, rpm, options, state%blocks(i), &
+                                counter, levels, state%points, state%solved)
       end do
       !$omp end do
     end if
@@ -146,7 +147,7 @@ contains
                          'fewer threads or a larger tolerance need less')
   end subroutine go_through
 
-  !> Follows the branch of a relief whose blocks are solved, and hands its points out.
+  !> Follows the branch of a relief whose blocks are solved, up, down or both, and hands its points out.
   subroutine finish_relief(osc, rpm, options, relief, counter, levels, state, sweep)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(:)
@@ -160,14 +161,16 @@ contains
 
     if (options%direction /= each .and. all(state%blocks%grouped == state%blocks%last .or. state%blocks%relief /= relief)) &
       call continue_sweep(osc, rpm, options, relief, counter, levels, state)
+    if (options%direction == both .and. state%followed(relief) == size(rpm)) &
+      call return_from_above(osc, rpm, options, relief, counter, levels, state)
     call find_final(state, options%direction, relief, final)
     call store(osc%load, state%points(:, relief), final, relief, sweep)
-    call keep_points(osc, rpm, options, levels, state%points(:, relief), final, sweep%kept(:, relief))
   end subroutine finish_relief
 
   !> Refuses more points than anyone reads, or than the memory holds.
-  subroutine claim_points(speeds, reliefs, kept, error)
-    integer, intent(in) :: speeds, reliefs, kept
+  subroutine claim_points(speeds, reliefs, begun, error)
+    integer, intent(in) :: speeds, reliefs
+    logical, intent(in) :: begun                 !< the points themselves are there
     type(error_t), allocatable, intent(out) :: error
     type(point_t) :: point
     real(dp) :: points
@@ -176,7 +179,7 @@ contains
     if (points > most_points) call fail(error, code_memory, 'sweep: '//str(speeds)//' speeds times '//str(reliefs)// &
                                         ' reliefs are too many points; at most '//str(most_points))
     ! Results and work, copies of one relief's points as they are stored, and the blocks.
-    call claim_memory((points + 2*speeds + kept*real(reliefs, dp))*(60 + storage_size(point)/8), &
+    call claim_memory((points + 2*speeds)*(76 + storage_size(point)/8) - merge(points*storage_size(point)/8, 0.0_dp, begun), &
                       'sweep: '//str(speeds)//' speeds times '//str(reliefs)//' reliefs', error)
   end subroutine claim_points
 
@@ -190,7 +193,8 @@ contains
     allocate (sweep%dynamic_factor(n, reliefs), sweep%estimate(n, reliefs), sweep%multiplier(n, reliefs), &
               sweep%coast_factor(n, reliefs), &
               sweep%residual(n, reliefs), sweep%status(n, reliefs), sweep%contact(n, reliefs), &
-              sweep%steps(n, reliefs), sweep%periods(n, reliefs), sweep%branch_lost(n, reliefs))
+              sweep%steps(n, reliefs), sweep%periods(n, reliefs), sweep%branch_lost(n, reliefs), &
+              sweep%direction(n, reliefs), sweep%other_status(n, reliefs), sweep%other_factor(n, reliefs))
     sweep%rpm = rpm
   end subroutine allocate_sweep
 
@@ -218,6 +222,13 @@ contains
       sweep%branch_lost(:, relief) = final .and. points%branch_lost
       sweep%contact(:, relief) = merge(contact_of(steady), contact_full, final)
     end associate
+    sweep%direction(:, relief) = merge(points%direction, 0, final)
+    sweep%other_status(:, relief) = sweep%status(:, relief)
+    sweep%other_factor(:, relief) = sweep%dynamic_factor(:, relief)
+    where (sweep%direction(:, relief) /= 0)
+      sweep%other_status(:, relief) = points%other_status
+      sweep%other_factor(:, relief) = merge(points%other_factor, none, has_result(points%other_status))
+    end where
   end subroutine store
 
   !> What contact there was over the period: contact_full ... of this module.

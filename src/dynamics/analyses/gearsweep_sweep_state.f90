@@ -12,14 +12,15 @@ module gearsweep_sweep_state
 
   !> Each point by itself, or on the branch of the point before.
   integer, parameter, public :: each = 0, up = 1, down = -1
+  !> Up and, where contact was lost on the way, down too: of the two motions at a speed, the one of larger dynamic factor.
+  integer, parameter, public :: both = 3
   !> What a case may ask for besides: each point by itself, and all motions that attract there.
   integer, parameter, public :: all_motions = 2
 
   type :: sweep_options_t
     type(accuracy_t) :: accuracy
-    integer :: direction = up
+    integer :: direction = both
     integer :: threads = 0                       !< 0: as many as the machine has
-    real(dp), allocatable :: keep(:)             !< speeds (1/min) whose points are wanted whole
     !> Only points that one map serves for all reliefs, as all pairs stay in contact; the others are left out as `stopped`.
     logical :: full_contact_only = .false.
     logical :: is_counted = .true.               !< its points are told as done
@@ -30,6 +31,9 @@ module gearsweep_sweep_state
   !> Speeds first to last of one relief, and how far they are solved.
   type :: block_t
     integer :: relief = 0, first = 1, last = 0
+    !> Of the first relief, last speed that has been through a batch of all reliefs, and steps per second needed there.
+    integer :: together = 0
+    real(dp) :: pace_together = 0
     integer :: grouped = 0                       !< last speed that has been through a batch
     integer :: single = 0                        !< last speed that is solved, by itself or in a batch, with `each`
     real(dp) :: pace = 0                         !< steps per second needed there
@@ -38,6 +42,8 @@ module gearsweep_sweep_state
   type :: sweep_state_t
     type(block_t), allocatable :: blocks(:)
     integer, allocatable :: followed(:)          !< of each relief, speeds that the branch has passed
+    integer, allocatable :: returned(:)          !< of each relief, speeds that the way down has passed after the way up
+    type(point_t), allocatable :: above(:)       !< of each relief, what the way down has last met
     real(dp), allocatable :: pace(:)             !< of each relief, steps per second needed there
     type(point_t), allocatable :: points(:, :)   !< speed, relief
     logical, allocatable :: solved(:, :)         !< by itself, without regard to the speeds beside it
@@ -50,14 +56,15 @@ module gearsweep_sweep_state
     end subroutine progress_of_sweep
   end interface
 
-  !> Counts halves of points: solved by itself, and passed by the branch.
+  !> Counts parts of points: solved by itself, passed by the branch and, in a sweep up and down, passed on the way down.
   type :: counter_t
     integer(int64) :: units = 0
+    integer :: parts = 2                         !< of a point
     integer :: before = 0, total = 0
     procedure(progress_of_sweep), pointer, nopass :: progress => null()
     type(c_ptr) :: watch = c_null_ptr            !< three integers of the caller: stop, done, total
   contains
-    procedure :: tick
+    procedure :: tick, tell
   end type counter_t
 
 contains
@@ -70,6 +77,8 @@ contains
     state%blocks = make_blocks(speeds, reliefs)
     allocate (state%followed(reliefs), source=0)
     allocate (state%pace(reliefs), source=0.0_dp)
+    allocate (state%returned(reliefs), source=0)
+    allocate (state%above(reliefs))
     allocate (state%points(speeds, reliefs))
     allocate (state%solved(speeds, reliefs), source=.false.)
   end subroutine begin_state
@@ -97,7 +106,8 @@ contains
       first = 1
       length = shortest
       do while (first <= speeds)
-        blocks = [blocks, block_t(r, first, min(first + length - 1, speeds), first - 1, first - 1)]
+        blocks = [blocks, block_t(r, first, min(first + length - 1, speeds), first - 1, &
+                                   grouped=first - 1, single=first - 1)]
         first = first + length
         length = min(2*length, longest)
       end do
@@ -114,7 +124,7 @@ contains
   !> The points of one relief that are done.
   pure subroutine find_final(state, direction, relief, final)
     type(sweep_state_t), intent(in) :: state
-    integer, intent(in) :: direction                       !< each, up or down
+    integer, intent(in) :: direction                       !< each, up, down or both
     integer, intent(in) :: relief                          !< which
     logical, allocatable, intent(out) :: final(:)          !< (speed)
 
@@ -124,37 +134,48 @@ contains
     associate (n => size(final), passed => state%followed(relief))
       if (direction == up) final(:passed) = .true.
       if (direction == down) final(n + 1 - passed:) = .true.
+      if (direction == both) final(n + 1 - state%returned(relief):) = .true.
     end associate
   end subroutine find_final
 
-  !> How many halves of points are done, as `counter_t` counts them.
+  !> How many parts of points are done, as `counter_t` counts them.
   pure integer(int64) function units_done(state, direction) result(units)
     type(sweep_state_t), intent(in) :: state
-    integer, intent(in) :: direction                       !< each, up or down
+    integer, intent(in) :: direction                       !< each, up, down or both
 
     if (direction == each) then
       units = 2*count(state%solved, kind=int64)
     else
-      units = sum(int(state%blocks%grouped - state%blocks%first + 1, int64)) + sum(int(state%followed, int64))
+      units = sum(int(state%blocks%grouped - state%blocks%first + 1, int64)) + sum(int(state%followed, int64)) + &
+              sum(int(state%returned, int64))
     end if
   end function units_done
 
-  !> So many halves of points more are done; any thread may tell.
+  !> So many parts of points more are done; any thread may tell.
   subroutine tick(self, units)
     class(counter_t), intent(inout) :: self
     integer, intent(in) :: units
-    integer(c_int), pointer :: mark(:)
-    integer :: done
 
     if (units == 0 .or. .not. (associated(self%progress) .or. c_associated(self%watch))) return
     !$omp critical (gearsweep_progress)
     self%units = self%units + units
-    done = self%before + int(self%units/2)
-    if (associated(self%progress)) call self%progress(done, self%total)
-    if (c_associated(self%watch)) then
-      call c_f_pointer(self%watch, mark, [3])
-      mark(2:3) = [done, self%total]
-    end if
+    call self%tell()
     !$omp end critical (gearsweep_progress)
   end subroutine tick
+
+  !> Tells how many points are done; by one thread at a time.
+  subroutine tell(self)
+    class(counter_t), intent(in) :: self
+    integer(c_int), pointer :: mark(:)
+    integer :: done
+
+    done = self%before + int(self%units/self%parts)
+    if (c_associated(self%watch)) then
+      call c_f_pointer(self%watch, mark, [3])
+      ! What is taken over of a task that follows was told before.
+      done = max(done, mark(2))
+      mark(2:3) = [done, self%total]
+    end if
+    if (associated(self%progress)) call self%progress(done, self%total)
+  end subroutine tell
 end module gearsweep_sweep_state

@@ -1,6 +1,7 @@
 !> The work of a sweep: blocks of speeds in batches, then the branch through all speeds of a relief. Both stop where the
 !> caller wants it, and go on from there.
 module gearsweep_sweep_work
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_coefficients, only: scheme_collocation
   use gearsweep_continuation, only: carried, continue_to
   use gearsweep_error_estimate, only: point_t
@@ -11,22 +12,22 @@ module gearsweep_sweep_work
   use gearsweep_periodic_orbit, only: distance
   use gearsweep_refinement, only: levels_t
   use gearsweep_relief_family, only: solve_family
-  use gearsweep_status, only: has_result, status_stopped, status_unbounded
+  use gearsweep_status, only: has_result, status_stopped, status_unbounded, status_unresolved
   use gearsweep_sweep_state, only: block_t, counter_t, down, each, is_stopped, sweep_options_t, sweep_state_t, up
   use gearsweep_transient, only: by_shooting
   implicit none
   private
-  public :: solve_family_block, solve_block, continue_sweep, keep_points
+  public :: solve_family_block, solve_block, continue_sweep, return_from_above
 
 contains
 
   !> Speeds first to last with all reliefs of a family, as far as all pairs stay in contact.
-  subroutine solve_family_block(osc, part, rpm, options, speeds, counter, levels, points, solved)
+  subroutine solve_family_block(osc, part, rpm, options, block, counter, levels, points, solved)
     type(oscillator_t), intent(in) :: osc            !< the family's reference
     real(dp), intent(in) :: part(:)                  !< of its profile error; (relief)
     real(dp), intent(in) :: rpm(:)                   !< speeds of the pinion, ascending, 1/min
     type(sweep_options_t), intent(in) :: options
-    integer, intent(in) :: speeds(2)                 !< first and last
+    type(block_t), intent(inout) :: block            !< of the first relief
     type(counter_t), intent(inout) :: counter
     type(levels_t), intent(inout) :: levels          !< of this oscillator
     type(point_t), intent(inout) :: points(:, :)     !< (speed, relief)
@@ -35,14 +36,15 @@ contains
     logical :: ok(batch_size, size(part))
     integer :: first, more, i, k, l
 
-    levels%steps_per_second = 0
-    do first = speeds(1), speeds(2), batch_size
+    levels%steps_per_second = block%pace_together
+    do while (block%together < block%last)
       if (is_stopped(options)) return
-      call solve_family(osc, part, mesh_period(osc%mesh%teeth(1), [(rpm(min(first + l, speeds(2))), l=0, batch_size - 1)]), &
+      first = block%together + 1
+      call solve_family(osc, part, mesh_period(osc%mesh%teeth(1), [(rpm(min(first + l, block%last)), l=0, batch_size - 1)]), &
                         options%accuracy, levels, found, ok)
       more = 0
       do i = 1, size(part)
-        do l = 1, min(batch_size, speeds(2) - first + 1)
+        do l = 1, min(batch_size, block%last - first + 1)
           k = first + l - 1
           if (solved(k, i) .or. .not. ok(l, i)) cycle
           points(k, i) = found(l, i)
@@ -50,6 +52,8 @@ contains
           more = more + 1
         end do
       end do
+      block%together = min(first + batch_size - 1, block%last)
+      block%pace_together = levels%steps_per_second
       if (options%direction == each) call counter%tick(2*more)
     end do
   end subroutine solve_family_block
@@ -139,8 +143,8 @@ contains
       levels%steps_per_second = state%pace(relief)
       do while (followed < size(rpm))
         if (is_stopped(options)) return
-        k = merge(followed + 1, size(rpm) - followed, options%direction == up)
-        last = merge(k - 1, k + 1, options%direction == up)
+        k = merge(size(rpm) - followed, followed + 1, options%direction == down)
+        last = merge(k + 1, k - 1, options%direction == down)
         if (followed == 0) then
           if (.not. solved(k)) &
             call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm(k)), options%accuracy, levels, points(k))
@@ -165,6 +169,126 @@ contains
       end do
     end associate
   end subroutine continue_sweep
+
+  !> After the way up the way down, as far as it may meet another motion: to where, below the lowest speed at which the way up
+  !> left full contact, both meet the same motion. Beside the last motion nothing is solved anew, unless contact is lost. A
+  !> point becomes the larger motion.
+  subroutine return_from_above(osc, rpm, options, relief, counter, levels, state)
+    type(oscillator_t), intent(in) :: osc            !< of the relief
+    real(dp), intent(in) :: rpm(:)                   !< speeds of the pinion, ascending, 1/min
+    type(sweep_options_t), intent(in) :: options
+    integer, intent(in) :: relief                    !< which
+    type(counter_t), intent(inout) :: counter
+    type(levels_t), intent(inout) :: levels          !< of this oscillator
+    type(sweep_state_t), intent(inout) :: state      !< with the way up
+    type(point_t) :: here
+    integer :: k, n, lowest
+
+    n = size(rpm)
+    associate (points => state%points(:, relief), returned => state%returned(relief), above => state%above(relief))
+      lowest = findloc(points(:n - returned)%steady%partial .or. loses_contact(points(:n - returned)), .true., 1)
+      if (lowest == 0) lowest = n + 1
+      levels%steps_per_second = state%pace(relief)
+      do while (returned < n)
+        if (is_stopped(options)) return
+        k = n - returned
+        ! Also the lowest motion on the way up may go on below.
+        if (min(k + 1, n) < lowest .and. points(min(k + 1, n))%direction == 0) then
+          call counter%tick(k)
+          returned = n
+          return
+        end if
+        here = points(k)
+        if (.not. meets_same(osc, rpm(k:min(k + 1, n)), above, here)) then
+          call come_down(osc, rpm(k:min(k + 1, n)), options, levels, above, here)
+          if (here%steady%status == status_stopped) return
+          call take_larger(here, options%accuracy%steady%tolerance, points(k))
+        end if
+        above = here
+        returned = returned + 1
+        state%pace(relief) = levels%steps_per_second
+        call counter%tick(1)
+      end do
+    end associate
+  end subroutine return_from_above
+
+  !> Does the way down meet the motion of the way up? So it does where all pairs stay in contact, beside the motion above,
+  !> and where both take the motion of the speed by itself.
+  pure logical function meets_same(osc, rpm, above, point)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm(:)                   !< this speed and the one above, if there is one, 1/min
+    type(point_t), intent(in) :: above, point        !< of the way down, at that one; of the way up, at this one
+
+    meets_same = .not. loses_contact(point)
+    if (size(rpm) == 1) return
+    if (.not. has_result(above%steady%status)) then
+      meets_same = meets_same .or. point%branch_lost
+    else if (meets_same) then
+      meets_same = is_beside(osc, above, rpm(2), point, rpm(1))
+    end if
+  end function meets_same
+
+  !> The motion of a speed on the way down.
+  subroutine come_down(osc, rpm, options, levels, above, point)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: rpm(:)                   !< this speed and the one above, if there is one, 1/min
+    type(sweep_options_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels
+    type(point_t), intent(in) :: above               !< of the way down, at that one
+    type(point_t), intent(inout) :: point            !< of the way up, then of the way down
+    type(point_t) :: alone
+
+    alone = point
+    if (size(rpm) == 1) then
+      call solve_point(osc, mesh_period(osc%mesh%teeth(1), rpm(1)), options%accuracy, levels, point)
+      return
+    end if
+    if (alone%branch_lost .or. .not. alone%steady%partial) then
+      call continue_sweep_to(osc, rpm(1), options, levels, above, rpm(2), point, alone)
+    else
+      call continue_sweep_to(osc, rpm(1), options, levels, above, rpm(2), point)
+    end if
+    if (.not. has_result(above%steady%status)) point%branch_lost = .true.
+  end subroutine come_down
+
+  !> Were all pairs apart for a while, or is there no periodic motion to tell?
+  elemental logical function loses_contact(point)
+    type(point_t), intent(in) :: point
+
+    loses_contact = point%steady%lost
+    if (.not. (loses_contact .or. has_result(point%steady%status))) loses_contact = point%steady%status /= status_unresolved
+  end function loses_contact
+
+  !> Of the motions that the ways up and down meet at a speed the one of larger dynamic factor, or the one that has a result.
+  !> They count as one where their dynamic factors differ by no more than their errors and the tolerance.
+  pure subroutine take_larger(from_above, tolerance, point)
+    type(point_t), intent(in) :: from_above
+    real(dp), intent(in) :: tolerance
+    type(point_t), intent(inout) :: point            !< of the way up, then the larger
+    type(point_t) :: from_below
+    real(dp) :: estimate(2)
+    logical :: known(2)
+
+    from_below = point
+    known = has_result([from_below%steady%status, from_above%steady%status])
+    if (all(known)) then
+      estimate = [from_below%estimate, from_above%estimate]
+      if (abs(from_below%dynamic_factor - from_above%dynamic_factor) <= tolerance + &
+          sum(estimate, mask=.not. ieee_is_nan(estimate))) return
+    else if (.not. any(known)) then
+      if (from_below%steady%status == from_above%steady%status) return
+    end if
+    if (known(2) .and. .not. (known(1) .and. from_below%dynamic_factor > from_above%dynamic_factor)) then
+      point = from_above
+      point%direction = down
+      point%other_status = from_below%steady%status
+      point%other_factor = from_below%dynamic_factor
+    else
+      point%direction = up
+      point%other_status = from_above%steady%status
+      point%other_factor = from_above%dynamic_factor
+    end if
+  end subroutine take_larger
 
   !> The motion that the one of the speed before leads to, else that of the speed by itself.
   subroutine continue_sweep_to(osc, rpm, options, levels, last, rpm_last, point, known)
@@ -202,38 +326,4 @@ contains
     if (.not. is_beside) is_beside = distance(osc, mesh_period(osc%mesh%teeth(1), rpm_next), &
                                               next%steady%state - carried(last, rpm_last, rpm_next)) < beside
   end function is_beside
-
-  !> The points at the speeds to keep. One that is no speed of the sweep is solved from the speed before, as if it were,
-  !> or by itself where the sweep follows no branch.
-  subroutine keep_points(osc, rpm, options, levels, points, final, kept)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm(:)                   !< speeds of the pinion, ascending, 1/min
-    type(sweep_options_t), intent(in) :: options     !< with the speeds to keep
-    type(levels_t), intent(inout) :: levels          !< of this oscillator
-    type(point_t), intent(in) :: points(:)           !< of the sweep; (speed)
-    logical, intent(in) :: final(:)                  !< they are done; (speed)
-    type(point_t), intent(out) :: kept(:)            !< (speed to keep)
-    real(dp), parameter :: same = 1e-12_dp
-    integer :: i, k, before
-
-    do i = 1, size(kept)
-      k = minloc(abs(rpm - options%keep(i)), 1)
-      if (abs(rpm(k) - options%keep(i)) <= same*rpm(k)) then
-        if (final(k)) kept(i) = points(k)
-        if (.not. final(k)) kept(i)%steady%status = status_stopped
-        cycle
-      end if
-      kept(i)%steady%status = status_stopped
-      if (is_stopped(options)) cycle
-      before = 0
-      if (options%direction == up) before = count(rpm < options%keep(i))
-      if (options%direction == down) before = modulo(count(rpm < options%keep(i)) + 1, size(rpm) + 1)
-      levels%steps_per_second = 0
-      if (before == 0) then
-        call solve_point(osc, mesh_period(osc%mesh%teeth(1), options%keep(i)), options%accuracy, levels, kept(i))
-      else if (final(before)) then
-        call continue_sweep_to(osc, options%keep(i), options, levels, points(before), rpm(before), kept(i))
-      end if
-    end do
-  end subroutine keep_points
 end module gearsweep_sweep_work

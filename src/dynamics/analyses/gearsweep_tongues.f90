@@ -9,10 +9,12 @@
 module gearsweep_tongues
   use gearsweep_kinds, only: dp, pi
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: iso_c_binding, only: c_ptr
   use gearsweep_error, only: error_t, fail, code_memory, code_numerical
   use gearsweep_gauss, only: batch_size
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_stability, only: hill_t, make_hill, disturb
+  use gearsweep_stop, only: wants_stop
   use gearsweep_text, only: str
   implicit none
   private
@@ -35,12 +37,14 @@ module gearsweep_tongues
 
 contains
 
-  !> The first tongues, from the highest speed on. Excesses are known to some 1e-12.
-  subroutine find_tongues(osc, damping, tongues, error)
+  !> The first tongues, from the highest speed on. Excesses are known to some 1e-12. Once the integer behind `stop` is not 0 the
+  !> rest is left out, and the tongues are not to be used.
+  subroutine find_tongues(osc, damping, tongues, error, stop)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: damping(:)           !< damping ratios at which the edges are wanted
     type(tongue_t), intent(out) :: tongues(:)    !< as many as there are elements
     type(error_t), allocatable, intent(out) :: error
+    type(c_ptr), intent(in), optional :: stop
     type(hill_t) :: hill
     type(search_t) :: search
     real(dp) :: middle(0:size(tongues) + 1)
@@ -48,11 +52,13 @@ contains
     integer :: n
 
     if (size(tongues) == 0) return
+    if (present(stop)) hill%stop = stop
     ! Extremes are about half a cycle of the natural motion apart.
     call make_hill(osc, 2*pi*(size(tongues) + 2)/osc%natural_frequency, [0.0_dp], 1e-6_dp, hill, resolved)
     if (resolved) call find_middles(hill, middle, resolved)
     do n = 1, size(tongues)
       if (resolved) call make_hill(osc, middle(n + 1), [0.0_dp, 1.0_dp], nothing, hill, resolved)
+      if (wants_stop(hill%stop)) return
       if (hill%lacks) call fail(error, code_memory, 'tongue '//str(n)//': the memory does not hold a mesh period''s steps')
       if (.not. resolved) then
         call fail(error, code_numerical, 'tongue '//str(n)//' was not found')
@@ -181,6 +187,7 @@ contains
 
     allocate (tongue%edge(2, size(damping)), source=ieee_value(1.0_dp, ieee_quiet_nan))
     do k = 1, size(damping)
+      if (wants_stop(hill%stop)) return
       if (damping(k) >= tongue%closing_damping) cycle
       call climb(hill, damping(k), search, place, top)
       if (.not. top > nothing) cycle

@@ -16,7 +16,7 @@ module gearsweep_coefficient_table
     scheme_constant = 3                !< exact motion over equal steps with constant coefficients (Karpat et al. 2012)
 
   !> The method, and how finely it cuts the period into steps: each smooth interval gets `times` steps for each of its shares of
-  !> `base` steps, and fewer where it is shorter than one share. The steps of a larger `times` nest in those of the same base.
+  !> `base` steps, one share at least. The steps of a larger `times` nest in those of the same base.
   type :: resolution_t
     real(dp) :: base = 0               !< steps of a period; where graded, of a radian of the natural motion behind a break
     integer :: times = 1

@@ -34,8 +34,7 @@ contains
       grading = gradings(osc, resolution)
       counts = resolution%times*count_steps(grading, osc%intervals%last - osc%intervals%first)
     else
-      counts = equal_steps(osc%intervals%last - osc%intervals%first, resolution, &
-                           [(all(osc%intervals(i)%between), i=1, size(osc%intervals))])
+      counts = equal_steps(osc%intervals%last - osc%intervals%first, resolution)
     end if
     call allocate_table(osc, sum(counts), table)
     if (table%steps == 0) return
@@ -71,21 +70,13 @@ contains
     table%omega(:, :) = sqrt(table%omega_squared)
   end subroutine tabulate
 
-  !> How many steps a smooth interval of this length (mesh phase) has: `times` for each of its shares of `base` steps. One that is
-  !> shorter than such a share has fewer, halved as long as they stay shorter than those of the longer intervals; but not where
-  !> pairs come and go in every period: a step with a change of contact is to be halved with all others, for its error to show.
-  elemental integer function equal_steps(length, resolution, may_have_fewer) result(steps)
+  !> How many steps a smooth interval of this length (mesh phase) has: `times` for each of its shares of `base` steps, and for one
+  !> at least. So all steps are halved from one resolution to the next, and the error of each shows in the difference.
+  elemental integer function equal_steps(length, resolution) result(steps)
     real(dp), intent(in) :: length
     type(resolution_t), intent(in) :: resolution
-    logical, intent(in) :: may_have_fewer
-    real(dp) :: shares
 
-    shares = resolution%base*length - 1e-6_dp
-    steps = resolution%times*max(1, ceiling(shares))
-    if (shares > 1 .or. .not. may_have_fewer) return
-    do while (modulo(steps, 2) == 0 .and. steps/2 >= resolution%times*shares)
-      steps = steps/2
-    end do
+    steps = resolution%times*max(1, ceiling(resolution%base*length - 1e-6_dp))
   end function equal_steps
 
   !> The contact set of these pairs.

@@ -3,7 +3,7 @@ module gearsweep_error_estimate
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use gearsweep_coefficients, only: resolution_t, scheme_collocation, scheme_rk4
   use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_oscillator, only: oscillator_t, resolving_steps
   use gearsweep_periodic_orbit, only: distance, steady_t, unbounded
   use gearsweep_status, only: has_result, status_inexact, status_marginal
   use gearsweep_transient, only: steady_options_t
@@ -34,6 +34,11 @@ module gearsweep_error_estimate
     type(resolution_t) :: resolution             !< that has them
     !> In a sweep up or down: the motion at the speed before led to none, and this one was found without it.
     logical :: branch_lost = .false.
+    !> In a sweep up and down: the direction that led to this motion, 1 up, -1 down, 0 both; and what the other led to, the
+    !> same motion or one of smaller dynamic factor.
+    integer :: direction = 0
+    integer :: other_status = 0                  !< of gearsweep_status
+    real(dp) :: other_factor = 0                 !< its dynamic factor
   end type point_t
 
 contains
@@ -44,6 +49,7 @@ contains
     real(dp), intent(in) :: duration             !< of the mesh period, s
     type(steady_t), intent(in) :: half           !< the motion with half the steps
     type(point_t), intent(inout) :: point
+    real(dp) :: peak, state
 
     if (point%resolution%scheme == scheme_rk4 .and. .not. has_result(half%status)) then
       call leave_unknown(osc, point)
@@ -52,16 +58,14 @@ contains
     point%dynamic_factor = point%steady%peak/osc%load
     point%step_error = unbounded
     if (has_result(half%status)) then
-      point%step_error = doubling_error(abs(point%steady%peak - half%peak)/osc%load, &
-                                        max(distance(osc, duration, point%steady%state - half%state), &
-                                            abs(point%steady%checksum - half%checksum)/osc%static_deflection))
-      if (point%resolution%scheme == scheme_rk4) &
-        point%step_error = rk4_error(max(abs(point%steady%peak - half%peak)/osc%load, &
-                                         distance(osc, duration, point%steady%state - half%state)), point%steady%departs)
-      ! Where strong damping ends contact within a step or two, the order does not show.
-      if (osc%damping_ratio > 1 .and. point%steady%departs) point%step_error = 20*point%step_error
-      if (point%resolution%graded_for > 0) &
-        point%step_error = graded_error(point%step_error, abs(point%steady%checksum - half%checksum)/osc%static_deflection)
+      peak = abs(point%steady%peak - half%peak)/osc%load
+      state = max(distance(osc, duration, point%steady%state - half%state), &
+                  abs(point%steady%checksum - half%checksum)/osc%static_deflection)
+      if (point%resolution%scheme == scheme_rk4) then
+        point%step_error = rk4_error(max(peak, state), point%steady%departs)
+      else
+        point%step_error = doubling_error(peak, state, raise_for(osc, duration, point))
+      end if
       ! So near to 1 that the error of the steps decides on which side.
       if (has_result(point%steady%status) .and. &
           abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = status_marginal
@@ -71,23 +75,34 @@ contains
 
   !> Error of a result of sixth order from its difference to half the steps: a 63rd of it, three times raised, as the
   !> order is less where the stiffness is less smooth. The difference of the motions counts too, as the largest loads
-  !> may differ little by chance.
-  pure real(dp) function doubling_error(peak, state)
+  !> may differ little by chance. Where the order may hide, the estimate is raised again, and what the motions differ by once
+  !> more, as it shows what is left of errors made right behind the breaks.
+  pure real(dp) function doubling_error(peak, state, raise)
     real(dp), intent(in) :: peak                 !< difference of the dynamic factors
     real(dp), intent(in) :: state                !< difference of the motions, in static deflections
+    integer, intent(in) :: raise                 !< of `raise_for`
 
-    doubling_error = max(peak, state/4)/20
+    doubling_error = raise*max(peak, raise*state/4)/20
   end function doubling_error
 
-  !> The same in graded steps: again three times raised, as in long steps the order is less, down to the third where the
-  !> stiffness is least smooth. The checksum counts in full: it is taken soon behind the breaks, where the steps are
-  !> short, and at the end of an interval the motion no longer shows the error made there.
-  pure real(dp) function graded_error(equal, behind)
-    real(dp), intent(in) :: equal                !< estimate as in equal steps
-    real(dp), intent(in) :: behind               !< difference of the checksums, in static deflections
+  !> How much the estimate is raised where less than the sixth order may show: 3 in graded steps, down to the third order, and where
+  !> contact changes while half the steps are too long for the natural motion (more than 1.7 rad); 5 where damping lets what a
+  !> break excites decay within a few equal steps, and the largest loads of both solutions may be off by much the same.
+  pure integer function raise_for(osc, duration, point) result(raise)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: duration             !< of the mesh period, s
+    type(point_t), intent(in) :: point
+    real(dp), parameter :: strong = 0.5_dp
 
-    graded_error = 3*max(equal, doubling_error(0.0_dp, 3*behind))
-  end function graded_error
+    raise = 1
+    if (point%resolution%graded_for > 0) then
+      raise = 3
+    else if (osc%damping_ratio > strong) then
+      raise = 5
+    else if (point%steady%departs) then
+      if (point%steps < 3*resolving_steps(osc, duration)) raise = 3
+    end if
+  end function raise_for
 
   !> The same by Runge-Kutta steps that end at the breaks. While all pairs stay in contact they are of fourth order: a
   !> fifteenth of the difference, three times raised. Changes of contact lie somewhere within steps, so that no order

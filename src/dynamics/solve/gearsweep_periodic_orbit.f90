@@ -216,16 +216,18 @@ contains
     if (.not. distance < 1e50_dp) distance = huge(distance)
   end function distance
 
-  !> Is the motion within what any bounded one reaches? Far beyond, where only the stiffness of either flank matters, the
-  !> motion is as large as it likes.
+  !> Is the motion within what bounded ones reach? A harmonic of the mesh drives a linear one to 1/(2 damping ratio) static
+  !> deflections at most. Far beyond, where only the stiffness of either flank matters, the motion is as large as it likes.
   pure logical function is_bounded(osc, duration, state)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration             !< of the mesh period, s
     real(dp), intent(in) :: state(2)             !< m
-    real(dp), parameter :: most = 1e6_dp
+    real(dp), parameter :: least = 1e-6_dp, most = 1e-4_dp       ! damping ratios
+    real(dp) :: bound
 
+    bound = 1/max(least, min(most, osc%damping_ratio))
     is_bounded = distance(osc, duration, state) < &
-                 most*(1 + (osc%backlash + abs(osc%mean_deflection))/osc%static_deflection)
+                 bound*(1 + (osc%backlash + abs(osc%mean_deflection) + osc%mesh%profile_error%maximum())/osc%static_deflection)
   end function is_bounded
 
   !> Fills in a converged motion, and whether it attracts.

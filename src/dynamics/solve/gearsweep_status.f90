@@ -15,9 +15,9 @@ module gearsweep_status
     status_aperiodic = 5, &    !< without damping, no periodic motion was found
     status_unresolved = 6, &   !< the motion needs more steps than given or allowed
     status_chatter = 7, &      !< contact changes without end
-    status_chaotic = 8, &      !< no periodic motion was found; the motion stays bounded, and disturbances keep growing
+    status_chaotic = 8, &      !< no periodic motion was found, disturbances keep growing, and no bound was passed
     status_transient = 9, &    !< no periodic motion was found before the march ended, though disturbances do not grow
-    status_unbounded = 10, &   !< the motion grows without bound
+    status_unbounded = 10, &   !< the motion passed 1e4 static deflections: no bound was seen
     status_stopped = 11        !< not computed: the caller ended the call before
 
   character(*), parameter :: names(0:11) = [character(11) :: 'ok', 'marginal', 'subharmonic', 'inexact', 'unstable', &
@@ -33,7 +33,7 @@ module gearsweep_status
     'contact changes without end', &
     'no periodic motion was found, and disturbances keep growing', &
     'the motion had not settled when the march ended', &
-    'the motion grows without bound', &
+    'the deflection passed 1e4 static ones; no bound was seen', &
     'not computed, as the run was interrupted']
 
 contains

@@ -7,10 +7,11 @@ module gearsweep_superposition
   use gearsweep_contact_set, only: period_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
-  use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
+  use gearsweep_load_peaks, only: load_within, may_exceed
   use gearsweep_oscillator, only: acceleration
   use gearsweep_period_map, only: compose, flush_to_zero, period_map_t, propagate_alike, take_step
   use gearsweep_periodic_orbit, only: closure_of, judge, newton_step, steady_t
+  use gearsweep_quintic, only: maximum_of, quintic, value_of
   use gearsweep_shared_compliance, only: reduce_sums, working_deflection
   implicit none
   private
@@ -252,38 +253,45 @@ contains
     integer, intent(in) :: l, step, j
     real(dp), intent(in) :: part
     real(dp), intent(inout) :: peak
-    real(dp) :: load(0:2, 2), gap(0:2), scale(0:2)
+    real(dp) :: x(0:2, 2), load(0:2, 2), gap(0:2), scale(0:2), place
     integer :: end
 
     scale = [1.0_dp, map%table%width(step), map%table%width(step)**2]
     do end = 1, 2
-      gap = deflection_at_end(map, motions, l, part, step, end) - part*map%table%end_profile_error(:, j, end, step)
+      call motion_at_end(map, motions, l, part, step, end, x(:, end), gap)
+      x(:, end) = scale*x(:, end)
+      gap = gap - part*map%table%end_profile_error(:, j, end, step)
       associate (k => map%table%end_stiffness(:, j, end, step))
         load(:, end) = scale*[k(1)*gap(0), k(2)*gap(0) + k(1)*gap(1), k(3)*gap(0) + 2*k(2)*gap(1) + k(1)*gap(2)]
       end associate
     end do
-    if (may_exceed(load, peak)) call raise_to_maximum(load, peak)
+    if (.not. may_exceed(load, peak)) return
+    place = maximum_of(quintic(load(:, 1), load(:, 2)))
+    peak = max(peak, load_within(map%osc, map%table, step, map%table%full(step), j, place, &
+                                 value_of(quintic(x(:, 1), x(:, 2)), place), part))
   end subroutine settle
 
-  !> What the pairs work on at an end of a step, with its derivatives over the phase (m).
-  pure function deflection_at_end(map, motions, l, part, step, end) result(w)
+  !> The deflection at an end of a step, and what of it the pairs work on, with their derivatives over the phase (m).
+  pure subroutine motion_at_end(map, motions, l, part, step, end, x, w)
     type(period_map_t), intent(in) :: map
     type(motions_t), intent(in) :: motions
     integer, intent(in) :: l, step, end
     real(dp), intent(in) :: part
-    real(dp) :: w(0:2), x(2), omega_squared, forcing
+    real(dp), intent(out) :: x(0:2), w(0:2)
+    real(dp) :: omega_squared, forcing
 
     associate (table => map%table, osc => map%osc, p => map%table%pairs(step))
-      x = motions%x(l, :, by_load, step + end - 2) + part*motions%x(l, :, by_relief, step + end - 2)
+      x(:1) = motions%x(l, :, by_load, step + end - 2) + part*motions%x(l, :, by_relief, step + end - 2)
       omega_squared = sum(table%end_rate(:p, end, step))
       forcing = sum(table%end_rate(:p, end, step)*table%end_profile_error(0, :p, end, step))
       if (osc%shared > 0) call reduce_sums(table%end_shared(0, 1, end, step), table%end_sums(0, 1, end, step), &
                                            table%end_sums(0, 2, end, step), omega_squared, forcing)
-      w = [x, acceleration(osc, omega_squared, part*forcing, map%duration(l), x(1), x(2))]
+      x(2) = acceleration(osc, omega_squared, part*forcing, map%duration(l), x(0), x(1))
+      w = x
       if (osc%shared > 0) w = working_deflection(table%end_shared(:, 1, end, step), table%end_sums(:, 1, end, step), &
-                                                 part*table%end_sums(:, 2, end, step), w)
+                                                 part*table%end_sums(:, 2, end, step), x)
     end associate
-  end function deflection_at_end
+  end subroutine motion_at_end
 
   !> The steady motion of one speed and amount.
   pure subroutine conclude(map, motions, l, part, peak, steady)

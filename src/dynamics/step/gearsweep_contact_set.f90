@@ -9,12 +9,14 @@ module gearsweep_contact_set
   use gearsweep_oscillator, only: oscillator_t
   implicit none
   private
-  public :: period_t, contact_t, in_contact, set_contact, set_contacts, record_contact
+  public :: period_t, contact_t, in_contact, set_contact, set_contacts, record_contact, keep_derivative
 
   !> What one mesh period of the motion does.
   type :: period_t
     real(dp) :: state(2) = 0           !< x, y at the end of the period, m
-    real(dp) :: monodromy(2, 2) = 0    !< derivative of that by the state at its begin
+    real(dp) :: monodromy(2, 2) = 0    !< derivative of that by the state at its begin; 0 where nothing is left of that
+    real(dp) :: scaled(2, 2) = 0       !< the same over exp(shrunk), which does not underflow
+    real(dp) :: shrunk = 0             !< below 0 where the monodromy matrix is 0
     real(dp) :: peak = 0               !< largest load on one pair, N
     real(dp) :: coast_peak = 0         !< largest load on the coast sides, N
     !> Phase checksum (m): the sum of x where smooth intervals begin. It shows errors that the largest load may hide.
@@ -37,6 +39,17 @@ module gearsweep_contact_set
   end type contact_t
 
 contains
+
+  !> Keeps a period's derivative, columns one after the other, out of which exp(shrunk) was taken.
+  pure subroutine keep_derivative(columns, shrunk, period)
+    real(dp), intent(in) :: columns(:), shrunk     ! 4, not always next to each other
+    type(period_t), intent(inout) :: period
+
+    period%scaled = reshape(columns, [2, 2])
+    period%shrunk = shrunk
+    period%monodromy = 0
+    if (.not. shrunk < 0) period%monodromy = period%scaled
+  end subroutine keep_derivative
 
   !> Is contact j closed?
   elemental logical function in_contact(contact_set, j)

@@ -15,6 +15,7 @@ module gearsweep_integrator
     integer :: from = 1, to = 2
     real(dp), dimension(batch_size, 2) :: x, y   !< state, m
     real(dp) :: monodromy(batch_size, 4)         !< derivative by the first state, columns one after the other
+    real(dp) :: shrunk(batch_size)               !< logarithm of what was taken out of it
     real(dp) :: held(batch_size)                 !< 0 where contact may change, else a height above all profile errors, m
     type(contact_t), allocatable :: contacts(:)
     integer :: contact_set(batch_size)

@@ -4,14 +4,17 @@
 !> maxima are computed in the end, where the bound is still above the largest load found.
 module gearsweep_load_peaks
   use gearsweep_coefficients, only: coefficients_t
+  use gearsweep_coupled_pairs, only: compliances, respond
   use gearsweep_kinds, only: dp
+  use gearsweep_mesh, only: interval_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_quintic, only: quintic, maximum_of, value_of
+  use gearsweep_sharing, only: pairs_at
   use gearsweep_step_ends, only: deflection_at_end, end_acceleration
   implicit none
   private
-  public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum, cubic_curvature, &
-            turns_too_far
+  public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum, load_within, &
+            cubic_curvature, turns_too_far
 
   !> A step within which the load of a pair has a maximum.
   type :: candidate_t
@@ -77,8 +80,8 @@ contains
     real(dp), intent(in) :: duration
     type(candidate_t), intent(in) :: candidate
     real(dp), intent(inout) :: peak
-    real(dp), dimension(0:2, 2) :: gap, load
-    real(dp) :: x(0:2)
+    real(dp), dimension(0:2, 2) :: x, gap, load
+    real(dp) :: place
     logical :: bent
     integer :: k, pass
 
@@ -89,20 +92,79 @@ contains
         ! Most need no second derivative.
         do pass = 1, 2
           do k = 1, 2
-            x = [candidate%x(k), candidate%y(k), 0.0_dp]
-            if (pass == 2 .and. bent) x(2) = end_acceleration(osc, table, i, k, set, duration, x(:1))
-            gap(:, k) = deflection_at_end(osc, table, i, k, set, j, x) - error(:, k)
+            x(:, k) = [candidate%x(k), candidate%y(k), 0.0_dp]
+            if (pass == 2 .and. bent) x(2, k) = end_acceleration(osc, table, i, k, set, duration, x(:1, k))
+            gap(:, k) = deflection_at_end(osc, table, i, k, set, j, x(:, k)) - error(:, k)
           end do
-          if (pass == 2 .and. .not. bent) gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
+          if (pass == 2 .and. .not. bent) then
+            x(2, :) = cubic_curvature(x(0, :), width*x(1, :))/width**2
+            gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
+          end if
           load(0, :) = stiffness(1, :)*gap(0, :)
           load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
           load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
           if (.not. may_exceed(load, peak)) return
         end do
+        place = maximum_of(quintic(load(:, 1), load(:, 2)))
+        x(1, :) = width*x(1, :)
+        x(2, :) = width**2*x(2, :)
+        peak = max(peak, load_within(osc, table, i, set, j, place, value_of(quintic(x(:, 1), x(:, 2)), place), 1.0_dp))
       end associate
     end associate
-    call raise_to_maximum(load, peak)
   end subroutine settle
+
+  !> Load (N) of a pair in contact at a place within a step, by the motion there and by what all pairs have at that very place: a
+  !> stiffness through many knots is no polynomial from one end of the step to the other.
+  pure real(dp) function load_within(osc, table, step, contact_set, pair, place, x, part) result(load)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step, contact_set, pair
+    real(dp), intent(in) :: place                  !< 0 to 1
+    real(dp), intent(in) :: x                      !< the deflection there, m
+    real(dp), intent(in) :: part                   !< of the profile error that the pairs have
+    real(dp) :: phase
+
+    phase = table%left(step) + place*table%width(step)
+    associate (interval => osc%intervals(table%interval(step)))
+      if (osc%shared > 0) then
+        load = load_of_shared(osc, interval, phase, contact_set, pair, x, part)
+      else
+        load = osc%mesh%stiffness%value(interval%place(phase, pair))* &
+               (x - part*osc%mesh%profile_error%value(interval%place(phase, pair)))
+      end if
+    end associate
+  end function load_within
+
+  !> The same where pairs share a compliance.
+  pure real(dp) function load_of_shared(osc, interval, phase, contact_set, pair, x, part) result(load)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: phase, x, part
+    integer, intent(in) :: contact_set, pair
+    real(dp), dimension(interval%pairs) :: stiffness, error
+    real(dp), dimension(0:2, interval%pairs) :: stiffnesses, errors, g, h
+    real(dp) :: shared
+    logical :: closed(interval%pairs)
+    integer :: j
+
+    call pairs_at(osc%mesh, interval, phase, stiffness, error)
+    error = part*error
+    if (osc%mesh%is_coupled(interval%pairs)) then
+      stiffnesses = 0
+      stiffnesses(0, :) = stiffness
+      errors = 0
+      errors(0, :) = error
+      call respond(contact_set, compliances(stiffnesses, interval%shared_with_slopes(phase), osc%mesh%disc%shared_beyond()), &
+                   errors, g, h)
+      load = g(0, pair)*x - h(0, pair)
+    else
+      closed = btest(contact_set, [(j, j=0, size(closed) - 1)])
+      shared = interval%shared_by_two(phase)
+      stiffness = stiffness/(1 - shared*stiffness)
+      load = stiffness(pair)*((x + shared*sum(stiffness*error, mask=closed))/(1 + shared*sum(stiffness, mask=closed)) &
+                              - error(pair))
+    end if
+  end function load_of_shared
 
   !> In steps of more rad of the natural motion the acceleration is a small difference of large forces.
   pure logical function turns_too_far(table, step, duration)

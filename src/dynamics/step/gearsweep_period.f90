@@ -4,7 +4,7 @@ module gearsweep_period
   use gearsweep_change_loads, only: raise_peaks
   use gearsweep_coefficients, only: coefficients_t
   use gearsweep_contact_events, only: locate_events
-  use gearsweep_contact_set, only: contact_t, in_contact, period_t, record_contact, set_contacts
+  use gearsweep_contact_set, only: contact_t, in_contact, keep_derivative, period_t, record_contact, set_contacts
   use gearsweep_deflections, only: find_deflections, find_deflections_of
   use gearsweep_event_crossing, only: cross_events, has_simple_steps
   use gearsweep_gauss, only: batch_size
@@ -73,11 +73,12 @@ contains
       if (all(period(:map%speeds)%failed)) return
       if (peaks) call watch_loads(map, i, state)
       if (present(trace) .and. .not. state%changes(1)) call record_step(map, i, state, trace)
-      if (modulo(i, 64) == 0) call flush_to_zero(state%monodromy)
+      if (modulo(i, 64) == 0) call flush_to_zero(state%monodromy, state%shrunk)
       state%from = state%to
       state%to = 3 - state%from
     end do
     if (state%all_full) state%monodromy = map%monodromy
+    if (state%all_full) state%shrunk = map%shrunk
     do l = 1, map%speeds
       call settle_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
     end do
@@ -88,8 +89,7 @@ contains
       period(l)%peak = state%peak(l)
       period(l)%coast_peak = state%coast_peak(l)
       period(l)%state = [state%x(l, state%from), state%y(l, state%from)]
-      period(l)%monodromy(:, 1) = state%monodromy(l, :2)
-      period(l)%monodromy(:, 2) = state%monodromy(l, 3:)
+      call keep_derivative(state%monodromy(l, :), state%shrunk(l), period(l))
       period(l)%work = period(l)%work + map%table%steps
     end do
   end subroutine follow
@@ -108,6 +108,7 @@ contains
     state%monodromy = 0
     state%monodromy(:, 1) = 1
     state%monodromy(:, 4) = 1
+    state%shrunk = 0
     state%held = far
     where (active) state%held(:map%speeds) = 0
     state%all_full = map%all_full
@@ -198,7 +199,7 @@ contains
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
 
-    call leave_full_contact(map, step - 1, state%monodromy)
+    call leave_full_contact(map, step - 1, state%monodromy, state%shrunk)
     state%all_full = .false.
   end subroutine leave
 

@@ -6,7 +6,7 @@
 !> period. All speeds of a batch share the coefficients, which are read once for all.
 module gearsweep_period_map
   use gearsweep_coefficients, only: coefficients_t, resolution_t, scheme_collocation, tabulate
-  use gearsweep_contact_set, only: contact_t, period_t
+  use gearsweep_contact_set, only: contact_t, keep_derivative, period_t
   use gearsweep_gauss, only: batch_size, collocate
   use gearsweep_kinds, only: dp
   use gearsweep_literature_period, only: run_literature_period
@@ -42,6 +42,7 @@ module gearsweep_period_map
     integer, allocatable :: contact_set(:, :)    !< for which it is; (speed, place)
     logical :: all_full = .false.                !< all are those of full contact, and then:
     real(dp) :: monodromy(batch_size, 4) = 0     !< all of them composed, columns one after the other
+    real(dp) :: shrunk(batch_size) = 0           !< logarithm of what was taken out of that
     type(dense_step_t) :: dense(8)               !< those made last
     integer :: denses = 0                        !< how many have been made
   end type period_map_t
@@ -324,26 +325,34 @@ contains
   end subroutine compose
 
   !> Leaves full contact after so many steps: composes these and marks that what follows has other contact sets.
-  pure subroutine leave_full_contact(map, steps, monodromy)
+  pure subroutine leave_full_contact(map, steps, monodromy, shrunk)
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: steps
-    real(dp), intent(inout) :: monodromy(batch_size, 4)    !< as in `compose`
+    real(dp), intent(inout) :: monodromy(batch_size, 4), shrunk(batch_size)    !< as in `flush_to_zero`
     integer :: i
 
     do i = 1, steps
       call compose(map%propagator(:, :, i), monodromy)
-      if (modulo(i, 64) == 0) call flush_to_zero(monodromy)
+      if (modulo(i, 64) == 0) call flush_to_zero(monodromy, shrunk)
     end do
     map%all_full = .false.
   end subroutine leave_full_contact
 
-  !> Sets a derivative to zero of which nothing is left.
-  pure subroutine flush_to_zero(monodromy)
+  !> Sets a derivative to zero of which nothing is left; or takes out of it, where `shrunk` keeps the logarithm of what was
+  !> taken out so far.
+  pure subroutine flush_to_zero(monodromy, shrunk)
     real(dp), intent(inout) :: monodromy(batch_size, 4)    !< as in `compose`
+    real(dp), intent(inout), optional :: shrunk(batch_size)
     integer :: l
 
     do l = 1, batch_size
-      if (all(abs(monodromy(l, :)) < negligible)) monodromy(l, :) = 0
+      if (.not. all(abs(monodromy(l, :)) < negligible)) cycle
+      if (present(shrunk)) then
+        monodromy(l, :) = monodromy(l, :)/negligible
+        shrunk(l) = shrunk(l) + log(negligible)
+      else
+        monodromy(l, :) = 0
+      end if
     end do
   end subroutine flush_to_zero
 
@@ -353,7 +362,7 @@ contains
     type(period_map_t), intent(inout) :: map
     real(dp), intent(in) :: start(:, :)                    !< x, y (m) at the begin; (2, speed)
     type(period_t), intent(inout) :: period(:)             !< of each speed
-    real(dp) :: monodromy(batch_size, 4), x(batch_size, 2), y(batch_size, 2)
+    real(dp) :: monodromy(batch_size, 4), shrunk(batch_size), x(batch_size, 2), y(batch_size, 2)
     integer :: place, from, to, i, l
 
     if (allocated(map%literature)) then
@@ -369,21 +378,22 @@ contains
     monodromy = 0
     monodromy(:, 1) = 1
     monodromy(:, 4) = 1
+    shrunk = 0
     do i = 1, map%table%steps
       place = merge(i, 1, map%cached)
       call propagate_alike(map%osc, map%table, i, map%duration(:map%speeds), whole, map%propagator(:, :, place))
       map%contact_set(:, place) = map%table%full(i)
       call compose(map%propagator(:, :, place), monodromy)
-      if (modulo(i, 64) == 0) call flush_to_zero(monodromy)
+      if (modulo(i, 64) == 0) call flush_to_zero(monodromy, shrunk)
       call take_step(map%propagator(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
       from = to
       to = 3 - from
     end do
     map%all_full = map%cached
     map%monodromy = monodromy
+    map%shrunk = shrunk
     do l = 1, map%speeds
-      period(l)%monodromy(:, 1) = monodromy(l, :2)
-      period(l)%monodromy(:, 2) = monodromy(l, 3:)
+      call keep_derivative(monodromy(l, :), shrunk(l), period(l))
       period(l)%state = [x(l, from), y(l, from)]
     end do
   end subroutine run_full_contact

@@ -149,7 +149,7 @@ function drawSeries(drawing, spec, x, y) {
       });
       body.append(svg('line', { x1: x(0), x2: x(0), y1: TOP, y2: y.floor, class: 'frame' }));
     } else if (kind === 'points') {
-      body.append(svg('path', { d: marks(series, x, y, spec, size), fill: series.color, stroke: series.color, 'stroke-width': 0.6 }));
+      body.append(svg('path', { d: marks(series, x, y, spec, size), fill: series.hollow ? 'none' : series.color, stroke: series.color, 'stroke-width': series.hollow ? 1 : 0.6 }));
     } else {
       body.append(svg('path', { d: curve(series, x, y, spec), stroke: series.color, 'stroke-dasharray': series.dash, 'stroke-width': series.width ?? 1.8, class: 'curve', 'data-series': i }));
       if (series.mark !== undefined) body.append(svg('path', { d: marks(series, x, y, spec, 3.2, 12), fill: color('ground'), stroke: series.color }));

@@ -11,7 +11,7 @@ const BODIES = ['stress', 'modes', 'grid', 'gear_modes'];
 
 /** Kind (curves where none is given), table, columns, what they are called where not by their names, and what else is fetched. */
 export const PICTURES = [
-  { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', ...SPEED },
+  { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', other: 'other_dynamic_factor', othername: 'in the other direction', ...SPEED },
   { id: 'largest', title: 'Largest dynamic factor of all motions over speed', table: 'sweep', x: 'rpm', y: ['dynamic_factor', 'largest_dynamic_factor'], yname: 'Dynamic factor', set: ['sweep', 'direction', 'all'], ...SPEED },
   { id: 'coast', title: 'Load on the coast flanks over speed', table: 'sweep', x: 'rpm', y: 'coast_factor', ...SPEED },
   { id: 'sweep_map', title: 'Dynamic factor over speed and relief', table: 'sweep', kind: 'map', x: 'rpm', y: 'relief_um', z: 'dynamic_factor' },
@@ -44,14 +44,14 @@ export const PICTURES = [
   { id: 'poincare', title: 'Poincaré section over speed', table: 'poincare', kind: 'points', x: 'rpm', y: 'dte_um', without: ['period'] },
   { id: 'section_plane', title: 'Poincaré section, displacement and velocity', table: 'poincare', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', without: ['period'] },
   { id: 'lyapunov', title: 'Lyapunov exponent over speed', table: 'lyapunov', task: 'poincare', x: 'rpm', y: 'lyapunov_exponent' },
-  { id: 'attractors', title: 'All motions that attract', table: 'attractors', kind: 'points', x: 'rpm', y: 'dynamic_factor', first: 'motion' },
+  { id: 'attractors', title: 'All motions that attract', table: 'attractors', kind: 'points', x: 'rpm', y: 'dynamic_factor', first: 'motion', ylog: 'wide', share: 'share' },
   { id: 'basins', title: 'Which start leads to which motion', table: 'basins', task: 'attractors', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', group: 'motion', without: ['start'] },
   { id: 'precision', title: 'Error over run time', table: 'precision', x: 'run_time_s', y: 'error', xlog: true, ylog: true, first: 'method', without: ['resolution'] },
   { id: 'pressure', title: 'Contact pressure', table: 'flank', x: 's', y: 'pressure_mpa', fromZero: true, ...ALONG },
   { id: 'sliding', title: 'Sliding speed', table: 'flank', x: 's', y: 'sliding_m_s', ...ALONG },
   { id: 'flash', title: 'Flash temperature', table: 'flank', x: 's', y: 'flash_temperature_k', fromZero: true, ...ALONG },
   { id: 'film', title: 'Oil film', table: 'flank', x: 's', y: 'film_thickness_um', fromZero: true, ...ALONG },
-  { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor', 'dynamic_factor_b'], yname: 'Dynamic factor', names: ['Method A: motion', 'Method B'] },
+  { id: 'rating', title: 'Dynamic factor by Methods A and B of ISO 6336-1', table: 'dynamic_factors', task: 'rating', x: 'rpm', y: ['dynamic_factor_a', 'dynamic_factor_b'], yname: 'Dynamic factor', names: ['Method A: motion', 'Method B'] },
   { id: 'transient', title: 'Root stress while the load passes over a tooth', table: 'transient', x: 'time_ms', y: ['sigma_mpa', 'static_mpa'], yname: 'Stress at the root tangent (MPa)', first: 'side' },
   { id: 'transient_peaks', title: 'Largest root stress over speed', table: 'transient_peaks', task: 'transient', x: 'rpm', y: ['tension_mpa', 'static_tension_mpa', 'compression_mpa', 'static_compression_mpa'], yname: 'Largest root stress (MPa)' },
   { id: 'frequency', title: 'Root stress over the frequency of the load', table: 'harmonic', x: 'frequency_hz', y: 'stress_mpa', ylog: true, first: 'side' },
@@ -82,7 +82,7 @@ export function columnsOf(picture, about) {
   const table = about[picture.table];
   if (!table || isBody(picture)) return {};
   const index = table.columns.filter((one) => one.index).map((one) => one.name);
-  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? [])]);
+  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? []), ...list(picture.other ?? []), ...list(picture.share ?? [])]);
   const there = table.columns.map((one) => one.name);
   const found = { [picture.table]: [...wanted].filter((name) => there.includes(name)) };
   for (const [name, columns] of Object.entries(picture.needs ?? {})) if (about[name]) found[name] = columns;
@@ -130,7 +130,7 @@ function marked(picture, data) {
 export function drawn(picture, about, data, chosen) {
   const table = about[picture.table], columns = data[picture.table];
   const column = (name) => table.columns.find((one) => one.name === name);
-  const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog, fromZero: picture.fromZero,
+  const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog === 'wide' ? isWide(columns[picture.y]) : picture.ylog, fromZero: picture.fromZero,
     xlabel: picture.xname ?? labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
   if (picture.kind === 'branches') return { ...spec, xlabel: labelled(column(parameterOf(columns))), kind: undefined, series: branches(columns), lines: [], families: [] };
   if (picture.kind === 'ranking') {
@@ -149,13 +149,13 @@ export function drawn(picture, about, data, chosen) {
   further = found.further;
   if (first) first = { ...first, values: first.values.filter((value) => rowsWhere(columns, { ...where, [first.name]: value }).length > 0) };
   const groups = first ? first.values.map((value) => ({ label: word(first, value), where: { ...where, [first.name]: value } })) : [{ label: '', where }];
-  const ys = list(picture.y), xs = list(picture.x);
+  const ys = [...list(picture.y), ...others(picture, columns)], xs = list(picture.x);
   let series = [];
   groups.forEach((group, g) => {
     const rows = rowsWhere(columns, group.where).filter((i) => picture.above === undefined || columns[picture.x][i] > picture.above);
     for (const yname of ys) for (const xname of xs) {
-      const more = ys.length > 1 ? picture.names?.[ys.indexOf(yname)] ?? title(yname, column(yname).unit) : '';
-      series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => columns[yname][i]), group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
+      const more = yname === picture.other ? picture.othername : ys.length > 1 && !picture.other ? picture.names?.[ys.indexOf(yname)] ?? title(yname, column(yname).unit) : '';
+      series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => (yname === picture.other && columns[yname][i] === columns[picture.y][i] ? null : columns[yname][i])), reached: rows.map((i) => columns[picture.share]?.[i] !== 0), group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
         label: xname === xs[0] ? [group.label, more].filter(Boolean).join(', ') : '' });
     }
   });
@@ -163,8 +163,26 @@ export function drawn(picture, about, data, chosen) {
   const n = groups.length;
   for (const one of series) Object.assign(one, style(one.group, n), ys.length > 1 ? { dash: PARTS[one.part % PARTS.length] } : {});
   if (spec.kind === 'points') series.forEach((one, i) => { one.mark = i; });
+  if (picture.share) series = series.flatMap(apart);
+  if (picture.other) series = series.filter((one) => one.part === 0 || one.y.some((value) => value !== null));
   if (picture.beside) series.unshift(lineOf(picture.beside, data));
   return { ...spec, series, lines: marked(picture, data), families: further };
+}
+
+/** A second column, where it differs from the first somewhere. */
+const others = ({ y, other }, columns) => (other && columns[other]?.some((value, i) => value !== columns[y][i]) ? [other] : []);
+
+/** Do values ask for a logarithmic axis? */
+function isWide(values) {
+  const known = values.filter((value) => value !== null && value > 0);
+  return known.length > 0 && Math.max(...known) > 10 * Math.min(...known);
+}
+
+/** A series of points as those that starts reach and, hollow, those that none reaches. */
+function apart(one) {
+  const take = (reached) => ({ ...one, x: one.x.filter((_, i) => one.reached[i] === reached), y: one.y.filter((_, i) => one.reached[i] === reached) });
+  const hollow = { ...take(false), hollow: true, label: [one.label, 'no start reaches it'].filter(Boolean).join(', ') };
+  return [take(true), hollow].filter((some) => some.x.length > 0);
 }
 
 /** Dashes of the columns of one picture. */

@@ -88,9 +88,21 @@ function numbers() {
     const te = data.transmission_error, at = te.peak_to_peak_um.indexOf(Math.min(...te.peak_to_peak_um));
     say('Transmission error', `${shown(te.peak_to_peak_um[at], 4)} µm`, `peak to peak, relief ${shown(te.relief_um[at])} µm`, 'ste');
   }
-  if (data.sweep_summary) say('Best of the list', `${shown(one('sweep_summary', 'best_relief_um'))} µm`, `largest dynamic factor ${shown(one('sweep_summary', 'worst_dynamic_factor'), 5)}`, 'sweep');
+  if (data.sweep_summary) say('Best of the list', `${shown(one('sweep_summary', 'best_relief_um'))} µm`, `largest dynamic factor ${shown(one('sweep_summary', 'worst_dynamic_factor'), 5)}${one('sweep_summary', 'points_with_two_motions') > 0 ? `, in the other direction ${shown(one('sweep_summary', 'other_dynamic_factor'), 5)}` : ''}`, 'sweep');
   if (data.optimum) say('Optimum relief', `${shown(one('optimum', 'relief_um'), 4)} µm`, `largest dynamic factor ${shown(one('optimum', 'worst_dynamic_factor'), 5)} at ${shown(one('optimum', 'rpm'))} 1/min`, 'optimum');
+  if (data.rating && data.rating_factors) safety(data, say);
   byId('numbers').replaceChildren(...found);
+}
+
+/** The least safety factors of both gears, and what they rest on. */
+function safety(data, say) {
+  const of = data.rating_factors, least = (column) => Math.min(...data.rating[column].filter((value) => value !== null));
+  const told = (factor) => (factor > 1 ? shown(factor, 4) : '1 (not computed)');
+  const found = [['S_H', least('contact_safety')], ['S_F', least('root_safety')]].filter(([, value]) => Number.isFinite(value));
+  if (!found.length) return;
+  const names = [...new Set(of.material_name.filter(Boolean))], teeth = names.length ? `${names.join(', ')} of grade ${of.material_grade[0]}` : 'limits as stated';
+  const ground = `K_A ${shown(of.application_factor[0], 4)}, K_H_beta ${told(of.face_load_factor[0])}, K_H_alpha ${told(of.transverse_load_factor[0])}; accuracy grade ${shown(of.accuracy_grade[0])}; ${teeth}`;
+  say('Least safety', found.map(([name, value]) => `${name} ${shown(value, 4)}`).join(', '), ground, 'rating');
 }
 
 // --- pictures -------------------------------------------------------------------

@@ -1,16 +1,16 @@
-"""The part of README.md that tells how printed numbers and ours compare."""
+"""The part of doc/validation.md that sets printed numbers beside ours."""
 
 import pathlib
 import re
 
 from . import ledger, report
 
-PATH = pathlib.Path(__file__).parent.parent / 'README.md'
-BEGIN, END = '<!-- validation: begin, by python -m validation --readme -->', '<!-- validation: end -->'
+PATH = pathlib.Path(__file__).parent.parent / 'doc' / 'validation.md'
+BEGIN, END = '<!-- validation: begin, by python -m validation --pages -->', '<!-- validation: end -->'
 
 NUMBER = re.compile(r'(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?')
 
-# The rows that the README shows, in its order.
+# The rows that the page shows, in its order.
 SHOWN = {
     'dogan2021': ('df_1', 'df1_1', 'df2_1', 'n1_1', 'n2_1', 'best_1', 'df2_15', 'df_2', 'df1_2', 'n1_2', 'df1_28'),
     'hassan2009': ('mode_1_hz', 'mode_5_hz', 'step_4_sigma_y_mpa', 'rayleigh_frequency_rad_s'),
@@ -28,7 +28,7 @@ def block(outcomes):
 
 
 def current():
-    """The block as README.md holds it."""
+    """The block as the page holds it."""
     return parts(PATH, BEGIN, END)[1].strip()
 
 

@@ -1,0 +1,1 @@
+../../test/random_motions.f90
