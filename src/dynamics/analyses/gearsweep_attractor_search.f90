@@ -112,7 +112,7 @@ contains
     real(dp), intent(in) :: duration             !< of the mesh period, s
     real(dp), parameter :: decays = 5, fewest = 2000, most = 1e5_dp
 
-    by_damping = ceiling(max(fewest, min(most, decays/max(tiny(1.0_dp), osc%damping_ratio*osc%natural_frequency*duration))))
+    by_damping = ceiling(max(fewest, decays/max(decays/most, osc%damping_ratio*osc%natural_frequency*duration)))
   end function by_damping
 
   !> States from which motions start (m), the middles of the cells of a grid: displacements about the mean deflection, and
