@@ -16,7 +16,7 @@ program gearsweep_program
   use gearsweep_system, only: print_text
   use gearsweep_taken, only: taken_of
   use gearsweep_text, only: fixed, str, to_number
-  use gearsweep_interruption, only: catch_signals, watch
+  use gearsweep_interruption, only: catch_signals, drop_unread, watch
   implicit none
 
   interface
@@ -49,6 +49,7 @@ program gearsweep_program
   integer :: first_done = -1                     ! points that were done when the first were told
 
   call system_clock(began, rate)
+  call drop_unread()
   call read_arguments(arguments)
   call read_text(place_of(arguments%case), text, error, stream=.true.)
   ! Not before: a signal ends a program that waits for its case.
@@ -237,6 +238,7 @@ contains
         arguments%out = following(i, word)
       case ('--name')
         arguments%name = following(i, word)
+        if (index(arguments%name, '/') > 0) call usage('--name: '//arguments%name//' must be a name without a folder')
       case ('--resume')
         arguments%resume = .true.
       case ('--threads')
@@ -267,6 +269,7 @@ contains
     if (i > command_argument_count()) call usage(option//': a value must follow')
     word = argument(i)
     if (len(word) == 0) call usage(option//': the value is empty')
+    if (index(word, '--') == 1) call usage(option//': a value must follow, not '//word)
   end function following
 
   function argument(i) result(word)

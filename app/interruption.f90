@@ -4,7 +4,7 @@ module gearsweep_interruption
   use gearsweep_error, only: code_stopped
   implicit none
   private
-  public :: catch_signals
+  public :: catch_signals, drop_unread
 
   !> For `run_study`: stop, points done, of how many.
   integer(c_int), target, volatile, public :: watch(3) = 0
@@ -25,15 +25,21 @@ module gearsweep_interruption
 contains
 
   subroutine catch_signals()
-    integer(c_int), parameter :: interrupt = 2, broken_pipe = 13, terminate = 15
-    integer(c_intptr_t), parameter :: ignore = 1
+    integer(c_int), parameter :: interrupt = 2, terminate = 15
     type(c_funptr) :: before
 
     before = c_signal(interrupt, c_funloc(note_signal))
     before = c_signal(terminate, c_funloc(note_signal))
-    ! Who reads may leave: what is left to print is dropped then.
-    before = c_signal(broken_pipe, transfer(ignore, before))
   end subroutine catch_signals
+
+  !> Who reads may leave: what is left to print is dropped then.
+  subroutine drop_unread()
+    integer(c_int), parameter :: broken_pipe = 13
+    integer(c_intptr_t), parameter :: ignore = 1
+    type(c_funptr) :: before
+
+    before = c_signal(broken_pipe, transfer(ignore, before))
+  end subroutine drop_unread
 
   subroutine note_signal(number) bind(c)
     integer(c_int), value :: number

@@ -71,6 +71,8 @@ contains
         call check_no_error(t, 'help on a key', error)
         if (.not. allocated(error)) call check_true(t, 'help on &'//trim(key%group)//' '//trim(key%name), &
           index(text, '&'//trim(key%group)//' '//trim(key%name)//lf) == 1)
+        call check_true(t, 'its tasks are one list: '//trim(key%group)//' '//trim(key%name), &
+                        index(key%tasks, ' or ') == index(key%tasks, ' or ', back=.true.))
       end associate
     end do
     do i = 1, size(keys%groups)
@@ -88,6 +90,8 @@ contains
     call check_true(t, 'help by words finds the key', index(text, '&pinion profile_shift'//lf) > 0)
     call help_on('K_A', text, error)
     call check_true(t, 'help by a symbol finds the key that means it', index(text, '&load application_factor'//lf) > 0)
+    call help_on('S_H', text, error)
+    call check_true(t, 'help by the symbol of a result', index(text, '&rating contact_limit_mpa'//lf) > 0)
     call help_on('rim_m', text, error)
     call check_error(t, 'a misspelt key', error, 'rim_m: no such task, group or key (did you mean rim_mm?)')
     deallocate (error)
@@ -229,11 +233,15 @@ contains
               '&relief amount_um = 0.01: must be 0 or at least 0.05; if 0.01 mm is meant, write 10')
     call slip(pair, '&relief amount_um = 301 /', '&relief amount_um = 301: must be at most a tenth of the module, 300')
     call slip(pair, '&relief amount_um = 0,5 10,5 /', '&relief amount_um = 0, 5, 10, 5: has commas without a blank')
+    call slip(pair, '&relief amount_um = 0,5, 10,5 /', '&relief amount_um = 0, 5, 10, 5: has pairs with a comma and no blank')
     call slip(pair, '&mesh model = ''webr'' /', '(did you mean weber?)')
     call slip('face_width_mm = 20', '', '&pair module_mm: missing; must be at least 0.05 and at most 1000')
     call slip('', '', '&pair module_mm: missing; must be at least 0.05 and at most 1000; missing too: &pair face_width_mm')
     call slip(pair, '&relief amount_um = 0,5,10 /', '')
     call slip(pair, '&relief amount_um = 0 5 10.5 /', '')
+    call slip(pair, '&relief amount_um = 0, 5, 10, 15 /', '')
+    call slip(pair, '&relief amount_um = 0,5,10, 15 /', '')
+    call slip(pair, '&relief amount_um = 0,5,'//lf//'10,15 /', '')
     call slip(pair, '&relief amount_um = 0,5,'//lf//'10 /', '')
     call slip(pair, '&relief amount_um = 300 /', '')
 

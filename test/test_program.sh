@@ -194,6 +194,8 @@ misuse '--colour' --colour base.nml
 misuse '-x' base.nml -x
 misuse '--out' base.nml --out
 misuse '--out' base.nml --out ''
+misuse '--out: a value must follow, not --quiet' base.nml --out --quiet
+misuse '--name: a/b must be a name without a folder' base.nml --name a/b
 misuse '--threads' base.nml --threads
 misuse '1 to 1024' base.nml --threads 0
 misuse '1 to 1024' base.nml --threads -1
@@ -1023,7 +1025,7 @@ check 'a name for the tables' same named/short.sweep.csv from_stdin/pair.sweep.c
 "$program" - --out from_stdin </dev/null >stdout 2>stderr
 check 'standard input: nothing on it' test $? = 1
 "$program" - --name a/b --out from_stdin <short.nml >stdout 2>stderr
-check 'a name is no path' test $? = 1
+check 'a name is no path' test $? = 2
 
 run long.nml --out whole
 whole_code=$code

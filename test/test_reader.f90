@@ -95,6 +95,7 @@ contains
     call check_equal(t, 'a forgotten unit', closest_word('face_width', ['face_width_mm']), 1)
     call check_equal(t, 'one character rather than an ending', closest_word('rpm_stp', ['rpm     ', 'rpm_step']), 2)
     call check_equal(t, 'an ending rather than two characters', closest_word('module', ['nodules  ', 'module_mm']), 2)
+    call check_equal(t, 'a slip and a forgotten ending', closest_word('dampping', ['friction     ', 'damping_ratio']), 2)
     call check_equal(t, 'no close word', closest_word('colour', ['module_mm', 'bore_mm  ']), 0)
   end subroutine test_words
 

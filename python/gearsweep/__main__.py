@@ -19,8 +19,8 @@ from .study import attempt, lost
 
 HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over speed and tip relief
 
-usage: python -m gearsweep CASE.nml [options]      (- reads the case from standard input)
-       python -m gearsweep panel [CASE.nml]        the front panel in the browser (panel --help)
+usage: gearsweep CASE.nml [options]      (- reads the case from standard input)
+       gearsweep panel [CASE.nml]        the front panel in the browser (panel --help)
 
   --out FOLDER    where the tables and pictures go (results); it is made if missing
   --name NAME     how they are called (as the case; stdin for -)
@@ -142,6 +142,8 @@ def arguments(words: list[str]) -> Arguments:
                 raise usage(f'{word}: a value must follow')
             if not value:
                 raise usage(f'{word}: the value is empty')
+            if value.startswith('--'):
+                raise usage(f'{word}: a value must follow, not {value}')
             if word == '--name' and '/' in value:
                 raise usage(f'--name: {value} must be a name without a folder')
             if word in ('--out', '--name', '--report'):

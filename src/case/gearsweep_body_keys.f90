@@ -22,7 +22,7 @@ contains
 
     if (allocated(error)) return
     geared = unless(.not. case%prescribed, needs_gears)
-    with_body = trim(sentence_of(case%tasks, 'section'))//', '//sentence_of(case%tasks, 'mesh', but='static')
+    with_body = sentence_of(case%tasks, 'section', other='mesh')
     with_support = 'modal, '//case%tasks_for('mesh')
     shape = unless(case%needs('section') .or. case%needs_elements(), &
                    'section, static, modal, precision, transient, harmonic or a stiffness by elements')

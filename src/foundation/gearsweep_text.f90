@@ -232,22 +232,24 @@ contains
   !> Which of the words is most like `word`; 0 where none is close enough to be meant.
   pure integer function closest_word(word, words) result(best)
     character(*), intent(in) :: word, words(:)
-    integer :: i, d, least
+    integer :: distances(0:len(words)), i, d, least
 
     best = 0
     least = 2*max(2, len(word)/3) + 2
     do i = 1, size(words)
-      d = 2*edit_distance(word, trim(words(i)))
+      distances = edit_distances(word, words(i))
+      d = 2*distances(len_trim(words(i)))
       ! A forgotten or superfluous ending, such as a unit, is a likely slip: more so than two characters, less than one.
-      if (index(words(i), word) == 1 .or. index(word, trim(words(i))) == 1) d = min(d, 3)
+      d = min(d, 2*minval(distances) + 3)
+      if (index(word, trim(words(i))) == 1) d = min(d, 3)
       if (d >= least .or. d >= 2*len(word)) cycle
       least = d
       best = i
     end do
   end function closest_word
 
-  !> How many characters to insert, delete or replace (Levenshtein).
-  pure integer function edit_distance(a, b) result(distance)
+  !> How many characters to insert, delete or replace (Levenshtein) between `a` and the first 0, 1 ... characters of `b`.
+  pure function edit_distances(a, b) result(row)
     character(*), intent(in) :: a, b
     integer :: row(0:len(b)), i, j, diagonal, above
 
@@ -261,8 +263,7 @@ contains
         diagonal = above
       end do
     end do
-    distance = row(len(b))
-  end function edit_distance
+  end function edit_distances
 
   pure subroutine to_integer(text, value, ok)
     character(*), intent(in) :: text

@@ -28,6 +28,8 @@ module gearsweep_entries
     integer :: at = 0, first = 0, last = 0
     !> What stands between its values: a comma and no blank so often, blanks of one line and no comma so often.
     integer :: bare_commas = 0, bare_blanks = 0
+    !> Gaps as between 0,5, 10,5: a comma and no blank within a pair of values, a comma and a blank between two pairs.
+    integer :: paired = 0
     !> For the reader: somebody asked for this key.
     logical :: used = .false.
   end type entry_t
@@ -165,6 +167,8 @@ contains
       if (.not. allocated(entry%values)) allocate (entry%values(0))
       if (n == 0) entry%first = first
       if (n > 0 .and. self%commas == 1 .and. first == entry%last + 2) entry%bare_commas = entry%bare_commas + 1
+      if (n > 0 .and. self%commas == 1 .and. line == self%value_line .and. (first == entry%last + 2 .eqv. mod(n, 2) == 1)) &
+        entry%paired = entry%paired + 1
       if (n > 0 .and. self%commas == 0 .and. line == self%value_line) entry%bare_blanks = entry%bare_blanks + 1
       entry%last = last
       if (n + count > size(entry%values)) then

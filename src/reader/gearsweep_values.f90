@@ -23,12 +23,13 @@ contains
     integer :: i
 
     if (allocated(error)) return
-    if (entry%bare_commas > 0 .and. entry%bare_blanks > 0) then
+    if (entry%bare_commas > 0 .and. entry%bare_blanks > 0) &
       call fail_entry(entry, 'has commas without a blank beside blanks without a comma: decimals take a point, as in 0.5, 10.5', &
                       error)
-      return
-    end if
     allocate (numbers(size(entry%values)))
+    if (size(numbers) > 2 .and. mod(size(numbers), 2) == 0 .and. entry%paired == size(numbers) - 1) &
+      call fail_entry(entry, 'has pairs with a comma and no blank: decimals take a point, as in 0.5, 10.5', error)
+    if (allocated(error)) return
     do i = 1, size(numbers)
       call read_number(entry%values(i), bounds, numbers(i), error, entry)
       if (allocated(error)) return

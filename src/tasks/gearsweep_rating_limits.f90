@@ -52,12 +52,13 @@ contains
     call reader%get(group, 'contact_limit_mpa', contact, error, unit='MPa', tasks=group, &
                     refused=first_of(refused, unless(.not. has_material, by_material)), above=0.0_dp, at_most=1e6_dp, max_size=2, &
                     otherwise='that of the material; without one, no safety factor', &
-                    meaning='contact stress sigma_HG that both gears, or pinion and gear, bear: sigma_Hlim with its factors of '// &
-                    'life, lubrication and size')
+                    meaning='contact stress sigma_HG that both gears, or pinion and gear, bear, for the safety factor S_H: '// &
+                    'sigma_Hlim with its factors of life, lubrication and size')
     call reader%get(group, 'root_limit_mpa', root, error, unit='MPa', tasks=group, &
                     refused=first_of(refused, unless(.not. has_material, by_material)), above=0.0_dp, at_most=1e6_dp, max_size=2, &
                     otherwise='that of the material; without one, no safety factor', &
-                    meaning='tooth root stress sigma_FG that they bear: sigma_FE with its factors of life, notch and size')
+                    meaning='tooth root stress sigma_FG that they bear, for the safety factor S_F: sigma_FE with its factors '// &
+                    'of life, notch and size')
     if (allocated(error)) return
     if (allocated(contact)) limits%contact = contact([1, size(contact)])
     if (allocated(root)) limits%root = root([1, size(root)])

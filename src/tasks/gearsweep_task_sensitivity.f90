@@ -54,7 +54,7 @@ contains
 
     info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy', &
                        tables='sensitivity dte_sensitivity ste_sensitivity', fields='', &
-                       gives='derivatives of dynamic factor and transmission error by each number of the case')
+                       gives='derivatives of dynamic factor and transmission error by each number of the motion')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -156,7 +156,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: unit(size(rows)), part(size(rows))
 
-    call table%begin('how the dynamic factor changes with each number of the case', size(rows), 11, error)
+    call table%begin('how the dynamic factor changes with each number of the motion', size(rows), 11, error)
     if (allocated(error)) return
     unit = number_units(rows%which)
     part = rows%value*rows%slopes%dynamic_factor/rows%dynamic_factor

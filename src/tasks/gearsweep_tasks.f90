@@ -98,21 +98,21 @@ contains
     takes = self%is_wanted .and. self%task%uses(stage)
   end function takes
 
-  !> The tasks that need this stage, but one of them, as in `load, sweep or optimum`.
-  pure function sentence_of(slots, stage, but) result(words)
+  !> The tasks that need this stage, or this other one, as in `load, sweep or optimum`.
+  pure function sentence_of(slots, stage, other) result(words)
     type(task_slot_t), intent(in) :: slots(:)
     character(*), intent(in) :: stage
-    character(*), intent(in), optional :: but
+    character(*), intent(in), optional :: other
     character(sentence_length) :: words
     character(task_length) :: names(size(slots))
     integer :: i, n
+    logical :: used
 
     n = 0
     do i = 1, size(slots)
-      if (.not. slots(i)%task%uses(stage)) cycle
-      if (present(but)) then
-        if (slots(i)%info%name == but) cycle
-      end if
+      used = slots(i)%task%uses(stage)
+      if (present(other)) used = used .or. slots(i)%task%uses(other)
+      if (.not. used) cycle
       n = n + 1
       names(n) = slots(i)%info%name
     end do
