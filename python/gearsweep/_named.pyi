@@ -1028,7 +1028,7 @@ class BranchCurvesTable(Table):
     """how the curve ends where its points end"""
 
 class SensitivityTable(Table):
-    """how the dynamic factor changes with each number of the case"""
+    """how the dynamic factor changes with each number of the motion"""
 
     relief_um: NDArray[float64]
     """um: amount of relief"""
@@ -1054,7 +1054,7 @@ class SensitivityTable(Table):
     """smooth: there is a derivative; least: to larger values only, as there are no smaller ones; peak: the largest load changes its place; contact: a pair that enters or leaves begins or ceases to touch; grazing: flanks on the path do; fold: the motion ceases to be; none: no motion"""
 
 class DteSensitivityTable(Table):
-    """how mean and harmonics of the dynamic transmission error change with each number of the case"""
+    """how mean and harmonics of the dynamic transmission error change with each number of the motion"""
 
     relief_um: NDArray[float64]
     """um: amount of relief"""
@@ -1072,7 +1072,7 @@ class DteSensitivityTable(Table):
     """smooth: there is a derivative; least: to larger values only, as there are no smaller ones; peak: the largest load changes its place; contact: a pair that enters or leaves begins or ceases to touch; grazing: flanks on the path do; fold: the motion ceases to be; none: no motion"""
 
 class SteSensitivityTable(Table):
-    """how mean and harmonics of the static transmission error change with each number of the case"""
+    """how mean and harmonics of the static transmission error change with each number of the motion"""
 
     relief_um: NDArray[float64]
     """um: amount of relief"""

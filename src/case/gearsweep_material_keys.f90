@@ -83,8 +83,8 @@ contains
     if (group /= 'material') common = 'that of &material'
     call reader%get(group, 'young_gpa', material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
                     waits=waits(young), refused=geared, otherwise=common, &
-                    meaning='Young''s modulus, for a stiffness that is computed, natural modes and contact pressure; '// &
-                    'root stress does not depend on it')
+                    meaning='Young''s modulus, for a stiffness that is computed, natural modes and contact pressure; root '// &
+                    'stress depends on it only in how pairs share the load')
     call reader%get(group, 'poisson', material%poisson, error, at_least=0.0_dp, below=0.5_dp, waits=waits(poisson), &
                     refused=geared, otherwise=common, &
                     meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress, natural modes and contact pressure')

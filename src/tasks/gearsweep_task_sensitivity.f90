@@ -1,5 +1,5 @@
 !> The task `sensitivity`: how the dynamic factor and the harmonics of dynamic and static transmission error change with each
-!> number of the case, at chosen speeds (see gearsweep_sensitivity).
+!> number of the motion, at chosen speeds (see gearsweep_sensitivity).
 module gearsweep_task_sensitivity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_case_numbers, only: case_number_t, is_static, list_numbers, number_names, number_units
@@ -198,7 +198,7 @@ contains
       end do
     end do
     call table%begin('how mean and harmonics of the '//trim(merge('dynamic', 'static ', name == 'dte'))// &
-                     ' transmission error change with each number of the case', n, 7, error)
+                     ' transmission error change with each number of the motion', n, 7, error)
     if (allocated(error)) return
     call table%add_index('relief_um', 'um', of_relief, in_um(values(:, 1)))
     if (name == 'dte') call table%add_index('rpm', '1/min', of_speed, values(:, 2))

@@ -1,4 +1,4 @@
-"""How much the dynamic factor changes with each number of the case."""
+"""How much the dynamic factor changes with each number of the motion."""
 
 from __future__ import annotations
 
