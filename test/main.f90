@@ -33,6 +33,7 @@ program check
   use test_energy, only: run_energy => run
   use test_estimates, only: run_estimates => run
   use test_extremes, only: run_extremes => run
+  use test_figures, only: run_figures => run
   use test_flank, only: run_flank => run
   use test_found, only: run_found => run
   use test_frequency_response, only: run_frequency_response => run
@@ -113,6 +114,7 @@ program check
     & suite_t('extremes', run_extremes), &
     & suite_t('honesty', run_honesty), &
     & suite_t('rating', run_rating), &
+    & suite_t('figures', run_figures), &
     & suite_t('flank', run_flank), &
     & suite_t('iso_rating', run_iso_rating), &
     & suite_t('rating_methods', run_rating_methods), &

@@ -38,6 +38,7 @@ contains
     if (t%wants('doubling_of_meissner')) call doubling_of_meissner(t)
     if (t%wants('slow_sweeps')) call slow_sweeps(t)
     if (t%wants('ramps')) call ramps(t)
+    if (t%wants('creeping_ramp')) call creeping_ramp(t)
     if (t%wants('delays')) call delays(t)
     if (t%wants('whole_branches')) call whole_branches(t)
     if (t%wants('motions_of_the_sweep')) call motions_of_the_sweep(t)
@@ -235,6 +236,37 @@ contains
     close (unit)
     call check_equal(t, 'rows', rows, 2)
   end subroutine ramps
+
+  !> As slowly as 1 rpm in ten mesh periods, with all pairs in contact, a ramp has the dynamic factor of the steady motion, up and
+  !> down; of those between two speeds it is the largest.
+  subroutine creeping_ramp(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: speeds(3) = [5000.0_dp, 5002.0_dp, 5004.0_dp]
+    type(oscillator_t) :: osc
+    type(branch_t) :: branch
+    type(ramp_t) :: ramp
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call prescribed(1.6_dp, [400.0_dp, 0.0_dp, -110.0_dp], [0.0_dp, 0.0_dp], 1, osc)
+    osc%mesh%teeth = 25
+    osc%mass = 0.8_dp
+    osc%load = 7000
+    osc%damping_ratio = 0.1_dp
+    call make_oscillator(osc, error)
+    call follow_branch(osc, speeds, branch_options_t(accuracy_t(), 0.02_dp, 1e-6_dp), branch)
+    associate (first => branch%point(1), last => branch%point(3))
+      call follow_ramp(osc, speeds, first%steady%state/[1.0_dp, 60/(25*speeds(1))], [level_t ::], &
+                       ramp_options_t(200.0_dp, 0.05_dp), ramp)
+      do i = 2, 3
+        call check_close(t, 'a creeping ramp', ramp%factor(i), maxval(branch%point(i - 1:i)%dynamic_factor), 1e-4_dp)
+      end do
+      call follow_ramp(osc, speeds(3:1:-1), last%steady%state/[1.0_dp, 60/(25*speeds(3))], [level_t ::], &
+                       ramp_options_t(200.0_dp, 0.05_dp), ramp)
+      call check_close(t, 'a creeping ramp down', ramp%factor(3), maxval(branch%point(:2)%dynamic_factor), 1e-4_dp)
+      call check_true(t, 'it is a motion with a dynamic factor', first%dynamic_factor > 1.05_dp, str(first%dynamic_factor))
+    end associate
+  end subroutine creeping_ramp
 
   !> Behind a fold, the delay grows as the 2/3 power of the rate: in speed by 4 where that grows by 8. That holds in the limit of
   !> slow runs near the fold; at these rates a tenth is left to what comes next in the rate.
@@ -450,6 +482,8 @@ contains
     end do
     call check_true(t, 'points of doublings', points > 50, str(points))
     call check_close(t, 'a multiplier is -1', worst, 0.0_dp, absolute=1e-8_dp)
+    ! Both edges of the tongue at the case's damping lie on it, and it is followed once.
+    call check_equal(t, 'curves of doublings', nint(maxval(table%numbers('curve'))), 1)
     call check_true(t, 'from one edge of the tongue to the other', table%word('first_end', 1) == 'range' .and. &
                     table%word('last_end', 1) == 'range')
     call check_true(t, 'up to the damping that closes the tongue', largest > 0.05_dp .and. largest < 0.2_dp, str(largest))

@@ -9,8 +9,8 @@ module test_body_modes
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
   use gearsweep_sector, only: blank_t, make_gear_sector, make_ring_sector, sector_t
-  use gearsweep_sector_modes, only: antisymmetric, axial, find_sector_modes, radial, sector_mode_t, support_t, symmetric, &
-                                    tangential
+  use gearsweep_sector_modes, only: antisymmetric, axial, find_sector_modes, radial, rigid_motions, sector_mode_t, support_t, &
+                                    symmetric, tangential
   use gearsweep_text, only: str
   use testing, only: check_close, check_equal, check_error, check_no_error, check_true, tally_t
   use whole_bodies, only: whole_frequencies
@@ -39,6 +39,7 @@ contains
     if (t%wants('breathing')) call breathing(t)
     if (t%wants('annular_plate')) call annular_plate(t)
     if (t%wants('rigid_motions')) call rigid(t)
+    if (t%wants('supports')) call supports(t)
     if (t%wants('sector_against_whole')) call sector_against_whole(t)
     if (t%wants('weights')) call weights(t)
     if (t%wants('thamba')) call thamba(t)
@@ -248,6 +249,29 @@ contains
     call check_close(t, 'torsion does not know what else is held', lowest(loose(:, symmetric, 0), tangential), &
                      lowest(modes(:, symmetric, 0), tangential), 1e-8_dp)
   end subroutine rigid
+
+  !> What each support leaves, by hand: a bore that is not held along the tangent lets the body spin, one not held along the axis
+  !> lets it slide; a step across, or a tilt, moves the bore along radius and tangent, a tilt along the axis too. Bores that are
+  !> held in one direction have no motion as a rigid body among their modes either.
+  subroutine supports(t)
+    type(tally_t), intent(inout) :: t
+    type(sector_mode_t), allocatable :: modes(:, :, :)
+    logical :: held(3)
+    integer :: i, k, found(4)
+
+    do i = 0, 7
+      held = [(btest(i, k), k=0, 2)]
+      found = [rigid_motions(support_t(held), symmetric, 0), rigid_motions(support_t(held), antisymmetric, 0), &
+               rigid_motions(support_t(held), symmetric, 1), rigid_motions(support_t(held), antisymmetric, 1)]
+      call check_true(t, 'spin, slide, step across, tilt', all(found == merge(1, 0, [.not. held(2), .not. held(3), &
+                      .not. held(1) .and. .not. held(2), i == 0])), str(i))
+      call check_equal(t, 'none with two waves and more', rigid_motions(support_t(held), symmetric, 2), 0)
+      if (count(held) /= 1) cycle
+      call ring_modes(t, [0.4_dp, 1.0_dp], 0.5_dp, [2, 2, 1], steel, support_t(held), 2, [0, 2], modes)
+      call check_true(t, 'held in one direction: no motion as a rigid body', minval(modes%frequency) > 100, &
+                      str(minval(modes%frequency)))
+    end do
+  end subroutine supports
 
   !> Six teeth with unequal flanks, so that no sector is its own mirror image: all modes that one sector has, pairs counted
   !> twice, are those of the whole gear.

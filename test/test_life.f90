@@ -1,6 +1,7 @@
 !> Fatigue: rainflow cycles, mean stress, S-N curves and Miner's sum, and the task `life`, against the standard's example, what
 !> defines the rainflow method, textbook formulas, and spectra whose damage follows from the curve alone.
 module test_life
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t
@@ -10,6 +11,7 @@ module test_life
   use gearsweep_gear, only: gear_spec_t, gear_t, make_gear
   use gearsweep_kinds, only: dp
   use gearsweep_pair, only: make_pair, pair_t
+  use gearsweep_root_life, only: root_life, root_life_t
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: make_table
@@ -33,6 +35,8 @@ contains
     if (t%wants('curves')) call curves(t)
     if (t%wants('spectra')) call spectra(t)
     if (t%wants('idlers')) call idlers(t)
+    if (t%wants('overloaded')) call overloaded(t)
+    if (t%wants('equal_engagements')) call equal_engagements(t)
     if (t%wants('loads_of_motions')) call loads_of_motions(t)
     if (t%wants('histories_of_motions')) call histories_of_motions(t)
   end subroutine run
@@ -238,6 +242,47 @@ contains
       call check_close(t, 'by Goodman''s rule', goodman%number('equivalent_amplitude_mpa', i), half/(1 - half/900), 1e-12_dp)
     end do
   end subroutine idlers
+
+  !> The mean stress is half of the largest. Of two parts of which one brings it above the tensile strength, the spectrum is
+  !> overloaded and has no life; the other part by itself has one.
+  subroutine overloaded(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: still = 'dynamic_load = .false. tensile_strength_mpa = 900 rpm = 3000'
+    type(table_t) :: one, two
+    character(8) :: factor
+    integer :: i
+
+    call solve(t, still//' duration_h = 10', 'life', one)
+    ! With it the pinion's mean stress is three times the strength; the gear's is not far from that.
+    write (factor, '(f8.3)') 2*3*900/one%number('largest_root_stress_mpa', 1)
+    call solve(t, still//', 3000 duration_h = 10, 1 load_factor = 1, '//factor, 'life', two)
+    do i = 1, 2
+      call check_true(t, 'the lesser load by itself', one%word('kind', i) == 'finite' .and. one%number('life_h', i) > 0)
+      call check_true(t, 'one part of two above the strength', two%word('kind', i) == 'overloaded')
+      call check_true(t, 'and no life', ieee_is_nan(two%number('life_h', i)) .and. ieee_is_nan(two%number('passes', i)))
+    end do
+  end subroutine overloaded
+
+  !> A motion that repeats after two mesh periods, both alike, does what one of one mesh period does.
+  subroutine equal_engagements(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: s(*) = [0.0_dp, 0.4_dp, 0.8_dp, 1.2_dp, 1.6_dp], load(*) = [500.0_dp, 4000.0_dp, 2500.0_dp, &
+                                                                                      4500.0_dp, 300.0_dp]
+    type(pair_t) :: pair
+    type(root_life_t) :: one, two
+    integer :: i, k
+
+    call make_stated_pair(t, pair)
+    do i = 1, 2
+      one = root_life(pair, i, [(1, k=1, 5)], s, load, 0.0_dp, 0.0_dp, strength_t(by_goodman, 900*mega), structural_steel())
+      two = root_life(pair, i, [(1, k=1, 5), (2, k=1, 5)], [s, s], [load, load], 0.0_dp, 0.0_dp, &
+                      strength_t(by_goodman, 900*mega), structural_steel())
+      call check_true(t, 'an engagement does harm', one%damage > 0 .and. one%cycles > 1)
+      call check_close(t, 'damage of two alike', two%damage, one%damage, 1e-14_dp)
+      call check_close(t, 'cycles of two alike', two%cycles, one%cycles, 1e-14_dp)
+      call check_close(t, 'largest stress of two alike', two%largest, one%largest, 1e-14_dp)
+    end do
+  end subroutine equal_engagements
 
   !> Without relief and backlash the motion is in proportion to the load, and so is the stress.
   subroutine loads_of_motions(t)

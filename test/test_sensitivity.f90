@@ -5,6 +5,7 @@ module test_sensitivity
   use gearsweep_difference, only: difference_t, make_difference
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_sensitivity, only: amplitude_slopes, slopes_t
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: make_table
   use gearsweep_text, only: str
@@ -31,6 +32,7 @@ contains
     if (t%wants('polynomials')) call polynomials(t)
     if (t%wants('harmonics_in_closed_form')) call harmonics_in_closed_form(t)
     if (t%wants('factor_in_closed_form')) call factor_in_closed_form(t)
+    if (t%wants('seen_later')) call seen_later(t)
     if (t%wants('scales')) call scales(t)
     if (t%wants('what_does_not_count')) call what_does_not_count(t)
     if (t%wants('motions_by_themselves')) call motions_by_themselves(t)
@@ -60,6 +62,27 @@ contains
       if (n <= 5) call check_close(t, 'one-sided, fewer', d%rougher_slope((at + d%offset)**n), n*at**(n - 1), 1e-12_dp)
     end do
   end subroutine polynomials
+
+  !> The same motion seen a quarter of the harmonic's period later, so that its parts change places, has the same derivative of the
+  !> amplitude with the same error; a harmonic of 3 and 4 that grows by 6 and 8 grows by 10.
+  subroutine seen_later(t)
+    type(tally_t), intent(inout) :: t
+    type(slopes_t) :: now, later
+    real(dp), parameter :: value(3) = [7.0_dp, 3.0_dp, 4.0_dp], slope(3) = [1.0_dp, 6.0_dp, 8.0_dp], &
+                           estimate(3) = [0.1_dp, 0.02_dp, 0.3_dp]
+    integer, parameter :: order(3) = [1, 3, 2], sense(3) = [1, -1, 1]
+
+    allocate (now%amplitude(0:1), now%amplitude_estimate(0:1))
+    later = now
+    call amplitude_slopes(value, slope, estimate, now)
+    call amplitude_slopes(sense*value(order), sense*slope(order), estimate(order), later)
+    call check_close(t, 'derivative of an amplitude', now%amplitude(1), 10.0_dp, 1e-14_dp)
+    call check_close(t, 'seen later', later%amplitude(1), now%amplitude(1), 1e-14_dp)
+    call check_close(t, 'its error seen later', later%amplitude_estimate(1), now%amplitude_estimate(1), 1e-14_dp)
+    call check_true(t, 'its error is not below that of a part', now%amplitude_estimate(1) >= maxval(estimate(2:)))
+    call check_close(t, 'derivative of the mean', now%amplitude(0), 1.0_dp, 1e-14_dp)
+    call check_close(t, 'error of the mean', now%amplitude_estimate(0), 0.1_dp, 1e-14_dp)
+  end subroutine seen_later
 
   subroutine ask_linear(t, linear, answer)
     type(tally_t), intent(inout) :: t

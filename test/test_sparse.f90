@@ -1,6 +1,6 @@
 !> Sparse factorisation by MUMPS and eigenvalues by ARPACK, against dense products and LAPACK's dense solver.
 module test_sparse
-  use gearsweep_arpack, only: lowest_eigenpairs, pencil_t
+  use gearsweep_arpack, only: lowest_eigenpairs, pencil_t, residual_of
   use gearsweep_error, only: code_memory, code_numerical, error_t
   use gearsweep_kinds, only: dp
   use gearsweep_sparse, only: factor, sparse_t
@@ -242,6 +242,9 @@ contains
       call check_close(t, 'residual of eigenvector '//str(i), norm2(forces - values(i)*weighted(:, i))/norm2(forces), 0.0_dp, &
                        absolute=1e-6_dp)
     end do
+    ! Of K = diag(1, 4), M = 1 and the first eigenvector with 1e-4 of the other: K x - x = (0, 3e-4).
+    call check_close(t, 'residual of a mixture', residual_of([1.0_dp, 4e-4_dp], 1.0_dp, [1.0_dp, 1e-4_dp]), &
+                     3e-4_dp/sqrt(1 + 16e-8_dp), 1e-12_dp)
     call dsygv(1, 'N', 'L', n, k, n, mass, n, w, work, size(work), info)
     do i = 1, 3
       call check_close(t, 'eigenvalue '//str(i), values(i), w(i), relative=1e-12_dp)

@@ -53,6 +53,7 @@ contains
     if (t%wants('passages')) call passages(t)
     if (t%wants('direct')) call direct(t)
     if (t%wants('jumps')) call jumps(t)
+    if (t%wants('mirrored')) call mirrored(t)
     if (t%wants('at_rest')) call at_rest(t)
     if (t%wants('grids')) call grids_differ(t)
     if (t%wants('refusals')) call refusals(t)
@@ -199,6 +200,9 @@ contains
       call check_close(t, 'stated shares: times', maxval(abs(history%time - third*[0.0_dp, 0.25_dp, 0.25_dp, 1.0_dp, 2.0_dp, &
                        2.25_dp, 2.25_dp, 3.0_dp])), 0.0_dp, absolute=1e-15_dp)
       call check_close(t, 'stated shares: loads', maxval(abs(history%load - [4, 4, 8, 8, 8, 8, 4, 4])), 0.0_dp, absolute=1e-12_dp)
+      ! Where the load stands is the sum of the places by their weights, in a jump too.
+      s = load_places(pair, options)
+      call check_close(t, 'stated shares: places', maxval(abs(matmul(s, history%weight) - passage%s)), 0.0_dp, absolute=1e-14_dp)
       call check_close(t, 'stated shares: the load before its jump stands at a quarter of the way', &
                        maxval(abs(history%weight(:, 2) - [0.75_dp, 0.25_dp, 0.0_dp, 0.0_dp])), 0.0_dp, absolute=1e-15_dp)
     end associate
@@ -319,6 +323,53 @@ contains
       end associate
     end do
   end subroutine jumps
+
+  !> Ten times the load, ten times the stress, and the same relative errors; a load that pulls mirrors them: the highest is the
+  !> lowest, at the same time, and as uncertain. The times are those of the largest and least sample.
+  subroutine mirrored(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: places = 5, modes = 6
+    real(dp), parameter :: times(3) = [1.0_dp, 10.0_dp, -1.0_dp]
+    type(tooth_modes_t) :: tooth(2)
+    type(section_body_t) :: grids(2)
+    type(passage_options_t) :: options
+    type(passage_t) :: passage
+    type(tooth_transient_t) :: found(3)
+    type(error_t), allocatable :: error
+    type(mesh_t) :: mesh
+    real(dp), allocatable :: load(:)
+    integer :: i, k
+
+    call prepare(t, 3, modes, places, tooth, grids, options)
+    mesh%contact_ratio = 1.7_dp
+    call pass_static(hassan_pair(), mesh, 28000.0_dp, options, 5e-4_dp, passage)
+    load = passage%history%load
+    do i = 1, 3
+      passage%history%load = times(i)*load
+      call follow_tooth(tooth, stress_error_share(grids), passage, look_t(step=5e-6_dp), found(i), error)
+      call check_no_error(t, 'a passage', error)
+    end do
+    associate (one => found(1), ten => found(2), back => found(3), n => size(found(1)%record%highest))
+      do k = 1, size(one%point_error)
+        call check_close(t, 'relative error under ten times the load', ten%point_error(k), one%point_error(k), 1e-9_dp)
+        call check_close(t, 'relative error of the mirrored stress', back%point_error(k), one%point_error(k), 1e-9_dp)
+        i = tooth(1)%row_of(k) + along
+        associate (seen => one%record%value(per_point*(k - 1) + along, :), record => one%record)
+          call check_close(t, 'time of the highest', record%time_highest(i), record%time(maxloc(seen, 1)), absolute=1e-12_dp)
+          call check_close(t, 'time of the lowest', record%time_lowest(i), record%time(minloc(seen, 1)), absolute=1e-12_dp)
+          call check_close(t, 'highest of the samples', record%highest(i), maxval(seen), 1e-12_dp)
+          call check_close(t, 'lowest of the samples', record%lowest(i), minval(seen), 1e-12_dp)
+        end associate
+      end do
+      call check_close(t, 'error of the largest under ten times the load', ten%peaks%error_estimate, one%peaks%error_estimate, &
+                       1e-9_dp)
+      call check_close(t, 'error of the mirrored largest', back%peaks%error_estimate, one%peaks%error_estimate, 1e-9_dp)
+      call check_close(t, 'the highest mirrored', maxval(abs(back%record%highest + one%record%lowest)), 0.0_dp, &
+                       absolute=1e-12_dp*maxval(abs(one%record%lowest)))
+      call check_close(t, 'tension mirrored', back%peaks%tension%stress, -one%peaks%compression%stress, 1e-9_dp)
+      call check_close(t, 'where', back%peaks%tension%tangent, one%peaks%compression%tangent, 1e-9_dp)
+    end associate
+  end subroutine mirrored
 
   !> Stress along the drive fillet, displacement along the tooth there and stress along the coast fillet at the chosen points
   !> (3, 0:samples), by Newmark's method of

@@ -182,6 +182,16 @@ def test_studies_have_names_that_no_other_window_knows(desk):
         desk.table('x', 'sweep')
 
 
+def test_the_forty_first_study_puts_out_the_first(desk):
+    study = gearsweep.run(Case(PRESCRIBED), 'mesh')
+    names = [desk._keep(study, '') for _ in range(40)]
+    assert desk.study(names[0]) is study  # and is now the one that was looked at last
+    names.append(desk._keep(study, ''))
+    with pytest.raises(Gone):
+        desk.study(names[1])
+    assert all(desk.study(name) is study for name in [names[0], *names[2:]])
+
+
 def test_a_run_is_stopped_from_another_thread(desk):
     ended = []
 

@@ -6,6 +6,7 @@ import pathlib
 import re
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -20,8 +21,9 @@ from matplotlib.text import Annotation, Text
 import gearsweep
 from gearsweep import Case, plots
 from gearsweep._outline import contact_path
-from gearsweep.plots import branches
+from gearsweep.plots import branches, over_speed
 from gearsweep.plots.along_path import contact_points
+from gearsweep.plots.reliefs import Reliefs
 from gearsweep.plots.sensitivity import NUMBERS
 from gearsweep.plots.stress import principal
 
@@ -118,6 +120,18 @@ def test_figures_of_their_own_have_the_width_of_a_journal(everything):
         assert round(figure.get_size_inches()[0] * 25.4, 6) in (85, 175)
         pyplot.close(figure)
     assert dict(matplotlib.rcParams) == before
+
+
+def test_the_band_of_a_sweep_is_the_estimate_on_either_side(ax):
+    rpm, factor, estimate = np.array([1000.0, 2000, 3000]), np.array([[1.2, 1.5, 1.1]]), np.array([[0.1, 0.2, 0.05]])
+    sweep = SimpleNamespace(rpm=rpm, dynamic_factor=factor, error_estimate=estimate)
+    ax.set_ylim(1, 2)
+    over_speed._error_bands(ax, sweep, Reliefs(Case(PRESCRIBED).changed(relief={'amount_um': 0})))
+    (band,) = ax.collections
+    corners = band.get_paths()[0].vertices
+    for speed, middle, half in zip(rpm, factor[0], estimate[0]):
+        there = corners[corners[:, 0] == speed, 1]
+        assert (there.min(), there.max()) == pytest.approx((middle - half, middle + half))
 
 
 def test_sweep_shows_its_arrays_and_published_points(study, ax):

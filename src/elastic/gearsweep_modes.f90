@@ -2,7 +2,7 @@
 !> factored stiffness.
 module gearsweep_modes
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_arpack, only: lowest_eigenpairs, pencil_t, work_bytes
+  use gearsweep_arpack, only: lowest_eigenpairs, pencil_t, residual_of, work_bytes
   use gearsweep_body, only: body_t
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_mass_matrix, only: assemble_mass, mass_matrix_t
@@ -172,7 +172,7 @@ contains
     do k = 1, count
       pulled = body%gather(reshape(forces(:, k), [2, nodes]))
       call pencil%times(body%gather(modes%shape(:, :, k)), moved)
-      modes%residual(k) = norm2(pulled - values(k)*moved)/norm2(pulled)
+      modes%residual(k) = residual_of(pulled, values(k), moved)
     end do
   end subroutine describe
 

@@ -1,7 +1,7 @@
 !> Natural modes of a body of equal sectors, for each nodal diameter and either symmetry about the middle plane.
 module gearsweep_sector_modes
   use, intrinsic :: iso_c_binding, only: c_ptr
-  use gearsweep_arpack, only: lowest_eigenpairs, work_bytes
+  use gearsweep_arpack, only: lowest_eigenpairs, residual_of, work_bytes
   use gearsweep_cyclic, only: cyclic_t, make_cyclic
   use gearsweep_diameter, only: diameter_t, take_diameter
   use gearsweep_error, only: code_input, error_t, fail
@@ -219,7 +219,7 @@ contains
       pulled = pulled - cyclic%shift*moved
       square = max(0.0_dp, value - cyclic%shift)
       mode%frequency = sqrt(square)/(2*pi)
-      mode%residual = norm2(pulled - square*moved)/norm2(pulled)
+      mode%residual = residual_of(pulled, square, moved)
       mode%diameter = pencil%diameter
       mode%count = pencil%parts
       call pencil%spread_out(vector, u)

@@ -7,7 +7,7 @@ module gearsweep_arpack
   use gearsweep_text, only: str
   implicit none
   private
-  public :: pencil_t, lowest_eigenpairs, work_bytes
+  public :: pencil_t, lowest_eigenpairs, residual_of, work_bytes
 
   !> A pair of symmetric matrices, K positive definite, M positive semidefinite.
   type, abstract :: pencil_t
@@ -71,6 +71,15 @@ module gearsweep_arpack
   end interface
 
 contains
+
+  !> |K x - lambda M x| / |K x|.
+  pure real(dp) function residual_of(pulled, value, moved)
+    real(dp), intent(in) :: pulled(:)            !< K x
+    real(dp), intent(in) :: value                !< lambda
+    real(dp), intent(in) :: moved(:)             !< M x
+
+    residual_of = norm2(pulled - value*moved)/norm2(pulled)
+  end function residual_of
 
   !> How many vectors the basis has. With fewer it is restarted more often, with more there is more to solve for
   !> before the first look. `extra`: so many more than wanted at least; 10 unless said.

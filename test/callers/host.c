@@ -48,6 +48,7 @@ static void *call_all(void *name)
   size_t n = strlen(text), length;
   gsc_study *study = NULL, *later;
   int info;
+  note("version", gsc_version(words, sizeof words, M));
   note("complete", gsc_edit("complete", text, n, NULL, NULL, NULL, words, sizeof words, &length, M));
   note("unused", gsc_edit("unused", text, n, NULL, NULL, NULL, words, sizeof words, &length, M));
   note("tasks", gsc_describe("tasks", words, sizeof words, &length, M));

@@ -96,6 +96,8 @@ class Tree:
         (self.work / 'data').symlink_to(folder / 'data')
         self.check, self.program = self.bin / 'check-release', self.bin / 'gearsweep'
         shutil.copytree(folder / 'python/gearsweep', self.package / 'gearsweep')
+        # As meson.build installs them for the panel.
+        shutil.copytree(folder / 'data', self.package / 'gearsweep/panel/cases')
         # What the scripts would build is there already.
         with open(folder / 'app/setup.sh', 'a') as setup:
             setup.write(INSTALLED.format(build=folder / 'build'))

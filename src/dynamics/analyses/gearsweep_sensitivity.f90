@@ -22,7 +22,7 @@ module gearsweep_sensitivity
   use gearsweep_status, only: has_result
   implicit none
   private
-  public :: variation_t, slopes_t, prepare_motion, differentiate_motion, differentiate_static, slope_name
+  public :: variation_t, slopes_t, prepare_motion, differentiate_motion, differentiate_static, amplitude_slopes, slope_name
 
   !> A number of an oscillator, and the oscillators with other values of it.
   type, abstract :: variation_t
@@ -309,10 +309,12 @@ contains
     call amplitude_slopes(motion%reading(fine)%value(2:), best%slope(2:), estimate(2:), slopes)
   end subroutine conclude
 
-  !> From the mean and the cosine and sine parts of harmonics to their amplitudes. One that is 0 has no derivative.
+  !> From the mean and the cosine and sine parts of harmonics, (mean, both parts of the first, of the second ...), to their
+  !> amplitudes. One that is 0 has no derivative.
   pure subroutine amplitude_slopes(value, slope, estimate, slopes)
-    real(dp), intent(in) :: value(:), slope(:), estimate(:)
-    type(slopes_t), intent(inout) :: slopes
+    real(dp), intent(in) :: value(:), slope(:)   !< m, and their derivatives
+    real(dp), intent(in) :: estimate(:)          !< of the derivatives' errors
+    type(slopes_t), intent(inout) :: slopes      !< with room for the harmonics
     real(dp), parameter :: nothing = 1e-12_dp
     real(dp) :: amplitude
     integer :: k
