@@ -8,7 +8,7 @@ module test_closed_geometry
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
   use gearsweep_pair, only: pair_t
-  use gearsweep_stages, only: build_pair
+  use gearsweep_first_stages, only: build_pair
   use gearsweep_text, only: str
   use quantities, only: ask_geometry
   use stated_gears, only: stated_t, examples, text_of, involute, base_radius, tip_radius, working_angle, first_curvature, &

@@ -1,7 +1,7 @@
 !> What a case can say follows from the declarations of its keys: the help, cases to begin with, and the tables of
 !> doc/case.md.
 module test_declarations
-  use gearsweep_case, only: case_t, list_task_names
+  use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: list_keys, read_case
   use gearsweep_describe, only: describe
   use gearsweep_help, only: help_on, write_key_table
@@ -11,6 +11,7 @@ module test_declarations
   use gearsweep_keys, only: keys_t
   use gearsweep_new_case, only: write_new_case
   use gearsweep_task, only: task_length
+  use gearsweep_tasks, only: list_task_names
   use gearsweep_units, only: is_unit
   use testing, only: check_equal, check_error, check_no_error, check_true, tally_t
   implicit none

@@ -6,7 +6,8 @@ module test_elastic_disc
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_compliance, only: deflection_at_depth, flank_load
-  use gearsweep_disc, only: disc_t, disc_compliance, turning
+  use gearsweep_disc, only: disc_t
+  use gearsweep_disc_compliance, only: disc_compliance, turning
   use gearsweep_error, only: error_t
   use gearsweep_fe_stiffness, only: fe_options_t, fe_stiffness
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear

@@ -3,7 +3,7 @@
 !> walk takes long, of the keys that reach the task through the mesh it takes some. And a run that takes over what it can
 !> from a study whose case differs in one key gives bit for bit what a fresh one gives.
 module test_inputs
-  use gearsweep_case, only: case_t, list_task_names
+  use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: code_input, error_t
   use gearsweep_files, only: read_text
@@ -12,6 +12,7 @@ module test_inputs
   use gearsweep_study, only: run_study, study_t
   use gearsweep_tables, only: table_names
   use gearsweep_task, only: task_length
+  use gearsweep_tasks, only: list_task_names
   use reproducible, only: write_reproducible
   use testing, only: check_equal, check_true, new_folder, remove_folder, tally_t
   implicit none

@@ -4,8 +4,8 @@ module gearsweep_body_keys
   use gearsweep_case, only: case_t
   use gearsweep_error, only: error_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_tasks, only: sentence_length, sentence_of
-  use gearsweep_uses, only: needs_gears, unless
+  use gearsweep_task, only: sentence_of, stage
+  use gearsweep_uses, only: needs_gears, sentence_length, unless
   implicit none
   private
   public :: read_section
@@ -22,18 +22,18 @@ contains
 
     if (allocated(error)) return
     geared = unless(.not. case%prescribed, needs_gears)
-    with_body = sentence_of(case%tasks, 'section', other='mesh')
-    with_support = 'modal, '//case%tasks_for('mesh')
-    shape = unless(case%needs('section') .or. case%needs_elements(), &
+    with_body = sentence_of(case%tasks, stage%section, other=stage%mesh)
+    with_support = 'modal, '//case%tasks_for(stage%mesh)
+    shape = unless(case%needs(stage%section) .or. case%needs_elements(), &
                    'section, static, modal, precision, transient, harmonic or a stiffness by elements')
     ! The task precision has a fineness of its own.
     fineness = unless(case%asks('section') .or. case%asks('static') .or. case%asks('modal') .or. &
                       case%asks('transient') .or. case%asks('harmonic') .or. case%needs_elements(), &
                       'section, static, modal, transient, harmonic or a stiffness by elements')
-    support = unless(case%needs('body') .or. case%needs_elements(), &
+    support = unless(case%needs(stage%body) .or. case%needs_elements(), &
                      'static, modal, precision, transient, harmonic or a stiffness by elements')
     ! Printed values may be a tooth's of this member.
-    looks = unless(case%needs('section') .or. case%needs('solid') .or. allocated(case%published), &
+    looks = unless(case%needs(stage%section) .or. case%needs(stage%solid) .or. allocated(case%published), &
                    'section, static, modal, precision, transient, harmonic or body_modes')
     associate (section => case%section)
       section%elements_across = 16

@@ -3,17 +3,16 @@ module gearsweep_case
   use gearsweep_kinds, only: dp
   use gearsweep_gear, only: gear_spec_t
   use gearsweep_material, only: material_t
-  use gearsweep_section, only: section_options_t
+  use gearsweep_elastic_options, only: section_options_t
   use gearsweep_relief, only: linear
-  use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_stiffness, only: iso_options_t
-  use gearsweep_sweep, only: both
-  use gearsweep_task, only: task_length
-  use gearsweep_tasks, only: list_tasks, sentence_length, sentence_of, task_slot_t
-  use gearsweep_uses, only: unless
+  use gearsweep_steady_motion, only: accuracy_t
+  use gearsweep_sweep_state, only: both
+  use gearsweep_task, only: sentence_of, stage, task_slot_t
+  use gearsweep_uses, only: sentence_length, unless
   implicit none
   private
-  public :: case_t, for_iso, for_stage, speed_count, speeds, list_task_names
+  public :: case_t, for_iso, for_stage, speed_count, speeds
 
   type :: case_t
     character(:), allocatable :: text            !< as read
@@ -74,23 +73,12 @@ module gearsweep_case
 
 contains
 
-  !> The names of all tasks.
-  subroutine list_task_names(names)
-    character(task_length), allocatable, intent(out) :: names(:)
-    type(task_slot_t), allocatable :: slots(:)
-    integer :: i
-
-    call list_tasks(slots)
-    names = [(slots(i)%info%name, i=1, size(slots))]
-  end subroutine list_task_names
-
-  !> Makes these its tasks, and no others.
+  !> Makes these its tasks, of all that there are, and no others.
   subroutine want(self, tasks)
     class(case_t), intent(inout) :: self
     character(*), intent(in) :: tasks(:)
     integer :: i
 
-    if (.not. allocated(self%tasks)) call list_tasks(self%tasks)
     do i = 1, size(self%tasks)
       self%tasks(i)%is_wanted = any(tasks == self%tasks(i)%info%name)
     end do
@@ -112,49 +100,49 @@ contains
     relieves = any(self%amount > 0) .or. self%asks('optimum') .or. self%asks('deflection_relief')
   end function relieves
 
-  !> Does one of the case's tasks need this stage (see gearsweep_task)?
-  pure logical function needs(self, stage)
+  !> Does one of the case's tasks need this stage ?
+  pure logical function needs(self, which)
     class(case_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
     integer :: i
 
-    needs = any([(self%tasks(i)%takes(stage), i=1, size(self%tasks))])
+    needs = any([(self%tasks(i)%takes(which), i=1, size(self%tasks))])
   end function needs
 
   !> All tasks that need this stage, whether the case names them or not, as in `load, sweep or optimum`.
-  pure function tasks_for(self, stage) result(words)
+  pure function tasks_for(self, which) result(words)
     class(case_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
     character(sentence_length) :: words
 
-    words = sentence_of(self%tasks, stage)
+    words = sentence_of(self%tasks, which)
   end function tasks_for
 
   !> What a key waits for: the tasks that need this stage, told as in `load, sweep or optimum`, or nothing where the
   !> case names one of them.
-  pure function for_stage(case, stage) result(what)
+  pure function for_stage(case, which) result(what)
     type(case_t), intent(in) :: case
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
     character(sentence_length) :: what
 
-    what = unless(case%needs(stage), trim(case%tasks_for(stage)))
+    what = unless(case%needs(which), trim(case%tasks_for(which)))
   end function for_stage
 
   !> What a key of ISO 6336 waits for: tasks that need this stage, or a stiffness by ISO 6336.
-  pure function for_iso(case, stage) result(what)
+  pure function for_iso(case, which) result(what)
     type(case_t), intent(in) :: case
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
     character(sentence_length) :: what
 
-    what = unless(case%needs(stage) .or. case%needs('mesh') .and. case%model == 'iso6336', &
-                  trim(case%tasks_for(stage))//' or a stiffness by iso6336')
+    what = unless(case%needs(which) .or. case%needs(stage%mesh) .and. case%model == 'iso6336', &
+                  trim(case%tasks_for(which))//' or a stiffness by iso6336')
   end function for_iso
 
   !> Does a task need both members' stiffness by finite elements?
   pure logical function needs_elements(self)
     class(case_t), intent(in) :: self
 
-    needs_elements = self%needs('mesh') .and. self%model == 'fe'
+    needs_elements = self%needs(stage%mesh) .and. self%model == 'fe'
   end function needs_elements
 
   !> Does the pair stiffness come from the gears' teeth, rather than from stated numbers?
@@ -176,7 +164,7 @@ contains
     class(case_t), intent(in) :: self
     integer, intent(in) :: member
 
-    weighs = self%needs('mesh') .and. .not. (self%mass(member) > 0 .or. self%inertia(member) > 0)
+    weighs = self%needs(stage%mesh) .and. .not. (self%mass(member) > 0 .or. self%inertia(member) > 0)
   end function weighs
 
   !> How many speeds the sweep has.

@@ -3,7 +3,8 @@ module gearsweep_case_checks
   use gearsweep_case, only: case_t
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: code_input, error_t, fail
-  use gearsweep_sweep, only: most_points
+  use gearsweep_sweep_state, only: most_points
+  use gearsweep_task, only: stage
   use gearsweep_text, only: str
   implicit none
   private
@@ -32,7 +33,7 @@ contains
     integer :: given, i
 
     given = count([case%torque, case%normal_force, case%line_load] > 0)
-    if (given > 1 .or. (given == 0 .and. case%needs('mesh'))) call fail(error, code_input, &
+    if (given > 1 .or. (given == 0 .and. case%needs(stage%mesh))) call fail(error, code_input, &
       '&load: give one of torque_nm (on the pinion), normal_force_n and line_load_n_mm; '//str(given)//' are given')
     do i = 1, 2
       if (case%mass(i) > 0 .and. case%inertia(i) > 0) call fail(error, code_input, '&'//trim(case%spec(i)%name)// &
@@ -124,7 +125,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     associate (reliefs => size(case%amount))
-      if (.not. case%needs('speeds')) return
+      if (.not. case%needs(stage%speeds)) return
       if (case%rpm_last < case%rpm_first) call fail(error, code_input, '&sweep rpm_last = '//str(case%rpm_last)// &
         ': must not lie below rpm_first = '//str(case%rpm_first)//'; to sweep downwards, direction = ''down''')
       if ((1 + (case%rpm_last - case%rpm_first)/case%rpm_step)*reliefs > most_points) call fail(error, code_input, &

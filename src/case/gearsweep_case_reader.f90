@@ -2,7 +2,7 @@
 !> contradicts others is refused; one that the case has no use for is listed.
 module gearsweep_case_reader
   use gearsweep_body_keys, only: read_section
-  use gearsweep_case, only: case_t, list_task_names
+  use gearsweep_case, only: case_t
   use gearsweep_case_checks, only: check_case
   use gearsweep_error, only: error_t
   use gearsweep_keys, only: keys_t
@@ -12,6 +12,7 @@ module gearsweep_case_reader
   use gearsweep_motion_keys, only: read_dynamics, read_numerics, read_sweep
   use gearsweep_reader, only: open_reader, reader_t
   use gearsweep_task, only: task_length
+  use gearsweep_tasks, only: list_task_names, list_tasks
   use gearsweep_text, only: join
   implicit none
   private
@@ -130,12 +131,14 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(task_length), allocatable :: names(:)
     character(:), allocatable :: tasks(:)
+    integer :: i
 
     case%title = ''
     call reader%get('case', 'title', case%title, error, meaning='printed above the results')
     call reader%get('case', 'published', case%published, error, otherwise='none', &
                     meaning='file of printed values to set beside the results; a relative name lies beside the case')
-    call list_task_names(names)
+    call list_tasks(case%tasks)
+    names = [(case%tasks(i)%info%name, i=1, size(case%tasks))]
     allocate (tasks, source=[character(8) :: 'mesh', 'sweep'])
     call reader%get('case', 'tasks', tasks, error, allowed=names, meaning='what to compute, and nothing else')
     call case%want(tasks)

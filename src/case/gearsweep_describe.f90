@@ -7,8 +7,8 @@ module gearsweep_describe
   use gearsweep_key, only: key_t, kind_integer, kind_logical, kind_number, kind_text
   use gearsweep_keys, only: keys_t
   use gearsweep_lines, only: lines_t
-  use gearsweep_task, only: task_length
-  use gearsweep_tasks, only: list_tasks, task_slot_t
+  use gearsweep_task, only: stage_words, task_length, task_slot_t
+  use gearsweep_tasks, only: list_tasks
   use gearsweep_text, only: closest_word, join, shown, str
   use gearsweep_version, only: version
   implicit none
@@ -79,7 +79,7 @@ contains
         call lines%put('  {"name": "'//trim(task%name)//'", "meaning": ')
         call lines%json_text(task%gives)
         call lines%put(', "needs": ')
-        call put_words(task%needs, lines)
+        call put_words(join(stage_words(task%needs), ' '), lines)
         call lines%put(', "tables": ')
         call put_words(task%tables//' '//task%fields, lines)
         call lines%add('}'//trim(merge(',', ' ', i < size(slots))))

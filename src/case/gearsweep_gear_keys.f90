@@ -5,9 +5,9 @@ module gearsweep_gear_keys
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_gear, only: coast, drive, gear_spec_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_tasks, only: sentence_length
+  use gearsweep_task, only: stage
   use gearsweep_text, only: str
-  use gearsweep_uses, only: first_of, needs_gears, unless
+  use gearsweep_uses, only: first_of, needs_gears, sentence_length, unless
   implicit none
   private
   public :: read_pair, read_member, read_direction
@@ -27,7 +27,7 @@ contains
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
     slides = ''
-    if (case%prescribed) slides = for_stage(case, 'motion')
+    if (case%prescribed) slides = for_stage(case, stage%motion)
     module = 0
     width = 0
     drive_angle = 20*degree
@@ -54,7 +54,7 @@ contains
                     meaning='where undercut takes flank that the partner''s tip would work on, ends the path of contact '// &
                     'where the involute ends; without it such gears are refused')
     call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', given=case%has_backlash, &
-                    tasks=case%tasks_for('losses'), at_least=0.0_dp, at_most=1e9_dp, &
+                    tasks=case%tasks_for(stage%losses), at_least=0.0_dp, at_most=1e9_dp, &
                     otherwise='where a gear has a thickness allowance, what follows from it; else the coast flanks never '// &
                     'touch', &
                     meaning='backlash along the line of action: the coast flanks touch once the drive flanks are this far '// &
@@ -77,13 +77,13 @@ contains
 
     cut = .not. case%prescribed
     geared = unless(cut, needs_gears)
-    call reader%get(group, 'effective_mass_kg', case%mass(member), error, unit='kg', tasks=case%tasks_for('mesh'), &
+    call reader%get(group, 'effective_mass_kg', case%mass(member), error, unit='kg', tasks=case%tasks_for(stage%mesh), &
                     at_least=1e-12_dp, at_most=1e12_dp, otherwise='that of a solid disc, or of rim and web', &
                     meaning='mass on the line of action: moment of inertia over the square of the base radius')
-    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, unit='kg m^2', tasks=case%tasks_for('mesh'), &
+    call reader%get(group, 'inertia_kgm2', case%inertia(member), error, unit='kg m^2', tasks=case%tasks_for(stage%mesh), &
                     at_least=1e-15_dp, at_most=1e15_dp, otherwise='that of a solid disc, or of rim and web', &
                     meaning='polar moment of inertia, instead of the effective mass')
-    call reader%get(group, 'hub_inertia_kgm2', case%hub_inertia(member), error, unit='kg m^2', tasks=case%tasks_for('mesh'), &
+    call reader%get(group, 'hub_inertia_kgm2', case%hub_inertia(member), error, unit='kg m^2', tasks=case%tasks_for(stage%mesh), &
                     at_least=0.0_dp, at_most=1e15_dp, refused=geared, &
                     meaning='polar moment of inertia of what turns with the bore (shaft, coupling, motor), beside the gear''s '// &
                     'own; the body of a whole gear of finite elements turns between the two')
@@ -91,7 +91,7 @@ contains
     associate (spec => case%spec(member))
       spec%name = group
       waits = ''
-      if (.not. rolls) waits = for_stage(case, 'motion')
+      if (.not. rolls) waits = for_stage(case, stage%motion)
       call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, waits=waits, &
                       refused=unless(rolls .or. case%friction > 0, &
                       'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000, &
@@ -115,7 +115,7 @@ contains
       call read_web(reader, group, member, case, geared, error)
       call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, refused=geared, &
                       waits=bore_waits(case, member), at_least=0.0_dp, &
-                      required=case%needs('solid') .and. member == case%member, &
+                      required=case%needs(stage%solid) .and. member == case%member, &
                       otherwise='none; required by the task body_modes', &
                       meaning='bore diameter, below the root diameter; it ends the section where rim_mm is not given, and '// &
                       'the body of the task body_modes, and takes its part off the mass of a solid disc')
@@ -237,9 +237,9 @@ contains
     character(sentence_length) :: web, rim
     logical :: given(2)
 
-    web = for_iso(case, 'webs')
-    rim = for_iso(case, 'rims')
-    if (case%needs('solid') .and. member == case%member) then
+    web = for_iso(case, stage%webs)
+    rim = for_iso(case, stage%rims)
+    if (case%needs(stage%solid) .and. member == case%member) then
       web = ''
       rim = ''
     end if
@@ -268,8 +268,8 @@ contains
     character(sentence_length) :: waits
     logical :: ends
 
-    ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs('section') .and. member == case%member))
-    ends = ends .or. (case%needs('solid') .and. member == case%member)
+    ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs(stage%section) .and. member == case%member))
+    ends = ends .or. (case%needs(stage%solid) .and. member == case%member)
     waits = unless(case%weighs(member) .or. ends, 'a section that ends at it or a mass that is not stated')
   end function bore_waits
 end module gearsweep_gear_keys

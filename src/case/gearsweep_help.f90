@@ -6,8 +6,8 @@ module gearsweep_help
   use gearsweep_keys, only: keys_t
   use gearsweep_lines, only: lines_t
   use gearsweep_namelist, only: name_length
-  use gearsweep_task, only: task_info_t, task_length
-  use gearsweep_tasks, only: list_tasks, task_slot_t
+  use gearsweep_task, only: task_info_t, task_length, task_slot_t
+  use gearsweep_tasks, only: list_tasks
   use gearsweep_text, only: closest_word, join, lower, shown
   implicit none
   private

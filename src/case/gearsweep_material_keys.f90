@@ -5,8 +5,8 @@ module gearsweep_material_keys
   use gearsweep_kinds, only: dp
   use gearsweep_material, only: material_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_tasks, only: sentence_length
-  use gearsweep_uses, only: first_of, needs_gears, unless
+  use gearsweep_task, only: stage
+  use gearsweep_uses, only: first_of, needs_gears, sentence_length, unless
   implicit none
   private
   public :: read_materials
@@ -60,16 +60,16 @@ contains
     integer, intent(in) :: member
     logical :: uses(3), yields, vibrates, touches
 
-    yields = case%needs('mesh') .and. case%models_teeth()
+    yields = case%needs(stage%mesh) .and. case%models_teeth()
     ! Printed values may be a tooth's as a beam.
     vibrates = case%asks('modal') .or. case%asks('precision') .or. case%asks('transient') .or. &
-               case%asks('harmonic') .or. case%needs('solid') .or. allocated(case%published)
+               case%asks('harmonic') .or. case%needs(stage%solid) .or. allocated(case%published)
     vibrates = vibrates .and. member == case%member
-    touches = case%needs('elasticity')
+    touches = case%needs(stage%elasticity)
     uses(young) = yields .or. vibrates .or. touches
     uses(poisson) = (yields .and. case%model /= 'iso6336') .or. touches .or. &
-                    ((case%needs('body') .or. case%needs('solid')) .and. member == case%member)
-    uses(density) = case%weighs(member) .or. vibrates .or. case%needs('density')
+                    ((case%needs(stage%body) .or. case%needs(stage%solid)) .and. member == case%member)
+    uses(density) = case%weighs(member) .or. vibrates .or. case%needs(stage%density)
   end function uses_of
 
   !> The keys of one group; for a single gear without defaults.

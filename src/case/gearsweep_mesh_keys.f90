@@ -5,9 +5,8 @@ module gearsweep_mesh_keys
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_reader, only: reader_t
   use gearsweep_relief, only: linear, parabolic
-  use gearsweep_task, only: task_length
-  use gearsweep_tasks, only: sentence_length, task_slot_t
-  use gearsweep_uses, only: first_of, needs_gears, unless
+  use gearsweep_task, only: stage, task_length, task_slot_t
+  use gearsweep_uses, only: first_of, needs_gears, sentence_length, unless
   implicit none
   private
   public :: read_model, read_load, read_relief, read_path
@@ -32,7 +31,7 @@ contains
     call reader%get('mesh', 'contact_ratio', case%contact_ratio, error, above=1.0_dp, at_most=20.0_dp, &
                     otherwise='that of the gears', meaning='contact ratio of a prescribed mesh, which has no geometry behind it')
     do i = 1, merge(size(case%tasks), 0, case%prescribed)
-      if (case%tasks(i)%takes('geometry')) call fail(error, code_input, '&case tasks = '''// &
+      if (case%tasks(i)%takes(stage%geometry)) call fail(error, code_input, '&case tasks = '''// &
         trim(case%tasks(i)%info%name)//''': needs gears; a prescribed mesh (&mesh contact_ratio) has none')
     end do
     case%model = 'fe'
@@ -40,19 +39,19 @@ contains
     if (case%prescribed) then
       call reader%get('mesh', 'model', case%model, error, required=.true., allowed=models(:2), meaning=of_model)
     else
-      call reader%get('mesh', 'model', case%model, error, tasks=case%tasks_for('mesh'), &
+      call reader%get('mesh', 'model', case%model, error, tasks=case%tasks_for(stage%mesh), &
                       allowed=models([3, 4, 5, 1, 2]), meaning=of_model)
     end if
     if (allocated(error)) return
     ! What belongs to a missing model is no error of its own.
     open = len(case%model) == 0
     call reader%get('mesh', 'coefficients', case%coefficients, error, unit='N/um', required=.not. open, &
-                    at_least=-1e12_dp, at_most=1e12_dp, max_size=20, tasks=case%tasks_for('mesh'), &
+                    at_least=-1e12_dp, at_most=1e12_dp, max_size=20, tasks=case%tasks_for(stage%mesh), &
                     refused=unless(open .or. case%model == 'polynomial', 'needs model = ''polynomial'''), &
                     otherwise='none; required with model = ''polynomial''', &
                     meaning='stiffness of one pair over the whole face width, in ascending powers of u, which goes from -1 at '// &
                     'A to 1 at E')
-    call reader%get('mesh', 'file', case%file, error, required=.not. open, tasks=case%tasks_for('mesh'), &
+    call reader%get('mesh', 'file', case%file, error, required=.not. open, tasks=case%tasks_for(stage%mesh), &
                     refused=unless(open .or. case%model == 'table', 'needs model = ''table'''), &
                     otherwise='none; required with model = ''table''', &
                     meaning='file with a table of the path coordinate s and the pair stiffness; a relative name lies beside '// &
@@ -65,13 +64,13 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
 
-    call reader%get('load', 'torque_nm', case%torque, error, unit='N m', one_of=.true., tasks=case%tasks_for('mesh'), &
+    call reader%get('load', 'torque_nm', case%torque, error, unit='N m', one_of=.true., tasks=case%tasks_for(stage%mesh), &
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='torque on the pinion')
-    call reader%get('load', 'normal_force_n', case%normal_force, error, unit='N', one_of=.true., tasks=case%tasks_for('mesh'), &
+    call reader%get('load', 'normal_force_n', case%normal_force, error, unit='N', one_of=.true., tasks=case%tasks_for(stage%mesh), &
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='force on the line of action')
-    call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=case%tasks_for('mesh'), &
+    call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=case%tasks_for(stage%mesh), &
                     at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
-    call reader%get('load', 'application_factor', case%iso%application_factor, error, waits=for_iso(case, 'rims'), &
+    call reader%get('load', 'application_factor', case%iso%application_factor, error, waits=for_iso(case, stage%rims), &
                     at_least=0.1_dp, at_most=10.0_dp, otherwise='1, a steady load', &
                     meaning='K_A of ISO 6336-1, for the tasks rating and life; a stiffness by iso6336 takes it '// &
                     'below 100 N/mm of F_t K_A/b')
@@ -86,8 +85,8 @@ contains
     character(sentence_length) :: waits, with_relief
     logical :: has_length, has_roll(2)
 
-    with_relief = case%tasks_for('reliefs')
-    waits = for_stage(case, 'reliefs')
+    with_relief = case%tasks_for(stage%reliefs)
+    waits = for_stage(case, stage%reliefs)
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, unit='um', required=reader%has_group('relief'), &
                     tasks=with_relief, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, distinct=.true., &
@@ -140,7 +139,7 @@ contains
                     waits=waits, refused=made, otherwise='that of the gears', &
                     meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
     waits = ''
-    if (.not. (relieves .and. case%start == 'pitch')) waits = for_stage(case, 'motion')
+    if (.not. (relieves .and. case%start == 'pitch')) waits = for_stage(case, stage%motion)
     if (.not. (relieves .or. case%friction > 0)) waits = relief_matters
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
                     refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch', &
@@ -161,13 +160,13 @@ contains
     integer :: i
 
     geared = unless(.not. case%prescribed, needs_gears)
-    waits = first_of(for_stage(case, 'mesh'), unless(case%model == 'fe', 'model = ''fe'''))
-    call reader%get('mesh', 'tooth_coupling', case%tooth_coupling, error, tasks=case%tasks_for('mesh'), refused=geared, &
+    waits = first_of(for_stage(case, stage%mesh), unless(case%model == 'fe', 'model = ''fe'''))
+    call reader%get('mesh', 'tooth_coupling', case%tooth_coupling, error, tasks=case%tasks_for(stage%mesh), refused=geared, &
                     waits=first_of(waits, unless(case%section%teeth /= 1, 'a section of more than one tooth')), &
                     meaning='whether the load on a tooth moves the next one on the same body, with '// &
                     'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
-    call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for('mesh'), refused=geared, &
-                    waits=first_of(for_stage(case, 'mesh'), unless(case%models_teeth(), &
+    call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for(stage%mesh), refused=geared, &
+                    waits=first_of(for_stage(case, stage%mesh), unless(case%models_teeth(), &
                     'model = ''fe'', ''weber'' or ''iso6336''')), &
                     meaning='whether a loaded pair may touch before A and behind E too, where the tip corner of one tooth '// &
                     'meets the other''s flank, with model = ''fe'', ''weber'' or ''iso6336''; papers whose contact ends at A '// &
@@ -183,9 +182,9 @@ contains
   pure logical function shares_load(slot)
     type(task_slot_t), intent(in) :: slot
 
-    shares_load = slot%takes('reliefs') .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision', &
+    shares_load = slot%takes(stage%reliefs) .and. any(slot%info%name == [character(task_length) :: 'mesh', 'static', 'precision', &
                                                                              'deflection_relief'])
-    if (slot%info%name == 'transient') shares_load = slot%takes('reliefs') .and. .not. slot%takes('motion')
+    if (slot%info%name == 'transient') shares_load = slot%takes(stage%reliefs) .and. .not. slot%takes(stage%motion)
   end function shares_load
 
   !> What a prescribed mesh may have beside the stiffness of its pairs; `refused` where the mesh is not prescribed.
@@ -197,13 +196,13 @@ contains
     character(*), parameter :: relieved = 'has the reliefs in it; remove the amounts above 0 and the task optimum'
     character(sentence_length) :: waits
 
-    call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', tasks=case%tasks_for('mesh'), &
-                    refused=refused, at_least=0.0_dp, at_most=1e6_dp, otherwise='none', &
+    call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', &
+                    tasks=case%tasks_for(stage%mesh), refused=refused, at_least=0.0_dp, at_most=1e6_dp, otherwise='none', &
                     meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
                     'bodies: a part of each pair''s compliance')
     ! Stability feels it only where contact reaches beyond A and E.
-    waits = unless(case%model == 'table' .or. case%needs('reliefs'), case%tasks_for('reliefs'))
-    call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for('mesh'), &
+    waits = unless(case%model == 'table' .or. case%needs(stage%reliefs), case%tasks_for(stage%reliefs))
+    call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for(stage%mesh), &
                     waits=waits, &
                     refused=first_of(refused, unless(.not. case%relieves(), relieved)), &
                     otherwise='none', &

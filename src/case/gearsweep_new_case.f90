@@ -1,12 +1,12 @@
 !> A case to begin with: every key of the tasks asked for, with its default and its meaning beside it.
 module gearsweep_new_case
-  use gearsweep_case, only: list_task_names
   use gearsweep_case_reader, only: list_keys
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_key, only: key_t
   use gearsweep_keys, only: keys_t
   use gearsweep_lines, only: lines_t
   use gearsweep_task, only: task_length
+  use gearsweep_tasks, only: list_task_names
   use gearsweep_text, only: closest_word, join, shown
   implicit none
   private

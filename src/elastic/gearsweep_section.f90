@@ -12,25 +12,13 @@ module gearsweep_section
   use gearsweep_grid, only: grid_t, make_grid, no_element
   use gearsweep_memory, only: claim_memory
   use gearsweep_outline, only: fillet_point, fillet_parameter, root_angle
+  use gearsweep_elastic_options, only: section_options_t
   use gearsweep_root_run, only: append, fillet_run
   use gearsweep_text, only: str
   use gearsweep_tooth_block, only: tooth_block_t, make_tooth_block, turned, split_angle
   implicit none
   private
   public :: section_options_t, section_t, make_section
-
-  type :: section_options_t
-    integer :: teeth = 3                         !< 0: the whole gear
-    real(dp) :: half_angle = 0                   !< of the sector, rad; 0: up to the middle of the next spaces
-    !> Thickness below the root circle, m; 0: down to the gear's bore or, when it
-    !> has none, 2.5 tooth heights (the backup ratio of Hassan et al. 2009).
-    real(dp) :: rim = 0
-    logical :: fixed_sides = .true., fixed_rim = .true.
-    logical :: plane_strain = .false.
-    integer :: elements_across = 8               !< the tooth; everything else follows
-    integer :: others_across = 0                 !< the unloaded teeth; 0: as the loaded one
-    real(dp) :: most_memory = 8e9_dp             !< for the stiffness matrix, bytes
-  end type section_options_t
 
   type :: section_t
     type(gear_t) :: gear

@@ -3,31 +3,18 @@ module gearsweep_tooth_compliance
   use gearsweep_kinds, only: dp, pi
   use gearsweep_body, only: body_t, make_body
   use gearsweep_compliance, only: corner_deflection, deflection_at_depth
-  use gearsweep_disc, only: disc_t, disc_compliance
+  use gearsweep_disc, only: disc_t
+  use gearsweep_disc_compliance, only: disc_compliance
+  use gearsweep_elastic_options, only: fe_options_t, section_options_t
   use gearsweep_error, only: error_t
   use gearsweep_flattening, only: surface_to_depth
   use gearsweep_gear, only: gear_t, drive
   use gearsweep_material, only: material_t
   use gearsweep_piecewise, only: piecewise_t, spline
-  use gearsweep_section, only: section_options_t, section_t, make_section
+  use gearsweep_section, only: section_t, make_section
   implicit none
   private
   public :: fe_options_t, tooth_t, tooth_compliance
-
-  !> Teeth are wide, hence plane strain unless said. The default grid holds the
-  !> pair stiffness of usual gears to 0.1 %, of narrow tips to 0.3 %.
-  type :: fe_options_t
-    type(section_options_t) :: section = &
-      section_options_t(plane_strain=.true., elements_across=16, others_across=4)
-    !> Where the grid's share ends and Hertz's begins, in modules.
-    real(dp) :: depth = 0.4_dp
-    integer :: positions = 17                    !< of the load along the path
-    logical :: tooth_coupling = .true.           !< neighbouring teeth share what their body yields
-    real(dp) :: rim(2) = 0                       !< of a section that ends below the rim of pinion or gear, m; 0: as `section` says
-    integer :: rim_teeth = 5                     !< of such a section
-    real(dp) :: hub_share(2) = 0                 !< of the inertia of pinion and gear, what sits at their bores
-    logical :: corner_contact = .false.          !< the path goes on beyond A and E with the tip corners' contact
-  end type fe_options_t
 
   !> Compliances are per line load, m2/N.
   type :: tooth_t

@@ -9,9 +9,10 @@ module gearsweep_motion_table
   use gearsweep_material, only: material_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_stiffness, only: gear_blank_factor
-  use gearsweep_stages, only: rim_teeth, rims
+  use gearsweep_first_stages, only: rim_teeth, rims
   use gearsweep_study, only: study_t
   use gearsweep_table, only: no_number, table_t
+  use gearsweep_task, only: stage
   use gearsweep_text, only: str
   use gearsweep_weber, only: weber_stiffness
   implicit none
@@ -93,8 +94,8 @@ contains
       call table%add('body_coupling_um', 'um', 'what neighbouring teeth share beyond that: in the stiffness of each pair', &
                      [micro*study%load*(mesh%disc%shared - felt)])
       if (felt > 0) call add_hubs(study, felt, mean, table)
-      if (case%needs('losses')) call table%add('damping_ratio', '', 'as in the case', [case%damping_ratio])
-      if (case%needs('motion')) call table%add('friction', '', 'friction coefficient, as in the case', [case%friction])
+      if (case%needs(stage%losses)) call table%add('damping_ratio', '', 'as in the case', [case%damping_ratio])
+      if (case%needs(stage%motion)) call table%add('friction', '', 'friction coefficient, as in the case', [case%friction])
     end associate
   end subroutine motion_table
 

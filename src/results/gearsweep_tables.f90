@@ -6,8 +6,8 @@ module gearsweep_tables
   use gearsweep_results, only: column_of, get_result
   use gearsweep_study, only: study_t
   use gearsweep_table, only: table_t
-  use gearsweep_task, only: split_names, table_length
-  use gearsweep_tasks, only: list_tasks, task_slot_t
+  use gearsweep_task, only: split_names, table_length, task_slot_t
+  use gearsweep_tasks, only: list_tasks
   implicit none
   private
   public :: table_names, make_table, column_of, write_table

@@ -11,7 +11,7 @@ module gearsweep_mesh_stage
   use gearsweep_pair, only: pair_t
   use gearsweep_products, only: study_t
   use gearsweep_section, only: section_options_t
-  use gearsweep_stages, only: build_profile_error, build_stiffness, check_load, find_load, place_mesh, rim_teeth, rims
+  use gearsweep_first_stages, only: build_profile_error, build_stiffness, check_load, find_load, place_mesh, rim_teeth, rims
   use gearsweep_text, only: str
   implicit none
   private

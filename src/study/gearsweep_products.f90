@@ -2,11 +2,10 @@
 !> results.
 module gearsweep_products
   use gearsweep_case, only: case_t
-  use gearsweep_optimum, only: most_sweeps
   use gearsweep_published, only: published_t
-  use gearsweep_sweep, only: sweep_state_t
-  use gearsweep_task, only: stages_t
-  use gearsweep_tasks, only: task_slot_t
+  use gearsweep_stages, only: stages_t
+  use gearsweep_sweep_state, only: most_sweeps, sweep_state_t
+  use gearsweep_task, only: task_slot_t
   implicit none
   private
   public :: study_t, record_t

@@ -13,12 +13,12 @@ module gearsweep_study
   use gearsweep_mesh_stage, only: mesh_and_motion
   use gearsweep_products, only: record_t, study_t
   use gearsweep_published, only: read_published
-  use gearsweep_stages, only: build_pair
+  use gearsweep_first_stages, only: build_pair
+  use gearsweep_stages, only: points_of, runnable_t
   use gearsweep_stop, only: wants_stop
-  use gearsweep_sweep, only: progress_of_sweep
+  use gearsweep_sweep_state, only: progress_of_sweep
   use gearsweep_taken, only: has_begun, is_taken, take_up, taken_of, tell_taken
-  use gearsweep_task, only: task_info_t
-  use gearsweep_tasks, only: task_slot_t
+  use gearsweep_task, only: stage, task_info_t, task_slot_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -96,7 +96,7 @@ contains
         study%solid_inputs = solid_inputs_t(study%pair%gear(case%member), case%material(case%member), &
                                             case%iso%web_thickness(case%member), case%iso%rim_thickness(case%member))
       end if
-      if (case%needs('mesh')) then
+      if (case%needs(stage%mesh)) then
         call mesh_and_motion(study, folder, error, earlier)
       else
         call study%running%note('mesh and motion left out: no task needs them')
@@ -114,7 +114,7 @@ contains
     integer :: i
 
     allocate (study%rpm(0))
-    if (study%case%needs('speeds')) then
+    if (study%case%needs(stage%speeds)) then
       call claim_memory(24.0_dp*speed_count(study%case), '&sweep: '//str(speed_count(study%case))//' speeds', error)
       if (allocated(error)) return
       study%rpm = speeds(study%case)
@@ -122,7 +122,7 @@ contains
     do i = 1, size(study%tasks)
       associate (slot => study%tasks(i))
         if (.not. slot%is_wanted) cycle
-        study%running%all_points = study%running%all_points + slot%task%count_points(study%stages_t)
+        study%running%all_points = study%running%all_points + points_of(slot%task, study%stages_t)
       end associate
     end do
     call tell_taken(study)
@@ -139,14 +139,14 @@ contains
       if (allocated(error)) return
       associate (slot => study%tasks(i))
         if (.not. (slot%is_wanted .or. (slot%info%is_always .and. allocated(study%pair)))) cycle
-        if (slot%takes('body') .or. slot%takes('solid') .or. slot%takes('motion')) then
+        if (slot%takes(stage%body) .or. slot%takes(stage%solid) .or. slot%takes(stage%motion)) then
           if (.not. (is_taken(study, i) .or. has_begun(study, i))) then
             if (ends_here(study, slot%info)) cycle
           end if
         end if
       end associate
       call run_task(study, i, error, earlier)
-      if (allocated(study%running%bodies) .and. .not. any([(study%tasks(k)%takes('body'), k=i + 1, size(study%tasks))])) &
+      if (allocated(study%running%bodies) .and. .not. any([(study%tasks(k)%takes(stage%body), k=i + 1, size(study%tasks))])) &
         deallocate (study%running%bodies)
     end do
   end subroutine run_tasks
@@ -173,18 +173,21 @@ contains
         known = .true.
         call take_up(study%before(i)%task, slot%task)
         ! They were counted as the run began.
-        if (slot%is_wanted) before = before - slot%task%count_points(study%stages_t)
+        if (slot%is_wanted) before = before - points_of(slot%task, study%stages_t)
       end if
       if (.not. known) then
         call slot%task%prepare()
-        call slot%task%run(study%stages_t, error)
+        select type (task => slot%task)
+        class is (runnable_t)
+          call task%run(study%stages_t, error)
+        end select
       end if
       if (allocated(error)) return
       if (slot%task%is_done) then
         call running%note(slot%task%log//trim(merge(', taken over', '            ', known .or. slot%task%is_taken)))
         study%stopped = study%stopped .or. slot%task%is_stopped
         if (.not. slot%is_wanted .or. slot%task%is_stopped) return
-        before = before + slot%task%count_points(study%stages_t)
+        before = before + points_of(slot%task, study%stages_t)
         ! Of those that told nothing on their way, all points at once. What is taken over was told as the run began.
         if (.not. known) call running%tell(before - running%done, study%accuracy%steady%stop)
         running%done = before
@@ -203,15 +206,15 @@ contains
 
     associate (slot => study%tasks(i), before => earlier%tasks(i))
       known = before%is_wanted .and. before%given == slot%given
-      if (known) known = slot%takes('mesh') .or. slot%takes('body') .or. slot%takes('solid')
+      if (known) known = slot%takes(stage%mesh) .or. slot%takes(stage%body) .or. slot%takes(stage%solid)
       if (known) known = before%task%is_done .and. .not. before%task%is_stopped
       if (known) known = same_gears(study, earlier, slot)
-      if (known .and. slot%takes('mesh')) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs)
-      if (known .and. slot%takes('reliefs')) known = same(maxval(study%amount), maxval(earlier%amount))
-      if (known .and. slot%takes('amounts')) known = same(study%amount, earlier%amount)
-      if (known .and. slot%takes('accuracy')) known = same(choice_of(study), choice_of(earlier))
-      if (known .and. slot%takes('speeds')) known = same(study%rpm, earlier%rpm)
-      if (known .and. slot%takes('direction')) known = study%direction == earlier%direction
+      if (known .and. slot%takes(stage%mesh)) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs)
+      if (known .and. slot%takes(stage%reliefs)) known = same(maxval(study%amount), maxval(earlier%amount))
+      if (known .and. slot%takes(stage%amounts)) known = same(study%amount, earlier%amount)
+      if (known .and. slot%takes(stage%accuracy)) known = same(choice_of(study), choice_of(earlier))
+      if (known .and. slot%takes(stage%speeds)) known = same(study%rpm, earlier%rpm)
+      if (known .and. slot%takes(stage%direction)) known = study%direction == earlier%direction
     end associate
   end function is_known
 
@@ -221,16 +224,16 @@ contains
     type(task_slot_t), intent(in) :: slot
 
     known = .true.
-    if (slot%takes('body')) known = same(study%body_inputs, earlier%body_inputs)
-    if (slot%takes('solid')) known = known .and. same(study%solid_inputs, earlier%solid_inputs)
+    if (slot%takes(stage%body)) known = same(study%body_inputs, earlier%body_inputs)
+    if (slot%takes(stage%solid)) known = known .and. same(study%solid_inputs, earlier%solid_inputs)
     associate (a => study%material, b => earlier%material)
-      if (known .and. slot%takes('elasticity')) known = same([a%young, a%poisson], [b%young, b%poisson])
-      if (known .and. slot%takes('density')) known = same([a%density], [b%density])
+      if (known .and. slot%takes(stage%elasticity)) known = same([a%young, a%poisson], [b%young, b%poisson])
+      if (known .and. slot%takes(stage%density)) known = same([a%density], [b%density])
     end associate
     associate (a => study%iso, b => earlier%iso)
-      if (known .and. slot%takes('rims')) known = same([a%application_factor, a%rim_thickness], &
+      if (known .and. slot%takes(stage%rims)) known = same([a%application_factor, a%rim_thickness], &
                                                        [b%application_factor, b%rim_thickness])
-      if (known .and. slot%takes('webs')) known = same([a%web_thickness], [b%web_thickness])
+      if (known .and. slot%takes(stage%webs)) known = same([a%web_thickness], [b%web_thickness])
     end associate
   end function same_gears
 
@@ -264,8 +267,8 @@ contains
         if (.not. (study%tasks(i)%is_wanted .or. study%tasks(i)%info%is_always)) &
           call running%note(trim(study%tasks(i)%info%name)//' left out: not among the tasks')
       end do
-      if (case%needs('motion') .and. case%friction <= 0) call running%note('friction left out: it is 0')
-      if (case%needs('motion') .and. .not. case%has_backlash) call running%note('coast side left out: no backlash given')
+      if (case%needs(stage%motion) .and. case%friction <= 0) call running%note('friction left out: it is 0')
+      if (case%needs(stage%motion) .and. .not. case%has_backlash) call running%note('coast side left out: no backlash given')
     end associate
   end subroutine note_left_out
 

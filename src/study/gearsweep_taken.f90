@@ -3,6 +3,7 @@ module gearsweep_taken
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_case, only: case_t
   use gearsweep_products, only: record_t, study_t
+  use gearsweep_stages, only: points_of
   use gearsweep_sweep_state, only: all_motions, both, counter_t, each, sweep_state_t, units_done
   use gearsweep_task, only: task_t
   use gearsweep_task_record, only: is_recorded
@@ -94,7 +95,7 @@ contains
     associate (running => study%running)
       do i = 1, size(study%tasks)
         associate (slot => study%tasks(i))
-          if (slot%is_wanted .and. is_taken(study, i)) running%done = running%done + slot%task%count_points(study%stages_t)
+          if (slot%is_wanted .and. is_taken(study, i)) running%done = running%done + points_of(slot%task, study%stages_t)
         end associate
       end do
       counter = counter_t(parts=parts_of(study%case), before=running%done, total=running%all_points, &

@@ -4,8 +4,8 @@ module gearsweep_task_record
   use gearsweep_kinds, only: dp
   use gearsweep_record_file, only: record_reader_t, record_writer_t
   use gearsweep_table, only: column_t, kind_real, kind_text, table_t
-  use gearsweep_task, only: task_t
-  use gearsweep_tasks, only: list_tasks, task_slot_t
+  use gearsweep_task, only: task_slot_t, task_t
+  use gearsweep_tasks, only: list_tasks
   implicit none
   private
   public :: is_recorded, put_task, take_task

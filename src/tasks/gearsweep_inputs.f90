@@ -5,17 +5,15 @@
 !> gives all that they hold to the last bit; where somebody adds one, the compiler refuses that. Inputs that write the same
 !> text are the same.
 module gearsweep_inputs
-  use gearsweep_error_estimate, only: step_choice_t
   use gearsweep_disc, only: disc_t
-  use gearsweep_fe_stiffness, only: fe_options_t
+  use gearsweep_elastic_options, only: fe_options_t, section_options_t
   use gearsweep_gear, only: gear_t
   use gearsweep_kinds, only: dp
-  use gearsweep_transient, only: steady_choice_t
   use gearsweep_material, only: material_t
   use gearsweep_own_flattening, only: flattening_t
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_section, only: section_options_t
+  use gearsweep_steady_motion, only: steady_choice_t, step_choice_t
   implicit none
   private
   public :: elements_inputs_t, body_inputs_t, solid_inputs_t, unit_inputs_t, relief_inputs_t, motion_inputs_t

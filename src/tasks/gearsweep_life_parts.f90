@@ -4,11 +4,12 @@ module gearsweep_life_parts
   use gearsweep_fatigue, only: curve_t, strength_t
   use gearsweep_flank_paths, only: follow_motion, follow_static, path_t
   use gearsweep_kinds, only: dp
+  use gearsweep_largest_motion, only: find_motion
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_response, only: response_t
   use gearsweep_root_life, only: root_life, root_life_t
   use gearsweep_status, only: has_result, status_ok
-  use gearsweep_task, only: stages_t
+  use gearsweep_stages, only: stages_t
   implicit none
   private
   public :: life_rule_t, part_t, follow_part
@@ -54,7 +55,7 @@ contains
     if (.not. rule%dynamic_load) then
       call follow_static(stages%pair, osc, path)
     else
-      call stages%find_motion(osc, rpm, response, part%motions)
+      call find_motion(osc, rpm, stages%accuracy, response, part%motions)
       call follow_motion(stages%pair, response, osc%load, '&life rpm', path, error)
       if (allocated(error)) return
     end if

@@ -13,7 +13,7 @@ module gearsweep_rating_parts
   use gearsweep_segments, only: balance_t, contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_stiffness, only: iso_stiffness
-  use gearsweep_task, only: stages_t
+  use gearsweep_stages, only: stages_t
   implicit none
   private
   public :: accuracy_of_teeth_t, nominal_t, need_method_b, nominal_of, largest_share

@@ -8,7 +8,8 @@ module gearsweep_relief_flank
   use gearsweep_relief, only: relief_t, tip_relief
   use gearsweep_relief_methods, only: relief_method_t
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: members, stages_t
+  use gearsweep_stages, only: stages_t
+  use gearsweep_task, only: members
   use gearsweep_text, only: str
   implicit none
   private

@@ -17,13 +17,14 @@ module gearsweep_task_attractors
   use gearsweep_status, only: has_result, status_ok, status_stopped
   use gearsweep_sweep, only: contact_name, contact_of
   use gearsweep_table, only: each, no_number, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
   implicit none
   private
   public :: attractors_task_t
 
-  type, extends(task_t) :: attractors_task_t
+  type, extends(runnable_t) :: attractors_task_t
     type(attractor_options_t) :: options
   contains
     procedure, nopass :: describe
@@ -37,7 +38,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy speeds', &
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
+                                     stage%speeds], &
                        tables='attractors attractor_points basins', fields='', &
                        gives='all attracting motions from spread starts, and which starts lead to which')
   end subroutine describe

@@ -10,14 +10,15 @@ module gearsweep_task_body_modes
   use gearsweep_sector, only: blank_t, sector_t
   use gearsweep_sector_modes, only: axial, radial, sector_mode_t, symmetric, tangential
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: members, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: is_prescribed, needs_gears, sentence_length, unless
   implicit none
   private
   public :: body_modes_task_t
 
-  type, extends(task_t) :: body_modes_task_t
+  type, extends(runnable_t) :: body_modes_task_t
     type(body_options_t) :: options
     real(dp) :: hub_radius = 0                   !< m; 0: no hub
     integer :: shapes = 6                        !< modes with their shapes
@@ -38,7 +39,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry solid', tables='gear_body body_modes body_nodes body_elements body_shapes', &
+    info = task_info_t(group, needs=[stage%geometry, stage%solid], &
+                       tables='gear_body body_modes body_nodes body_elements body_shapes', &
                        fields='', gives='natural modes of a whole gear in three dimensions, by nodal diameter')
   end subroutine describe
 

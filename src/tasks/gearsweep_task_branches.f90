@@ -15,14 +15,15 @@ module gearsweep_task_branches
   use gearsweep_points, only: factor_in
   use gearsweep_reader, only: reader_t
   use gearsweep_table, only: table_t
-  use gearsweep_task, only: includes, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: sentence_length, unless
   implicit none
   private
   public :: branches_task_t
 
-  type, extends(task_t) :: branches_task_t
+  type, extends(runnable_t) :: branches_task_t
     integer :: parameter = of_speed              !< of gearsweep_case_family
     real(dp) :: range(2) = 0                     !< first and last value, SI units
     integer :: second = 0                        !< second parameter, over which changes are followed; 0: none
@@ -41,20 +42,20 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses', &
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses], &
                        tables='branches branch_points branch_changes branch_curves', fields='', &
                        gives='whole branches of periodic motions, attracting or not, with folds, doubled periods and grazing')
   end subroutine describe
 
   !> The relief as parameter makes those of &relief idle.
-  pure logical function uses(self, stage)
+  pure logical function uses(self, which)
     class(branches_task_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
     type(task_info_t) :: info
 
     call self%describe(info)
-    uses = includes(info%needs, stage)
-    if (stage == 'amounts') uses = self%parameter /= of_relief
+    uses = any(info%needs == which)
+    if (which == stage%amounts) uses = self%parameter /= of_relief
   end function uses
 
   subroutine read_keys(self, reader, error)
@@ -165,7 +166,7 @@ contains
     integer, allocatable :: which(:)
 
     points = self%seeds
-    if (.not. self%uses('amounts')) return
+    if (.not. self%uses(stage%amounts)) return
     call self%list_reliefs(stages, which)
     points = points*size(which)
   end function count_points
@@ -180,7 +181,7 @@ contains
     logical :: stopped
 
     which = [1]
-    if (self%uses('amounts')) call self%list_reliefs(stages, which)
+    if (self%uses(stage%amounts)) call self%list_reliefs(stages, which)
     allocate (found(size(which)))
     do i = 1, size(which)
       call make_family(self, stages, stages%amount(which(i)), found(i)%family, error)

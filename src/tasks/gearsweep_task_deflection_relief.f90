@@ -19,14 +19,15 @@ module gearsweep_task_deflection_relief
   use gearsweep_stop, only: wants_stop
   use gearsweep_sweep, only: sweep_options_t
   use gearsweep_table, only: no_number, table_t
-  use gearsweep_task, only: members, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: is_prescribed, needs_gears, sentence_length, unless
   implicit none
   private
   public :: deflection_relief_task_t
 
-  type, extends(task_t) :: deflection_relief_task_t
+  type, extends(runnable_t) :: deflection_relief_task_t
     character(5) :: point = 'tip'
     type(flank_t) :: flank(2)
   contains
@@ -51,7 +52,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry elasticity mesh reliefs motion losses accuracy speeds direction', &
+    info = task_info_t(group, needs=[stage%geometry, stage%elasticity, stage%mesh, stage%reliefs, stage%motion, stage%losses, &
+                                     stage%accuracy, stage%speeds, stage%direction], &
                        tables='deflection_relief relief_deflection relief_curve relief_flank', fields='', &
                        gives='tip relief from the deflection of the teeth, by formula and by finite elements, beside the '// &
                        'reliefs of least transmission error and least dynamic factor')
@@ -85,7 +87,7 @@ contains
     class(deflection_relief_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
 
-    points = most_tried*merge(size(stages%rpm), 0, self%uses('speeds'))
+    points = most_tried*merge(size(stages%rpm), 0, self%uses(stage%speeds))
   end function count_points
 
   subroutine run(self, stages, error)

@@ -8,6 +8,7 @@ module gearsweep_task_flank
   use gearsweep_flank_paths, only: angular, follow_motion, follow_static, path_t
   use gearsweep_gear, only: drive
   use gearsweep_kinds, only: dp
+  use gearsweep_largest_motion, only: find_motion
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh_losses, only: even_load_factor, friction_rule_t, half_shares_factor, mean_friction
@@ -17,14 +18,15 @@ module gearsweep_task_flank
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: no_number, table_t
-  use gearsweep_task, only: check_reliefs, includes_if_moving, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: check_reliefs, needs_moving, stage, task_info_t
   use gearsweep_text, only: fixed, str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
   private
   public :: flank_task_t
 
-  type, extends(task_t) :: flank_task_t
+  type, extends(runnable_t) :: flank_task_t
     logical :: dynamic_load = .true.             !< also that of the motion
     type(surfaces_t) :: surfaces                 !< their materials are the case's
     type(friction_rule_t) :: rule
@@ -36,7 +38,8 @@ module gearsweep_task_flank
   end type flank_task_t
 
   character(*), parameter :: group = 'flank'
-  character(*), parameter :: stages_needed = 'geometry elasticity density mesh reliefs amounts motion losses accuracy'
+  integer, parameter :: stages_needed(*) = [stage%geometry, stage%elasticity, stage%density, stage%mesh, stage%reliefs, &
+                                            stage%amounts, stage%motion, stage%losses, stage%accuracy]
   real(dp), parameter :: micro = 1e6_dp, milli = 1e3_dp, mega = 1e-6_dp
   character(*), parameter :: loadings(2) = [character(7) :: 'static', 'dynamic']
   character(*), parameter :: of_loading = 'static: as stiffness and relief share the load; dynamic: that of the motion'
@@ -51,11 +54,11 @@ contains
   end subroutine describe
 
   !> The motion matters for the dynamic load alone.
-  pure logical function uses(self, stage)
+  pure logical function uses(self, which)
     class(flank_task_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
 
-    uses = includes_if_moving(stages_needed, stage, self%dynamic_load)
+    uses = needs_moving(stages_needed, which, self%dynamic_load)
   end function uses
 
   subroutine read_keys(self, reader, error)
@@ -196,7 +199,7 @@ contains
           if (.not. self%dynamic_load) cycle
           n = n + 1
           found(n) = static
-          call stages%find_motion(motion, static%rpm, response, found(n)%motions)
+          call find_motion(motion, static%rpm, stages%accuracy, response, found(n)%motions)
           call follow_motion(stages%pair, response, stages%load, '&flank rpm', found(n), error)
           if (allocated(error)) return
           call stages%running%tell(1, stages%accuracy%steady%stop)

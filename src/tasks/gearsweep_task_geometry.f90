@@ -8,13 +8,14 @@ module gearsweep_task_geometry
   use gearsweep_pair, only: pair_t
   use gearsweep_rack, only: generating_shift
   use gearsweep_table, only: no_number, table_t
-  use gearsweep_task, only: members, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
   implicit none
   private
   public :: geometry_task_t
 
-  type, extends(task_t) :: geometry_task_t
+  type, extends(runnable_t) :: geometry_task_t
   contains
     procedure, nopass :: describe
     procedure :: run, add_report
@@ -28,7 +29,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('geometry', needs='geometry', tables='geometry gears contact_points', fields='', is_always=.true., &
+    info = task_info_t('geometry', needs=[stage%geometry], tables='geometry gears contact_points', fields='', is_always=.true., &
                        gives='diameters, centre distance, working pressure angle, path of contact')
   end subroutine describe
 

@@ -9,7 +9,8 @@ module gearsweep_task_harmonic
   use gearsweep_long_tables, only: add_rest, most_rows
   use gearsweep_reader, only: reader_t
   use gearsweep_section_body, only: stress_error_share
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: tooth_modes_t
   use gearsweep_unit_teeth, only: find_unit_teeth, tooth_choice_t
@@ -18,7 +19,7 @@ module gearsweep_task_harmonic
   private
   public :: harmonic_task_t
 
-  type, extends(task_t) :: harmonic_task_t
+  type, extends(runnable_t) :: harmonic_task_t
     type(tooth_choice_t) :: choice               !< modes, damping, chosen points
     real(dp), allocatable :: frequency(:)        !< Hz, ascending
     real(dp), allocatable :: s(:)                !< places of the load; not allocated: the outer point of single contact
@@ -37,7 +38,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry section body mesh', tables='harmonic section_resonances campbell', &
+    info = task_info_t(group, needs=[stage%geometry, stage%section, stage%body, stage%mesh], &
+                       tables='harmonic section_resonances campbell', &
                        fields='', gives='root stress of one gear over the frequency of its load, resonances, and the speeds '// &
                        'that meet them')
   end subroutine describe

@@ -16,13 +16,14 @@ module gearsweep_task_hysteresis
   use gearsweep_status, only: has_result, status_name, status_stopped
   use gearsweep_sweep, only: contact_name, contact_of
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
   implicit none
   private
   public :: hysteresis_task_t
 
-  type, extends(task_t) :: hysteresis_task_t
+  type, extends(runnable_t) :: hysteresis_task_t
     real(dp) :: jump = 0.02_dp                   !< of the dynamic factor, from which on a motion is another one
     real(dp) :: closeness = 1e-6_dp              !< of the speeds before and after a change, relative
     real(dp) :: rate = 0                         !< of the speed on a ramp, (1/min)/s; 0: there is none
@@ -40,7 +41,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy speeds', &
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
+                                     stage%speeds], &
       tables='hysteresis hysteresis_changes hysteresis_ramps hysteresis_delays', fields='', &
       gives='the steady motions that a slow run up through the speeds and one down meet, and the speeds at which they change')
   end subroutine describe

@@ -15,14 +15,15 @@ module gearsweep_task_life
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, no_number, over_and_over, table_t
-  use gearsweep_task, only: check_reliefs, includes_if_moving, members, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: check_reliefs, members, needs_moving, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
   private
   public :: life_task_t
 
-  type, extends(task_t) :: life_task_t
+  type, extends(runnable_t) :: life_task_t
     real(dp), allocatable :: load_factor(:)      !< of each part of the spectrum: its load over that of the case
     real(dp), allocatable :: duration(:)         !< of each part, s
     type(life_rule_t) :: rule
@@ -33,7 +34,8 @@ module gearsweep_task_life
   end type life_task_t
 
   character(*), parameter :: group = 'life'
-  character(*), parameter :: stages_needed = 'geometry rims mesh reliefs amounts motion losses accuracy'
+  integer, parameter :: stages_needed(*) = [stage%geometry, stage%rims, stage%mesh, stage%reliefs, stage%amounts, stage%motion, &
+                                            stage%losses, stage%accuracy]
   real(dp), parameter :: mega = 1e-6_dp, hour = 3600
   integer, parameter :: word_length = 10
 
@@ -47,11 +49,11 @@ contains
   end subroutine describe
 
   !> The motion matters for the dynamic load alone.
-  pure logical function uses(self, stage)
+  pure logical function uses(self, which)
     class(life_task_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
 
-    uses = includes_if_moving(stages_needed, stage, self%rule%dynamic_load)
+    uses = needs_moving(stages_needed, which, self%rule%dynamic_load)
   end function uses
 
   subroutine read_keys(self, reader, error)

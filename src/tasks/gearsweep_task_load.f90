@@ -5,6 +5,7 @@ module gearsweep_task_load
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_input, code_memory, error_t, fail
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_largest_motion, only: find_motion
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
@@ -15,13 +16,14 @@ module gearsweep_task_load
   use gearsweep_status, only: has_result, status_name, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, no_number, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   implicit none
   private
   public :: load_task_t
 
-  type, extends(task_t) :: load_task_t
+  type, extends(runnable_t) :: load_task_t
     integer :: harmonics = 8                     !< of the mesh frequency
   contains
     procedure, nopass :: describe
@@ -36,7 +38,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('load', needs='mesh reliefs amounts motion losses accuracy', &
+    info = task_info_t('load', needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy], &
                        tables='load load_points motion_harmonics', fields='', &
                        gives='load of one pair along its path at chosen speeds, harmonics, coast load, impacts')
   end subroutine describe
@@ -83,7 +85,7 @@ contains
       do k = 1, size(rpm)
         do i = 1, size(motion)
           if (wants_stop(accuracy%steady%stop)) return
-          call stages%find_motion(motion(i), rpm(k), response(i, k), motions(i, k), self%harmonics)
+          call find_motion(motion(i), rpm(k), stages%accuracy, response(i, k), motions(i, k), self%harmonics)
           if (response(i, k)%lacks) call fail(error, code_memory, &
             '&sweep load_rpm = '//str(rpm(k))//': the memory does not hold the motion')
           if (allocated(error)) return

@@ -13,13 +13,14 @@ module gearsweep_task_mesh
   use gearsweep_segments, only: balance_t, contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
   implicit none
   private
   public :: mesh_task_t
 
-  type, extends(task_t) :: mesh_task_t
+  type, extends(runnable_t) :: mesh_task_t
     integer :: harmonics = 8                     !< of the static transmission error
   contains
     procedure, nopass :: describe
@@ -34,7 +35,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('mesh', needs='mesh reliefs amounts', tables='mesh transmission_error harmonics compliance', fields='', &
+    info = task_info_t('mesh', needs=[stage%mesh, stage%reliefs, stage%amounts], &
+                       tables='mesh transmission_error harmonics compliance', fields='', &
                        gives='pair and mesh stiffness, load sharing, static transmission error and its harmonics')
   end subroutine describe
 

@@ -7,14 +7,15 @@ module gearsweep_task_modal
   use gearsweep_modal, only: modal_t
   use gearsweep_reader, only: reader_t
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: is_prescribed, needs_gears, unless
   implicit none
   private
   public :: modal_task_t
 
-  type, extends(task_t) :: modal_task_t
+  type, extends(runnable_t) :: modal_task_t
     integer :: modes = 10
   contains
     procedure, nopass :: describe
@@ -28,7 +29,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('modal', needs='geometry section body', tables='modal mode_energy', fields='nodes elements mode_shapes', &
+    info = task_info_t('modal', needs=[stage%geometry, stage%section, stage%body], tables='modal mode_energy', &
+                       fields='nodes elements mode_shapes', &
                        gives='natural frequencies and mode shapes of the section')
   end subroutine describe
 

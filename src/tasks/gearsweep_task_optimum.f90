@@ -8,6 +8,7 @@ module gearsweep_task_optimum
   use gearsweep_joint_designs, only: design_starts, designs_t, fill_design, fill_loads, make_designs, with_design
   use gearsweep_joint_optimum, only: find_joint_optimum, joint_optimum_t
   use gearsweep_kinds, only: dp
+  use gearsweep_largest_motion, only: find_point
   use gearsweep_lines, only: left, lines_t
   use gearsweep_motions, only: largest_relief, with_relief
   use gearsweep_optimum, only: find_optimum, most_tried, optimum_t
@@ -17,13 +18,14 @@ module gearsweep_task_optimum
   use gearsweep_status, only: has_result
   use gearsweep_sweep, only: sweep_options_t, sweep_state_t
   use gearsweep_table, only: no_number, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
   implicit none
   private
   public :: optimum_task_t
 
-  type, extends(task_t) :: optimum_task_t
+  type, extends(runnable_t) :: optimum_task_t
     logical :: with_length = .false., each_gear = .false.
     real(dp), allocatable :: load_factor(:)
   contains
@@ -40,7 +42,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs motion losses accuracy speeds direction', &
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%motion, stage%losses, stage%accuracy, stage%speeds, &
+                                     stage%direction], &
                        tables='optimum optimum_curve optimum_design optimum_loads', fields='', &
                        gives='the relief whose largest dynamic factor over all speeds is least')
   end subroutine describe
@@ -65,7 +68,7 @@ contains
     class(optimum_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
 
-    points = most_tried*merge(size(stages%rpm), 0, self%uses('speeds'))
+    points = most_tried*merge(size(stages%rpm), 0, self%uses(stage%speeds))
   end function count_points
 
   subroutine run(self, stages, error)
@@ -116,7 +119,7 @@ contains
     if (allocated(error) .or. optimum%best == 0) return
     call with_relief(stages%motions_inputs, optimum%amount(optimum%best), motion, error)
     if (allocated(error)) return
-    call stages%find_point(motion, optimum%rpm(optimum%best), point, motions, lacks)
+    call find_point(motion, optimum%rpm(optimum%best), stages%accuracy, point, motions, lacks)
     if (lacks) call fail(error, code_memory, '&case tasks = ''optimum'': the memory does not hold all motions at a speed')
     largest = optimum%dynamic_factor(optimum%best)
     if (has_result(point%steady%status)) largest = max(largest, point%dynamic_factor)

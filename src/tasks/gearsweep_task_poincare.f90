@@ -9,13 +9,14 @@ module gearsweep_task_poincare
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: status_chaotic, status_chatter, status_name, status_stopped, status_unbounded, status_unresolved
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   implicit none
   private
   public :: poincare_task_t
 
-  type, extends(task_t) :: poincare_task_t
+  type, extends(runnable_t) :: poincare_task_t
     integer :: settling = 500, kept = 400        !< mesh periods
     logical :: at_rest = .true.                  !< the motion begins at rest under the static load
     real(dp) :: start(2) = 0                     !< m, m/s
@@ -31,7 +32,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses speeds', tables='poincare lyapunov', fields='', &
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%speeds], &
+                       tables='poincare lyapunov', fields='', &
                        gives='the motion seen once a mesh period, and its largest Lyapunov exponent')
   end subroutine describe
 

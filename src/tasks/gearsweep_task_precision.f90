@@ -14,7 +14,8 @@ module gearsweep_task_precision
   use gearsweep_status, only: has_result, status_name
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: no_number, table_t
-  use gearsweep_task, only: includes, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_trials, only: least_elements, least_samples, least_steps, result_t, trials_t, try_grids, try_harmonics, &
                               try_methods
@@ -23,7 +24,7 @@ module gearsweep_task_precision
   private
   public :: precision_task_t
 
-  type, extends(task_t) :: precision_task_t
+  type, extends(runnable_t) :: precision_task_t
     integer :: most_steps = 1600, most_samples = 4096, most_elements = 12
     integer :: harmonics = 3, modes = 3
     logical :: has_gears = .true.                !< there are grids
@@ -40,7 +41,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses section body', &
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%section, &
+                                     stage%body], &
                        tables='precision precision_finest', fields='', &
                        gives='error against run time of the methods of integration over their steps, of harmonics over '// &
                        'samples, and of finite elements over their grids')
@@ -74,14 +76,14 @@ contains
   end subroutine read_keys
 
   !> Without gears there are no grids.
-  pure logical function uses(self, stage)
+  pure logical function uses(self, which)
     class(precision_task_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
     type(task_info_t) :: info
 
     call self%describe(info)
-    uses = includes(info%needs, stage)
-    if (stage == 'section' .or. stage == 'body') uses = uses .and. self%has_gears
+    uses = any(info%needs == which)
+    if (which == stage%section .or. which == stage%body) uses = uses .and. self%has_gears
   end function uses
 
   !> It solves the same points many times, and tells of none.

@@ -8,6 +8,7 @@ module gearsweep_task_rating
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_error_estimate, only: point_t
   use gearsweep_kinds, only: dp
+  use gearsweep_largest_motion, only: find_point
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_load_factors, only: contact_stress, load_factors_t, tooth_root_stress
   use gearsweep_memory, only: claim_memory
@@ -18,7 +19,8 @@ module gearsweep_task_rating
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, no_number, over_and_over, table_t
-  use gearsweep_task, only: members, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: fixed, str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
@@ -31,7 +33,7 @@ module gearsweep_task_rating
   character(*), parameter :: signs(3) = [character(60) :: 'by the larger of Methods A (motion) and B (formula)', &
     'by Method A (motion, without deviations of the teeth)', 'by Method B (formula)']
 
-  type, extends(task_t) :: rating_task_t
+  type, extends(runnable_t) :: rating_task_t
     type(accuracy_of_teeth_t) :: accuracy
     integer :: method = by_larger                !< of the dynamic factor that counts
     type(load_factors_t) :: factors              !< K_A is that of &load
@@ -50,7 +52,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry elasticity rims webs mesh reliefs amounts motion losses accuracy', &
+    info = task_info_t(group, needs=[stage%geometry, stage%elasticity, stage%rims, stage%webs, stage%mesh, stage%reliefs, &
+                                     stage%amounts, stage%motion, stage%losses, stage%accuracy], &
                        tables='rating rating_factors dynamic_factors', fields='', &
                        gives='contact and root stress by ISO 6336, with K_v of the motion beside that of Method B')
   end subroutine describe
@@ -157,7 +160,7 @@ contains
     do i = 1, size(stages%motion)
       do k = 1, size(rpm)
         if (wants_stop(stages%accuracy%steady%stop)) return
-        call stages%find_point(stages%motion(i), rpm(k), found(k, i), motions(k, i), lacks)
+        call find_point(stages%motion(i), rpm(k), stages%accuracy, found(k, i), motions(k, i), lacks)
         if (lacks) call fail(error, code_memory, '&rating rpm = '//str(rpm(k))//': the memory does not hold the motion')
         if (allocated(error)) return
         call stages%running%tell(1, stages%accuracy%steady%stop)

@@ -8,13 +8,14 @@ module gearsweep_task_section
   use gearsweep_pair, only: pair_t
   use gearsweep_section, only: make_section, section_t
   use gearsweep_table, only: table_t
-  use gearsweep_task, only: members, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
   implicit none
   private
   public :: section_task_t
 
-  type, extends(task_t) :: section_task_t
+  type, extends(runnable_t) :: section_task_t
   contains
     procedure, nopass :: describe
     procedure :: run, add_report
@@ -27,7 +28,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('section', needs='geometry section', tables='section outline', fields='nodes elements', &
+    info = task_info_t('section', needs=[stage%geometry, stage%section], tables='section outline', fields='nodes elements', &
                        gives='the grid of a section of one gear')
   end subroutine describe
 

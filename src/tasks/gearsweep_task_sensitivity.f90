@@ -19,13 +19,14 @@ module gearsweep_task_sensitivity
   use gearsweep_status, only: has_result
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: no_number, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   implicit none
   private
   public :: sensitivity_task_t
 
-  type, extends(task_t) :: sensitivity_task_t
+  type, extends(runnable_t) :: sensitivity_task_t
     integer :: harmonics = 3
   contains
     procedure, nopass :: describe
@@ -52,7 +53,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh reliefs amounts motion losses accuracy', &
+    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy], &
                        tables='sensitivity dte_sensitivity ste_sensitivity', fields='', &
                        gives='derivatives of dynamic factor and transmission error by each number of the motion')
   end subroutine describe

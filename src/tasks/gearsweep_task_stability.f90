@@ -10,14 +10,15 @@ module gearsweep_task_stability
   use gearsweep_stability, only: map_stability, stability_t
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_tongues, only: find_tongues, tongue_t
   implicit none
   private
   public :: stability_task_t
 
-  type, extends(task_t) :: stability_task_t
+  type, extends(runnable_t) :: stability_task_t
     real(dp) :: damping_first = 0, damping_last = 0.2_dp
     integer :: damping_count = 101
     integer :: tongues = 10                      !< how many to find
@@ -35,7 +36,7 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='mesh motion speeds', tables='stability tongues tongue_edges', fields='', &
+    info = task_info_t(group, needs=[stage%mesh, stage%motion, stage%speeds], tables='stability tongues tongue_edges', fields='', &
       gives='Floquet multipliers of the motion with all pairs in contact over speed and damping, and its tongues of instability')
   end subroutine describe
 

@@ -17,14 +17,15 @@ module gearsweep_task_static
   use gearsweep_stress, only: root_stress, root_stress_t
   use gearsweep_stress_field, only: find_stress_field, stress_field_t
   use gearsweep_table, only: each, over_and_over, table_t
-  use gearsweep_task, only: includes, members, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
   private
   public :: static_task_t
 
-  type, extends(task_t) :: static_task_t
+  type, extends(runnable_t) :: static_task_t
     type(root_options_t) :: options
     !> Stress at the root under unit loads, which no load, relief or stiffness changes, and what it was made from.
     type(root_stress_t), allocatable :: unit_stress
@@ -37,7 +38,7 @@ module gearsweep_task_static
   end type static_task_t
 
   character(*), parameter :: group = 'static'
-  character(*), parameter :: stages_needed = 'geometry section body mesh reliefs amounts'
+  integer, parameter :: stages_needed(*) = [stage%geometry, stage%section, stage%body, stage%mesh, stage%reliefs, stage%amounts]
   real(dp), parameter :: milli = 1e3_dp, mega = 1e-6_dp, degree = pi/180
   character(*), parameter :: sides(2) = [character(5) :: 'drive', 'coast']
   character(*), parameter :: of_relief = 'amount of relief'
@@ -53,11 +54,11 @@ contains
   end subroutine describe
 
   !> Relief does not matter where the mesh does not share the load.
-  pure logical function uses(self, stage)
+  pure logical function uses(self, which)
     class(static_task_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
 
-    uses = includes(stages_needed, stage) .and. (stage /= 'reliefs' .or. self%options%sharing == shared_by_mesh)
+    uses = any(stages_needed == which) .and. (which /= stage%reliefs .or. self%options%sharing == shared_by_mesh)
   end function uses
 
   subroutine read_keys(self, reader, error)

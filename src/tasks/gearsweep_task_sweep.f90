@@ -16,7 +16,8 @@ module gearsweep_task_sweep
   use gearsweep_sweep_state, only: all_motions, both, down, up
   use gearsweep_sweep, only: contact_lost, contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
   use gearsweep_table, only: each, no_number, over_and_over, table_t
-  use gearsweep_task, only: stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
   implicit none
   private
@@ -24,7 +25,7 @@ module gearsweep_task_sweep
 
   character(*), parameter :: of_other = 'with direction both: largest DF over the speeds in the direction in which it is smaller'
 
-  type, extends(task_t) :: sweep_task_t
+  type, extends(runnable_t) :: sweep_task_t
   contains
     procedure, nopass :: describe
     procedure :: run, add_report
@@ -35,7 +36,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t('sweep', needs='mesh reliefs amounts motion losses accuracy speeds direction', &
+    info = task_info_t('sweep', needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
+                                       stage%speeds, stage%direction], &
                        tables='sweep sweep_worst resonances sweep_summary', fields='', &
                        gives='dynamic factor over speed and relief, resonances, best of the listed reliefs')
   end subroutine describe

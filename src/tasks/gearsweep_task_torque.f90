@@ -4,6 +4,7 @@ module gearsweep_task_torque
   use gearsweep_error, only: code_input, code_memory, error_t, fail
   use gearsweep_gear, only: drive
   use gearsweep_kinds, only: dp
+  use gearsweep_largest_motion, only: find_point
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_mesh_torque, only: find_torque, mesh_torque_t
@@ -14,7 +15,8 @@ module gearsweep_task_torque
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: table_t
-  use gearsweep_task, only: check_reliefs, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: check_reliefs, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_torque_tables, only: fill_harmonics, fill_points, fill_time, harmonic_bytes, row_bytes, torque_run_t
   use gearsweep_trace, only: trace_t
@@ -23,7 +25,7 @@ module gearsweep_task_torque
   private
   public :: torque_task_t
 
-  type, extends(task_t) :: torque_task_t
+  type, extends(runnable_t) :: torque_task_t
     integer :: harmonics = 8                     !< of the mesh frequency
   contains
     procedure, nopass :: describe
@@ -37,7 +39,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs='geometry mesh reliefs amounts motion losses accuracy', &
+    info = task_info_t(group, needs=[stage%geometry, stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, &
+                                     stage%accuracy], &
                        tables='torque torque_points torque_harmonics', fields='', &
                        gives='transmitted torque of both gears over time at chosen speeds, with friction''s share, and its '// &
                        'harmonics')
@@ -128,7 +131,7 @@ contains
       run%relief = stages%amount(relief)
       run%rpm = rpm
       run%period = mesh_period(motion%mesh%teeth(1), rpm)
-      call stages%find_point(motion, rpm, run%point, run%motions, lacks)
+      call find_point(motion, rpm, stages%accuracy, run%point, run%motions, lacks)
       if (.not. lacks .and. has_result(run%point%steady%status)) then
         run%left_open = stages%load*(stages%accuracy%steady%tolerance + run%point%estimate - run%point%step_error)
         call trace_motion(motion, run%period, stages%accuracy, run%point, trace, lacks, in_half=.true.)

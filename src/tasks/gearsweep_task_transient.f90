@@ -4,6 +4,7 @@ module gearsweep_task_transient
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_input, code_memory, error_t, fail
   use gearsweep_kinds, only: dp
+  use gearsweep_largest_motion, only: find_motion
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: mesh_period
@@ -15,7 +16,8 @@ module gearsweep_task_transient
   use gearsweep_section_body, only: stress_error_share
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_stop, only: wants_stop
-  use gearsweep_task, only: check_reliefs, includes_if_moving, stages_t, task_info_t, task_t
+  use gearsweep_stages, only: runnable_t, stages_t
+  use gearsweep_task, only: check_reliefs, needs_moving, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: tooth_modes_t
   use gearsweep_tooth_transient, only: damping_t, follow_tooth, look_t
@@ -30,7 +32,7 @@ module gearsweep_task_transient
   !> Which way the load travels over the flank: as the driving pinion makes it, or as is said.
   integer, parameter :: driving = 0, inwards = 1, outwards = 2
 
-  type, extends(task_t) :: transient_task_t
+  type, extends(runnable_t) :: transient_task_t
     type(tooth_choice_t) :: choice               !< modes, damping, chosen points
     type(passage_options_t) :: passage
     type(look_t) :: look
@@ -43,8 +45,8 @@ module gearsweep_task_transient
   end type transient_task_t
 
   character(*), parameter :: group = 'transient'
-  character(*), parameter :: stages_needed = &
-    'geometry section body mesh reliefs amounts motion losses accuracy'
+  integer, parameter :: stages_needed(*) = [stage%geometry, stage%section, stage%body, stage%mesh, stage%reliefs, &
+                                            stage%amounts, stage%motion, stage%losses, stage%accuracy]
   integer, parameter :: most_passages = 10000
 
 contains
@@ -57,13 +59,13 @@ contains
   end subroutine describe
 
   !> The motion matters for its pair load alone, and relief where the mesh or the motion shares the load.
-  pure logical function uses(self, stage)
+  pure logical function uses(self, which)
     class(transient_task_t), intent(in) :: self
-    character(*), intent(in) :: stage
+    integer, intent(in) :: which                 !< of `stage`
 
     associate (sharing => self%passage%root%sharing)
-      uses = includes_if_moving(stages_needed, stage, sharing == shared_by_motion)
-      if (stage == 'reliefs') uses = uses .and. (sharing == shared_by_motion .or. sharing == shared_by_mesh)
+      uses = needs_moving(stages_needed, which, sharing == shared_by_motion)
+      if (which == stage%reliefs) uses = uses .and. (sharing == shared_by_motion .or. sharing == shared_by_mesh)
     end associate
   end function uses
 
@@ -234,7 +236,7 @@ contains
         if (has_result(found(n)%status)) call follow_tooth(teeth, stress_error_share(stages%running%bodies), passage, self%look, &
                                                            found(n)%tooth, error)
         if (allocated(error)) return
-        if (self%uses('motion')) call stages%running%tell(1, stages%accuracy%steady%stop)
+        if (self%uses(stage%motion)) call stages%running%tell(1, stages%accuracy%steady%stop)
       end do
     end do
     call move_alloc(found, runs)
@@ -263,7 +265,7 @@ contains
         return
       end if
     end associate
-    call stages%find_motion(stages%motion(relief), rpm, response, motions)
+    call find_motion(stages%motion(relief), rpm, stages%accuracy, response, motions)
     if (response%lacks) call fail(error, code_memory, '&transient rpm = '//str(rpm)//': the memory does not hold the motion')
     if (allocated(error)) return
     status = response%point%steady%status

@@ -1,6 +1,6 @@
 !> All tasks. A new one is one line in `list_tasks`.
 module gearsweep_tasks
-  use gearsweep_task, only: task_info_t, task_length, task_t
+  use gearsweep_task, only: task_length, task_slot_t, task_t
   use gearsweep_task_attractors, only: attractors_task_t
   use gearsweep_task_body_modes, only: body_modes_task_t
   use gearsweep_task_branches, only: branches_task_t
@@ -24,19 +24,9 @@ module gearsweep_tasks
   use gearsweep_task_sweep, only: sweep_task_t
   use gearsweep_task_torque, only: torque_task_t
   use gearsweep_task_transient, only: transient_task_t
-  use gearsweep_uses, only: sentence_length
   implicit none
   private
-  public :: task_slot_t, list_tasks, sentence_of, sentence_length
-
-  type :: task_slot_t
-    type(task_info_t) :: info
-    class(task_t), allocatable :: task
-    logical :: is_wanted = .false.               !< by the case at hand
-    character(:), allocatable :: given           !< what the case says of its keys, as text
-  contains
-    procedure :: takes
-  end type task_slot_t
+  public :: list_tasks, list_task_names
 
 contains
 
@@ -90,37 +80,13 @@ contains
     end subroutine add
   end subroutine list_tasks
 
-  !> Does the case at hand name this task, and needs it this stage?
-  pure logical function takes(self, stage)
-    class(task_slot_t), intent(in) :: self
-    character(*), intent(in) :: stage
+  !> The names of all tasks.
+  subroutine list_task_names(names)
+    character(task_length), allocatable, intent(out) :: names(:)
+    type(task_slot_t), allocatable :: slots(:)
+    integer :: i
 
-    takes = self%is_wanted .and. self%task%uses(stage)
-  end function takes
-
-  !> The tasks that need this stage, or this other one, as in `load, sweep or optimum`.
-  pure function sentence_of(slots, stage, other) result(words)
-    type(task_slot_t), intent(in) :: slots(:)
-    character(*), intent(in) :: stage
-    character(*), intent(in), optional :: other
-    character(sentence_length) :: words
-    character(task_length) :: names(size(slots))
-    integer :: i, n
-    logical :: used
-
-    n = 0
-    do i = 1, size(slots)
-      used = slots(i)%task%uses(stage)
-      if (present(other)) used = used .or. slots(i)%task%uses(other)
-      if (.not. used) cycle
-      n = n + 1
-      names(n) = slots(i)%info%name
-    end do
-    words = ''
-    do i = 1, n
-      if (i > 1) words = trim(words)//trim(merge(' or', ',  ', i == n))
-      words = trim(words)//' '//names(i)
-    end do
-    words = adjustl(words)
-  end function sentence_of
+    call list_tasks(slots)
+    names = [(slots(i)%info%name, i=1, size(slots))]
+  end subroutine list_task_names
 end module gearsweep_tasks

@@ -26,7 +26,7 @@ module gearsweep_trials
   use gearsweep_stop, only: wants_stop
   use gearsweep_stress, only: root_stress, root_stress_t
   use gearsweep_table, only: no_number
-  use gearsweep_task, only: stages_t
+  use gearsweep_stages, only: stages_t
   use gearsweep_text, only: str
   implicit none
   private

@@ -4,7 +4,7 @@ module gearsweep_unit_teeth
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_reader, only: reader_t
-  use gearsweep_task, only: stages_t
+  use gearsweep_stages, only: stages_t
   use gearsweep_tooth_modes, only: find_tooth_modes, tooth_modes_t
   use gearsweep_tooth_transient, only: damp_modes, damping_t
   use gearsweep_uses, only: first_of, sentence_length, unless

@@ -8,7 +8,8 @@ module gearsweep_optimum
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: status_stopped
   use gearsweep_stop, only: wants_stop
-  use gearsweep_sweep, only: contact_full, each, sweep_t, sweep_options_t, sweep_state_t, run_sweep, progress_of_sweep
+  use gearsweep_sweep, only: contact_full, run_sweep, sweep_t
+  use gearsweep_sweep_state, only: each, most_sweeps, progress_of_sweep, sweep_options_t, sweep_state_t
   implicit none
   private
   public :: peak_t, find_resonances, worst_of, optimum_t, find_optimum, build_motion
@@ -31,9 +32,7 @@ module gearsweep_optimum
     logical :: stopped = .false.                 !< the caller ended the search: the curve is not whole
   end type optimum_t
 
-  integer, parameter :: scan = 16, inner = 6, rounds = 4
-  !> Sweeps of one search.
-  integer, parameter, public :: most_sweeps = 1 + rounds
+  integer, parameter :: scan = 16, inner = 6, rounds = most_sweeps - 1
   !> No more reliefs than these are tried.
   integer, parameter, public :: most_tried = 1 + scan + rounds*inner
 

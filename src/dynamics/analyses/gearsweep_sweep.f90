@@ -11,8 +11,8 @@ module gearsweep_sweep
   use gearsweep_refinement, only: forget_levels, levels_t
   use gearsweep_relief_family, only: relief_family_t, find_family
   use gearsweep_status, only: has_result, status_stopped
-  use gearsweep_sweep_state, only: begin_state, both, counter_t, down, each, find_final, fits, progress_of_sweep, &
-                                   sweep_options_t, sweep_state_t, units_done, up
+  use gearsweep_sweep_state, only: begin_state, both, counter_t, down, each, find_final, fits, most_points, &
+                                   progress_of_sweep, sweep_options_t, sweep_state_t, units_done, up
   use gearsweep_sweep_work, only: continue_sweep, return_from_above, solve_block, solve_family_block
   use gearsweep_memory, only: claim_memory, settle_memory, team
   use gearsweep_text, only: str
@@ -42,9 +42,6 @@ module gearsweep_sweep
   end type sweep_t
 
   integer, parameter, public :: contact_full = 0, contact_partial = 1, contact_lost = 2, contact_coast = 3
-
-  !> More points than this are refused: 1 GB of results.
-  integer, parameter, public :: most_points = 10**7
 
 contains
 

@@ -2,8 +2,8 @@
 module gearsweep_sweep_state
   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64
-  use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp
+  use gearsweep_steady_motion, only: accuracy_t, point_t
   use gearsweep_stop, only: wants_stop
   implicit none
   private
@@ -16,6 +16,12 @@ module gearsweep_sweep_state
   integer, parameter, public :: both = 3
   !> What a case may ask for besides: each point by itself, and all motions that attract there.
   integer, parameter, public :: all_motions = 2
+
+  !> More points than this are refused: 1 GB of results.
+  integer, parameter, public :: most_points = 10**7
+
+  !> Sweeps of one search for the best relief.
+  integer, parameter, public :: most_sweeps = 5
 
   type :: sweep_options_t
     type(accuracy_t) :: accuracy

@@ -1,45 +1,15 @@
-!> An operating point, and the estimate of its error from the solution with half the steps.
+!> The estimate of its error from the solution with half the steps.
 module gearsweep_error_estimate
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-  use gearsweep_coefficients, only: resolution_t, scheme_collocation, scheme_rk4
+  use gearsweep_coefficients, only: scheme_collocation, scheme_rk4
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t, resolving_steps
-  use gearsweep_periodic_orbit, only: distance, steady_t, unbounded
+  use gearsweep_periodic_orbit, only: distance, unbounded
   use gearsweep_status, only: has_result, status_inexact, status_marginal
-  use gearsweep_transient, only: steady_options_t
+  use gearsweep_steady_motion, only: accuracy_t, point_t, steady_t
   implicit none
   private
-  public :: accuracy_t, step_choice_t, point_t, compare, is_estimated, leave_unknown, mark_inexact
-
-  !> The method of integration, and how many steps there are.
-  type :: step_choice_t
-    integer :: scheme = scheme_collocation       !< of gearsweep_coefficients
-    integer :: steps = 0                         !< of a period; 0: chosen for the tolerance, or 200 by another scheme
-    integer :: most_steps = 2**18                !< of a period; fewer where there are more than four contacts
-  end type step_choice_t
-
-  !> What an operating point is asked for.
-  type, extends(step_choice_t) :: accuracy_t
-    type(steady_options_t) :: steady
-  end type accuracy_t
-
-  !> The result at one speed.
-  type :: point_t
-    type(steady_t) :: steady
-    real(dp) :: dynamic_factor = 0               !< largest load on one pair over the static load
-    real(dp) :: estimate = 0                     !< of the error of the dynamic factor; NaN: not known
-    real(dp) :: step_error = 0                   !< its part that more steps reduce
-    real(dp) :: work = 0                         !< steps in all, at every level tried; not counted in batches
-    integer :: steps = 0                         !< of the period
-    type(resolution_t) :: resolution             !< that has them
-    !> In a sweep up or down: the motion at the speed before led to none, and this one was found without it.
-    logical :: branch_lost = .false.
-    !> In a sweep up and down: the direction that led to this motion, 1 up, -1 down, 0 both; and what the other led to, the
-    !> same motion or one of smaller dynamic factor.
-    integer :: direction = 0
-    integer :: other_status = 0                  !< of gearsweep_status
-    real(dp) :: other_factor = 0                 !< its dynamic factor
-  end type point_t
+  public :: accuracy_t, point_t, compare, is_estimated, leave_unknown, mark_inexact
 
 contains
 

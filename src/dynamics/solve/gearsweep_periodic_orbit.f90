@@ -6,31 +6,13 @@ module gearsweep_periodic_orbit
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_period
   use gearsweep_period_map, only: period_map_t, run_full_contact
-  use gearsweep_status, only: status_chatter, status_marginal, status_ok, status_subharmonic, status_transient, status_unstable
+  use gearsweep_status, only: status_chatter, status_marginal, status_ok, status_subharmonic, status_unstable
+  use gearsweep_steady_motion, only: steady_t
   implicit none
   private
   public :: steady_t, settled, adopt, solve_full_contact
   public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, is_bounded, largest_multiplier
   public :: most_negative_direction
-
-  type :: steady_t
-    integer :: status = status_transient         !< of gearsweep_status
-    real(dp) :: state(2) = 0                     !< at the begin of the mesh period, m
-    real(dp) :: peak = 0                         !< largest load on one pair, N
-    real(dp) :: coast_peak = 0                   !< largest load on the coast sides, N
-    real(dp) :: checksum = 0                     !< sum of x where smooth intervals begin, mean of the periods, m
-    !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean factor by which a disturbance grows
-    !> over a mesh period.
-    real(dp) :: multiplier = 0
-    real(dp) :: residual = 0                     !< of x(T) = x(0), in static deflections
-    real(dp) :: closure = 0                      !< error of the state that the residual leaves, in static deflections
-    integer :: periods = 1                       !< mesh periods until the motion repeats
-    real(dp) :: work = 0                         !< computing time to find it, in steps
-    !> It was not all in full contact, about which the motion is linear.
-    logical :: departs = .false.
-    !> A pair between A and E was apart for a while; all flanks were; the coast sides came into contact.
-    logical :: partial = .false., lost = .false., coast = .false.
-  end type steady_t
 
   !> A solution within so many static deflections of where Newton's method started belongs to the motion that it
   !> started from.

@@ -1,32 +1,18 @@
 !> The transient, followed period by period until the motion repeats, or until it is clear that it will not.
 module gearsweep_transient
-  use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_contact_set, only: period_t
   use gearsweep_kinds, only: dp
   use gearsweep_period, only: run_period
   use gearsweep_period_map, only: period_map_t
-  use gearsweep_periodic_orbit, only: steady_t, near, most_work, adopt, shoot, newton_step, closure_of, run_periods, judge, &
+  use gearsweep_periodic_orbit, only: near, most_work, adopt, shoot, newton_step, closure_of, run_periods, judge, &
                                       distance, is_bounded, largest_multiplier
   use gearsweep_status, only: has_result, status_aperiodic, status_chaotic, status_chatter, status_stopped, status_transient, &
                               status_unbounded, status_unstable
+  use gearsweep_steady_motion, only: by_marching, by_shooting, steady_options_t, steady_t
   use gearsweep_stop, only: wants_stop
   implicit none
   private
-  public :: march, shorten, steady_choice_t, steady_options_t, sure_growth
-
-  integer, parameter, public :: by_shooting = 1, by_marching = 2
-
-  !> What the motion that is found depends on.
-  type :: steady_choice_t
-    integer :: method = by_shooting
-    real(dp) :: tolerance = 1e-6_dp              !< of the dynamic factor
-    integer :: most_cycles = 2000                !< mesh periods marched at most
-    integer :: most_periods = 8                  !< mesh periods of the longest subharmonic motion looked for
-  end type steady_choice_t
-
-  type, extends(steady_choice_t) :: steady_options_t
-    type(c_ptr) :: stop = c_null_ptr             !< an integer of the caller; the search ends where it is not 0
-  end type steady_options_t
+  public :: march, shorten, by_marching, by_shooting, steady_options_t, sure_growth
 
   !> The end of a transient.
   type :: history_t

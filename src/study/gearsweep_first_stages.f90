@@ -1,5 +1,5 @@
 !> From a case to the products of the first stages: gear pair, load and masses, mesh.
-module gearsweep_stages
+module gearsweep_first_stages
   use gearsweep_kinds, only: dp, pi
   use gearsweep_blank, only: has_web, web_inertia
   use gearsweep_case, only: case_t
@@ -15,6 +15,7 @@ module gearsweep_stages
   use gearsweep_profile_table, only: profile_table
   use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
   use gearsweep_table_file, only: read_table
+  use gearsweep_task, only: stage
   use gearsweep_text, only: str
   use gearsweep_weber, only: weber_stiffness
   implicit none
@@ -45,7 +46,7 @@ contains
     end if
     call make_pair(gear(1), gear(2), distance, pair, error, shorten=case%shorten_path)
     ! The backlash that is stated for the motion is that of the pair.
-    if (case%has_backlash .and. case%needs('losses')) pair%backlash = case%backlash
+    if (case%has_backlash .and. case%needs(stage%losses)) pair%backlash = case%backlash
     do i = 1, 2
       call check_pin(gear(i), error)
     end do
@@ -245,4 +246,4 @@ contains
       mesh%reach = [min(mesh%reach(1), max(known(1), s(1))), max(mesh%reach(2), min(known(2), s(size(s))))]
     end associate
   end subroutine build_profile_error
-end module gearsweep_stages
+end module gearsweep_first_stages
