@@ -9,7 +9,9 @@ module test_declarations
   use gearsweep_files, only: read_text
   use gearsweep_key_names, only: key_names, member_key_names, name_key
   use gearsweep_keys, only: keys_t
+  use gearsweep_kinds, only: dp
   use gearsweep_new_case, only: write_new_case
+  use gearsweep_table, only: axis, kind_integer, table_t
   use gearsweep_task, only: task_length
   use gearsweep_tasks, only: list_task_names
   use gearsweep_units, only: is_unit
@@ -33,6 +35,7 @@ contains
     if (t%wants('new_cases')) call new_cases(t)
     if (t%wants('slips')) call slips(t)
     if (t%wants('reference')) call reference(t)
+    if (t%wants('axes')) call axes(t)
   end subroutine run
 
   subroutine every_key(t)
@@ -56,6 +59,38 @@ contains
       end associate
     end do
   end subroutine every_key
+
+  !> Index columns: all combinations of the axes' values, the first axis slowest and the last fastest.
+  subroutine axes(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: relief(2) = [0.0_dp, 12.5_dp]
+    character(5), parameter :: side(3) = [character(5) :: 'drive', 'coast', 'tip']
+    integer, parameter :: mode(2) = [4, 7]
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    integer :: i, j, k, row
+
+    table%name = 'combinations'
+    call table%over('all combinations', error, axis('relief_um', 'um', 'relief', relief), axis('side', '', 'side', side), &
+                    axis('mode', '', 'mode', mode))
+    call check_no_error(t, 'axes', error)
+    call table%add('doubled', '', 'twice the mode', table%along(3, 2.0_dp*mode))
+    call check_equal(t, 'axes: rows', table%rows, 12)
+    call check_true(t, 'axes: extent', all(table%extent == [2, 3, 2]))
+    call check_true(t, 'axes: index columns and others', all(table%columns%is_index .eqv. [.true., .true., .true., .false.]))
+    call check_equal(t, 'axes: kind', table%columns(3)%kind, kind_integer)
+    row = 0
+    do i = 1, 2
+      do j = 1, 3
+        do k = 1, 2
+          row = row + 1
+          call check_true(t, 'axes: values', .not. abs(table%number('relief_um', row) - relief(i)) > 0 .and. &
+                          table%word('side', row) == side(j) .and. nint(table%number('mode', row)) == mode(k) .and. &
+                          nint(table%number('doubled', row)) == 2*mode(k))
+        end do
+      end do
+    end do
+  end subroutine axes
 
   !> Every name gets help; a misspelt one is told the closest.
   subroutine help(t)

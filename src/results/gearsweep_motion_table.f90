@@ -59,7 +59,7 @@ contains
     real(dp) :: frequency, mean, width, felt
 
     if (.not. allocated(study%motion)) return
-    call table%begin('load, masses and stiffness of the mesh, and its natural frequency', 1, 19, error)
+    call table%begin('load, masses and stiffness of the mesh, and its natural frequency', 1, error)
     if (allocated(error)) return
     associate (mesh => study%motion(1)%mesh, case => study%case)
       frequency = study%motion(1)%natural_frequency/(2*pi)

@@ -7,7 +7,7 @@ module gearsweep_published_table
   use gearsweep_published, only: split_quantity
   use gearsweep_results, only: column_of
   use gearsweep_study, only: study_t
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   implicit none
   private
   public :: published_table, our_value
@@ -25,7 +25,7 @@ contains
 
     if (.not. allocated(study%published)) return
     associate (rows => study%published)
-      call table%begin('printed values and ours', size(rows), 16, error)
+      call table%begin('printed values and ours', size(rows), error)
       if (allocated(error)) return
       longest = maxval([(len(rows(i)%quantity), len(rows(i)%place), len(rows(i)%unit), len(rows(i)%status), &
                          len(rows(i)%reason), i=1, size(rows)), 1])
@@ -42,7 +42,7 @@ contains
           words(i, 4) = rows(i)%status
           words(i, 5) = rows(i)%reason
         end do
-        call table%add_index('quantity', '', 'what is printed', words(:, 1))
+        call table%add_index(axis('quantity', '', 'what is printed', words(:, 1)))
         call table%add_words('place', 'where it is printed', words(:, 2))
         call table%add('printed', '', 'the printed value, in the unit of its row', [rows%printed])
         call table%add('ours', '', 'our value; NaN where the tasks do not compute it', ours)

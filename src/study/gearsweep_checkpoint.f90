@@ -9,16 +9,15 @@ module gearsweep_checkpoint
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_case, only: case_t, speed_count
   use gearsweep_error, only: error_t, fail, code_file
-  use gearsweep_error_estimate, only: point_t
   use gearsweep_file_set, only: file_set_t
   use gearsweep_files, only: beside, read_text
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory
   use gearsweep_optimum, only: most_tried
   use gearsweep_record_file, only: opening_length, record_reader_t, record_writer_t, sum_of_text
+  use gearsweep_steady_motion, only: point_t
   use gearsweep_study, only: record_t
-  use gearsweep_sweep, only: sweep_state_t
-  use gearsweep_sweep_state, only: begin_state
+  use gearsweep_sweep_state, only: begin_state, sweep_state_t
   use gearsweep_system, only: drop_file
   use gearsweep_task_record, only: is_recorded, put_task, take_task
   use gearsweep_text, only: str
@@ -223,6 +222,7 @@ contains
       call reader%take(part)
       if (part(1) == at_end) return
       if (part(1) == at_task) then
+        if (.not. allocated(record%tasks)) record%tasks = case%tasks
         call take_task(reader, record%tasks)
       else
         number = 0

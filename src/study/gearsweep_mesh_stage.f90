@@ -117,12 +117,10 @@ contains
     if (allocated(error)) return
     call list_inputs(study)
     allocate (study%motion(size(study%case%amount)))
-    associate (inputs => study%motions_inputs)
-      do i = 1, size(study%motion)
-        call build_motion(inputs%motion, inputs%stiffness, inputs%profile_error, inputs%amount(i), study%motion(i), error)
-        if (allocated(error)) return
-      end do
-    end associate
+    do i = 1, size(study%motion)
+      call build_motion(study%motions_inputs, study%case%amount(i), study%motion(i), error)
+      if (allocated(error)) return
+    end do
   end subroutine build_motions
 
   !> What the oscillators are made from.

@@ -158,7 +158,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), target, optional :: earlier
     logical :: known
-    integer :: before
+    integer :: before, k
 
     associate (slot => study%tasks(i), running => study%running)
       before = running%done
@@ -181,6 +181,10 @@ contains
         class is (runnable_t)
           call task%run(study%stages_t, error)
         end select
+        ! Of columns that the memory did not hold.
+        do k = 1, size(slot%task%tables)
+          if (allocated(slot%task%tables(k)%error) .and. .not. allocated(error)) error = slot%task%tables(k)%error
+        end do
       end if
       if (allocated(error)) return
       if (slot%task%is_done) then

@@ -5,7 +5,6 @@ module gearsweep_task_record
   use gearsweep_record_file, only: record_reader_t, record_writer_t
   use gearsweep_table, only: column_t, kind_real, kind_text, table_t
   use gearsweep_task, only: task_slot_t, task_t
-  use gearsweep_tasks, only: list_tasks
   implicit none
   private
   public :: is_recorded, put_task, take_task
@@ -76,15 +75,14 @@ contains
     call writer%put_text(text)
   end subroutine put_words
 
-  !> The next task into its slot; all slots are made where there are none.
+  !> The next task into its slot.
   subroutine take_task(reader, tasks)
     type(record_reader_t), intent(inout) :: reader
-    type(task_slot_t), allocatable, intent(inout) :: tasks(:)
+    type(task_slot_t), intent(inout) :: tasks(:) !< all that there are
     character(:), allocatable :: name
     integer(int64) :: failed(1)
     integer :: i, k
 
-    if (.not. allocated(tasks)) call list_tasks(tasks)
     call reader%take_text(name)
     i = findloc(tasks%info%name == name, .true., 1)
     reader%is_good = reader%is_good .and. i > 0

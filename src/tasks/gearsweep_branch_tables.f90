@@ -1,17 +1,15 @@
 !> The tables of the task `branches`.
 module gearsweep_branch_tables
-  use gearsweep_branch, only: branch_point_t, end_name
-  use gearsweep_branch_curves, only: special_curve_t
-  use gearsweep_branch_search, only: whole_branch_t
-  use gearsweep_case_family, only: case_family_t, of_damping, of_load, of_relief, of_speed
+  use gearsweep_bifurcation, only: branch_point_t, end_name, kind_grazing, kind_name, special_curve_t, whole_branch_t, width
+  use gearsweep_case_family, only: case_family_t
+  use gearsweep_case_variation, only: of_damping, of_force, of_relief, of_rpm
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp
-  use gearsweep_motion_equations, only: kind_grazing, kind_name, width
   use gearsweep_periodic_orbit, only: steady_t
-  use gearsweep_points, only: of_periods, of_relief_amount => of_relief, of_rpm => of_speed
+  use gearsweep_points, only: of_periods, of_relief_amount => of_relief, of_speed
   use gearsweep_sweep, only: contact_name, contact_of
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   implicit none
   private
   public :: branch_set_t, fill_branches, fill_points, fill_changes, fill_curves
@@ -51,12 +49,12 @@ contains
     if (allocated(error)) return
     allocate (rows(0))
     call list_rows(found, 0, rows)
-    call table%begin('branches of periodic motions over the parameter', size(rows), 10, error)
+    call table%begin('branches of periodic motions over the parameter', size(rows), error)
     if (allocated(error)) return
     allocate (values(size(rows), 4), counts(size(rows), 4), ends(size(rows), 2))
     do i = 1, size(rows)
       associate (b => found(rows(i)%set)%branch(rows(i)%branch), family => found(rows(i)%set)%family)
-        values(i, 1) = in_um(family%base(of_relief))
+        values(i, 1) = in_um(family%case%relief)
         if (family%which(1) == of_relief) values(i, 1) = no_number()
         values(i, 2) = min(minval(b%point%value), minval(b%special%point%value))
         values(i, 3) = max(maxval(b%point%value), maxval(b%special%point%value))
@@ -66,7 +64,7 @@ contains
         ends(i, :) = b%ends
       end associate
     end do
-    call table%add_index('branch', '', of_branch, counts(:, 1))
+    call table%add_index(axis('branch', '', of_branch, counts(:, 1)))
     call table%add('relief_um', 'um', of_relief_amount//'; NaN where it is the parameter', values(:, 1))
     call table%add('mesh_periods', '', of_periods, counts(:, 2))
     call table%add('least', '', 'least value of the parameter, in the unit of its name', values(:, 2))
@@ -93,7 +91,7 @@ contains
     if (allocated(error)) return
     allocate (rows(0))
     call list_rows(found, 1, rows)
-    call table%begin('points of the branches, from one end to the other', size(rows), 13, error)
+    call table%begin('points of the branches, from one end to the other', size(rows), error)
     if (allocated(error)) return
     allocate (states(size(rows), 2), at(size(rows)), number(size(rows)))
     do i = 1, size(rows)
@@ -103,8 +101,8 @@ contains
         number(i) = rows(i)%number
       end associate
     end do
-    call table%add_index('branch', '', of_branch, number)
-    call table%add_index('point', '', 'which of its points', at)
+    call table%add_index(axis('branch', '', of_branch, number))
+    call table%add_index(axis('point', '', 'which of its points', at))
     call add_motions(found, rows, .false., table)
     call table%add('dte_um', 'um', 'dynamic transmission error as a new pair enters', 1e6_dp*states(:, 1))
     call table%add('dte_rate_mm_s', 'mm/s', 'rate of the dynamic transmission error as a new pair enters: the motion can be '// &
@@ -124,7 +122,7 @@ contains
     if (allocated(error)) return
     allocate (rows(0))
     call list_rows(found, 2, rows)
-    call table%begin('where the motion changes its kind along a branch', size(rows), 16, error)
+    call table%begin('where the motion changes its kind along a branch', size(rows), error)
     if (allocated(error)) return
     allocate (phase(size(rows)), enclosed(size(rows)), after(size(rows)), kind(size(rows)), period(size(rows)), &
               number(size(rows)))
@@ -142,7 +140,7 @@ contains
         end associate
       end associate
     end do
-    call table%add_index('branch', '', of_branch, number)
+    call table%add_index(axis('branch', '', of_branch, number))
     call table%add_words('kind', 'fold: a Floquet multiplier is 1, and the branch turns back; doubling: one is -1; '// &
                          'grazing: the overlap of a contact is 0 where it is smallest or largest, or where a pair enters or '// &
                          'leaves; vertical: a line of motions begins at one value of the parameter; unknown: contact or '// &
@@ -166,7 +164,7 @@ contains
 
     if (allocated(error)) return
     n = sum([((size(found(i)%curve(k)%point), k=1, size(found(i)%curve)), i=1, size(found))])
-    call table%begin('curves of folds, doublings and grazings over both parameters', n, 12, error)
+    call table%begin('curves of folds, doublings and grazings over both parameters', n, error)
     if (allocated(error)) return
     allocate (numbers(n, 4), values(n, 2), counts(n, 4), ends(n, 2))
     n = 0
@@ -185,13 +183,13 @@ contains
         end do
       end do
     end do
-    call table%add_index('curve', '', 'which curve', counts(:, 1))
-    call table%add_index('point', '', 'which of its points', counts(:, 2))
+    call table%add_index(axis('curve', '', 'which curve', counts(:, 1)))
+    call table%add_index(axis('point', '', 'which of its points', counts(:, 2)))
     call table%add_words('kind', 'fold, doubling or grazing, all along the curve', kind_name(counts(:, 3)))
-    call table%add('rpm', '1/min', of_rpm, numbers(:, of_speed))
+    call table%add('rpm', '1/min', of_speed, numbers(:, of_rpm))
     call table%add('damping_ratio', '', of_damping_ratio, numbers(:, of_damping))
     call table%add('relief_um', 'um', of_relief_amount, in_um(numbers(:, of_relief)))
-    call table%add('normal_force_n', 'N', of_normal_force, numbers(:, of_load))
+    call table%add('normal_force_n', 'N', of_normal_force, numbers(:, of_force))
     call table%add('dynamic_factor', '', of_dynamic_factor, values(:, 1))
     call table%add('mesh_periods', '', of_periods, counts(:, 4))
     call table%add('phase', '', 'of grazing, the mesh phase; else NaN', values(:, 2))
@@ -227,10 +225,10 @@ contains
       if (point%modulus <= 1 + neutral) stability(i) = 'marginal'
       if (point%modulus < 1 - neutral) stability(i) = 'stable'
     end do
-    call table%add('rpm', '1/min', of_rpm, numbers(:, of_speed))
+    call table%add('rpm', '1/min', of_speed, numbers(:, of_rpm))
     call table%add('damping_ratio', '', of_damping_ratio, numbers(:, of_damping))
     call table%add('relief_um', 'um', of_relief_amount, in_um(numbers(:, of_relief)))
-    call table%add('normal_force_n', 'N', of_normal_force, numbers(:, of_load))
+    call table%add('normal_force_n', 'N', of_normal_force, numbers(:, of_force))
     call table%add('dynamic_factor', '', of_dynamic_factor, values(:, 1))
     call table%add('mesh_periods', '', of_periods, periods)
     call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers', values(:, 2))

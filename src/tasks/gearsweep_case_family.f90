@@ -1,26 +1,22 @@
 !> The oscillators of a case over one of its numbers, or two: speed, damping ratio, amount of relief, load.
 module gearsweep_case_family
+  use gearsweep_bifurcation, only: family_t
+  use gearsweep_case_variation, only: case_variation_t, number_names, number_units, of_force, of_relief, of_rpm
   use gearsweep_error, only: code_input, error_t, fail
-  use gearsweep_inputs, only: motion_inputs_t, motions_inputs_t
   use gearsweep_kinds, only: dp
-  use gearsweep_motion_equations, only: family_t
-  use gearsweep_motions, only: build_motion
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_text, only: str
   implicit none
   private
-  public :: case_family_t, make_case_family, parameter_names, parameter_units
+  public :: case_family_t, make_case_family
 
-  !> Which number; their names are those of the keys and columns.
-  integer, parameter, public :: of_speed = 1, of_damping = 2, of_relief = 3, of_load = 4
-  character(*), parameter :: parameter_names(4) = [character(14) :: 'rpm', 'damping_ratio', 'relief_um', 'normal_force_n']
-  !> What one of their units is in SI units.
-  real(dp), parameter :: parameter_units(4) = [1.0_dp, 1.0_dp, 1e-6_dp, 1.0_dp]
+  !> The first of a case's numbers are what branches may be followed over.
+  integer, parameter, public :: parameters = of_force
+  character(*), parameter, public :: parameter_names(parameters) = number_names(:parameters)
 
   type, extends(family_t) :: case_family_t
-    type(motions_inputs_t) :: inputs
-    real(dp) :: base(4) = 0                      !< the case's numbers, 1/min, -, m, N
-    integer :: which(2) = [of_speed, 0]          !< of them are the parameters; 0: there is no second one
+    type(case_variation_t) :: case
+    integer :: which(2) = [of_rpm, 0]            !< of its numbers are the parameters; 0: there is no second one
   contains
     procedure :: oscillator_at, duration_at, numbers_at
   end type case_family_t
@@ -28,9 +24,8 @@ module gearsweep_case_family
 contains
 
   !> The family of a case, after a look at both ends of its ranges.
-  subroutine make_case_family(inputs, base, which, range, family, error)
-    type(motions_inputs_t), intent(in) :: inputs
-    real(dp), intent(in) :: base(4)              !< speed (1/min), damping ratio, relief (m), load (N) of the case
+  subroutine make_case_family(case, which, range, family, error)
+    type(case_variation_t), intent(in) :: case
     integer, intent(in) :: which(2)              !< the parameters; 0: no second one
     real(dp), intent(in) :: range(2, 2)          !< their first and last values; (end, parameter)
     type(case_family_t), intent(out) :: family
@@ -40,34 +35,33 @@ contains
     character(80) :: words
     integer :: end
 
-    family%inputs = inputs
-    family%base = base
+    family%case = case
     family%which = which
     family%first = range(1, :)
     family%last = range(2, :)
-    family%is_speed = which == of_speed .or. which == 0
-    family%least = merge(1e-3_dp*family%first, 0.0_dp, which == of_speed .or. which == of_load)
-    if (any(which == of_relief) .and. allocated(inputs%profile_error%breaks)) &
+    family%is_speed = which == of_rpm .or. which == 0
+    family%least = merge(1e-3_dp*family%first, 0.0_dp, which == of_rpm .or. which == of_force)
+    if (any(which == of_relief) .and. allocated(case%inputs%profile_error%breaks)) &
       call fail(error, code_input, '&branches parameter = ''relief_um'': the profile error is prescribed')
     do end = 1, 2
       if (allocated(error)) return
       call family%oscillator_at([range(end, 1), range(end, 2)], osc, refused)
       if (.not. allocated(refused)) cycle
-      words = trim(merge('first', 'last ', end == 1))//' = '//str(range(end, 1)/parameter_units(which(1)))
+      words = trim(merge('first', 'last ', end == 1))//' = '//str(range(end, 1)/number_units(which(1)))
       if (which(2) > 0) words = trim(words)//', second_'//trim(merge('first', 'last ', end == 1))//' = '// &
-                                str(range(end, 2)/parameter_units(which(2)))
+                                str(range(end, 2)/number_units(which(2)))
       call fail(error, code_input, '&branches '//trim(words)//': '//refused%message)
     end do
   end subroutine make_case_family
 
-  !> All four numbers where the parameters have these values.
+  !> The numbers that may be parameters, where the parameters have these values.
   pure function numbers_at(self, value) result(numbers)
     class(case_family_t), intent(in) :: self
     real(dp), intent(in) :: value(2)
-    real(dp) :: numbers(4)
+    real(dp) :: numbers(parameters)
     integer :: i
 
-    numbers = self%base
+    numbers = [(self%case%number(i), i=1, parameters)]
     do i = 1, 2
       if (self%which(i) > 0) numbers(self%which(i)) = value(i)
     end do
@@ -78,23 +72,23 @@ contains
     real(dp), intent(in) :: value(2)
     type(oscillator_t), intent(out) :: osc
     type(error_t), allocatable, intent(out) :: error
-    type(motion_inputs_t) :: motion
-    real(dp) :: numbers(4)
+    type(case_variation_t) :: case
+    integer :: i
 
-    numbers = self%numbers_at(value)
-    motion = self%inputs%motion
-    motion%damping_ratio = numbers(of_damping)
-    motion%load = numbers(of_load)
-    call build_motion(motion, self%inputs%stiffness, self%inputs%profile_error, numbers(of_relief), osc, error)
+    case = self%case
+    do i = 1, 2
+      call case%set(self%which(i), value(i))
+    end do
+    call case%build(osc, error)
   end subroutine oscillator_at
 
   !> Duration of the mesh period, s.
   pure real(dp) function duration_at(self, value)
     class(case_family_t), intent(in) :: self
     real(dp), intent(in) :: value(2)
-    real(dp) :: numbers(4)
+    real(dp) :: numbers(parameters)
 
     numbers = self%numbers_at(value)
-    duration_at = mesh_period(self%inputs%motion%teeth(1), numbers(of_speed))
+    duration_at = mesh_period(self%case%inputs%motion%teeth(1), numbers(of_rpm))
   end function duration_at
 end module gearsweep_case_family

@@ -3,7 +3,7 @@ module gearsweep_grid_tables
   use gearsweep_error, only: error_t
   use gearsweep_grid, only: grid_t
   use gearsweep_kinds, only: dp
-  use gearsweep_table, only: table_t
+  use gearsweep_table, only: axis, table_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -22,9 +22,8 @@ contains
 
     if (allocated(error)) return
     associate (n => size(grid%x, 2))
-      call table%begin('nodes of the section''s grid', n, 3, error, extent=[n], grid=grid_of_section)
+      call table%over('nodes of the section''s grid', error, axis('node', '', 'its number', [(i, i=1, n)]), grid=grid_of_section)
       if (allocated(error)) return
-      call table%add_index('node', '', 'its number', [(i, i=1, n)])
       call table%add('x_mm', 'mm', 'across the middle tooth, towards its drive side', 1e3_dp*grid%x(1, :))
       call table%add('y_mm', 'mm', 'along the axis of that tooth', 1e3_dp*grid%x(2, :))
     end associate
@@ -39,10 +38,9 @@ contains
 
     if (allocated(error)) return
     associate (n => size(grid%element, 2))
-      call table%begin('elements of the section''s grid: four corners anticlockwise, then the midsides behind each', n, 10, &
-                       error, extent=[n], grid=grid_of_section)
+      call table%over('elements of the section''s grid: four corners anticlockwise, then the midsides behind each', error, &
+                      axis('element', '', 'its number', [(i, i=1, n)]), grid=grid_of_section)
       if (allocated(error)) return
-      call table%add_index('element', '', 'its number', [(i, i=1, n)])
       do i = 1, size(grid%element, 1)
         call table%add('node_'//str(i), '', 'number of this node', grid%element(i, :))
       end do

@@ -4,7 +4,7 @@ module gearsweep_harmonic_tables
   use gearsweep_frequency_response, only: find_peak, response_to
   use gearsweep_kinds, only: dp, pi
   use gearsweep_memory, only: claim_memory
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, each, table_t
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: along, moved_x, moved_y, per_point, tooth_modes_t
   implicit none
@@ -47,11 +47,11 @@ contains
     if (allocated(error)) return
     call find_amplitudes(tooth(1), places, points, angular, seen)
     call find_amplitudes(tooth(2), places, points, angular, coarse)
-    call table%begin('stress, strain and displacement at points of the fillets over the frequency of the load', n*points*places, &
-                     12, error, extent=[places, size(load%tangent), 2, n])
+    call table%over('stress, strain and displacement at points of the fillets over the frequency of the load', error, &
+                    axis('s', '', of_s, load%s), &
+                    axis('tangent_deg', 'deg', of_tangent, load%tangent/degree), axis('side', '', of_side, sides), &
+                    axis('frequency_hz', 'Hz', 'frequency of the load', angular/(2*pi)))
     if (allocated(error)) return
-    call add_points(load, n, table)
-    call table%add_index('frequency_hz', 'Hz', 'frequency of the load', over_and_over(angular/(2*pi), points*places))
     stress = load%amplitude*reshape(abs(seen(:, along, :, :)), [n*points*places])
     call table%add('stress_mpa', 'MPa', 'amplitude of the stress along the surface', mega*stress)
     call table%add('stress_phase_deg', 'deg', ahead, flat(phase(seen(:, along, :, :))/degree))
@@ -82,19 +82,6 @@ contains
       end do
     end do
   end subroutine find_amplitudes
-
-  !> The index columns of place, point and side, with so many rows of each.
-  pure subroutine add_points(load, rows, table)
-    type(steady_load_t), intent(in) :: load
-    integer, intent(in) :: rows
-    type(table_t), intent(inout) :: table
-
-    associate (places => size(load%s), points => 2*size(load%tangent))
-      call table%add_index('s', '', of_s, each(load%s, points*rows))
-      call table%add_index('tangent_deg', 'deg', of_tangent, over_and_over(each(load%tangent/degree, 2*rows), places))
-      call table%add_index('side', '', of_side, sides(over_and_over(each([1, 2], rows), places*points/2)))
-    end associate
-  end subroutine add_points
 
   !> -pi to pi; 0 of nothing.
   elemental real(dp) function phase(amplitude)
@@ -148,16 +135,16 @@ contains
         end associate
       end do
     end do
-    call table%begin('where each mode of the section peaks in the stress at points of the fillets', n, 11, error, &
-                     extent=[places, size(load%tangent), 2, m])
+    call table%over('where each mode of the section peaks in the stress at points of the fillets', error, &
+                    axis('s', '', of_s, load%s), &
+                    axis('tangent_deg', 'deg', of_tangent, load%tangent/degree), axis('side', '', of_side, sides), &
+                    axis('mode', '', of_mode, [(i, i=1, m)]))
     if (allocated(error)) return
-    call add_points(load, m, table)
     associate (w => tooth(1)%model%frequency, c => tooth(1)%model%damping)
-      call table%add_index('mode', '', of_mode, over_and_over([(i, i=1, m)], points*places))
-      call table%add('natural_frequency_hz', 'Hz', 'natural frequency', over_and_over(w/(2*pi), points*places))
+      call table%add('natural_frequency_hz', 'Hz', 'natural frequency', table%along(4, w/(2*pi)))
       call table%add('frequency_error', '', 'its estimated discretisation error, relative', &
-                     over_and_over(frequency_error, points*places))
-      call table%add('damping_ratio', '', 'damping ratio of the mode', over_and_over(c/(2*w), points*places))
+                     table%along(4, frequency_error))
+      call table%add('damping_ratio', '', 'damping ratio of the mode', table%along(4, c/(2*w)))
       call table%add('peak_frequency_hz', 'Hz', 'frequency of the load at which the stress is largest about this mode', &
                      peak/(2*pi))
       call table%add('stress_mpa', 'MPa', 'amplitude of the stress along the surface there', mega*load%amplitude*largest)
@@ -184,19 +171,19 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(7), parameter :: systems(2) = [character(7) :: 'gears', 'section']
     integer, allocatable :: mode(:)
-    integer :: i, n
+    integer :: i, k, n
 
     if (allocated(error)) return
     n = size(frequency)
     mode = [1, (i, i=1, n - 1)]
-    call table%begin('speeds at which harmonics of the mesh frequency meet natural frequencies', n*harmonics, 5, error)
+    call table%begin('speeds at which harmonics of the mesh frequency meet natural frequencies', n*harmonics, error)
     if (allocated(error)) return
-    call table%add_index('system', '', 'gears: both gears on the mean mesh stiffness; section: the teeth of one gear', &
-                         systems(each([(merge(1, 2, i == 1), i=1, n)], harmonics)))
-    call table%add_index('mode', '', of_mode, each(mode, harmonics))
-    call table%add_index('harmonic', '', 'of the mesh frequency', over_and_over([(i, i=1, harmonics)], n))
+    call table%add_index(axis('system', '', 'gears: both gears on the mean mesh stiffness; section: the teeth of one gear', &
+                              systems(each([(merge(1, 2, i == 1), i=1, n)], harmonics))))
+    call table%add_index(axis('mode', '', of_mode, each(mode, harmonics)))
+    call table%add_index(axis('harmonic', '', 'of the mesh frequency', [((k, k=1, harmonics), i=1, n)]))
     call table%add('frequency_hz', 'Hz', 'natural frequency', each(frequency, harmonics))
     call table%add('rpm', '1/min', 'speed of the pinion at which this harmonic meets it', &
-                   each(60*frequency/teeth, harmonics)/over_and_over([(real(i, dp), i=1, harmonics)], n))
+                   each(60*frequency/teeth, harmonics)/[((k, k=1, harmonics), i=1, n)])
   end subroutine fill_speeds
 end module gearsweep_harmonic_tables

@@ -7,7 +7,7 @@ module gearsweep_hysteresis_ramps
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_ramp, only: follow_ramp, level_t, ramp_options_t, ramp_t
   use gearsweep_status, only: has_result
-  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   implicit none
   private
   public :: ramps_t, run_ramps, fill_ramps, fill_delays
@@ -74,14 +74,16 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :)
-    character(4), allocatable :: direction(:)
     integer :: n, i, way, row
 
     if (allocated(error)) return
     n = size(rpm)
-    call table%begin('runs through the speeds at a finite rate', size(ramps)*n, 5, error, extent=[size(relief), 2, n])
+    call table%over('runs through the speeds at a finite rate', error, &
+                    axis('relief_um', 'um', 'tip relief, as amount_um of the case', in_um(relief)), &
+                    axis('direction', '', 'of the run through the speeds', ways), &
+                    axis('rpm', '1/min', 'speed of the pinion', rpm))
     if (allocated(error)) return
-    allocate (values(size(ramps)*n, 2), direction(size(ramps)*n))
+    allocate (values(size(ramps)*n, 2))
     row = 0
     do i = 1, size(relief)
       do way = 1, 2
@@ -89,13 +91,9 @@ contains
           values(to:until:merge(1, -1, way == 1), 1) = ramps(way, i)%fine%factor
           values(to:until:merge(1, -1, way == 1), 2) = abs(ramps(way, i)%fine%factor - ramps(way, i)%coarse%factor)
         end associate
-        direction(row + 1:row + n) = ways(way)
         row = row + n
       end do
     end do
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(relief), 2*n))
-    call table%add_index('direction', '', 'of the run through the speeds', direction)
-    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(rpm, 2*size(relief)))
     call table%add('dynamic_factor', '', 'largest load of a pair over the static load in the mesh periods between the speed '// &
                    'before and this one; NaN at the first speed, and where no mesh period lies between', values(:, 1))
     call table%add('error_estimate', '', 'estimated error of the dynamic factor: its change with steps twice as long', values(:, 2))
@@ -115,7 +113,7 @@ contains
 
     if (allocated(error)) return
     rows = sum([((size(ramps(way, i)%level), way=1, 2), i=1, size(relief))])
-    call table%begin('how late the runs at a finite rate jump', rows, 7, error)
+    call table%begin('how late the runs at a finite rate jump', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 6), direction(rows))
     row = 0
@@ -132,9 +130,9 @@ contains
         end do
       end do
     end do
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', values(:, 1))
-    call table%add_index('direction', '', 'of the run through the speeds', direction)
-    call table%add_index('change', '', 'which change of this direction in hysteresis_changes', nint(values(:, 2)))
+    call table%add_index(axis('relief_um', 'um', 'tip relief, as amount_um of the case', values(:, 1)))
+    call table%add_index(axis('direction', '', 'of the run through the speeds', direction))
+    call table%add_index(axis('change', '', 'which change of this direction in hysteresis_changes', nint(values(:, 2))))
     call table%add('rpm', '1/min', 'speed of the pinion just after the jump of the slow run', values(:, 3))
     call table%add('ramp_rpm', '1/min', 'speed at which the largest load of a mesh period is first halfway from that before to '// &
                    'that after the jump; NaN where it never is', values(:, 4))

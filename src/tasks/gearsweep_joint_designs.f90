@@ -1,14 +1,15 @@
 !> What the task `optimum` varies beside one amount of relief: amounts and lengths of both gears' reliefs under several loads.
 module gearsweep_joint_designs
+  use gearsweep_case_variation, only: case_variation_t, of_force
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_inputs, only: motions_inputs_t
   use gearsweep_joint_optimum, only: joint_optimum_t, starts_t
   use gearsweep_kinds, only: dp
-  use gearsweep_motions, only: build_motion, largest_relief, relief_start
+  use gearsweep_motions, only: largest_relief, relief_start
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_points, only: factor_of, of_worst, speed_of
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   implicit none
   private
   public :: designs_t, make_designs, relief_of, design_starts, with_design, fill_design, fill_loads
@@ -121,23 +122,24 @@ contains
     real(dp), intent(in) :: number(:)
     type(oscillator_t), allocatable, intent(out) :: motion(:)
     type(error_t), allocatable, intent(out) :: error
-    type(motions_inputs_t) :: inputs
+    type(case_variation_t) :: case
     real(dp) :: amount(2), start(2)
     integer :: i
 
     select type (context)
     type is (designs_t)
-      inputs = context%inputs
+      case%inputs = context%inputs
       call relief_of(context, number, amount, start)
-      ! A length needs no room that short relief needs.
-      if (context%with_length) inputs%motion%relief%start = 'pitch'
-      inputs%motion%relief%shift = inputs%motion%relief%shift + start - relief_start(inputs%motion%relief)
-      inputs%motion%relief%fraction = amount
+      associate (relief => case%inputs%motion%relief)
+        ! A length needs no room that short relief needs.
+        if (context%with_length) relief%start = 'pitch'
+        relief%shift = relief%shift + start - relief_start(relief)
+      end associate
+      call case%set_reliefs(amount)
       allocate (motion(size(context%load_factor)))
       do i = 1, size(motion)
-        inputs%motion%load = context%load_factor(i)*context%inputs%motion%load
-        call build_motion(inputs%motion, inputs%stiffness, inputs%profile_error, merge(1.0_dp, 0.0_dp, any(amount > 0)), &
-                          motion(i), error)
+        call case%set(of_force, context%load_factor(i)*context%inputs%motion%load)
+        call case%build(motion(i), error)
         if (allocated(error)) return
       end do
     end select
@@ -153,7 +155,7 @@ contains
     integer :: where_worst
 
     if (allocated(error)) return
-    call table%begin('the reliefs of both gears whose largest dynamic factor over all speeds and loads is least', 1, 11, error)
+    call table%begin('the reliefs of both gears whose largest dynamic factor over all speeds and loads is least', 1, error)
     if (allocated(error)) return
     amount = no_number()
     start = no_number()
@@ -192,9 +194,9 @@ contains
 
     if (allocated(error)) return
     associate (n => size(designs%load_factor))
-      call table%begin('the best reliefs of both gears under each load', n, 5, error, extent=[n])
+      call table%over('the best reliefs of both gears under each load', error, &
+                      axis('load_factor', '', 'load over that of the case', designs%load_factor))
       if (allocated(error)) return
-      call table%add_index('load_factor', '', 'load over that of the case', designs%load_factor)
       if (allocated(optimum%best%worst)) then
         call table%add('worst_dynamic_factor', '', of_worst, factor_of(optimum%best%worst))
         call table%add('rpm', '1/min', 'speed of the pinion where that is', speed_of(optimum%best%worst))

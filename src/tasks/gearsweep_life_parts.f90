@@ -1,15 +1,16 @@
 !> One part of a load spectrum, as the task `life` takes it: the motion, or the static load, and what it does to the tooth roots.
 module gearsweep_life_parts
+  use gearsweep_case_variation, only: case_variation_t, of_force
   use gearsweep_error, only: error_t
   use gearsweep_fatigue, only: curve_t, strength_t
   use gearsweep_flank_paths, only: follow_motion, follow_static, path_t
   use gearsweep_kinds, only: dp
   use gearsweep_largest_motion, only: find_motion
-  use gearsweep_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_response, only: response_t
   use gearsweep_root_life, only: root_life, root_life_t
-  use gearsweep_status, only: has_result, status_ok
   use gearsweep_stages, only: stages_t
+  use gearsweep_status, only: has_result, status_ok
   implicit none
   private
   public :: life_rule_t, part_t, follow_part
@@ -44,13 +45,16 @@ contains
     type(life_rule_t), intent(in) :: rule
     type(part_t), intent(out) :: part
     type(error_t), allocatable, intent(inout) :: error
-    type(oscillator_t), allocatable :: osc
+    type(case_variation_t) :: case
+    type(oscillator_t) :: osc
     type(response_t) :: response
     type(path_t) :: path
     real(dp) :: factor
     integer :: i
 
-    call load_with(stages, relief, load_factor, osc, error)
+    case = case_variation_t(stages%motions_inputs, stages%amount(relief))
+    call case%set(of_force, stages%load*load_factor)
+    call case%build(osc, error)
     if (allocated(error)) return
     if (.not. rule%dynamic_load) then
       call follow_static(stages%pair, osc, path)
@@ -71,18 +75,4 @@ contains
                                rule%stress_ratio, rule%strength, rule%curve)
     end do
   end subroutine follow_part
-
-  !> The equation of motion under another load, with the stiffness of the case.
-  subroutine load_with(stages, relief, load_factor, osc, error)
-    type(stages_t), intent(in) :: stages
-    integer, intent(in) :: relief
-    real(dp), intent(in) :: load_factor
-    type(oscillator_t), allocatable, intent(out) :: osc
-    type(error_t), allocatable, intent(inout) :: error
-
-    allocate (osc, source=stages%motion(relief))
-    if (abs(load_factor - 1) <= 0) return
-    osc%load = osc%load*load_factor
-    call make_oscillator(osc, error)
-  end subroutine load_with
 end module gearsweep_life_parts

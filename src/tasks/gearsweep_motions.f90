@@ -3,7 +3,7 @@ module gearsweep_motions
   use gearsweep_corner, only: add_corners
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_gear, only: drive
-  use gearsweep_inputs, only: motion_inputs_t, motions_inputs_t, relief_inputs_t
+  use gearsweep_inputs, only: motions_inputs_t, relief_inputs_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_piecewise, only: piecewise_t
@@ -11,55 +11,42 @@ module gearsweep_motions
   use gearsweep_text, only: str
   implicit none
   private
-  public :: build_motion, largest_relief, relief_start, with_relief
+  public :: build_motion, largest_relief, relief_start
 
 contains
 
-  !> The oscillator of a mesh with this pair stiffness (N/m over s) and amount of relief (m) or, where it is prescribed,
-  !> this profile error (m over s).
-  subroutine build_motion(inputs, stiffness, prescribed, amount, motion, error)
-    type(motion_inputs_t), intent(in) :: inputs
-    type(piecewise_t), intent(in) :: stiffness, prescribed   !< without breaks: the relief makes the profile error
+  !> The oscillator of a case with this amount of relief (m), unless its profile error is prescribed.
+  subroutine build_motion(inputs, amount, motion, error)
+    type(motions_inputs_t), intent(in) :: inputs
     real(dp), intent(in) :: amount
     type(oscillator_t), intent(out) :: motion
     type(error_t), allocatable, intent(out) :: error
 
-    motion%mesh%contact_ratio = inputs%relief%contact_ratio
-    motion%mesh%reach = inputs%reach
-    motion%mesh%flattening = inputs%flattening
-    motion%mesh%pitch_point = inputs%relief%pitch_point
-    motion%mesh%tan_angle = inputs%tan_angle
-    motion%mesh%arm_change = inputs%arm_change
-    motion%mesh%teeth = inputs%teeth
-    motion%mesh%stiffness = stiffness
-    motion%mesh%disc = inputs%disc
-    if (allocated(prescribed%breaks)) then
-      motion%mesh%profile_error = prescribed
-    else
-      call relieve(inputs%relief, amount, inputs%reach, motion%mesh%profile_error, error)
-      if (allocated(error)) return
-    end if
-    motion%mass = inputs%mass
-    motion%load = inputs%load
-    motion%damping_ratio = inputs%damping_ratio
-    motion%friction = inputs%friction
-    motion%has_backlash = inputs%has_backlash
-    motion%backlash = inputs%backlash
+    associate (of => inputs%motion)
+      motion%mesh%contact_ratio = of%relief%contact_ratio
+      motion%mesh%reach = of%reach
+      motion%mesh%flattening = of%flattening
+      motion%mesh%pitch_point = of%relief%pitch_point
+      motion%mesh%tan_angle = of%tan_angle
+      motion%mesh%arm_change = of%arm_change
+      motion%mesh%teeth = of%teeth
+      motion%mesh%stiffness = inputs%stiffness
+      motion%mesh%disc = of%disc
+      if (allocated(inputs%profile_error%breaks)) then
+        motion%mesh%profile_error = inputs%profile_error
+      else
+        call relieve(of%relief, amount, of%reach, motion%mesh%profile_error, error)
+        if (allocated(error)) return
+      end if
+      motion%mass = of%mass
+      motion%load = of%load
+      motion%damping_ratio = of%damping_ratio
+      motion%friction = of%friction
+      motion%has_backlash = of%has_backlash
+      motion%backlash = of%backlash
+    end associate
     call make_oscillator(motion, error)
   end subroutine build_motion
-
-  !> The same for `find_optimum`, whose `context` are the motions' inputs.
-  subroutine with_relief(context, amount, motion, error)
-    class(*), intent(in) :: context
-    real(dp), intent(in) :: amount
-    type(oscillator_t), intent(out) :: motion
-    type(error_t), allocatable, intent(out) :: error
-
-    select type (context)
-    type is (motions_inputs_t)
-      call build_motion(context%motion, context%stiffness, context%profile_error, amount, motion, error)
-    end select
-  end subroutine with_relief
 
   !> The profile error of one amount of relief (m), over `reach` (base pitches).
   subroutine relieve(inputs, amount, reach, curve, error)

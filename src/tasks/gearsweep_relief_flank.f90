@@ -7,7 +7,7 @@ module gearsweep_relief_flank
   use gearsweep_pair, only: pair_t
   use gearsweep_relief, only: relief_t, tip_relief
   use gearsweep_relief_methods, only: relief_method_t
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, each, table_t
   use gearsweep_stages, only: stages_t
   use gearsweep_task, only: members
   use gearsweep_text, only: str
@@ -41,7 +41,7 @@ contains
     if (allocated(error)) return
     m = size(methods)
     n = size(diameter)
-    call table%begin('relief of the flanks at chosen diameters, by each method', m*n, 7, error)
+    call table%begin('relief of the flanks at chosen diameters, by each method', m*n, error)
     if (allocated(error)) return
     allocate (roll(n), along(n, m), straight(n, m))
     associate (pair => stages%pair, inputs => stages%motions_inputs%motion%relief)
@@ -60,10 +60,10 @@ contains
         end associate
       end do
     end associate
-    call table%add_index('method', '', 'as in the table deflection_relief', [methods(each([(i, i=1, m)], n))%name])
-    call table%add_index('member', '', 'pinion or gear', members(over_and_over(member, m)))
-    call table%add_index('diameter_mm', 'mm', 'diameter on the flank', over_and_over(milli*diameter, m))
-    call table%add('roll_deg', 'deg', 'roll angle there', over_and_over(roll/degree, m))
+    call table%add_index(axis('method', '', 'as in the table deflection_relief', [methods(each([(i, i=1, m)], n))%name]))
+    call table%add_index(axis('member', '', 'pinion or gear', members([(member, i=1, m)])))
+    call table%add_index(axis('diameter_mm', 'mm', 'diameter on the flank', [(milli*diameter, i=1, m)]))
+    call table%add('roll_deg', 'deg', 'roll angle there', [(roll/degree, i=1, m)])
     call table%add('relief_um', 'um', 'relief as the motion has it: linear or parabolic in the roll angle', [micro*along])
     call table%add('relief_by_diameter_um', 'um', 'relief of the same amount that grows in proportion to the diameter, as in '// &
                    'Eq. 1 of Thamba et al. 2020', [micro*straight])

@@ -2,11 +2,11 @@
 !> dynamic factor.
 module gearsweep_relief_methods
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_case_variation, only: case_variation_t, with_relief
   use gearsweep_error, only: error_t
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
   use gearsweep_inputs, only: motions_inputs_t
   use gearsweep_kinds, only: dp
-  use gearsweep_motions, only: build_motion, with_relief
   use gearsweep_optimum, only: peak_t, worst_of
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_status, only: status_stopped
@@ -61,13 +61,11 @@ contains
     real(dp), intent(in) :: amount(2)
     type(oscillator_t), intent(out) :: motion
     type(error_t), allocatable, intent(inout) :: error
-    type(motions_inputs_t) :: both
-    real(dp) :: largest
+    type(case_variation_t) :: case
 
-    both = inputs
-    largest = maxval(amount)
-    if (largest > 0) both%motion%relief%fraction = amount/largest
-    call build_motion(both%motion, both%stiffness, both%profile_error, largest, motion, error)
+    case = case_variation_t(inputs, maxval(amount))
+    if (case%relief > 0) case%inputs%motion%relief%fraction = amount/case%relief
+    call case%build(motion, error)
   end subroutine relieve_both
 
   !> Peak-to-peak static transmission error under the static load of a motion (m).

@@ -239,7 +239,7 @@ contains
     takes = self%is_wanted .and. self%task%uses(which)
   end function takes
 
-  !> The tasks that need this stage, but one of them, as in `load, sweep or optimum`.
+  !> The tasks that need this stage, or this other one, as in `load, sweep or optimum`.
   pure function sentence_of(slots, which, other) result(words)
     type(task_slot_t), intent(in) :: slots(:)
     integer, intent(in) :: which                 !< of `stage`

@@ -16,7 +16,7 @@ module gearsweep_task_attractors
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: has_result, status_ok, status_stopped
   use gearsweep_sweep, only: contact_name, contact_of
-  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
@@ -112,7 +112,7 @@ contains
     integer :: rows, row, i, k, m
 
     rows = sum([((size(found(k, i)%motion), k=1, size(rpm)), i=1, size(relief))])
-    call table%begin('attracting motions at each speed, the one to which most starts lead first', rows, 13, error)
+    call table%begin('attracting motions at each speed, the one to which most starts lead first', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 8), counts(rows, 3), status(rows), contact(rows))
     row = 0
@@ -136,9 +136,9 @@ contains
         end do
       end do
     end do
-    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
-    call table%add_index('rpm', '1/min', of_speed, values(:, 2))
-    call table%add_index('motion', '', 'which of the motions at this speed', counts(:, 1))
+    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
+    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
+    call table%add_index(axis('motion', '', 'which of the motions at this speed', counts(:, 1)))
     call table%add('dynamic_factor', '', of_factor, values(:, 3))
     call table%add('error_estimate', '', of_estimate, values(:, 4))
     call table%add_words('status', of_status, words_of(status))
@@ -165,7 +165,8 @@ contains
     integer :: row, i, k
 
     associate (n => size(rpm), m => size(relief))
-      call table%begin('how many motions attract, and what a sweep of single speeds shows of them', n*m, 10, error, extent=[m, n])
+      call table%over('how many motions attract, and what a sweep of single speeds shows of them', error, &
+                      axis('relief_um', 'um', of_relief, in_um(relief)), axis('rpm', '1/min', of_speed, rpm))
       if (allocated(error)) return
       allocate (values(n*m, 4), counts(n*m, 2), status(n*m))
       row = 0
@@ -177,8 +178,6 @@ contains
           status(row) = found(k, i)%status
         end do
       end do
-      call table%add_index('relief_um', 'um', of_relief, each(in_um(relief), n))
-      call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
       call table%add('motions', '', 'how many attracting motions are known', counts(:, 1))
       call table%add('largest_dynamic_factor', '', 'largest DF of those that a start reaches or a sweep of single speeds '// &
                      'shows; NaN where none is known', values(:, 1))
@@ -220,7 +219,9 @@ contains
     starts = options%starts**2
     n = size(rpm)
     m = size(which)
-    call table%begin('starts, and the motion that each leads to', m*n*starts, 6, error, extent=[m, n, starts])
+    call table%over('starts, and the motion that each leads to', error, &
+                    axis('relief_um', 'um', of_relief, in_um(stages%amount(which))), axis('rpm', '1/min', of_speed, rpm), &
+                    axis('start', '', 'which start: the displacement varies fastest', [(i, i=1, starts)]))
     if (allocated(error)) return
     allocate (states(2, m*n*starts), to(m*n*starts))
     row = 0
@@ -233,9 +234,6 @@ contains
         row = row + starts
       end do
     end do
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount(which)), n*starts))
-    call table%add_index('rpm', '1/min', of_speed, over_and_over(each(rpm, starts), m))
-    call table%add_index('start', '', 'which start: the displacement varies fastest', over_and_over([(i, i=1, starts)], m*n))
     call table%add('dte_um', 'um', 'dynamic transmission error at the start, as a new pair enters', 1e6_dp*states(1, :))
     call table%add('dte_rate_mm_s', 'mm/s', 'its rate there', 1e3_dp*states(2, :))
     call table%add('motion', '', 'the motion of the table attractors that it leads to; 0: none within followed_periods', to)

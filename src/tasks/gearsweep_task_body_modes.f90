@@ -9,7 +9,7 @@ module gearsweep_task_body_modes
   use gearsweep_reader, only: reader_t
   use gearsweep_sector, only: blank_t, sector_t
   use gearsweep_sector_modes, only: axial, radial, sector_mode_t, symmetric, tangential
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
@@ -119,7 +119,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     if (allocated(error)) return
-    call table%begin('the gear as a body, and the grid of half a tooth sector', 1, 8, error)
+    call table%begin('the gear as a body, and the grid of half a tooth sector', 1, error)
     if (allocated(error)) return
     call table%add_words('member', 'pinion or gear', [member])
     call table%add('mass_kg', 'kg', 'mass', [found%mass])
@@ -141,9 +141,8 @@ contains
     if (allocated(error)) return
     associate (modes => found%modes, n => size(found%modes))
       names = name_of(modes)
-      call table%begin('natural modes of the gear body', n, 12, error, extent=[n])
+      call table%over('natural modes of the gear body', error, axis('mode', '', of_mode, [(i, i=1, n)]))
       if (allocated(error)) return
-      call table%add_index('mode', '', of_mode, [(i, i=1, n)])
       call table%add('frequency_hz', 'Hz', 'natural frequency', [modes%frequency])
       call table%add_words('mode_name', 'torsion, umbrella, rocking, ... by nodal diameter, symmetry and energy', names)
       call table%add('nodal_diameter', '', 'waves around the gear', [modes%diameter])
@@ -176,9 +175,8 @@ contains
 
     if (allocated(error)) return
     associate (n => size(sector%front), x => milli*sector%x(:, sector%front))
-      call table%begin('nodes on the front of the tooth sector', n, 4, error, extent=[n])
+      call table%over('nodes on the front of the tooth sector', error, axis('node', '', of_node, [(i, i=1, n)]))
       if (allocated(error)) return
-      call table%add_index('node', '', of_node, [(i, i=1, n)])
       call table%add('x_mm', 'mm', 'across the tooth', [x(1, :)])
       call table%add('y_mm', 'mm', 'along the tooth, from the axis of the gear', [x(2, :)])
       call table%add('z_mm', 'mm', 'along the axis of the gear, from the middle plane', [x(3, :)])
@@ -194,10 +192,9 @@ contains
 
     if (allocated(error)) return
     associate (element => sector%plane%element)
-      call table%begin('elements on the front of the tooth sector: four corners anticlockwise, then the midsides behind each', &
-                       size(element, 2), 9, error, extent=[size(element, 2)])
+      call table%over('elements on the front of the tooth sector: four corners anticlockwise, then the midsides behind each', &
+                      error, axis('element', '', of_node, [(i, i=1, size(element, 2))]))
       if (allocated(error)) return
-      call table%add_index('element', '', of_node, [(i, i=1, size(element, 2))])
       do i = 1, size(element, 1)
         call table%add('node_'//str(i), '', 'number of this node', [element(i, :)])
       end do
@@ -213,12 +210,10 @@ contains
 
     if (allocated(error)) return
     nodes = size(modes(1)%shape, 2)
-    call table%begin('mode shapes on the front, for unit modal mass of the gear: k sectors on, against the clock, the '// &
-                     'displacement is cos(n k pitch) times the first part less sin(n k pitch) times the second', &
-                     size(modes)*nodes, 8, error, extent=[size(modes), nodes])
+    call table%over('mode shapes on the front, for unit modal mass of the gear: k sectors on, against the clock, the '// &
+                    'displacement is cos(n k pitch) times the first part less sin(n k pitch) times the second', error, &
+                    axis('mode', '', of_mode, [(i, i=1, size(modes))]), axis('node', '', of_node, [(i, i=1, nodes)]))
     if (allocated(error)) return
-    call table%add_index('mode', '', of_mode, each([(i, i=1, size(modes))], nodes))
-    call table%add_index('node', '', of_node, over_and_over([(i, i=1, nodes)], size(modes)))
     allocate (shape(nodes, size(modes)))
     do d = radial, axial
       do i = 1, size(modes)

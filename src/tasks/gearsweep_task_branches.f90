@@ -2,16 +2,14 @@
 !> their folds, doublings and grazings (see gearsweep_branch_search).
 module gearsweep_task_branches
   use gearsweep_attractor_search, only: attractor_options_t
-  use gearsweep_branch, only: follow_options_t
-  use gearsweep_branch_curves, only: find_curves
-  use gearsweep_branch_search, only: branch_search_options_t, find_branches, whole_branch_t
+  use gearsweep_bifurcation, only: branch_search_options_t, find_branches, find_curves, follow_options_t, whole_branch_t, width
   use gearsweep_branch_tables, only: branch_set_t, fill_branches, fill_changes, fill_curves, fill_points
-  use gearsweep_case_family, only: case_family_t, make_case_family, of_load, of_relief, of_speed, parameter_names, parameter_units
+  use gearsweep_case_family, only: case_family_t, make_case_family, parameter_names
+  use gearsweep_case_variation, only: case_variation_t, number_units, of_force, of_relief, of_rpm
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
   use gearsweep_long_tables, only: add_rest, most_rows
-  use gearsweep_motion_equations, only: width
   use gearsweep_points, only: factor_in
   use gearsweep_reader, only: reader_t
   use gearsweep_table, only: table_t
@@ -24,7 +22,7 @@ module gearsweep_task_branches
   public :: branches_task_t
 
   type, extends(runnable_t) :: branches_task_t
-    integer :: parameter = of_speed              !< of gearsweep_case_family
+    integer :: parameter = of_rpm              !< of gearsweep_case_variation
     real(dp) :: range(2) = 0                     !< first and last value, SI units
     integer :: second = 0                        !< second parameter, over which changes are followed; 0: none
     real(dp) :: second_range(2) = 0
@@ -88,7 +86,7 @@ contains
                     meaning='values over the range, its ends among them, at which attracting motions are looked for at first')
     call reader%get(group, 'points', self%points, error, tasks=group, at_least=10, at_most=100000, &
                     meaning='points of a branch over the whole range, at least')
-    self%range = self%range*parameter_units(self%parameter)
+    self%range = self%range*number_units(self%parameter)
     call read_second(self, reader, error)
     if (.not. allocated(error) .and. self%range(2) > 0) call check_range(self, has_rpm, error)
   end subroutine read_keys
@@ -106,7 +104,7 @@ contains
     integer :: i
 
     second = 'none'
-    call reader%get(group, 'second', second, error, tasks=group, allowed=[character(14) :: 'none', parameter_names], &
+    call reader%get(group, 'second', second, error, tasks=group, allowed=[character(20) :: 'none', parameter_names], &
                     meaning='second number of the case, over which folds, doublings and grazings are followed as curves')
     if (allocated(error)) return
     do i = 1, size(parameter_names)
@@ -120,7 +118,7 @@ contains
     call reader%get(group, 'second_last', self%second_range(2), error, tasks=group, required=has_second, refused=alone, &
                     otherwise=nothing, above=0.0_dp, at_most=far, meaning='where it ends')
     if (allocated(error) .or. .not. has_second) return
-    self%second_range = self%second_range*parameter_units(self%second)
+    self%second_range = self%second_range*number_units(self%second)
     if (self%second == self%parameter) call fail(error, code_input, '&branches second = '''//second//''': is the first parameter')
     ! Where only the keys are declared, the required ones are 0.
     if (self%second_range(2) > 0) call check_ends(self%second, self%second_range, 'second_', error)
@@ -133,10 +131,10 @@ contains
     character(*), intent(in) :: prefix           ! of their keys
     type(error_t), allocatable, intent(inout) :: error
 
-    associate (shown => range/parameter_units(parameter))
+    associate (shown => range/number_units(parameter))
       if (.not. range(1) < range(2)) call fail(error, code_input, '&branches '//prefix//'last = '//str(shown(2))// &
                                                ': must be above '//prefix//'first = '//str(shown(1)))
-      if (any(parameter == [of_speed, of_load]) .and. .not. range(1) > 0) &
+      if (any(parameter == [of_rpm, of_force]) .and. .not. range(1) > 0) &
         call fail(error, code_input, '&branches '//prefix//'first = '//str(shown(1))//': must be above 0 where '//prefix// &
                   'parameter is rpm or load')
     end associate
@@ -148,7 +146,7 @@ contains
     logical, intent(in) :: has_rpm
     type(error_t), allocatable, intent(inout) :: error
 
-    if (self%parameter /= of_speed) then
+    if (self%parameter /= of_rpm) then
       if (.not. has_rpm) call fail(error, code_input, '&branches parameter = '''// &
         trim(parameter_names(self%parameter))//''': needs rpm, the speed')
     else if (has_rpm) then
@@ -214,16 +212,16 @@ contains
 
     stopped = .false.
     if (self%second == 0) return
-    value = found%family%base(self%second)
+    value = found%family%case%number(self%second)
     if (value < self%second_range(1) .or. value > self%second_range(2)) then
-      associate (unit => parameter_units(self%second))
+      associate (unit => number_units(self%second))
         call fail(error, code_input, '&branches second_first = '//str(self%second_range(1)/unit)//', second_last = '// &
                   str(self%second_range(2)/unit)//': must have the case''s '//trim(parameter_names(self%second))//' = '// &
                   str(value/unit)//' between them')
       end associate
       return
     end if
-    call make_case_family(stages%motions_inputs, found%family%base, [self%parameter, self%second], &
+    call make_case_family(found%family%case, [self%parameter, self%second], &
                           reshape([self%range, self%second_range], [2, 2]), found%plane, error)
     if (allocated(error)) return
     options = options_of(self, stages)
@@ -252,10 +250,7 @@ contains
 
     range = 0
     range(:, 1) = self%range
-    associate (motion => stages%motions_inputs%motion)
-      call make_case_family(stages%motions_inputs, [self%rpm, motion%damping_ratio, relief, motion%load], [self%parameter, 0], &
-                            range, family, error)
-    end associate
+    call make_case_family(case_variation_t(stages%motions_inputs, relief, self%rpm), [self%parameter, 0], range, family, error)
   end subroutine make_family
 
   pure subroutine add_report(self, lines)

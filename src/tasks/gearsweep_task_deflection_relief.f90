@@ -2,6 +2,7 @@
 !> reliefs whose transmission error and whose dynamic factor are least; and the relief at chosen diameters of the flanks.
 module gearsweep_task_deflection_relief
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_case_variation, only: with_relief
   use gearsweep_decimal, only: in_um
   use gearsweep_deflection_formula, only: formula_deflection, formula_deflection_t, formula_relief
   use gearsweep_error, only: error_t
@@ -9,7 +10,7 @@ module gearsweep_task_deflection_relief
   use gearsweep_flattening, only: contact_half_width
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: left, lines_t, right
-  use gearsweep_motions, only: largest_relief, relief_start, with_relief
+  use gearsweep_motions, only: largest_relief, relief_start
   use gearsweep_optimum, only: find_optimum, most_tried, optimum_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_points, only: factor_in, factor_of, of_worst, speed_of
@@ -18,7 +19,7 @@ module gearsweep_task_deflection_relief
   use gearsweep_relief_methods, only: error_range, judge_reliefs, least_error_relief, relief_method_t
   use gearsweep_stop, only: wants_stop
   use gearsweep_sweep, only: sweep_options_t
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
@@ -185,13 +186,13 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('tip reliefs by several methods, and what they do', size(methods), 8, error, extent=[size(methods)])
+    call table%over('tip reliefs by several methods, and what they do', error, &
+                    axis('method', '', 'none: without relief; markovic_vrcan: bending and half the flattening by the formula; '// &
+                    'whole_flattening: bending and all of it; finite_elements: the deflection by finite elements, of '// &
+                    'the stiffness model fe; transmission_error: the least peak-to-peak static transmission error; '// &
+                    'dynamic_factor: the least of the largest dynamic factors over the speeds, where one has an answer', &
+                    [methods%name]))
     if (allocated(error)) return
-    call table%add_index('method', '', 'none: without relief; markovic_vrcan: bending and half the flattening by the formula; '// &
-                         'whole_flattening: bending and all of it; finite_elements: the deflection by finite elements, of '// &
-                         'the stiffness model fe; transmission_error: the least peak-to-peak static transmission error; '// &
-                         'dynamic_factor: the least of the largest dynamic factors over the speeds, where one has an answer', &
-                         [methods%name])
     call table%add('pinion_relief_um', 'um', 'amount of relief at the pinion''s tip', in_um(methods%amount(1)))
     call table%add('gear_relief_um', 'um', 'amount of relief at the gear''s tip', in_um(methods%amount(2)))
     call table%add('within_um', 'um', 'the least lies so near; NaN for methods that look for none', &
@@ -212,9 +213,8 @@ contains
 
     start = relief_start(stages%motions_inputs%motion%relief)
     associate (table => self%tables(self%place('relief_deflection')), pair => stages%pair)
-      call table%begin('deflection of the teeth under the whole load', 2, 10, error, extent=[2])
+      call table%over('deflection of the teeth under the whole load', error, axis('member', '', 'pinion or gear', members))
       if (allocated(error)) return
-      call table%add_index('member', '', 'pinion or gear', members)
       call table%add('load_diameter_mm', 'mm', 'diameter at which the load acts', 2*milli*pair%radius([1, 2], teeth%s))
       call table%add('start_diameter_mm', 'mm', 'diameter at which relief begins, d_k', 2*milli*pair%radius([1, 2], start))
       call table%add('load_height_mm', 'mm', 'y_p: height of the load above the root circle, along the tooth''s axis', &
@@ -244,10 +244,9 @@ contains
       if (allocated(error)) return
       range(i) = error_range(motion)
     end do
-    call table%begin('static transmission error and dynamic factor over the amount of relief', size(range), 5, error, &
-                     extent=[size(range)])
+    call table%over('static transmission error and dynamic factor over the amount of relief', error, &
+                    axis('relief_um', 'um', 'amount of relief, ascending', in_um(optimum%amount)))
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', 'amount of relief, ascending', in_um(optimum%amount))
     call table%add('ste_range_um', 'um', 'peak-to-peak static transmission error', micro*range)
     call table%add('worst_dynamic_factor', '', of_worst, optimum%dynamic_factor)
     call table%add('at_least', '', '1: a few speeds showed that this relief is not the best, and the largest DF is that of '// &

@@ -17,7 +17,7 @@ module gearsweep_task_flank
   use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: check_reliefs, needs_moving, stage, task_info_t
   use gearsweep_text, only: fixed, str
@@ -221,18 +221,18 @@ contains
     integer :: i, k
 
     call table%begin('the contact of one pair along its path, from its first contact to its last', &
-                     sum([(size(paths(i)%s), i=1, size(paths))]), 24, error)
+                     sum([(size(paths(i)%s), i=1, size(paths))]), error)
     if (allocated(error)) return
     path = [((i, k=1, size(paths(i)%s)), i=1, size(paths))]
     contact = [(paths(i)%contact, i=1, size(paths))]
     s = [(paths(i)%s, i=1, size(paths))]
     relief_um = in_um(paths%relief)
-    call table%add_index('relief_um', 'um', of_relief, relief_um(path))
-    call table%add_index('rpm', '1/min', of_speed, [paths(path)%rpm])
-    call table%add_index('loading', '', of_loading, loadings(merge(2, 1, paths(path)%is_dynamic)))
-    call table%add_index('pair', '', 'which of so many different pairs this is, from 1; 0 without an answer', &
-                         [(paths(i)%pair, i=1, size(paths))])
-    call table%add_index('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s)
+    call table%add_index(axis('relief_um', 'um', of_relief, relief_um(path)))
+    call table%add_index(axis('rpm', '1/min', of_speed, [paths(path)%rpm]))
+    call table%add_index(axis('loading', '', of_loading, loadings(merge(2, 1, paths(path)%is_dynamic))))
+    call table%add_index(axis('pair', '', 'which of so many different pairs this is, from 1; 0 without an answer', &
+                              [(paths(i)%pair, i=1, size(paths))]))
+    call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s))
     call table%add('path_mm', 'mm', 'distance from A on the line of action', milli*s*stages%base_pitch)
     call table%add('pair_load_n', 'N', 'load of the pair', [(paths(i)%load, i=1, size(paths))])
     call table%add('pinion_rolling_m_s', 'm/s', 'speed at which the pinion''s flank rolls through the contact', &
@@ -264,14 +264,14 @@ contains
     integer :: i, n
 
     n = size(paths)
-    call table%begin('what the mesh loses by friction, and the extremes along the path', n, 22, error, &
+    call table%begin('what the mesh loses by friction, and the extremes along the path', n, error, &
                      extent=[n/(merge(2, 1, self%dynamic_load)*size(self%own_rpm)), size(self%own_rpm), &
                              merge(2, 1, self%dynamic_load)])
     if (allocated(error)) return
     loss = paths%friction*paths%loss_factor*paths%input
-    call table%add_index('relief_um', 'um', of_relief, in_um(paths%relief))
-    call table%add_index('rpm', '1/min', of_speed, [paths%rpm])
-    call table%add_index('loading', '', of_loading, loadings(merge(2, 1, paths%is_dynamic)))
+    call table%add_index(axis('relief_um', 'um', of_relief, in_um(paths%relief)))
+    call table%add_index(axis('rpm', '1/min', of_speed, [paths%rpm]))
+    call table%add_index(axis('loading', '', of_loading, loadings(merge(2, 1, paths%is_dynamic))))
     call table%add('friction_coefficient', '', 'mean coefficient of friction', [paths%friction])
     call table%add('viscosity_mpa_s', 'mPa s', 'of the case: viscosity of the oil', spread(milli*self%surfaces%viscosity, 1, n))
     call table%add('roughness_um', 'um', 'of the case: roughness Ra; NaN where the coefficient of friction is stated', &

@@ -7,7 +7,7 @@ module gearsweep_task_geometry
   use gearsweep_measures, only: find_measures, measures_t
   use gearsweep_pair, only: pair_t
   use gearsweep_rack, only: generating_shift
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
@@ -51,7 +51,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('the gear pair', 1, 14, error)
+    call table%begin('the gear pair', 1, error)
     if (allocated(error)) return
     associate (spec => pair%gear(1)%spec, widths => pair%gear%spec%face_width)
       call table%add('module_mm', 'mm', 'normal module', [milli*spec%module])
@@ -87,10 +87,9 @@ contains
     type(measures_t) :: measures(2)
     integer :: i
 
-    call table%begin('the two gears', 2, 25, error, extent=[2])
+    call table%over('the two gears', error, axis('member', '', 'pinion or gear', members))
     if (allocated(error)) return
     associate (gear => pair%gear)
-      call table%add_index('member', '', 'pinion or gear', members)
       call table%add('teeth', '', 'number of teeth', [gear%spec%teeth])
       call table%add('profile_shift', '', 'profile shift coefficient x', [gear%spec%profile_shift])
       call table%add('tip_diameter_mm', 'mm', 'tip circle', [2*milli*gear%tip_radius])
@@ -147,11 +146,10 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: s(5)
 
-    call table%begin('points of the path of contact: A start, B and D where another pair leaves and enters, P pitch point, '// &
-                     'E end', 5, 4, error, extent=[5])
+    call table%over('points of the path of contact: A start, B and D where another pair leaves and enters, P pitch point, '// &
+                    'E end', error, axis('point', '', 'its letter', ['A', 'B', 'P', 'D', 'E']))
     if (allocated(error)) return
     s = pair%points()
-    call table%add_index('point', '', 'its letter', ['A', 'B', 'P', 'D', 'E'])
     call table%add('s', '', 'path coordinate from A, in base pitches', s)
     call table%add('pinion_radius_mm', 'mm', 'radius at which the pinion touches', milli*pair%radius(1, s))
     call table%add('gear_radius_mm', 'mm', 'radius at which the gear touches', milli*pair%radius(2, s))

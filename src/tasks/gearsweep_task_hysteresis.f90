@@ -15,7 +15,7 @@ module gearsweep_task_hysteresis
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: has_result, status_name, status_stopped
   use gearsweep_sweep, only: contact_name, contact_of
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
@@ -137,16 +137,17 @@ contains
     type(point_t), allocatable :: point(:)
     real(dp), allocatable :: values(:, :)
     character(word), allocatable :: words(:, :)
-    character(4), allocatable :: direction(:)
     integer :: n, rows, row, i, way, k
 
     n = size(rpm)
     rows = n*size(branch)
-    call table%begin('steady motions that a slow run up through the speeds and one down meet', rows, 11, error, &
-                     extent=[size(relief), 2, n])
+    call table%over('steady motions that a slow run up through the speeds and one down meet', error, &
+                    axis('relief_um', 'um', 'tip relief, as amount_um of the case', in_um(relief)), &
+                    axis('direction', '', 'of the slow run through the speeds', ways), &
+                    axis('rpm', '1/min', 'speed of the pinion', rpm))
     if (.not. allocated(error)) call claim_memory(100.0_dp*rows, 'the table hysteresis', error)
     if (allocated(error)) return
-    allocate (values(rows, 6), words(rows, 2), direction(rows))
+    allocate (values(rows, 6), words(rows, 2))
     row = 0
     do i = 1, size(relief)
       do way = 1, 2
@@ -154,7 +155,6 @@ contains
         if (way == 2) point = point(n:1:-1)
         do k = 1, n
           row = row + 1
-          direction(row) = ways(way)
           associate (steady => point(k)%steady)
             values(row, 1:4) = numbers_of(point(k), period(k))
             values(row, 5) = steady%multiplier
@@ -165,9 +165,6 @@ contains
         end do
       end do
     end do
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(relief), 2*n))
-    call table%add_index('direction', '', 'of the slow run through the speeds', direction)
-    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(rpm, 2*size(relief)))
     call table%add('dynamic_factor', '', 'largest load of a pair over the static load', values(:, 1))
     call table%add('error_estimate', '', 'estimated error of the dynamic factor', values(:, 2))
     call table%add_words('status', 'how the calculation of the operating point ended', words(:, 1))
@@ -203,7 +200,7 @@ contains
     integer :: rows, row, i, way, k
 
     rows = sum([((size(branch(way, i)%change), way=1, 2), i=1, size(relief))])
-    call table%begin('speeds at which the motion of a slow run changes, in the order met', rows, 12, error)
+    call table%begin('speeds at which the motion of a slow run changes, in the order met', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 8), words(rows, 4))
     row = 0
@@ -220,9 +217,9 @@ contains
         end do
       end do
     end do
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', values(:, 1))
-    call table%add_index('direction', '', 'of the slow run through the speeds', words(:, 1))
-    call table%add_index('change', '', 'which change of this run', nint(values(:, 2)))
+    call table%add_index(axis('relief_um', 'um', 'tip relief, as amount_um of the case', values(:, 1)))
+    call table%add_index(axis('direction', '', 'of the slow run through the speeds', words(:, 1)))
+    call table%add_index(axis('change', '', 'which change of this run', nint(values(:, 2))))
     call table%add_words('kind', 'doubling or halving of the period, or a jump to another motion; where there is no result '// &
                          'before or after, the status there', words(:, 2))
     call table%add('rpm_before', '1/min', 'speed of the pinion just before', values(:, 3))

@@ -14,7 +14,7 @@ module gearsweep_task_life
   use gearsweep_root_life, only: root_life_t
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
-  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_table, only: axis, each, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: check_reliefs, members, needs_moving, stage, task_info_t
   use gearsweep_text, only: str
@@ -246,15 +246,15 @@ contains
 
     n = size(parts, 1)
     m = size(parts, 2)
-    call table%begin('what each part of the load spectrum does to the tooth roots', 2*m*n, 15, error, extent=[m, n, 2])
+    call table%over('what each part of the load spectrum does to the tooth roots', error, &
+                    axis('relief_um', 'um', of_relief, in_um(amount)), &
+                    axis('part', '', 'of the load spectrum, from 1', [(k, k=1, n)]), &
+                    axis('member', '', 'pinion or gear', members))
     if (allocated(error)) return
     root = [((parts(k, i)%root, k=1, n), i=1, m)]
     engagements = [((parts(k, i)%engagements, k=1, n), i=1, m)]
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), 2*n))
-    call table%add_index('part', '', 'of the load spectrum, from 1', over_and_over(each([(k, k=1, n)], 2), m))
-    call table%add_index('member', '', 'pinion or gear', members(over_and_over([1, 2], m*n)))
-    call table%add('rpm', '1/min', of_speed, over_and_over(each(self%own_rpm, 2), m))
-    call table%add('load_factor', '', 'load over that of the case', over_and_over(each(self%load_factor, 2), m))
+    call table%add('rpm', '1/min', of_speed, table%along(2, self%own_rpm))
+    call table%add('load_factor', '', 'load over that of the case', table%along(2, self%load_factor))
     call table%add('dynamic_factor', '', of_factor//', and for the static load', each([parts%dynamic_factor], 2))
     call table%add_words('status', of_status, words_of(each([parts%status], 2)))
     call table%add('motions', '', of_motions//'; also under the static load', known_count(each([parts%motions], 2)))
@@ -281,13 +281,12 @@ contains
     integer :: m, row, worst(2*size(amount))
 
     m = size(amount)
-    call table%begin('how long the tooth roots last', 2*m, 9, error, extent=[m, 2])
+    call table%over('how long the tooth roots last', error, axis('relief_um', 'um', of_relief, in_um(amount)), &
+                    axis('member', '', 'pinion or gear', members))
     if (allocated(error)) return
     do row = 1, 2*m
       call sum_up(parts(:, (row + 1)/2), 2 - modulo(row, 2), damage(row), largest(row), worst(row), word(row))
     end do
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), 2))
-    call table%add_index('member', '', 'pinion or gear', members(over_and_over([1, 2], m)))
     call table%add_words('kind', 'finite: damage adds up; endless: no cycle harms; overloaded: the mean stress of some cycle '// &
                          'alone is above the strength; unknown: some part has no motion', word)
     call table%add('damage', '', 'Miner''s sum of one pass of the spectrum', damage)
@@ -338,9 +337,9 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('the S-N curve, fully reversed', size(self%rule%curve%cycles), 2, error)
+    call table%begin('the S-N curve, fully reversed', size(self%rule%curve%cycles), error)
     if (allocated(error)) return
-    call table%add_index('failure_cycles', '', 'cycles to failure', self%rule%curve%cycles)
+    call table%add_index(axis('failure_cycles', '', 'cycles to failure', self%rule%curve%cycles))
     call table%add('amplitude_mpa', 'MPa', 'stress amplitude', mega*self%rule%curve%stress)
   end subroutine fill_curve
 

@@ -15,7 +15,7 @@ module gearsweep_task_load
   use gearsweep_response, only: response_t
   use gearsweep_status, only: has_result, status_name, status_stopped
   use gearsweep_stop, only: wants_stop
-  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
@@ -117,7 +117,7 @@ contains
     integer :: i, k, rows, from, until
 
     rows = sum([((size(response(i, k)%s), i=1, size(response, 1)), k=1, size(response, 2))])
-    call table%begin('dynamic load of one pair along its path of contact', rows, 16, error)
+    call table%begin('dynamic load of one pair along its path of contact', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 5), periods(rows), pair(rows), status(rows))
     from = 1
@@ -137,9 +137,9 @@ contains
         from = until + 1
       end do
     end do
-    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
-    call table%add_index('rpm', '1/min', of_speed, values(:, 2))
-    call table%add_index('s', '', 'path coordinate of the pair, in base pitches from A', values(:, 3))
+    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
+    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
+    call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A', values(:, 3)))
     call table%add('pair_load_n', 'N', 'elastic load on the pair', values(:, 4))
     call table%add('load_ratio', '', 'the same over the static load; its largest value is DF, up to the refinement of '// &
                    'the peak between two rows', values(:, 4)/stages%load)
@@ -147,7 +147,7 @@ contains
                    'gears about their bores', values(:, 5))
     call table%add_words('status', of_status, status)
     call table%add('mesh_periods', '', of_periods, periods)
-    call table%add_index('pair', '', 'which of so many pairs this is, from 1; 0 without an answer', pair)
+    call table%add_index(axis('pair', '', 'which of so many pairs this is, from 1; 0 without an answer', pair))
   end subroutine fill_paths
 
   !> Dynamic factor at the chosen speeds, and what else is read off the motion.
@@ -164,8 +164,9 @@ contains
 
     m = size(response, 1)
     n = size(response, 2)
-    call table%begin('dynamic factor and what else is read off the motion, at the speeds of the task load', m*n, 26, error, &
-                     extent=[m, n])
+    call table%over('dynamic factor and what else is read off the motion, at the speeds of the task load', error, &
+                    axis('relief_um', 'um', of_relief, in_um(stages%amount)), &
+                    axis('rpm', '1/min', of_speed, [response(1, :)%rpm]))
     if (allocated(error)) return
     associate (point => response%point)
       factor = [((point(i, k)%dynamic_factor, k=1, n), i=1, m)]
@@ -175,8 +176,6 @@ contains
         factor = no_number()
         estimate = no_number()
       end where
-      call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
-      call table%add_index('rpm', '1/min', of_speed, over_and_over([response(1, :)%rpm], m))
       call table%add('dynamic_factor', '', of_factor, factor)
       call table%add('error_estimate', '', of_estimate, estimate)
       call table%add_words('status', of_status, words_of(status))
@@ -251,7 +250,7 @@ contains
 
     rows = sum(1 + harmonics*merge(response%point%steady%periods, 0, has_result(response%point%steady%status)))
     call table%begin('dynamic transmission error and elastic load of the mesh, each as the sum of amplitude '// &
-                     'cos(2 pi harmonic tau + phase) over the mesh periods tau; harmonic 0 is the mean', rows, 8, error)
+                     'cos(2 pi harmonic tau + phase) over the mesh periods tau; harmonic 0 is the mean', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 8), source=no_number())
     from = 1
@@ -268,10 +267,11 @@ contains
         from = from + n + 1
       end do
     end do
-    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
-    call table%add_index('rpm', '1/min', of_speed, values(:, 2))
-    call table%add_index('harmonic', '', '0 for the mean, 1, 2 ... up to motion_harmonics for the mesh frequency; of a motion '// &
-                         'that repeats after several mesh periods, also the parts between', values(:, 3))
+    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
+    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
+    call table%add_index(axis('harmonic', '', &
+                              '0 for the mean, 1, 2 ... up to motion_harmonics for the mesh frequency; of a motion '// &
+                              'that repeats after several mesh periods, also the parts between', values(:, 3)))
     call table%add('frequency_hz', 'Hz', 'frequency of that harmonic', values(:, 4))
     call table%add('dte_amplitude_um', 'um', 'half of peak-to-peak of the dynamic transmission error; the mean for harmonic 0', &
                    values(:, 5))

@@ -12,7 +12,7 @@ module gearsweep_task_mesh
   use gearsweep_mesh, only: corner_uncertainty, coupling, interval_t, mesh_t, own_corner_uncertainty
   use gearsweep_segments, only: balance_t, contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, each, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
@@ -100,7 +100,7 @@ contains
     integer :: i, j, k, n, row, rows
 
     rows = sum([(sum(sharing(i)%pairs), i=1, size(sharing))])
-    call table%begin('one pair along its path of contact, static, for each relief', rows, 18, error)
+    call table%begin('one pair along its path of contact, static, for each relief', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 7))
     row = 0
@@ -118,8 +118,8 @@ contains
       end associate
     end do
     s = values(:, 2)
-    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
-    call table%add_index('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s)
+    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
+    call table%add_index(axis('s', '', 'path coordinate of the pair, in base pitches from A; below 0 before A', s))
     call table%add('pair_stiffness_n_um', 'N/um', 'stiffness of this pair, whole face width; what the dynamics take', &
                    values(:, 3))
     call table%add('mesh_stiffness_n_um', 'N/um', 'of all pairs that carry load; of whole gears also their discs', values(:, 4))
@@ -148,9 +148,9 @@ contains
     integer :: i, m
 
     m = size(ste)
-    call table%begin('static transmission error and load sharing over a mesh period, for each relief', m, 8, error, extent=[m])
+    call table%over('static transmission error and load sharing over a mesh period, for each relief', error, &
+                    axis('relief_um', 'um', of_relief, in_um(stages%amount)))
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', of_relief, in_um(stages%amount))
     call table%add('peak_to_peak_um', 'um', 'largest less least transmission error', [(micro*ste(i)%peak_to_peak(), i=1, m)])
     call table%add('mean_um', 'um', 'mean transmission error', micro*ste%mean)
     call table%add('rms_um', 'um', 'root mean square of what differs from the mean', micro*ste%rms)
@@ -175,12 +175,12 @@ contains
 
     m = size(ste)
     n = size(ste(1)%amplitude) + 1
-    call table%begin('static transmission error for each relief, as the sum of amplitude '// &
-                     'cos(2 pi harmonic tau + phase) over '// &
-                     'the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean', n*m, 5, error, extent=[m, n])
+    call table%over('static transmission error for each relief, as the sum of amplitude '// &
+                    'cos(2 pi harmonic tau + phase) over '// &
+                    'the mesh phase tau, 0 where a pair enters at A; harmonic 0 is the mean', error, &
+                    axis('relief_um', 'um', of_relief, in_um(amount)), &
+                    axis('harmonic', '', '0 for the mean, 1, 2 ... up to ste_harmonics', [(i, i=0, n - 1)]))
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
-    call table%add_index('harmonic', '', '0 for the mean, 1, 2 ... up to ste_harmonics', over_and_over([(i, i=0, n - 1)], m))
     call table%add('amplitude_um', 'um', 'half of peak-to-peak; the mean for harmonic 0', &
                    [(micro*[ste(i)%mean, ste(i)%amplitude], i=1, m)])
     call table%add('phase_deg', 'deg', 'where the amplitude is larger than its error', &
@@ -201,7 +201,7 @@ contains
 
     if (.not. mesh%disc%shared > 0) return
     rows = sum(sharing%pairs**2)
-    call table%begin('deflection of each pair under a unit load on each pair, over a mesh period', rows, 4, error)
+    call table%begin('deflection of each pair under a unit load on each pair, over a mesh period', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 4))
     row = 0
@@ -217,10 +217,10 @@ contains
         end do
       end associate
     end do
-    call table%add_index('mesh_phase', '', 'fraction of the mesh period, 0 where a pair enters at A; both sides of a break', &
-                         values(:, 1))
-    call table%add_index('loaded_s', '', 'path coordinate of the pair that is loaded, in base pitches from A', values(:, 2))
-    call table%add_index('moved_s', '', 'path coordinate of the pair that is moved', values(:, 3))
+    call table%add_index(axis('mesh_phase', '', 'fraction of the mesh period, 0 where a pair enters at A; both sides of a break', &
+                              values(:, 1)))
+    call table%add_index(axis('loaded_s', '', 'path coordinate of the pair that is loaded, in base pitches from A', values(:, 2)))
+    call table%add_index(axis('moved_s', '', 'path coordinate of the pair that is moved', values(:, 3)))
     call table%add('compliance_um_n', 'um/N', 'by how much it moves along the line of action under a unit load, both gears '// &
                    'together, as at the load of the case and without the turning of whole bodies', values(:, 4))
   end subroutine fill_compliance

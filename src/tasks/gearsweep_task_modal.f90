@@ -6,7 +6,7 @@ module gearsweep_task_modal
   use gearsweep_lines, only: lines_t, right
   use gearsweep_modal, only: modal_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
@@ -71,9 +71,8 @@ contains
     integer :: i
 
     associate (modes => modal%modes, n => size(modal%modes%frequency))
-      call table%begin('natural frequencies of the section', n, 5, error, extent=[n])
+      call table%over('natural frequencies of the section', error, axis('mode', '', of_mode, [(i, i=1, n)]))
       if (allocated(error)) return
-      call table%add_index('mode', '', of_mode, [(i, i=1, n)])
       call table%add('frequency_hz', 'Hz', 'natural frequency', modes%frequency)
       call table%add('error_estimate', '', 'estimated discretisation error, relative', modal%error_estimate)
       call table%add('residual', '', 'residual of the eigenvalue problem, relative', modes%residual)
@@ -90,11 +89,9 @@ contains
 
     if (allocated(error)) return
     associate (parts => size(energy, 1), n => size(energy, 2))
-      call table%begin('kinetic energy of each mode by part of the section', parts*n, 3, error, extent=[n, parts])
+      call table%over('kinetic energy of each mode by part of the section', error, axis('mode', '', of_mode, [(i, i=1, n)]), &
+                      axis('tooth', '', 'counted from the coast side; 0 for the body below the teeth', [(i, i=0, parts - 1)]))
       if (allocated(error)) return
-      call table%add_index('mode', '', of_mode, each([(i, i=1, n)], parts))
-      call table%add_index('tooth', '', 'counted from the coast side; 0 for the body below the teeth', &
-                     over_and_over([(i, i=0, parts - 1)], n))
       call table%add('energy_share', '', 'kinetic energy of this part over the whole', [energy])
     end associate
   end subroutine fill_energy
@@ -108,11 +105,10 @@ contains
 
     if (allocated(error)) return
     associate (m => size(shape, 2), n => size(shape, 3))
-      call table%begin('mode shapes at the nodes of the section''s grid, for unit modal mass', n*m, 4, error, extent=[n, m], &
-                       grid=grid_of_section)
+      call table%over('mode shapes at the nodes of the section''s grid, for unit modal mass', error, &
+                      axis('mode', '', of_mode, [(i, i=1, n)]), axis('node', '', 'its number', [(i, i=1, m)]), &
+                      grid=grid_of_section)
       if (allocated(error)) return
-      call table%add_index('mode', '', of_mode, each([(i, i=1, n)], m))
-      call table%add_index('node', '', 'its number', over_and_over([(i, i=1, m)], n))
       call table%add('shape_x', 'kg**-0.5', 'displacement in x over the modal coordinate', [shape(1, :, :)])
       call table%add('shape_y', 'kg**-0.5', 'displacement in y over the modal coordinate', [shape(2, :, :)])
     end associate

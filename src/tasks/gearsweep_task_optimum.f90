@@ -2,6 +2,7 @@
 !> reliefs together, under several loads.
 module gearsweep_task_optimum
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use gearsweep_case_variation, only: with_relief
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_error_estimate, only: point_t
@@ -10,14 +11,14 @@ module gearsweep_task_optimum
   use gearsweep_kinds, only: dp
   use gearsweep_largest_motion, only: find_point
   use gearsweep_lines, only: left, lines_t
-  use gearsweep_motions, only: largest_relief, with_relief
+  use gearsweep_motions, only: largest_relief
   use gearsweep_optimum, only: find_optimum, most_tried, optimum_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_points, only: of_worst
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: has_result
   use gearsweep_sweep, only: sweep_options_t, sweep_state_t
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
@@ -165,7 +166,7 @@ contains
     real(dp) :: best(3)
     integer :: failed
 
-    call table%begin('the relief whose largest dynamic factor over the speeds is least', 1, 6, error)
+    call table%begin('the relief whose largest dynamic factor over the speeds is least', 1, error)
     if (allocated(error)) return
     best = no_number()
     failed = sum(optimum%failed)
@@ -189,16 +190,14 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    associate (n => size(optimum%amount))
-      call table%begin('largest dynamic factor over the speeds against the relief', n, 5, error, extent=[n])
-      if (allocated(error)) return
-      call table%add_index('relief_um', 'um', 'amount of relief, ascending', in_um(optimum%amount))
-      call table%add('worst_dynamic_factor', '', of_worst, optimum%dynamic_factor)
-      call table%add('rpm', '1/min', 'speed of the pinion where that is', optimum%rpm)
-      call table%add('points_without_answer', '', 'speeds without an answer', optimum%failed)
-      call table%add('at_least', '', '1: a few speeds showed that this relief is not the best, and the largest DF is that of '// &
-                     'these; else 0', merge(1, 0, optimum%is_bound))
-    end associate
+    call table%over('largest dynamic factor over the speeds against the relief', error, &
+                    axis('relief_um', 'um', 'amount of relief, ascending', in_um(optimum%amount)))
+    if (allocated(error)) return
+    call table%add('worst_dynamic_factor', '', of_worst, optimum%dynamic_factor)
+    call table%add('rpm', '1/min', 'speed of the pinion where that is', optimum%rpm)
+    call table%add('points_without_answer', '', 'speeds without an answer', optimum%failed)
+    call table%add('at_least', '', '1: a few speeds showed that this relief is not the best, and the largest DF is that of '// &
+                   'these; else 0', merge(1, 0, optimum%is_bound))
   end subroutine fill_curve
 
   pure subroutine add_report(self, lines)

@@ -8,7 +8,7 @@ module gearsweep_task_poincare
   use gearsweep_poincare, only: sample_section, section_points_t
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: status_chaotic, status_chatter, status_name, status_stopped, status_unbounded, status_unresolved
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
@@ -109,12 +109,11 @@ contains
     kept = size(section(1)%x, 1)
     n = size(rpm)
     m = size(relief)
-    call table%begin('the motion seen once a mesh period, as a new pair enters', m*n*kept, 7, error, &
-                     extent=[m, n, kept])
+    call table%over('the motion seen once a mesh period, as a new pair enters', error, &
+                    axis('relief_um', 'um', 'tip relief, as amount_um of the case', in_um(relief)), &
+                    axis('rpm', '1/min', 'speed of the pinion', rpm), &
+                    axis('period', '', 'which of the mesh periods kept', [(i, i=1, kept)]))
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(relief), n*kept))
-    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(each(rpm, kept), m))
-    call table%add_index('period', '', 'which of the mesh periods kept', over_and_over([(i, i=1, kept)], m*n))
     each_speed = n*kept
     allocate (seen(m*each_speed, 2))
     do i = 1, m
@@ -146,10 +145,10 @@ contains
         status((i - 1)*n + k) = status_name(section(i)%status(k))
       end do
     end do
-    call table%begin('how the motion seen once a mesh period goes on', m*n, 5, error, extent=[m, n])
+    call table%over('how the motion seen once a mesh period goes on', error, &
+                    axis('relief_um', 'um', 'tip relief, as amount_um of the case', in_um(relief)), &
+                    axis('rpm', '1/min', 'speed of the pinion', rpm))
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', 'tip relief, as amount_um of the case', each(in_um(relief), n))
-    call table%add_index('rpm', '1/min', 'speed of the pinion', over_and_over(rpm, m))
     call table%add('lyapunov_exponent', '', 'largest Lyapunov exponent, of a mesh period: the mean logarithm by which a '// &
                    'disturbance grows, below 0 where the motion repeats and above 0 where it is chaotic', &
                    exponent)

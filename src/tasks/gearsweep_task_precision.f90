@@ -13,7 +13,7 @@ module gearsweep_task_precision
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: has_result, status_name
   use gearsweep_stop, only: wants_stop
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
@@ -144,23 +144,24 @@ contains
     character(12) :: status(size(list))
     integer :: i
 
-    call table%begin(meaning, size(list), 12, error)
+    call table%begin(meaning, size(list), error)
     if (allocated(error)) return
     do i = 1, size(list)
       status(i) = status_name(list(i)%status)
     end do
-    call table%add_index('quantity', '', 'dynamic_factor; ste_harmonic: amplitude of the static transmission error; '// &
-      'natural_frequency; root_tension: the largest under the whole load at the outer point of single contact; '// &
-      'pair_stiffness: in the middle of the path of contact', [list%quantity])
-    call table%add_index('number', '', 'which harmonic or mode; 1 for what is alone', [list%number])
-    call table%add_index('relief_um', 'um', 'tip relief; NaN where it does not matter', &
-                         merge(list%relief, no_number(), list%relief >= 0))
-    call table%add_index('rpm', '1/min', 'speed of the pinion; NaN where it does not matter', &
-                         merge(list%rpm, no_number(), list%rpm >= 0))
-    call table%add_index('method', '', 'of integration as &numerics method; segments: integration over smooth segments; '// &
-      'fft: Fourier transform of equally spaced samples; elements: finite elements', [list%method])
-    call table%add_index('resolution', '', 'steps of a mesh period, about, as some methods end steps at breaks; samples of '// &
-      'a mesh period; elements across the loaded tooth', [list%resolution])
+    call table%add_index(axis('quantity', '', 'dynamic_factor; ste_harmonic: amplitude of the static transmission error; '// &
+                      'natural_frequency; root_tension: the largest under the whole load at the outer point of single contact; '// &
+                              'pair_stiffness: in the middle of the path of contact', [list%quantity]))
+    call table%add_index(axis('number', '', 'which harmonic or mode; 1 for what is alone', [list%number]))
+    call table%add_index(axis('relief_um', 'um', 'tip relief; NaN where it does not matter', &
+                              merge(list%relief, no_number(), list%relief >= 0)))
+    call table%add_index(axis('rpm', '1/min', 'speed of the pinion; NaN where it does not matter', &
+                              merge(list%rpm, no_number(), list%rpm >= 0)))
+    call table%add_index(axis('method', '', 'of integration as &numerics method; segments: integration over smooth segments; '// &
+                              'fft: Fourier transform of equally spaced samples; elements: finite elements', [list%method]))
+    call table%add_index(axis('resolution', '', &
+                              'steps of a mesh period, about, as some methods end steps at breaks; samples of '// &
+                              'a mesh period; elements across the loaded tooth', [list%resolution]))
     call table%add('value', '', 'the result, in the unit beside it', [list%value])
     call table%add_words('unit', 'of the value; empty for a plain number', [list%unit])
     if (.not. are_references) call table%add('error', '', 'difference to the value in the table precision_finest over '// &

@@ -18,7 +18,7 @@ module gearsweep_task_rating
   use gearsweep_reader, only: reader_t
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
-  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_table, only: axis, each, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: fixed, str
@@ -184,7 +184,8 @@ contains
 
     m = size(stages%amount)
     n = size(rpm)
-    call table%begin('dynamic factor K_v by Method A, from the motion, and by Method B', m*n, 11, error, extent=[m, n])
+    call table%over('dynamic factor K_v by Method A, from the motion, and by Method B', error, &
+                    axis('relief_um', 'um', of_relief, in_um(stages%amount)), axis('rpm', '1/min', of_speed, rpm))
     if (allocated(error)) return
     share = each([(largest_share(stages%motion(i)), i=1, m)], n)
     factor = [point%dynamic_factor]
@@ -194,8 +195,6 @@ contains
       factor = no_number()
       estimate = no_number()
     end where
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
-    call table%add_index('rpm', '1/min', of_speed, over_and_over(rpm, m))
     call table%add('dynamic_factor', '', of_factor, factor)
     call table%add('error_estimate', '', of_estimate, estimate)
     call table%add_words('status', of_status, words_of(status))
@@ -218,9 +217,9 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('factors of ISO 6336:2006 that do not depend on the speed', 2, 33, error, extent=[2])
+    call table%over('factors of ISO 6336:2006 that do not depend on the speed', error, &
+                    axis('member', '', 'pinion or gear', members))
     if (allocated(error)) return
-    call table%add_index('member', '', 'pinion or gear', members)
     call both('tangential_load_n', 'N', 'nominal load F_t on the reference circle', nominal%load)
     call both('application_factor', '', 'K_A, of the case', factors%application)
     call both('face_load_factor', '', 'K_H_beta, of the case', factors%face_load)
@@ -269,20 +268,18 @@ contains
     real(dp), allocatable :: dynamic(:), contact(:), root(:)
     character(1), allocatable :: method(:)
     integer, allocatable :: member(:)
-    integer :: m, n
+    integer :: i, m, n
 
     m = size(amount)
     n = size(self%own_rpm)
-    call table%begin('contact stress and tooth root stress by ISO 6336, and their safety factors', 2*m*n, 9, error, &
-                     extent=[m, n, 2])
+    call table%over('contact stress and tooth root stress by ISO 6336, and their safety factors', error, &
+                    axis('relief_um', 'um', of_relief, in_um(amount)), axis('rpm', '1/min', of_speed, self%own_rpm), &
+                    axis('member', '', 'pinion or gear', members))
     if (allocated(error)) return
     call self%signed(method, dynamic)
-    member = over_and_over([1, 2], m*n)
+    member = [(1, 2, i=1, m*n)]
     contact = contact_stress(nominal%contact, nominal%flank%single_pair(member), self%factors, dynamic)
     root = tooth_root_stress(nominal%root(member), self%factors, nominal%root_face_load, dynamic)
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), 2*n))
-    call table%add_index('rpm', '1/min', of_speed, over_and_over(each(self%own_rpm, 2), m))
-    call table%add_index('member', '', 'pinion or gear', members(member))
     call table%add_words('method', 'whose K_v it is, as dynamic_factor_method has it: a or b', method)
     call table%add('internal_dynamic_factor', '', 'K_v by that method; NaN where there is no answer', dynamic)
     call table%add('contact_stress_mpa', 'MPa', 'contact stress sigma_H', mega*contact)

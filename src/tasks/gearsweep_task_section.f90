@@ -7,7 +7,7 @@ module gearsweep_task_section
   use gearsweep_lines, only: lines_t
   use gearsweep_pair, only: pair_t
   use gearsweep_section, only: make_section, section_t
-  use gearsweep_table, only: table_t
+  use gearsweep_table, only: axis, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
@@ -56,7 +56,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('section of one member and its grid', 1, 9, error)
+    call table%begin('section of one member and its grid', 1, error)
     if (allocated(error)) return
     associate (grid => section%grid)
       call table%add_words('member', 'pinion or gear', [member])
@@ -83,9 +83,9 @@ contains
     call shown_contour(pair%gear(1), pinion)
     call shown_contour(pair%gear(2), gear)
     associate (n => size(pinion, 2), m => size(gear, 2))
-      call table%begin('outline of both gears, each about its own centre', n + m, 6, error)
+      call table%begin('outline of both gears, each about its own centre', n + m, error)
       if (allocated(error)) return
-      call table%add_index('member', '', 'pinion or gear', members([(1, i=1, n), (2, i=1, m)]))
+      call table%add_index(axis('member', '', 'pinion or gear', members([(1, i=1, n), (2, i=1, m)])))
       call table%add('x_mm', 'mm', 'across the tooth that stands upright, towards its drive side', &
                      milli*[pinion(1, :), gear(1, :)])
       call table%add('y_mm', 'mm', 'along the axis of that tooth', milli*[pinion(2, :), gear(2, :)])

@@ -2,7 +2,8 @@
 !> number of the motion, at chosen speeds (see gearsweep_sensitivity).
 module gearsweep_task_sensitivity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_case_numbers, only: case_number_t, is_static, list_numbers, number_names, number_units
+  use gearsweep_case_numbers, only: case_number_t, is_static, list_numbers
+  use gearsweep_case_variation, only: number_names, number_units
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_error_estimate, only: point_t
@@ -12,13 +13,13 @@ module gearsweep_task_sensitivity
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period
   use gearsweep_points, only: of_factor, of_relief, of_speed
-  use gearsweep_motion_reading, only: differentiable_t
   use gearsweep_reader, only: reader_t
   use gearsweep_refinement, only: levels_t
-  use gearsweep_sensitivity, only: differentiate_motion, differentiate_static, prepare_motion, slope_name, slopes_t
+  use gearsweep_sensitivity, only: differentiable_t, differentiate_motion, differentiate_static, prepare_motion, slope_name, &
+                                   slopes_t
   use gearsweep_status, only: has_result
   use gearsweep_stop, only: wants_stop
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
@@ -143,7 +144,7 @@ contains
     call list_numbers(stages%motions_inputs, stages%amount(which), 0.0_dp, numbers)
     do i = 1, size(numbers)
       if (.not. is_static(numbers(i)%which)) cycle
-      numbers(i)%rpm = 1
+      numbers(i)%case%rpm = 1
       row = row_t(stages%amount(which), 0.0_dp, numbers(i)%which, numbers(i)%value, no_number())
       call differentiate_static(numbers(i), self%harmonics, row%slopes)
       rows = [rows, row]
@@ -157,13 +158,13 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp) :: unit(size(rows)), part(size(rows))
 
-    call table%begin('how the dynamic factor changes with each number of the motion', size(rows), 11, error)
+    call table%begin('how the dynamic factor changes with each number of the motion', size(rows), error)
     if (allocated(error)) return
     unit = number_units(rows%which)
     part = rows%value*rows%slopes%dynamic_factor/rows%dynamic_factor
-    call table%add_index('relief_um', 'um', of_relief, in_um(rows%relief))
-    call table%add_index('rpm', '1/min', of_speed, [rows%rpm])
-    call table%add_index('number', '', of_number, [number_names(rows%which)])
+    call table%add_index(axis('relief_um', 'um', of_relief, in_um(rows%relief)))
+    call table%add_index(axis('rpm', '1/min', of_speed, [rows%rpm]))
+    call table%add_index(axis('number', '', of_number, [number_names(rows%which)]))
     call table%add('value', '', 'its value, in the unit of its name', rows%value/unit)
     call table%add('dynamic_factor', '', of_factor, [rows%dynamic_factor])
     call table%add('slope', '', 'derivative of DF'//of_unit//'; NaN where there is none', rows%slopes%dynamic_factor*unit)
@@ -199,12 +200,12 @@ contains
       end do
     end do
     call table%begin('how mean and harmonics of the '//trim(merge('dynamic', 'static ', name == 'dte'))// &
-                     ' transmission error change with each number of the motion', n, 7, error)
+                     ' transmission error change with each number of the motion', n, error)
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', of_relief, in_um(values(:, 1)))
-    if (name == 'dte') call table%add_index('rpm', '1/min', of_speed, values(:, 2))
-    call table%add_index('number', '', of_number, [number_names(which)])
-    call table%add_index('harmonic', '', of_harmonic, harmonic)
+    call table%add_index(axis('relief_um', 'um', of_relief, in_um(values(:, 1))))
+    if (name == 'dte') call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
+    call table%add_index(axis('number', '', of_number, [number_names(which)]))
+    call table%add_index(axis('harmonic', '', of_harmonic, harmonic))
     call table%add(name//'_slope_um', 'um', 'derivative of its amplitude'//of_unit//'; NaN where there is none', &
                    micro*values(:, 3))
     call table%add('error_estimate', '', 'estimated error of the slope; NaN where it is not known', micro*values(:, 4))

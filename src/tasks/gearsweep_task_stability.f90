@@ -9,7 +9,7 @@ module gearsweep_task_stability
   use gearsweep_reader, only: reader_t
   use gearsweep_stability, only: map_stability, stability_t
   use gearsweep_stop, only: wants_stop
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: str
@@ -96,17 +96,13 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    associate (n => size(rpm), m => size(damping))
-      call table%begin('stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1', &
-                       n*m, 4, error, extent=[n, m])
-      if (allocated(error)) return
-      call table%add_index('rpm', '1/min', 'speed of the pinion', each(rpm, m))
-      call table%add_index('damping_ratio', '', 'damping ratio', over_and_over(damping, n))
-      call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers: what remains of a disturbance '// &
-                     'after a mesh period; NaN where the speed is too low', [transpose(map%modulus)])
-      call table%add('sense', '', 'sign of that multiplier where it is real, 0 for a complex pair: beyond 1, a motion with '// &
-                     '1 does not return, one with -1 doubles its period', [transpose(map%sense)])
-    end associate
+    call table%over('stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1', error, &
+                    axis('rpm', '1/min', 'speed of the pinion', rpm), axis('damping_ratio', '', 'damping ratio', damping))
+    if (allocated(error)) return
+    call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers: what remains of a disturbance '// &
+                   'after a mesh period; NaN where the speed is too low', [transpose(map%modulus)])
+    call table%add('sense', '', 'sign of that multiplier where it is real, 0 for a complex pair: beyond 1, a motion with '// &
+                   '1 does not return, one with -1 doubles its period', [transpose(map%sense)])
   end subroutine fill_map
 
   pure subroutine fill_tongues(tongue, table, error)
@@ -115,9 +111,9 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     integer :: i
 
-    call table%begin('tongues of instability, from the highest speed on', size(tongue), 3, error, extent=[size(tongue)])
+    call table%over('tongues of instability, from the highest speed on', error, &
+                    axis('tongue', '', 'which tongue', [(i, i=1, size(tongue))]))
     if (allocated(error)) return
-    call table%add_index('tongue', '', 'which tongue', [(i, i=1, size(tongue))])
     call table%add('closing_damping_ratio', '', 'damping ratio from which it is closed; NaN: above 1', [tongue%closing_damping])
     call table%add('closing_rpm', '1/min', 'speed of the pinion at its last point', [tongue%closing_rpm])
   end subroutine fill_tongues
@@ -132,10 +128,9 @@ contains
 
     m = size(damping)
     k = size(tongue)
-    call table%begin('edges of the tongues of instability: between them the motion repels', k*m, 4, error, extent=[k, m])
+    call table%over('edges of the tongues of instability: between them the motion repels', error, &
+                    axis('tongue', '', 'which tongue', [(i, i=1, k)]), axis('damping_ratio', '', 'damping ratio', damping))
     if (allocated(error)) return
-    call table%add_index('tongue', '', 'which tongue', each([(i, i=1, k)], m))
-    call table%add_index('damping_ratio', '', 'damping ratio', over_and_over(damping, k))
     allocate (edge(m*k, 2))
     do i = 1, k
       edge((i - 1)*m + 1:i*m, 1) = tongue(i)%edge(1, :)

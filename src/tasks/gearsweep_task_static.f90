@@ -16,7 +16,7 @@ module gearsweep_task_static
     shared_equally, shares_stated, spaced_on_flank, spaced_on_path
   use gearsweep_stress, only: root_stress, root_stress_t
   use gearsweep_stress_field, only: find_stress_field, stress_field_t
-  use gearsweep_table, only: each, over_and_over, table_t
+  use gearsweep_table, only: axis, each, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
@@ -182,14 +182,14 @@ contains
 
     m = size(root)
     n = size(root(1)%s)
-    call table%begin('stress at tangent_deg of the fillet for each relief and position of the load', 2*n*m, 9, error, &
+    call table%begin('stress at tangent_deg of the fillet for each relief and position of the load', 2*n*m, error, &
                      extent=[m, n, 2])
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), 2*n))
-    call table%add_index('s', '', 'path coordinate of the load, in base pitches from A', [(each(root(i)%s, 2), i=1, m)])
+    call table%add_index(axis('relief_um', 'um', of_relief, each(in_um(amount), 2*n)))
+    call table%add_index(axis('s', '', 'path coordinate of the load, in base pitches from A', [(each(root(i)%s, 2), i=1, m)]))
     call table%add('radius_mm', 'mm', 'radius at which it acts on this member', [(each(milli*root(i)%radius, 2), i=1, m)])
     call table%add('load_share', '', 'load of this pair over the whole load', [(each(root(i)%share, 2), i=1, m)])
-    call table%add_index('side', '', 'drive (the loaded side: tension) or coast', sides(over_and_over([drive, coast], n*m)))
+    call table%add_index(axis('side', '', 'drive (the loaded side: tension) or coast', sides([(drive, coast, i=1, n*m)])))
     call table%add('sigma_mpa', 'MPa', 'stress along the surface', [(mega*root(i)%along, i=1, m)])
     call table%add('sigma_x_mpa', 'MPa', 'component across the tooth, x to its drive side', &
                    [(mega*root(i)%components(1, :, :), i=1, m)])
@@ -204,10 +204,10 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    associate (stress => root%stress, m => size(root))
-      call table%begin('largest stress in the root fillets over the path of contact', m, 6, error, extent=[m])
+    associate (stress => root%stress)
+      call table%over('largest stress in the root fillets over the path of contact', error, &
+                      axis('relief_um', 'um', of_relief, in_um(amount)))
       if (allocated(error)) return
-      call table%add_index('relief_um', 'um', of_relief, in_um(amount))
       call table%add('tension_mpa', 'MPa', 'largest tension along the surface', [mega*stress%tension%stress])
       call table%add('tension_deg', 'deg', 'angle of the fillet tangent there to the tooth''s axis', &
                      [stress%tension%tangent/degree])
@@ -228,7 +228,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     call table%begin('nominal root stress by ISO 6336-3 and by Lewis, the whole load at the outer point of single contact', &
-                     1, 12, error)
+                     1, error)
     if (allocated(error)) return
     call table%add_words('member', 'pinion or gear', [members(member)])
     call table%add_words('point', 'of the path of contact where the load acts', [merge('D', 'B', member == 1)])
@@ -254,7 +254,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('the load under which the stress is given all over the section', 1, 5, error)
+    call table%begin('the load under which the stress is given all over the section', 1, error)
     if (allocated(error)) return
     associate (k => position)
       call table%add('relief_um', 'um', 'amount of relief: the one with the largest tension', in_um([amount]))
@@ -273,10 +273,9 @@ contains
     integer :: i
 
     associate (n => size(stress, 2))
-      call table%begin('stress at the nodes of the section''s grid under the load of the table stress_load', n, 4, error, &
-                       extent=[n], grid=grid_of_section)
+      call table%over('stress at the nodes of the section''s grid under the load of the table stress_load', error, &
+                      axis('node', '', 'its number', [(i, i=1, n)]), grid=grid_of_section)
       if (allocated(error)) return
-      call table%add_index('node', '', 'its number', [(i, i=1, n)])
       call table%add('sigma_x_mpa', 'MPa', 'component across the middle tooth, x to its drive side', mega*stress(1, :))
       call table%add('sigma_y_mpa', 'MPa', 'component along that tooth''s axis y', mega*stress(2, :))
       call table%add('tau_xy_mpa', 'MPa', 'shear component', mega*stress(3, :))

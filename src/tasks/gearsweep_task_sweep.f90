@@ -15,7 +15,7 @@ module gearsweep_task_sweep
   use gearsweep_status, only: has_result, status_meaning, status_name, status_ok, status_stopped
   use gearsweep_sweep_state, only: all_motions, both, down, up
   use gearsweep_sweep, only: contact_lost, contact_name, run_sweep, sweep_options_t, sweep_state_t, sweep_t
-  use gearsweep_table, only: each, no_number, over_and_over, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_task, only: stage, task_info_t
   use gearsweep_text, only: fixed, str
@@ -89,14 +89,10 @@ contains
     type(all_motions_t), intent(in) :: motions
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    integer :: n, m
 
-    n = size(sweep%status, 1)
-    m = size(sweep%status, 2)
-    call table%begin('dynamic factor over speed and relief', n*m, 19, error, extent=[m, n])
+    call table%over('dynamic factor over speed and relief', error, axis('relief_um', 'um', of_relief, in_um(stages%amount)), &
+                    axis('rpm', '1/min', of_speed, sweep%rpm))
     if (allocated(error)) return
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(stages%amount), n))
-    call table%add_index('rpm', '1/min', of_speed, over_and_over(sweep%rpm, m))
     call table%add('dynamic_factor', '', of_factor, [sweep%dynamic_factor])
     call table%add('error_estimate', '', of_estimate, [sweep%estimate])
     call table%add_words('status', of_status, words_of([sweep%status]))
@@ -111,7 +107,7 @@ contains
     call table%add('branch_lost', '', 'with direction up, down or both, 1: the motion at the speed before led to none here, '// &
                    'and this point was solved by itself; else 0', merge(1, 0, [sweep%branch_lost]))
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
-                   over_and_over(frequency_ratio(stages%motion(1), sweep%rpm), m))
+                   table%along(2, frequency_ratio(stages%motion(1), sweep%rpm)))
     call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
     if (stages%direction == both) then
       call table%add_words('direction', 'with direction both: in which the motion of this row was met: up, down or both', &
@@ -139,12 +135,10 @@ contains
     real(dp) :: corner(size(stages%amount))
     integer :: i
 
-    associate (amount => stages%amount)
-      call table%begin('largest dynamic factor of the sweep for each relief', size(amount), 6, error, extent=[size(amount)])
-    end associate
+    call table%over('largest dynamic factor of the sweep for each relief', error, &
+                    axis('relief_um', 'um', of_relief, in_um(stages%amount)))
     if (allocated(error)) return
     worst = [(worst_of(sweep%rpm, sweep%dynamic_factor(:, i)), i=1, size(worst))]
-    call table%add_index('relief_um', 'um', of_relief, in_um(stages%amount))
     call table%add('worst_dynamic_factor', '', of_worst, [factor_of(worst)])
     call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
     if (stages%direction == both) then
@@ -173,12 +167,11 @@ contains
 
     m = size(amount)
     n = size(rpm)
-    call table%begin('largest dynamic factor of each relief about the speeds at which the least relieved mesh resonates, '// &
-                     'within 15 % and half-way to the next', m*n, 4, error, extent=[m, n])
+    call table%over('largest dynamic factor of each relief about the speeds at which the least relieved mesh resonates, '// &
+                    'within 15 % and half-way to the next', error, axis('relief_um', 'um', of_relief, in_um(amount)), &
+                    axis('resonance_rpm', '1/min', 'speed of the pinion in the resonance', rpm))
     if (allocated(error)) return
     worst = [((worst_near(sweep%rpm, sweep%dynamic_factor(:, i), rpm, k), k=1, n), i=1, m)]
-    call table%add_index('relief_um', 'um', of_relief, each(in_um(amount), n))
-    call table%add_index('resonance_rpm', '1/min', 'speed of the pinion in the resonance', over_and_over(rpm, m))
     call table%add('dynamic_factor', '', 'largest DF within 15 % of that speed, and no farther than half-way to the next '// &
                    'resonance; NaN where none has an answer', [factor_of(worst)])
     call table%add('rpm', '1/min', 'speed of the pinion where that is', [speed_of(worst)])
@@ -195,7 +188,7 @@ contains
     type(peak_t) :: best, other
     integer :: i, least
 
-    call table%begin('the points of the sweep, and the best of the listed reliefs', 1, 24, error)
+    call table%begin('the points of the sweep, and the best of the listed reliefs', 1, error)
     if (allocated(error)) return
     estimate = no_number()
     known = has_result(sweep%status) .and. .not. ieee_is_nan(sweep%estimate)

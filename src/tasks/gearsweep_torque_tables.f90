@@ -10,7 +10,7 @@ module gearsweep_torque_tables
   use gearsweep_points, only: known_count, of_estimate, of_factor, of_motions, of_periods, of_relief, of_speed, of_status, words_of
   use gearsweep_spectrum, only: spectrum_t
   use gearsweep_status, only: has_result
-  use gearsweep_table, only: no_number, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   implicit none
   private
   public :: torque_run_t, row_bytes, harmonic_bytes, fill_time, fill_points, fill_harmonics
@@ -51,7 +51,7 @@ contains
     call claim_memory(8.0_dp*time_columns*rows, 'the table torque', error)
     if (allocated(error)) return
     allocate (values(rows, time_columns), source=no_number())
-    call table%begin('transmitted torque over the time after which the motion repeats', rows, time_columns, error)
+    call table%begin('transmitted torque over the time after which the motion repeats', rows, error)
     if (allocated(error)) return
     from = 1
     do i = 1, size(runs)
@@ -61,9 +61,9 @@ contains
       if (has_rows(runs(i))) call fill_run(runs(i)%mesh, radius, runs(i)%period, values(from:from + n, 3:))
       from = from + n + 1
     end do
-    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
-    call table%add_index('rpm', '1/min', of_speed, values(:, 2))
-    call table%add_index('tau', '', 'time in mesh periods since a pair entered at A; both ends of each step', values(:, 3))
+    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
+    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
+    call table%add_index(axis('tau', '', 'time in mesh periods since a pair entered at A; both ends of each step', values(:, 3)))
     call table%add('time_s', 's', 'the same time', values(:, 4))
     call table%add('pinion_torque_nm', 'N*m', 'torque that the mesh takes from the pinion', values(:, 5))
     call table%add('gear_torque_nm', 'N*m', 'torque that the mesh gives to the gear', values(:, 6))
@@ -118,7 +118,7 @@ contains
     real(dp), dimension(size(runs)) :: factor, estimate
     integer :: i, member
 
-    call table%begin('mean, least and largest transmitted torque at the speeds of the task torque', size(runs), 19, error, &
+    call table%begin('mean, least and largest transmitted torque at the speeds of the task torque', size(runs), error, &
                      extent=[size(runs)/speeds, speeds])
     if (allocated(error)) return
     values = no_number()
@@ -132,8 +132,8 @@ contains
     end do
     factor = merge(runs%point%dynamic_factor, no_number(), has_result(runs%point%steady%status))
     estimate = merge(runs%point%estimate, no_number(), has_result(runs%point%steady%status))
-    call table%add_index('relief_um', 'um', of_relief, in_um(runs%relief))
-    call table%add_index('rpm', '1/min', of_speed, [runs%rpm])
+    call table%add_index(axis('relief_um', 'um', of_relief, in_um(runs%relief)))
+    call table%add_index(axis('rpm', '1/min', of_speed, [runs%rpm]))
     do member = 1, 2
       call add_member(trim(members(member)), values(:, :, member), table)
     end do
@@ -183,7 +183,7 @@ contains
     if (allocated(error)) return
     rows = sum([(1 + harmonics_of(runs(i)), i=1, size(runs))])
     call table%begin('transmitted torque as the sum of amplitude cos(2 pi harmonic tau + phase) over the mesh periods tau; '// &
-                     'harmonic 0 is the mean', rows, 10, error)
+                     'harmonic 0 is the mean', rows, error)
     if (allocated(error)) return
     allocate (values(rows, 10), source=no_number())
     from = 1
@@ -201,10 +201,11 @@ contains
       end if
       from = from + n + 1
     end do
-    call table%add_index('relief_um', 'um', of_relief, values(:, 1))
-    call table%add_index('rpm', '1/min', of_speed, values(:, 2))
-    call table%add_index('harmonic', '', '0 for the mean, 1, 2 ... up to harmonics for the mesh frequency; of a motion that '// &
-                         'repeats after several mesh periods, also the parts between', values(:, 3))
+    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
+    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
+    call table%add_index(axis('harmonic', '', &
+                              '0 for the mean, 1, 2 ... up to harmonics for the mesh frequency; of a motion that '// &
+                              'repeats after several mesh periods, also the parts between', values(:, 3)))
     call table%add('frequency_hz', 'Hz', 'frequency of that harmonic', values(:, 4))
     do member = 1, 2
       associate (name => members(member), first => 3*member + 2)

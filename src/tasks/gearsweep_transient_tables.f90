@@ -6,7 +6,7 @@ module gearsweep_transient_tables
   use gearsweep_points, only: known_count, of_motions, of_relief, of_speed, of_status, words_of
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_stress, only: stress_peak_t
-  use gearsweep_table, only: no_number, over_and_over, table_t
+  use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_tooth_modes, only: along, moved_x, moved_y, per_point, tooth_modes_t
   use gearsweep_tooth_transient, only: tooth_transient_t
   implicit none
@@ -46,16 +46,16 @@ contains
     if (allocated(error)) return
     points = 2*size(tangent)
     call table%begin('stress and displacement at points of the fillets while the load passes', &
-                     sum([(samples_of(runs(i)), i=1, size(runs))])*points, 15, error)
+                     sum([(samples_of(runs(i)), i=1, size(runs))])*points, error)
     if (allocated(error)) return
     associate (run => [((i, k=1, points*samples_of(runs(i))), i=1, size(runs))], &
                point => [(((k, n=1, samples_of(runs(i))), k=1, points), i=1, size(runs))])
-      call table%add_index('relief_um', 'um', of_relief, in_um(runs(run)%relief))
-      call table%add_index('rpm', '1/min', of_speed, [runs(run)%rpm])
-      call table%add_index('tangent_deg', 'deg', of_tangent, tangent((point + 1)/2)/degree)
-      call table%add_index('side', '', of_side, sides(2 - modulo(point, 2)))
-      call table%add_index('time_ms', 'ms', 'time since the load met the tooth', &
-                           milli*[((times_of(runs(i)), k=1, points), i=1, size(runs))])
+      call table%add_index(axis('relief_um', 'um', of_relief, in_um(runs(run)%relief)))
+      call table%add_index(axis('rpm', '1/min', of_speed, [runs(run)%rpm]))
+      call table%add_index(axis('tangent_deg', 'deg', of_tangent, tangent((point + 1)/2)/degree))
+      call table%add_index(axis('side', '', of_side, sides(2 - modulo(point, 2))))
+      call table%add_index(axis('time_ms', 'ms', 'time since the load met the tooth', &
+                                milli*[((times_of(runs(i)), k=1, points), i=1, size(runs))]))
       call table%add('s', '', 'path coordinate of the load, in base pitches from A', [((places_of(runs(i)), k=1, points), &
                                                                                       i=1, size(runs))])
       call table%add('load_n', 'N', 'load on the tooth', [((loads_of(runs(i)), k=1, points), i=1, size(runs))])
@@ -84,13 +84,13 @@ contains
     if (allocated(error)) return
     points = 2*size(tangent)
     call table%begin('the largest stress and displacement at points of the fillets while the load passes', size(runs)*points, &
-                     18, error, extent=[size(runs)/speeds, speeds, size(tangent), 2])
+                     error, extent=[size(runs)/speeds, speeds, size(tangent), 2])
     if (allocated(error)) return
-    associate (run => [((i, k=1, points), i=1, size(runs))], point => over_and_over([(k, k=1, points)], size(runs)))
-      call table%add_index('relief_um', 'um', of_relief, in_um(runs(run)%relief))
-      call table%add_index('rpm', '1/min', of_speed, [runs(run)%rpm])
-      call table%add_index('tangent_deg', 'deg', of_tangent, tangent((point + 1)/2)/degree)
-      call table%add_index('side', '', of_side, sides(2 - modulo(point, 2)))
+    associate (run => [((i, k=1, points), i=1, size(runs))], point => [((k, k=1, points), i=1, size(runs))])
+      call table%add_index(axis('relief_um', 'um', of_relief, in_um(runs(run)%relief)))
+      call table%add_index(axis('rpm', '1/min', of_speed, [runs(run)%rpm]))
+      call table%add_index(axis('tangent_deg', 'deg', of_tangent, tangent((point + 1)/2)/degree))
+      call table%add_index(axis('side', '', of_side, sides(2 - modulo(point, 2))))
       call table%add('highest_mpa', 'MPa', 'highest stress along the surface', &
                      mega*of_points(runs, tooth, points, along, highest))
       call table%add('highest_ms', 'ms', 'when', milli*of_points(runs, tooth, points, along, when_highest))
@@ -119,14 +119,14 @@ contains
     type(stress_peak_t) :: high(size(runs)), low(size(runs))
 
     if (allocated(error)) return
-    call table%begin('the largest stress in the root fillets while the load passes', size(runs), 17, error, &
+    call table%begin('the largest stress in the root fillets while the load passes', size(runs), error, &
                      extent=[size(runs)/speeds, speeds])
     if (allocated(error)) return
     high = runs%tooth%peaks%tension
     low = runs%tooth%peaks%compression
     associate (known => has_result(runs%status))
-      call table%add_index('relief_um', 'um', of_relief, in_um(runs%relief))
-      call table%add_index('rpm', '1/min', of_speed, [runs%rpm])
+      call table%add_index(axis('relief_um', 'um', of_relief, in_um(runs%relief)))
+      call table%add_index(axis('rpm', '1/min', of_speed, [runs%rpm]))
       call table%add('tension_mpa', 'MPa', 'largest tension along the surface', known_only(mega*high%stress, known))
       call table%add('tension_deg', 'deg', 'angle of the fillet''s tangent there to the tooth''s axis', &
                      known_only(high%tangent/degree, known))

@@ -22,7 +22,8 @@ module gearsweep_sensitivity
   use gearsweep_status, only: has_result
   implicit none
   private
-  public :: variation_t, slopes_t, prepare_motion, differentiate_motion, differentiate_static, amplitude_slopes, slope_name
+  public :: differentiable_t, variation_t, slopes_t, prepare_motion, differentiate_motion, differentiate_static, amplitude_slopes, &
+            slope_name
 
   !> A number of an oscillator, and the oscillators with other values of it.
   type, abstract :: variation_t
