@@ -23,9 +23,12 @@ ROOMS = {
     'dynamics/step': 'one step and one period: collocation, contact events, load peaks',
     'dynamics/solve': 'one operating point: steady motion, its stability, its error',
     'dynamics/analyses': 'many points: sweep, optimum, response, stability, Poincare section',
+    'bifurcation': 'branches of periodic motions, and where the motion changes its kind along them',
+    'sensitivity': 'how a motion changes with each number of its oscillator',
     'reader': 'the form of a case: groups, keys and values of a text, each key declared once',
-    'tasks': 'what a case may ask for: one file for each, with its keys, its run and its tables',
-    'case': 'what is wanted: the keys that several tasks share, their checks, help and cases to begin with',
+    'case': 'what is wanted: the keys that several tasks share, their checks, and what a case knows of a task',
+    'tasks': 'what a case may ask for: a file or a folder for each, with its keys, its run and its tables',
+    'catalogue': 'all tasks and keys together: reading of cases, help, cases to begin with',
     'study': 'from a case to its results, stage by stage, task by task',
     'results': 'tables of results, and what is written from them',
     'api': 'ten calls for Fortran 77, C and Python',
@@ -34,9 +37,14 @@ ROOMS = {
 }
 
 
+# Rooms of which others use this module and none beside it.
+ENTRIES = {'bifurcation': 'gearsweep_bifurcation', 'sensitivity': 'gearsweep_sensitivity'}
+
+
 def room_of(path):
-    folder = path.relative_to(ROOT).parent.as_posix()
-    return 'facade' if folder == 'src' else folder.removeprefix('src/')
+    """Some rooms have folders, which are no rooms."""
+    folder = path.relative_to(ROOT).parent.as_posix().removeprefix('src/')
+    return 'facade' if folder == 'src' else next((room for room in ROOMS if folder.startswith(f'{room}/')), folder)
 
 
 def sources():
@@ -63,10 +71,12 @@ def edges(rooms):
 
 
 def upwards(rooms):
-    """What uses a room above its own, a line each."""
+    """What uses a room above its own, or a room past its entry, a line each."""
     order = list(ROOMS)
-    return [f'{path.relative_to(ROOT)} uses {name} of {above}, which stands above {room}' for path, room, name, above in edges(rooms)
-            if room in ROOMS and above in ROOMS and order.index(above) > order.index(room)]
+    return [f'{path.relative_to(ROOT)} uses {name} of {other}, which stands above {room}' for path, room, name, other in edges(rooms)
+            if room in ROOMS and other in ROOMS and order.index(other) > order.index(room)] + [
+        f'{path.relative_to(ROOT)} uses {name} of {other}, whose entry is {ENTRIES[other]}' for path, _, name, other in edges(rooms)
+            if other in ENTRIES and name.lower() != ENTRIES[other]]
 
 
 def arrows(rooms):

@@ -33,7 +33,7 @@ for folder in src app test examples; do
   check "fortitude: $folder" "$venv/bin/fortitude" check --quiet --output-format concise "$folder"
 done
 # Rooms below case speak of quantities; src/case/gearsweep_key_names.f90 has their keys.
-for room in foundation geometry mesh elastic rating dynamics; do
+for room in foundation geometry mesh elastic rating dynamics bifurcation sensitivity; do
   check "no message of src/$room names a key" sh -c "! grep -rn \"'&\" src/$room"
 done
 check 'rooms: each uses those below it only' "$python" doc/architecture.py --rooms
