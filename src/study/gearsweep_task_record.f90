@@ -78,7 +78,7 @@ contains
   !> The next task into its slot.
   subroutine take_task(reader, tasks)
     type(record_reader_t), intent(inout) :: reader
-    type(task_slot_t), intent(inout) :: tasks(:) !< all that there are
+    type(task_slot_t), intent(inout) :: tasks(:)  !< all that there are
     character(:), allocatable :: name
     integer(int64) :: failed(1)
     integer :: i, k
