@@ -370,6 +370,7 @@ contains
              'pinion rim_thickness_mm 7')
     call add('body_modes elements_across', '3', 'g')
     call add('body_modes shapes', '2', 'g')
+    call add('body_modes harmonics', '2', 'g')
     call add('numerics tolerance', '1e-10', 'g', 'flank dynamic_load .false.')
     call add('material young_gpa', '200', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')
     call add('material poisson', '0.28', 'g', 'mesh file ;mesh model ''polynomial'';mesh coefficients 400, 0, -60')

@@ -47,6 +47,7 @@ for _one in (Code, Error, PartialWarning, UnusedWarning, Study, Table, Case):
 _PLOTS = (
     'plot_attractors',
     'plot_basins',
+    'plot_body_campbell',
     'plot_body_modes',
     'plot_branch_curves',
     'plot_branches',

@@ -1,4 +1,4 @@
-"""A study as one page of HTML that stands alone: warnings, answer, input, formulas, pictures, tables."""
+"""A study as one page of HTML that stands alone: result, warnings, answer, pictures, formulas, tables, input."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import io
 import os
 import re
 from collections.abc import Iterator, Mapping
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,13 @@ from . import _library
 from ._files import replacing
 from ._formulas import Formula, formulas
 from ._given import given
+from ._headlines import headlines
 from .case import written
 from .study import Study
 from .table import Table, in_short
 
+#: Pictures of which the first that there is stands above all else.
+FIRST = ('sweep', 'dynamic_factors', 'optimum_curve', 'hysteresis', 'load', 'mesh')
 #: Tables with more rows are folded, and printed in short; with more than that they are for files.
 LONG, LONGEST = 40, 2000
 #: Of so few rows, a table with more columns than a page is wide has its columns below each other.
@@ -69,18 +73,28 @@ def drawings(study: Study, *formats: str) -> dict[str, dict[str, bytes]]:
 def page(study: Study, drawn: Mapping[str, Mapping[str, bytes]]) -> str:
     """The page, with these pictures, of which it takes the SVG."""
     title = html.escape(study.case.get('case', 'title') or 'A spur-gear pair')
+    first = [name for name in FIRST if name in drawn][:1] or list(drawn)[:1]
     parts = [
         '<!doctype html>', '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">', f'<title>{title}</title>',
         f'<style>{STYLE}</style></head><body>', f'<h1>{title}</h1>',
-        f'<p class="meaning">Computed by gearsweep {html.escape(study.version)}.</p>',
+        f'<p class="meaning">Computed by gearsweep {html.escape(study.version)}, written on {date.today().isoformat()}.</p>',
+        '<h2>Result</h2>', *_result(study), *_pictures({name: drawn[name] for name in first}),
         '<h2>Warnings</h2>', *_warnings(study),
         '<h2>Answer</h2>', f'<pre>{html.escape(study.report())}</pre>',
-        '<h2>Input</h2>', f'<pre>{html.escape(study.case.text)}</pre>', *_inputs(study),
-        *_formulas(study), *_pictures(drawn),
-        '<h2>Tables</h2>', *map(_table, study), '</body></html>',
+        '<h2>Pictures</h2>', *_pictures({name: files for name, files in drawn.items() if name not in first}),
+        '' if drawn else '<p class="meaning">None: they need matplotlib, and a task that has some.</p>',
+        *_formulas(study), '<h2>Tables</h2>', *map(_table, study),
+        '<h2>Input</h2>', f'<pre>{html.escape(study.case.text)}</pre>', *_inputs(study), '</body></html>',
     ]  # fmt: skip
     return '\n'.join(parts)
+
+
+def _result(study: Study) -> Iterator[str]:
+    """The numbers that people look at first."""
+    rows = (f'<tr><td>{one.name}</td><td class="number"><b>{html.escape(one.value)}</b></td><td>{html.escape(one.more)}</td></tr>'
+            for one in headlines(study))  # fmt: skip
+    yield f'<table id="result">{"".join(rows)}</table>'
 
 
 def _warnings(study: Study) -> list[str]:
@@ -143,16 +157,12 @@ GREEK = {'cprime': 'c&prime;', 'sigma': '&sigma;', 'eps': '&epsilon;', 'alpha': 
 
 
 def _pictures(drawn: Mapping[str, Mapping[str, bytes]]) -> Iterator[str]:
-    if not drawn:
-        yield '<h2>Pictures</h2><p class="meaning">None: they need matplotlib, and a task that has some.</p>'
-        return
-    from .plots import PICTURES
-
-    yield '<h2>Pictures</h2>'
     for table, files in drawn.items():
         drawing = files['svg'].decode()
         # Names inside the drawings would clash on one page.
         drawing = re.sub(r'(id="|xlink:href="#|href="#|url\(#)', rf'\g<1>{table}-', drawing[drawing.index('<svg') :])
+        from .plots import PICTURES  # here, as there is a picture only where there is matplotlib
+
         yield f'<figure id="picture-{table}">{drawing}<figcaption>{html.escape(PICTURES[table].caption)}</figcaption></figure>'
 
 

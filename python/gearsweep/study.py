@@ -92,7 +92,7 @@ class Study(Named):
         return self._live('to write its tables').write(os.fspath(folder), name)
 
     def write_report(self, path: str | os.PathLike) -> None:
-        """Writes warnings, answer, input, formulas with their values, pictures and tables to one page of HTML that stands alone.
+        """Writes result, warnings, answer, pictures, formulas with their values, tables and input to one page of HTML that stands alone.
 
         Pictures need matplotlib. Where it cannot be written, an `Error` says why, and one that is there stays as it was.
         """

@@ -22,6 +22,7 @@ module gearsweep_task_body_modes
     type(body_options_t) :: options
     real(dp) :: hub_radius = 0                   !< m; 0: no hub
     integer :: shapes = 6                        !< modes with their shapes
+    integer :: harmonics = 3                     !< of the mesh frequency, in the table of speeds
   contains
     procedure, nopass :: describe
     procedure :: read_keys, run, add_report
@@ -40,8 +41,9 @@ contains
     type(task_info_t), intent(out) :: info
 
     info = task_info_t(group, needs=[stage%geometry, stage%solid], &
-                       tables='gear_body body_modes body_nodes body_elements body_shapes', &
-                       fields='', gives='natural modes of a whole gear in three dimensions, by nodal diameter')
+                       tables='gear_body body_modes body_campbell body_nodes body_elements body_shapes', &
+                       fields='', gives='natural modes of a whole gear in three dimensions, by nodal diameter, '// &
+                       'and the speeds at which the mesh excites them')
   end subroutine describe
 
   subroutine read_keys(self, reader, error)
@@ -67,6 +69,8 @@ contains
     end associate
     call reader%get(group, 'shapes', self%shapes, error, tasks=group, refused=geared, at_least=1, at_most=1000, &
                     meaning='modes from the lowest of all whose shapes are given')
+    call reader%get(group, 'harmonics', self%harmonics, error, tasks=group, refused=geared, at_least=1, at_most=100, &
+                    meaning='harmonics of the mesh frequency in the table body_campbell')
   end subroutine read_keys
 
   subroutine read_held(self, reader, geared, error)
@@ -105,6 +109,9 @@ contains
     shapes = min(self%shapes, size(found%modes))
     call fill_body(found, trim(members(stages%member)), self%tables(self%place('gear_body')), error)
     call fill_modes(found, self%tables(self%place('body_modes')), error)
+    associate (teeth => stages%pair%gear%spec%teeth)
+      call fill_speeds(found%modes, teeth(stages%member), teeth(1), self%harmonics, self%tables(self%place('body_campbell')), error)
+    end associate
     call fill_nodes(found%sector, self%tables(self%place('body_nodes')), error)
     call fill_elements(found%sector, self%tables(self%place('body_elements')), error)
     call fill_shapes(found%modes(:shapes), self%tables(self%place('body_shapes')), error)
@@ -165,6 +172,41 @@ contains
 
     shares = mode%share(direction)
   end function shares
+
+  !> The load stands in space while the gear turns through it, so that harmonic k of the mesh frequency excites a mode of n nodal
+  !> diameters k z + n and k z - n times a turn of the gear with z teeth, and the steady load (k = 0) n times.
+  pure subroutine fill_speeds(modes, teeth, pinion_teeth, harmonics, table, error)
+    type(sector_mode_t), intent(in) :: modes(:)
+    integer, intent(in) :: teeth, pinion_teeth, harmonics
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: mode(size(modes)*(2*harmonics + 1)), per_turn(size(mode)), harmonic(size(mode)), i, k, n, way
+
+    if (allocated(error)) return
+    n = 0
+    do i = 1, size(modes)
+      do k = 0, harmonics
+        do way = -1, 1, 2
+          ! A mode that has no second one of its frequency has 0 or z/2 nodal diameters: either way gives the same orders.
+          if (way < 0 .and. (k == 0 .or. modes(i)%count == 1) .or. k*teeth + modes(i)%diameter == 0) cycle
+          n = n + 1
+          mode(n) = i
+          harmonic(n) = k
+          per_turn(n) = k*teeth + way*modes(i)%diameter
+        end do
+      end do
+    end do
+    call table%begin('speeds at which the mesh excites the modes of the gear body as it turns past the load', n, error)
+    if (allocated(error)) return
+    call table%add_index(axis('mode', '', of_mode, mode(:n)))
+    call table%add_index(axis('per_turn', '', 'excitations in a turn of the gear: harmonic times teeth, plus or minus nodal '// &
+                              'diameters', per_turn(:n)))
+    call table%add('harmonic', '', 'of the mesh frequency; 0: the steady load', harmonic(:n))
+    call table%add('nodal_diameter', '', 'waves around the gear', modes(mode(:n))%diameter)
+    call table%add('frequency_hz', 'Hz', 'natural frequency', modes(mode(:n))%frequency)
+    call table%add('rpm', '1/min', 'speed of the pinion at which these meet it', &
+                   60*modes(mode(:n))%frequency*teeth/pinion_teeth/per_turn(:n))
+  end subroutine fill_speeds
 
   !> Those of the sector on its front.
   pure subroutine fill_nodes(sector, table, error)

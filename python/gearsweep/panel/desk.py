@@ -19,6 +19,7 @@ import numpy as np
 
 from .. import _library
 from .._given import given
+from .._headlines import as_json
 from .._library import Code, Error
 from .._watch import Stopped
 from ..case import written
@@ -127,6 +128,7 @@ class Desk:
             'study': self._keep(study, drop),
             'tables': list(study._about.values()),
             'report': study.report(),
+            'headlines': as_json(study),
             'partial': str(error) if error is not None else '',
             'columns': {name: columns_of(study, name, there(study, name, wanted)) for name, wanted in (columns or {}).items() if name in study},
         }

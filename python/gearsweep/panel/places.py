@@ -10,6 +10,7 @@ from typing import Any
 
 from .. import _library
 from .._library import Code, Error
+from .._names import NUMBERS, TASKS, WORDS
 from ..case import Case
 
 #: Comes with the package: the cases of papers, as in the folder data of the sources.
@@ -19,8 +20,8 @@ _TITLE = re.compile(r"^[^!\n]*\btitle\s*=\s*'((?:[^'\n]|'')*)'", re.MULTILINE | 
 
 @functools.cache
 def description() -> dict[str, Any]:
-    """All that the library declares, and its version."""
-    return {'version': _library.version(), **_library.declared()}
+    """All that the library declares, its version, and what people read for its names."""
+    return {'version': _library.version(), **_library.declared(), 'names': {'numbers': NUMBERS, 'tasks': TASKS, 'words': WORDS}}
 
 
 class Places:

@@ -36,7 +36,7 @@ from .branches import plot_branch_curves, plot_branches
 from .deflection_relief import plot_deflection_relief, plot_relief_flank
 from .files import PICTURES, draw_all, figures, save
 from .flank import plot_flank
-from .frequency import plot_campbell, plot_frequency_response
+from .frequency import plot_body_campbell, plot_campbell, plot_frequency_response
 from .gears import plot_geometry
 from .life import plot_life
 from .look import style
@@ -57,6 +57,7 @@ __all__ = [
     'figures',
     'plot_attractors',
     'plot_basins',
+    'plot_body_campbell',
     'plot_body_modes',
     'plot_branch_curves',
     'plot_branches',

@@ -24,7 +24,8 @@ def plot_stiffness(mesh: Study | Table, ax: Axes | None = None) -> Axes:
         _curves(ax, mesh, paths(mesh.s, mesh.mesh_stiffness_n_um, mesh.relief_um))
         s, one = paths(mesh.s, mesh.pair_stiffness_n_um)[0]
         ax.plot(s, one, **ASIDE)
-        ax.annotate('one pair', (s[0], one[0]), (8, -3), textcoords='offset points', va='top')
+        middle = np.abs(s - 0.25 * s.max()).argmin()
+        ax.annotate('one pair', (s[middle], one[middle]), (2, -3), textcoords='offset points', va='top')
         ax.set_ylim(bottom=0)
         finish(ax, mesh, 'Stiffness (N/µm)')
     return ax

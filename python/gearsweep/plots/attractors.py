@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from ..study import Study
 from ..table import Table
 from .kinds import KINDS, in_words
-from .look import BLUE, FAINT, GREEN, HOLLOW, INK, MM, ORANGE, PAGE, PURPLE, SKY, VERMILION, WINE, YELLOW, canvas, legends_above
+from .look import BLUE, FAINT, GREEN, HOLLOW, INK, MM, ORANGE, PAGE, PURPLE, SKY, VERMILION, WINE, YELLOW, canvas, legends_above, over_speeds
 from .reliefs import study_of
 
 #: From this ratio of dynamic factors on their axis is logarithmic.
@@ -75,7 +75,7 @@ def plot_attractors(attractors: Study | Table, ax: Axes | None = None, *, relief
             ax.set_yscale('log')
         if not here.any():
             ax.set_xlim(np.min(points.rpm), np.max(points.rpm) + 1)
-        ax.set_xlabel('Speed of the pinion (1/min)')
+        over_speeds(ax, points.rpm)
         ax.set_ylabel('Dynamic factor (–)')
     return ax
 

@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 
 from ..study import Study
 from ..table import Table
-from .look import ACCENT, GREY, INK, MM, canvas, in_mm
+from .look import ACCENT, GREY, INK, MM, canvas, in_khz, in_mm
 from .reliefs import Integers, Reals, study_of
 
 #: Lines that a vector file should not have to hold.
@@ -53,7 +53,8 @@ def plot_modal(modal: Study | Table, ax: Axes | None = None, *, mode: int = 1) -
         ax.add_collection(LineCollection([*edges(nodes, element)[1]], colors=GREY, linewidths=0.5))
         _draw_grid(ax, nodes + scale * shape, element, ACCENT)
         ax.set_axis_off()
-        ax.set_title(f'{mode}: {modal.frequency_hz[mode - 1]:.5g} Hz ± {100 * modal.error_estimate[mode - 1]:.1g} %')
+        ax.set_anchor('N')
+        ax.set_title(f'{mode}: {in_khz(modal.frequency_hz[mode - 1])}\nerror est. {100 * modal.error_estimate[mode - 1]:.1g} %')
     return ax
 
 

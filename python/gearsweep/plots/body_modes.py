@@ -10,7 +10,7 @@ from matplotlib.tri import Triangulation
 from ..study import Study
 from ..table import Table
 from .body import edges
-from .look import GREY, INK, MM, canvas
+from .look import GREY, INK, MM, canvas, in_khz
 from .reliefs import Integers, Reals, study_of
 from .stress import TRIANGLES
 
@@ -47,14 +47,17 @@ def plot_body_modes(modes: Study | Table, ax: Axes | None = None, *, mode: int =
     place = nodes + scale * moved[:, :2]
     net = Triangulation(place[:, 0], place[:, 1], element[:, TRIANGLES].reshape(-1, 3))
     with canvas(ax, height=85 * MM) as ax:
-        ax.tripcolor(net, value / largest, shading='gouraud', rasterized=True, cmap='RdBu_r' if is_axial else 'YlGnBu',
+        shades = ax.tripcolor(net, value / largest, shading='gouraud', rasterized=True, cmap='RdBu_r' if is_axial else 'YlGnBu',
                      vmin=-1 if is_axial else 0, vmax=1)  # fmt: skip
         ax.add_collection(LineCollection([*_outline(nodes, element)], colors=GREY, linewidths=0.3))
         ax.add_collection(LineCollection([*_outline(place, element, nodes)], colors=INK, linewidths=0.5))
         ax.set_aspect('equal')
         ax.set_axis_off()
-        ax.set_title(f'{mode}: {modes.mode_name[mode - 1]}, {modes.frequency_hz[mode - 1]:.5g} Hz '
-                     f'± {100 * modes.error_estimate[mode - 1]:.1g} %')  # fmt: skip
+        bar = ax.figure.colorbar(shades, ax=ax, shrink=0.7, aspect=30, pad=0.02, ticks=[-1, 0, 1] if is_axial else [0, 1],
+                                 label=f'Displacement {"along the axis" if is_axial else "in the plane"} (of the largest)')  # fmt: skip
+        bar.outline.set_linewidth(0.6)
+        ax.set_title(f'{mode}: {modes.mode_name[mode - 1]}, {in_khz(modes.frequency_hz[mode - 1])}\n'
+                     f'error est. {100 * modes.error_estimate[mode - 1]:.2g} %')  # fmt: skip
     return ax
 
 

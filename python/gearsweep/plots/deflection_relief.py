@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from ..study import Study
@@ -11,12 +12,12 @@ from .reliefs import study_of, table_of
 
 #: What a method is called in a legend, with its colour and mark.
 METHODS = {
-    'none': ('without relief', GREY, 'x'),
+    'none': ('none', GREY, 'x'),
     'markovic_vrcan': ('Marković, Vrcan', BLUE, 'o'),
-    'whole_flattening': ('with all of the flattening', ORANGE, 's'),
+    'whole_flattening': ('all flattening', ORANGE, 's'),
     'finite_elements': ('finite elements', GREEN, 'D'),
-    'transmission_error': ('least transmission error', VERMILION, '^'),
-    'dynamic_factor': ('least dynamic factor', PURPLE, 'v'),
+    'transmission_error': ('least STE', VERMILION, '^'),
+    'dynamic_factor': ('least DF', PURPLE, 'v'),
 }
 LABELS = {'ste_range_um': 'Peak-to-peak STE (µm)', 'worst_dynamic_factor': 'Largest dynamic factor (–)'}
 
@@ -48,9 +49,13 @@ def plot_deflection_relief(curve: Study | Table, ax: Axes | None = None, *, quan
         raise ValueError(f'quantity = {quantity!r}: must be one of {", ".join(LABELS)}')
     curve = table_of(curve, 'relief_curve')
     methods = study_of(curve).deflection_relief
-    whole = curve.at_least == 0
+    # Bounds are of the dynamic factor alone. What was found along the curve lies on it.
+    known, found = (curve.at_least == 0) | (quantity == 'ste_range_um'), np.isin(methods.method, list(METHODS)[-2:])
+    places = np.concatenate((curve.relief_um[known], methods.pinion_relief_um[found]))
+    values = np.concatenate((curve[quantity][known], methods[quantity][found]))
+    order = np.argsort(places, kind='stable')
     with canvas(ax) as ax:
-        ax.plot(curve.relief_um[whole], curve[quantity][whole], color=ACCENT, zorder=1)
+        ax.plot(places[order], values[order], color=ACCENT, zorder=1)
         marks = []
         for name, relief, value in zip(methods.method, methods.pinion_relief_um, methods[quantity]):
             label, color, mark = METHODS[name]

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from math import ceil
+from textwrap import fill
 from typing import BinaryIO
 
 import numpy as np
@@ -32,10 +33,10 @@ from .body_modes import plot_body_modes
 from .branches import plot_branch_curves, plot_branches, reliefs_of
 from .deflection_relief import LABELS, plot_deflection_relief, plot_relief_flank
 from .flank import plot_flank
-from .frequency import plot_campbell, plot_frequency_response
+from .frequency import plot_body_campbell, plot_campbell, plot_frequency_response
 from .gears import plot_geometry
 from .life import plot_life
-from .look import COLUMN, MM, PAGE, style
+from .look import COLUMN, GREY, MM, PAGE, style
 from .over_speed import plot_optimum, plot_sweep
 from .precision import PANELS, plot_precision
 from .rating import plot_rating
@@ -81,20 +82,31 @@ def draw_all(
     """
     os.makedirs(folder, exist_ok=True)
     paths = []
-    for name, figure in figures(study):
+    for name, figure in figures(study, stem=stem):
         for ending in formats:
             paths.append(os.path.join(folder, f'{stem}.{name}.{ending}'))
             save(figure, paths[-1], ending)
     return paths
 
 
-def figures(study: Study, *names: str) -> Iterator[tuple[str, Figure]]:
-    """Name and figure of each picture that `draw_all` writes, or of those named: as the table that it mainly shows."""
+def figures(study: Study, *names: str, stem: str = '') -> Iterator[tuple[str, Figure]]:
+    """Name and figure of each picture that `draw_all` writes, or of those named: as the table that it mainly shows.
+
+    Above each stands the title of the case, or else `stem`.
+    """
     for name, picture in PICTURES.items():
         if name in study and (not names or name in names):
             with style():
                 figure = picture.draw(study)
+                _entitle(figure, study.case.get('case', 'title') or stem)
             yield name, figure
+
+
+def _entitle(figure: Figure, title: str) -> None:
+    """Says whose picture it is, in the upper right corner."""
+    across = int(figure.get_figwidth() / MM / 1.7)  # letters of this size
+    if title:
+        figure.suptitle(fill(title, across), x=0.99, ha='right', fontsize=7, color=GREY)
 
 
 def save(figure: Figure, file: str | os.PathLike | BinaryIO, ending: str) -> None:
@@ -148,6 +160,7 @@ def _sensitivity(study: Study) -> Figure:
     figure, axes = _panels(len(points), 'operating points', 2, 70)
     for ax, (amount, rpm) in zip(axes, points):
         plot_sensitivity(study, ax, rpm=rpm, relief_um=amount)
+    _one_scale(axes)
     return figure
 
 
@@ -268,6 +281,13 @@ def _panels(n: int, what: str, across: int, height: float) -> tuple[Figure, list
     return figure, axes[:shown]
 
 
+def _one_scale(axes: Sequence[Axes]) -> None:
+    """Panels whose bars are to be compared have the same axis."""
+    ends = np.array([ax.get_xlim() for ax in axes])
+    for ax in axes:
+        ax.set_xlim(ends[:, 0].min(), ends[:, 1].max())
+
+
 def _one_legend(axes: Sequence[Axes]) -> None:
     """Leaves the legend of the reliefs to the first of the panels."""
     for ax in axes[1:]:
@@ -277,7 +297,7 @@ def _one_legend(axes: Sequence[Axes]) -> None:
 
 #: All pictures, by the table that each mainly shows.
 PICTURES = {
-    'outline': Picture('Both gears in mesh, the line of action with A, B, P, D, E, and the working pitch circles', _single(plot_geometry, 52)),
+    'outline': Picture('Both gears in mesh, the line of action with A, B, P, D, E, and the working pitch circles', _single(plot_geometry, 60)),
     'section': Picture('Finite-element grid', _single(plot_section, 80)),
     'mesh': Picture('Along the path of contact: stiffness of all pairs and of one, load share, static transmission error', _mesh),
     'harmonics': Picture("Amplitudes of the static transmission error's harmonics", _single(plot_harmonics, 60)),
@@ -316,8 +336,11 @@ PICTURES = {
                          _speeds('transient', plot_transient)),
     'transient_peaks': Picture('Largest tension and compression of the fillets over speed', _single(plot_transient_peaks, 65)),
     'harmonic': Picture('Amplitude of the stress along both fillets over the frequency of the load', _single(plot_frequency_response, 75)),
-    'campbell': Picture('Harmonics of the mesh frequency over speed, and the natural frequencies that they meet', _single(plot_campbell, 80)),
+    'campbell': Picture('Harmonics of the mesh frequency over the speeds of the case, and the natural frequencies that they meet',
+                        _single(plot_campbell, 80, PAGE)),
     'life_parts': Picture('S-N curve, with the stress amplitude and number of engagements of each part of the load spectrum',
                           _single(plot_life, 65)),
     'body_modes': Picture('Modes of a whole gear seen from the front, with the displacement along the axis or in the plane', _body_modes),
+    'body_campbell': Picture('Speeds at which the mesh excites the modes of a whole gear as it turns past the load',
+                             _single(plot_body_campbell, 100, PAGE)),
 }  # fmt: skip

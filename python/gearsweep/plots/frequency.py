@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from ..case import Case
 from ..study import Study
 from ..table import Table
-from .look import ACCENT, FAINT, FINE, GREY, INK, canvas, legends_above, line_styles
+from .look import ACCENT, FAINT, FINE, GREY, HALO, INK, MM, PAGE, canvas, in_khz, legends_above, line_styles
 from .over_speed import curve
-from .reliefs import Reals, one_of, study_of, table_of
+from .reliefs import one_of, study_of, table_of
 
 
 def plot_frequency_response(response: Study | Table, ax: Axes | None = None, *, tangent_deg: float | None = None) -> Axes:
@@ -54,14 +56,11 @@ def plot_frequency_response(response: Study | Table, ax: Axes | None = None, *, 
 
 
 def plot_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
-    """Harmonics of the mesh frequency over speed, and the natural frequencies that they meet.
+    """Harmonics of the mesh frequency (1x, 2x ...) over the speeds of the case, and the natural frequencies of the section and of both
+    gears on the mesh, a dot where they meet.
 
-    Beside those of the section and of both gears on the mesh stand, where the study has the task `body_modes`, those of the whole
-    gear. A wave of n nodal diameters that runs round the turning gear has, beside what stands still, its frequency plus or minus
-    n times that of rotation.
-
-    The speeds reach to twice that at which the mesh excites the gears on the mesh, or to twice the highest of the sweep where that is
-    more; the frequencies to those of the harmonics there. What lies above is named in the legend.
+    Frequencies reach to those of the harmonics, and at least to the lowest natural one; the title names what lies above. Below the
+    least speed of the case it is grey.
 
     Parameters
     ----------
@@ -74,44 +73,115 @@ def plot_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
     -------
     Axes
     """
-    study = study_of(campbell)
-    table = table_of(campbell, 'campbell')
-    highest = 2 * max(table.rpm[(table.harmonic == 1) & (table.system == 'gears')].max(), study.case.get('sweep', 'rpm_last') or 0)
-    rpm = np.array([0, highest])
-    per_rpm = (table.frequency_hz / table.rpm / table.harmonic)[0]
-    reach = min(1.1 * table.frequency_hz.max(), table.harmonic.max() * per_rpm * highest)
-    looks: dict[str, dict[str, Any]] = {'gears': {'color': INK}, 'section': {'color': ACCENT}, 'body': {'color': GREY, 'linewidth': 0.5}}
-    named = {'gears': 'gears on the mesh', 'section': 'section', 'body': 'whole gear'}
-    frequencies = {system: table.frequency_hz[table.system == system] for system in dict.fromkeys(table.system)}
-    with canvas(ax) as ax:
-        for harmonic in dict.fromkeys(table.harmonic):
-            ax.plot(rpm / 1000, harmonic * per_rpm * rpm / 1000, color=FAINT, linewidth=0.8)
-        for system, natural in frequencies.items():
-            for frequency in dict.fromkeys(natural):
-                ax.axhline(frequency / 1000, **looks[system])
-            speeds = table.rpm[table.system == system]
-            ax.plot(speeds / 1000, natural / 1000, 'o', markersize=2.5, **looks[system])
-        if 'body_modes' in study:
-            frequencies['body'] = study.body_modes.frequency_hz
-            for waves in _waves(study, rpm):
-                ax.plot(rpm / 1000, waves / 1000, **looks['body'])
-        ax.set_xlim(0, highest / 1000)
-        ax.set_ylim(0, reach / 1000)
-        lines = [Line2D([], [], color=FAINT, linewidth=0.8, label='mesh harmonics')]
-        for system, natural in frequencies.items():
-            above = f', from {natural.min() / 1000:.3g} kHz' if natural.min() > reach else ''
-            lines.append(Line2D([], [], label=named[system] + above, **looks[system]))
-        legends_above(ax, ('', lines))
-        ax.set_xlabel('Speed of the pinion (1000/min)')
-        ax.set_ylabel('Frequency (kHz)')
+    study, table = study_of(campbell), table_of(campbell, 'campbell')
+    slope = (table.frequency_hz / table.rpm / table.harmonic)[0]
+    looks: dict[str, dict[str, Any]] = {'gears': {'color': INK}, 'section': {'color': ACCENT}}
+    modes = {}
+    for system, mode, frequency in zip(table.system, table.mode, table.frequency_hz):
+        name = 'gears on the mesh' if system == 'gears' else f'section, mode {mode}'
+        modes[system, mode] = Mode(name, frequency, looks[system])
+    with canvas(ax, height=80 * MM, width=PAGE) as ax:
+        shown = diagram(ax, study, slope, table.harmonic.max(), list(modes.values()))
+        for rpm, system, mode in zip(table.rpm, table.system, table.mode):
+            if modes[system, mode] in shown:
+                ax.plot(rpm / 1000, modes[system, mode].frequency_hz / 1000, 'o', markersize=3, **looks[system])
     return ax
 
 
-def _waves(study: Study, rpm: Reals) -> list[Reals]:
-    """Frequencies (Hz) of the whole gear's modes beside what stands still, over the speed of the pinion."""
-    turns = rpm / 60
-    if np.ravel(study.gear_body.member)[0] == 'gear':
-        turns = turns * study.case.get('pinion', 'teeth') / study.case.get('gear', 'teeth')
-    modes = study.body_modes
-    ways = ((f, n, way) for f, n in zip(modes.frequency_hz, modes.nodal_diameter) for way in ((-1, 1) if n else (1,)))
-    return [frequency + way * waves * turns for frequency, waves, way in ways]
+def plot_body_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
+    """Harmonics of the mesh frequency over the speeds of the case, and the modes of a whole gear that they excite.
+
+    The gear turns past the load: of a mode of n nodal diameters stand, beside harmonic k of the mesh frequency (1x, 2x ...), thin lines
+    for k z + n and k z - n excitations in a turn of the gear with z teeth. A dot is a resonance: there a line of n meets a mode of n.
+    All else as of `plot_campbell`.
+
+    Parameters
+    ----------
+    campbell : Study or Table
+        A study, or its table `body_campbell`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+
+    Returns
+    -------
+    Axes
+    """
+    study, table = study_of(campbell), table_of(campbell, 'body_campbell')
+    slope = (table.frequency_hz / table.rpm / table.per_turn)[0]
+    modes, waves = study.body_modes, dict.fromkeys(sorted(study.body_modes.nodal_diameter))
+    looks = dict(zip(waves, line_styles(len(waves))))
+    listed = [Mode(*one, looks[n]) for *one, n in zip(modes.mode_name, modes.frequency_hz, modes.nodal_diameter)]
+    with canvas(ax, height=100 * MM, width=PAGE) as ax:
+        shown = diagram(ax, study, slope * np.ravel(study.gear_body.sectors)[0], table.harmonic.max(), listed)
+        for mode, one in enumerate(listed, 1):
+            here = table.mode == mode
+            if one in shown:
+                ax.plot(table.rpm[here] / 1000, table.frequency_hz[here] / 1000, 'o', markersize=3, color=one.look['color'])
+        seen = {n for one, n in zip(listed, modes.nodal_diameter) if one in shown}
+        right = ax.get_xlim()[1]
+        for n, per_turn in dict.fromkeys(zip(table.nodal_diameter, table.per_turn)):
+            if n in seen:
+                ax.plot((0, right), (0, per_turn * slope * right), linewidth=0.4, alpha=0.7, color=looks[n]['color'])
+        legends_above(ax, ('Nodal diameters', [Line2D([], [], label=f'{n}', **looks[n]) for n in looks if n in seen]))
+    return ax
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """A natural frequency with its name, and how it is drawn."""
+
+    name: str
+    frequency_hz: float
+    look: dict[str, Any]
+
+
+def diagram(ax: Axes, study: Study, slope: float, most: int, modes: list[Mode]) -> list[Mode]:
+    """Lines for harmonics 1 to `most`, of which the first has the frequency `slope` (Hz) at 1/min, over the speeds of the case, and those
+    modes that are not above them, with their names: which these are."""
+    low, high = speeds_of(study.case) or (0, 1.2 * min(mode.frequency_hz for mode in modes) / slope)
+    reach = 1.05 * max(most * slope * high, min(mode.frequency_hz for mode in modes))
+    shown = [mode for mode in sorted(modes, key=lambda mode: mode.frequency_hz) if mode.frequency_hz < reach]
+    if low > 0:
+        ax.axvspan(0, low / 1000, color=FAINT, alpha=0.35, linewidth=0)
+    for k in range(1, most + 1):
+        ax.plot((0, high / 1000), (0, k * slope * high / 1000), color=GREY, linewidth=0.9, zorder=1)
+        ax.annotate(f'{k}x', (high / 1000, k * slope * high / 1000), (-2, 1), textcoords='offset points', ha='right', va='center',
+                    color=GREY, path_effects=HALO)  # fmt: skip
+    for mode in shown:
+        ax.axhline(mode.frequency_hz / 1000, **{**mode.look, 'linewidth': 0.9})
+    ax.set_xlim(0, high / 1000)
+    ax.set_ylim(0, reach / 1000)
+    names_beside(ax, [(mode.frequency_hz / 1000, f'{mode.name}, {in_khz(mode.frequency_hz)}', mode.look['color']) for mode in shown])
+    if above := [mode for mode in modes if mode not in shown]:
+        least = min(above, key=lambda mode: mode.frequency_hz)
+        ax.set_title(f'Above: {len(above)} more, from {least.name}, {in_khz(least.frequency_hz)}', loc='right', color=GREY)
+    ax.set_xlabel('Speed of the pinion (1000/min)')
+    ax.set_ylabel('Frequency (kHz)')
+    return shown
+
+
+def names_beside(ax: Axes, lines: list[tuple[float, str, Any]]) -> None:
+    """Names (place on the upright axis, words, colour) right of the axes, in ascending order, moved apart where they would overlap; where
+    there is no room for all, of the lowest."""
+    gap = 9.5 / (72 * ax.bbox.height / ax.figure.dpi)  # of a line of words, as a part of the axes
+    lines = lines[: int(1 / gap)]
+    top = ax.get_ylim()[1]
+    places = [place / top for place, *_ in lines]
+    for i in range(1, len(places)):
+        places[i] = max(places[i], places[i - 1] + gap)
+    room = 1.0
+    for i in reversed(range(len(places))):
+        places[i] = min(places[i], room)
+        room = places[i] - gap
+    for (at, words, color), place in zip(lines, places):
+        ax.annotate(words, (1, at / top), (1.03, place), 'axes fraction', 'axes fraction', va='center', color=color, annotation_clip=False,
+                    arrowprops={'arrowstyle': '-', 'color': FAINT, 'linewidth': 0.5, 'shrinkA': 0, 'shrinkB': 0})  # fmt: skip
+
+
+def speeds_of(case: Case) -> tuple[float, float] | None:
+    """The least and the largest speed (1/min) that a case asks for, of its sweep or else of its lists of speeds."""
+    asked = [case.get('sweep', 'rpm_first'), case.get('sweep', 'rpm_last')]
+    if None in asked:
+        asked = [case.get(group, 'rpm') for group in ('rating', 'flank', 'transient', 'life', 'torque')]
+    speeds = np.concatenate([np.ravel(one) for one in asked if one is not None] or [[]]).astype(float)
+    return (speeds.min(), speeds.max()) if speeds.size else None

@@ -134,6 +134,20 @@ def legends_above(ax: Axes, *parts: tuple[str, Sequence[Artist]], gap: float = 0
         gap += 0.3 + 1.3 * (-(-len(handles) // columns) + bool(title))
 
 
+def over_speeds(ax: Axes, rpm: Any) -> None:
+    """Labels an axis of speeds; a single one stands in the middle, alone."""
+    ax.set_xlabel('Speed of the pinion (1/min)')
+    speeds = np.unique(rpm)
+    if len(speeds) == 1:
+        ax.set_xlim(0.8 * speeds[0], 1.2 * speeds[0])
+        ax.set_xticks(speeds, [f'{speeds[0]:g}'])
+
+
+def in_khz(frequency_hz: float) -> str:
+    """A frequency as pictures tell it."""
+    return f'{frequency_hz / 1000:.4g} kHz'
+
+
 def in_mm(ax: Axes) -> None:
     """Axes of a shape in mm, to the same scale."""
     ax.set_aspect('equal')

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import ACCENT, CROSS, GREY, HOLLOW, INK, MM, PAGE, PUBLISHED, VISIBLE, canvas, legends_above
+from .look import ACCENT, CROSS, GREY, HOLLOW, INK, MM, PAGE, PUBLISHED, VISIBLE, canvas, legends_above, over_speeds
 from .reliefs import Reals, Reliefs, table_of
 
 #: Marks of points that have an answer, but not a plain one.
@@ -52,7 +52,7 @@ def plot_sweep(sweep: Study | Table, ax: Axes | None = None, *, points: Sequence
         words = ', '.join(dict.fromkeys(sweep.status[missing]))
         rows = [(sweep.rpm[gaps], look['color']) for gaps, look in zip(missing, reliefs.styles)]
         reliefs.legend(ax, more + crosses(ax, rows, f'no answer: {words}'))
-        ax.set_xlabel('Speed of the pinion (1/min)')
+        over_speeds(ax, sweep.rpm)
         ax.set_ylabel('Dynamic factor (–)')
     return ax
 

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import FINE, GREY, canvas
+from .look import ACCENT, FAINT, FINE, GREY, canvas, legends_above, over_speeds
 from .over_speed import curve
 from .reliefs import Reliefs, table_of
 
-#: The mark of a single speed.
-BY_B: dict[str, Any] = {'marker': 'D', 'markersize': 4, 'markerfacecolor': 'white'}
 
 
 def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
-    """Dynamic factor over speed by Method A, from the motion, and, fine, by Method B, for each relief; at a single speed as a dot and a hollow diamond.
+    """Dynamic factor over speed by Method A, from the motion, and, fine, by Method B, for each relief; at a single speed as bars over the
+    reliefs.
 
     Parameters
     ----------
@@ -33,13 +31,21 @@ def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
     """
     dynamic = table_of(dynamic, 'dynamic_factors')
     reliefs = Reliefs(dynamic.case)
+    methods = [(dynamic.dynamic_factor_a, 'Method A: motion', {}), (dynamic.dynamic_factor_b, 'Method B', FINE)]
     with canvas(ax) as ax:
-        for by_a, by_b, look in zip(dynamic.dynamic_factor_a, dynamic.dynamic_factor_b, reliefs.styles):
-            curve(ax, dynamic.rpm, by_a, look)
-            curve(ax, dynamic.rpm, by_b, {**look, **FINE, **BY_B})
-        dots: tuple[dict[str, Any], ...] = ({'marker': 'o', 'markersize': 2.5}, BY_B) if len(dynamic.rpm) == 1 else ({}, {})
-        methods = [Line2D([], [], color=GREY, label='Method A: motion', **dots[0]), Line2D([], [], color=GREY, label='Method B', **FINE, **dots[1])]
-        reliefs.legend(ax, methods)
-        ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Dynamic factor $K_v$ (–)')
+        if len(dynamic.rpm) == 1:
+            places = np.arange(len(reliefs.amounts))
+            for (values, name, _), shift, color in zip(methods, (-0.2, 0.2), (ACCENT, FAINT)):
+                ax.bar_label(ax.bar(places + shift, values[:, 0], 0.38, color=color, label=name), fmt='%.3f', fontsize=7)
+            ax.margins(y=0.1)
+            legends_above(ax, ('', ax.get_legend_handles_labels()[0]))
+            ax.set_xticks(places, [f'{amount:g}' for amount in reliefs.amounts])
+            ax.set_xlabel(f'Tip relief at {dynamic.rpm[0]:g} 1/min (µm)')
+            return ax
+        for values, _, more in methods:
+            for factor, look in zip(values, reliefs.styles):
+                curve(ax, dynamic.rpm, factor, {**look, **more})
+        reliefs.legend(ax, [Line2D([], [], color=GREY, label=name, **more) for _, name, more in methods])
+        over_speeds(ax, dynamic.rpm)
     return ax

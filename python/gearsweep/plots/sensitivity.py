@@ -5,27 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
+from .._names import NUMBERS
 from ..study import Study
 from ..table import Table
 from .look import ACCENT, INK, canvas
 from .reliefs import table_of
-
-#: What the axis says of a number.
-NUMBERS = {
-    'rpm': 'speed',
-    'normal_force_n': 'load',
-    'damping_ratio': 'damping ratio',
-    'friction': 'coefficient of friction',
-    'pinion_mass_kg': 'mass of the pinion',
-    'gear_mass_kg': 'mass of the gear',
-    'stiffness_factor': 'stiffness',
-    'pinion_relief_um': "pinion's relief",
-    'gear_relief_um': "gear's relief",
-    'pinion_relief_start': "start of the pinion's relief",
-    'gear_relief_start': "start of the gear's relief",
-    'profile_factor': 'profile error',
-    'backlash_um': 'backlash',
-}
 
 
 def plot_sensitivity(
@@ -61,6 +45,6 @@ def plot_sensitivity(
         ax.locator_params(axis='x', nbins=3)  # signed numbers with three digits stand apart
         ax.axvline(0, color=INK, linewidth=0.6)
         ax.set_title(f'{rpm:g} 1/min, tip relief {relief_um:g} µm')
-        ax.set_ylabel('Number of the case (–)')
-        ax.set_xlabel('Relative change of DF (–)')
+        ax.set_ylabel('Input')
+        ax.set_xlabel('Change of DF for 1 % more (%)')
     return ax

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from ..study import Study
 from ..table import Table
 from .kinds import KINDS, in_words
-from .look import ASIDE, CROSS, FAINT, GREY, HALO, HOLLOW, INK, MM, PAGE, canvas, legends_above, line_styles
+from .look import ASIDE, CROSS, FAINT, GREY, HALO, HOLLOW, INK, MM, PAGE, canvas, legends_above, line_styles, over_speeds
 from .over_speed import crosses, curve
 from .reliefs import Reals, study_of
 
@@ -20,6 +20,9 @@ from .reliefs import Reals, study_of
 SHADES = LinearSegmentedColormap.from_list(
     'multiplier', [(0, '#5f7d9c'), (0.5, '#ffffff'), (0.5, '#f3c1b2'), (0.75, '#c9503c'), (1, '#7a1f12')]
 )
+
+#: A map of fewer speeds or damping ratios has more between them, on straight lines.
+FINEST = 160
 
 #: Above 1 by this is rounding, as without damping.
 NEUTRAL = 1e-7
@@ -50,7 +53,9 @@ def plot_stability(stability: Study | Table, ax: Axes | None = None) -> Axes:
         ax.set_facecolor(FAINT)
         most = max(1.01, np.nanmax(shown.floquet_modulus, initial=1))
         norm = TwoSlopeNorm(1 + NEUTRAL, 0, most)
-        shades = ax.pcolormesh(rpm, damping, shown.floquet_modulus.T, cmap=SHADES, norm=norm, shading='nearest', rasterized=True)
+        across, up = (-(-FINEST // len(places)) for places in (rpm, damping))
+        modulus = between(between(shown.floquet_modulus, across).T, up)
+        shades = ax.pcolormesh(between(rpm, across), between(damping, up), modulus, cmap=SHADES, norm=norm, shading='nearest', rasterized=True)
         ax.set_xlim(rpm[0], rpm[-1])
         ax.set_ylim(damping.min(), damping.max())
         if 'tongues' in study:
@@ -68,6 +73,15 @@ def plot_stability(stability: Study | Table, ax: Axes | None = None) -> Axes:
         ax.set_xlabel('Speed of the pinion (1/min)')
         ax.set_ylabel('Damping ratio (–)')
     return ax
+
+
+def between(values: Reals, times: int) -> Reals:
+    """Values along the first axis, those between two of them on a straight line: so many steps where there was one."""
+    places = np.arange((len(values) - 1) * times + 1) / times
+    low = places.astype(int)
+    part = (places - low).reshape(-1, *[1] * (values.ndim - 1))
+    following = values[np.minimum(low + 1, len(values) - 1)]
+    return np.where(part == 0, values[low], (1 - part) * values[low] + part * following)  # also beside what is not known
 
 
 def outline(study: Study, tongue: int) -> tuple[Reals, Reals]:
@@ -135,7 +149,7 @@ def plot_hysteresis(hysteresis: Study | Table, ax: Axes | None = None, *, relief
         if 'hysteresis_ramps' in study:
             more += _ramps(ax, study, relief_um, looks)
         legends_above(ax, (f'Tip relief {relief_um:g} µm', ways + more + crosses(ax, rows, f'no answer: {words}')))
-        ax.set_xlabel('Speed of the pinion (1/min)')
+        over_speeds(ax, runs.rpm)
         ax.set_ylabel('Dynamic factor (–)')
     return ax
 
@@ -238,7 +252,7 @@ def plot_poincare(poincare: Study | Table, ax: Axes | None = None, *, relief_um:
     kind = np.minimum(motion.mesh_periods, 3).astype(object)
     kind[motion.status == 'chaotic'] = 'chaotic'
     kind[np.isin(motion.status, ['transient', 'aperiodic'])] = 'undecided'
-    size = 1.2 if seen.rpm.size > 150 else 2.5
+    size = 1.1 if seen.rpm.size > 150 else 2
     with canvas(ax, height=80 * MM, width=PAGE) as ax:
         entries = []
         for name, color in KINDS.items():
@@ -247,10 +261,10 @@ def plot_poincare(poincare: Study | Table, ax: Axes | None = None, *, relief_um:
                 continue
             dte = seen.dte_um[there]
             rpm = np.broadcast_to(seen.rpm[there, None], dte.shape)
-            ax.plot(rpm.ravel(), dte.ravel(), '.', color=color, markersize=size, markeredgewidth=0, rasterized=True)
+            ax.plot(rpm.ravel(), dte.ravel(), 'o', color=color, markersize=size, markeredgewidth=0, rasterized=True)
             label = in_words(name, motion.mesh_periods[there])
-            entries.append(Line2D([], [], linestyle='', marker='.', color=color, label=label))
+            entries.append(Line2D([], [], linestyle='', marker='o', markersize=2.5, color=color, label=label))
         legends_above(ax, (f'Tip relief {relief_um:g} µm', entries))
-        ax.set_xlabel('Speed of the pinion (1/min)')
+        over_speeds(ax, seen.rpm)
         ax.set_ylabel('Transmission error as a pair enters (µm)')
     return ax

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 
 from ..study import Study
 from ..table import Table
-from .look import FINE, GREY, canvas
+from .look import FINE, GREY, canvas, over_speeds
 from .over_speed import curve
 from .reliefs import Reliefs, one_of, table_of
 
@@ -82,6 +82,6 @@ def plot_transient_peaks(peaks: Study | Table, ax: Axes | None = None) -> Axes:
                 curve(ax, peaks.rpm[order], peaks[f'static_{column}'][i][order], {**reliefs.style(relief), **FINE})
         ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
         reliefs.legend(ax, [Line2D([], [], color=GREY, label='motion'), Line2D([], [], color=GREY, label='at rest', **FINE)])
-        ax.set_xlabel('Speed of the pinion (1/min)')
+        over_speeds(ax, peaks.rpm)
         ax.set_ylabel('Largest root stress (MPa)')
     return ax

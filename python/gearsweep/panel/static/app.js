@@ -2,7 +2,7 @@
 import { call, onReturn } from './api.js';
 import * as form from './form.js';
 import { begin as beginTeeth, draw } from './teeth.js';
-import { byId, download, el } from './util.js';
+import { byId, download, el, isDark, names } from './util.js';
 import { put, recall, remember, state, step } from './state.js';
 import * as work from './work.js';
 import * as view from './view.js';
@@ -27,6 +27,7 @@ function take(answer) {
 
 /** A key has another value: the text follows, and with it the results. */
 async function change(group, key, value, isSliding = false) {
+  const before = tasks();
   const error = await inLine(async () => {
     const answer = await call('change', { text: state.text, place: state.place, group, key, value });
     if (!answer.unchanged && answer.text !== state.text) {
@@ -39,7 +40,19 @@ async function change(group, key, value, isSliding = false) {
     take(answer);
     return answer.error;
   });
-  if (!error) await follow(isSliding);
+  const added = group === 'case' && key === 'tasks' ? tasks().find((one) => !before.includes(one)) : null;
+  if (added) await beginTask(added, error);
+  else if (!error) await follow(isSliding);
+}
+
+const tasks = () => (state.values.case?.tasks ?? state.given.case?.tasks ?? '').match(/\w+/g) ?? [];
+
+/** A task was ticked: its group comes into sight, or the key that it lacks, and its picture once it is computed. */
+async function beginTask(task, error) {
+  if (error?.key) form.goTo(error.group, error.key);
+  else form.showGroup(task);
+  view.awaitPicture(task);
+  if (!error) await follow(false);
 }
 
 /** What was typed while the server was away is sent when it is back. */
@@ -69,7 +82,7 @@ async function follow(isSliding) {
   if (!byId('auto').checked || !work.isQuick()) return;
   const picture = view.picture();
   const task = picture?.task ?? about.tasks.find((one) => one.tables.includes(picture?.table))?.name;
-  const asked = (state.values.case?.tasks ?? '').match(/\w+/g) ?? [];
+  const asked = tasks();
   await work.calculate(isSliding && asked.includes(task) ? [...new Set(['mesh', task])].filter((one) => asked.includes(one)) : null);
 }
 
@@ -97,7 +110,9 @@ function settle(answer) {
   document.activeElement?.blur();
   state.isStale = true;
   take(answer);
+  byId('cases').options[0].textContent = state.name;
   byId('cases').value = `${state.place}/${state.name}.nml`;
+  if (!byId('cases').value) byId('cases').value = '';
   document.title = `${state.name} – gearsweep`;
 }
 
@@ -156,7 +171,13 @@ function buttons() {
     await call('open', { place, name }).then((answer) => show(answer)).catch(told);
   });
   byId('loading').addEventListener('change', (event) => work.choose(event.target.value));
-  byId('tour').addEventListener('click', () => tour({ open: (name) => call('open', { place: 'data', name }).then((answer) => show(answer)), change, view, form }));
+  byId('tour').addEventListener('click', () => {
+    const { text, place, name, opened, picture, tab, chosen } = state, past = [...state.past], future = [...state.future];
+    const back = () => call('check', { text, place }).then((answer) => show({ ...answer, place }, name))
+      .then(() => { Object.assign(state, { opened, picture, tab, chosen, past, future }); showState(); view.refresh(); }).catch(told);
+    tour({ open: (name) => call('open', { place: 'data', name }).then((answer) => show(answer)), back, view, form });
+  });
+  byId('toresults').addEventListener('click', () => byId('results').scrollIntoView());
   byId('look').addEventListener('click', look);
   document.addEventListener('dragover', (event) => event.preventDefault());
   document.addEventListener('drop', async (event) => {
@@ -187,11 +208,10 @@ function keys(event) {
   event.preventDefault();
 }
 
-/** Light, dark, or as the system says: for this window. */
+/** The other of light and dark: for this window. */
 function look() {
-  const all = ['', 'light', 'dark'], root = document.documentElement;
-  const next = all[(all.indexOf(root.dataset.look ?? '') + 1) % all.length];
-  root.dataset.look = next;
+  const next = isDark() ? 'light' : 'dark';
+  document.documentElement.dataset.look = next;
   sessionStorage.setItem('gearsweep-look', next);
   draw();
   view.refresh();
@@ -208,6 +228,7 @@ function fillCases() {
 async function start() {
   document.documentElement.dataset.look = sessionStorage.getItem('gearsweep-look') ?? '';
   about = await call('about');
+  Object.assign(names, about.names);
   fillCases();
   form.build(about, typed, slide);
   buttons();

@@ -1,7 +1,9 @@
 // Curves, points, bars and maps over two axes, as SVG.
 import { color, isDark, shown, svg } from './util.js';
 
-const RIGHT = 14, TOP = 10, BOTTOM = 44;
+const TOP = 10, BOTTOM = 44;
+/** What is kept free on the right: for a bar of colours, or for names of lines. */
+const rightOf = (spec) => 14 + (spec.map ? 78 : spec.ends ? 14 + 6.3 * Math.max(0, ...spec.ends.filter((one) => !one.inside).map((one) => one.name.length)) : 0);
 /** Where the axes begin: an axis of words needs their room. */
 const leftOf = (spec) => (spec.words ? 32 + 6.3 * Math.max(...spec.words.map((word) => word.length)) : 62);
 const DASHES = ['', '7 3', '7 3 1.5 3', '1.5 3', '12 4'];
@@ -53,7 +55,8 @@ function extent(lists, isLog, room) {
   }
   if (low > high) return isLog ? [0.1, 1] : [0, 1];
   if (isLog) return [low / 1.15, high * 1.15];
-  const span = high - low || Math.abs(high) * 0.02 || 1;
+  if (high === low) return high === 0 ? [0, 1] : [high - 0.2 * Math.abs(high), high + 0.2 * Math.abs(high)];
+  const span = high - low;
   return [low - room * span, high + room * span];
 }
 
@@ -67,7 +70,7 @@ function scale([low, high], from, to, isLog) {
 
 function axes(drawing, spec, width, height, x, y, ranges) {
   const grid = svg('g', { class: 'axes' }), left = leftOf(spec);
-  const right = width - RIGHT - (spec.map ? 78 : 0), bottom = height - BOTTOM;
+  const right = width - rightOf(spec), bottom = height - BOTTOM;
   for (const value of ticks(...ranges.x, Math.max(2, Math.floor((right - left) / 90)), spec.xlog)) {
     grid.append(svg('line', { x1: x(value), x2: x(value), y1: TOP, y2: bottom, class: 'grid' }),
       text(x(value), bottom + 16, tickWord(value), 'middle'));
@@ -153,11 +156,40 @@ function drawSeries(drawing, spec, x, y) {
     } else {
       body.append(svg('path', { d: curve(series, x, y, spec), stroke: series.color, 'stroke-dasharray': series.dash, 'stroke-width': series.width ?? 1.8, class: 'curve', 'data-series': i }));
       if (series.mark !== undefined) body.append(svg('path', { d: marks(series, x, y, spec, 3.2, 12), fill: color('ground'), stroke: series.color }));
-      if (series.x.length < 40 && series.mark === undefined) body.append(svg('path', { d: marks(series, x, y, spec, 2.2, 40), fill: series.color }));
+      if (series.x.length < 40 && series.mark === undefined && !series.isPlain) body.append(svg('path', { d: marks(series, x, y, spec, 2.2, 40), fill: series.color }));
     }
   });
   for (const mark of spec.lines ?? []) {
     body.append(svg('line', { x1: x(mark.x), x2: x(mark.x), y1: TOP, y2: y.floor, class: 'aside' }), text(x(mark.x) + 3, TOP + 11, mark.name, 'start', 'asidename'));
+  }
+  drawing.append(body);
+}
+
+/** Jumps as arrows, with their names where there is room, those of the longest first. */
+function drawArrows(drawing, spec, x, y) {
+  const body = svg('g', { class: 'body' }), taken = [];
+  for (const one of [...spec.arrows ?? []].sort((a, b) => Math.abs(b.to - b.from) - Math.abs(a.to - a.from))) {
+    const at = x(one.x), tip = y(one.to), way = Math.sign(tip - y(one.from)), middle = (tip + y(one.from)) / 2;
+    body.append(svg('path', { d: `M${at} ${y(one.from)}V${tip}m-3.5 ${-7 * way}l3.5 ${7 * way}l3.5 ${-7 * way}`, class: 'jump', fill: 'none', stroke: one.color, 'stroke-width': 1.3 }));
+    if (taken.some(([a, b]) => Math.abs(a - at) < 46 && Math.abs(b - middle) < 14)) continue;
+    taken.push([at, middle]);
+    body.append(text(at + 5, middle + 4, one.name, 'start', 'jumpname'));
+  }
+  drawing.append(body);
+}
+
+/** Names at the right ends of lines, moved apart where they would overlap. */
+function drawEnds(drawing, spec, x, y) {
+  const body = svg('g', { class: 'ends' }), edge = x(spec.extent?.x[1] ?? 0);
+  let last = Infinity;
+  for (const one of [...spec.ends ?? []].sort((a, b) => a.y - b.y)) {
+    if (one.inside) { body.append(text(edge - 3, y(one.y) + 12, one.name, 'end', 'asidename')); continue; }
+    const at = Math.min(y(one.y), last - 13);
+    if (at < TOP - 4) break;
+    last = at;
+    const name = text(edge + 12, at + 4, one.name, 'start');
+    name.style.fill = one.color;
+    body.append(svg('path', { d: `M${edge} ${y(one.y)}L${edge + 10} ${at}`, fill: 'none', stroke: one.color, 'stroke-width': 0.6 }), name);
   }
   drawing.append(body);
 }
@@ -188,6 +220,7 @@ function drawMap(drawing, spec, x, y, width, height) {
 }
 
 function ranges(spec) {
+  if (spec.extent) return spec.extent;
   if (spec.map) {
     const around = (list) => { const half = list.length > 1 ? (list[1] - list[0]) / 2 : 0.5; return [list[0] - half, list[list.length - 1] + half]; };
     return { x: around(spec.map.xs), y: around(spec.map.ys) };
@@ -205,12 +238,14 @@ export function chart(spec, width, height) {
   name.textContent = `${spec.title}: ${spec.ylabel} over ${spec.xlabel}`;
   drawing.append(name);
   const range = ranges(spec);
-  const x = scale(range.x, leftOf(spec), width - RIGHT - (spec.map ? 78 : 0), spec.xlog);
+  const x = scale(range.x, leftOf(spec), width - rightOf(spec), spec.xlog);
   const y = scale(range.y, height - BOTTOM, TOP, spec.ylog);
   y.floor = height - BOTTOM;
   if (spec.map) drawMap(drawing, spec, x, y, width, height);
   axes(drawing, spec, width, height, x, y, range);
   if (!spec.map) drawSeries(drawing, spec, x, y);
+  drawArrows(drawing, spec, x, y);
+  drawEnds(drawing, spec, x, y);
   drawing.places = { x, y, spec, width, height };
   return drawing;
 }
@@ -232,7 +267,7 @@ export function nearest(drawing, px, py) {
     const b = series.y[i];
     if (a === null || b === null || (spec.ylog && b <= 0)) return;
     const far = (x(a) - px) ** 2 + 0.3 * (y(b) - py) ** 2;
-    if (far < least) { least = far; best = { x: a, y: b, s, i, label: series.label, px: x(a), py: y(b) }; }
+    if (far < least) { least = far; best = { x: a, y: b, s, i, label: series.label, note: series.notes?.[i], px: x(a), py: y(b) }; }
   }));
   return best;
 }
@@ -248,5 +283,5 @@ export function told(spec, at) {
   if (!at) return '';
   if (spec.map) return `${placed(spec.map.label, at.z)} at ${placed(spec.xlabel, at.x)}, ${placed(spec.ylabel, at.y)}`;
   if (spec.words) return at.x === null ? `${spec.words[at.y]}, no derivative` : `${spec.words[at.y]}: ${shown(at.x)} per cent of DF for one per cent`;
-  return `${at.label ? at.label + ': ' : ''}${placed(spec.ylabel, at.y)} at ${placed(spec.xlabel, at.x)}`;
+  return `${at.label ? at.label + ': ' : ''}${placed(spec.ylabel, at.y)} at ${placed(spec.xlabel, at.x)}${at.note ? `, ${at.note}` : ''}`;
 }

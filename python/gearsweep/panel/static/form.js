@@ -1,5 +1,5 @@
 // The left side: a field for each key that the library declares, with its unit, its default and the library's message.
-import { byId, el, title, unit } from './util.js';
+import { byId, capital, el, names, title, unit, worded } from './util.js';
 
 /** Groups in the order of the hand, and the keys that are shown before `more` is asked for; all others follow. */
 const FIRST = {
@@ -14,7 +14,7 @@ const FIRST = {
   mesh: ['model'],
 };
 const OPEN = ['case', 'pinion', 'gear', 'pair', 'load', 'sweep', 'relief', 'dynamics'];
-const NAMES = { case: 'Compute', pinion: 'Pinion', gear: 'Gear', pair: 'Pair', load: 'Load', sweep: 'Speed', relief: 'Tip relief', dynamics: 'Damping and friction', mesh: 'Stiffness of the mesh', section: 'Body behind the teeth', material: 'Material', numerics: 'Numerics' };
+const NAMES = { case: 'Compute', sweep: 'Speed', relief: 'Tip relief', dynamics: 'Damping and friction', mesh: 'Stiffness of the mesh', section: 'Body behind the teeth' };
 
 let about = null, change = null, slide = null;
 const fields = new Map();
@@ -43,7 +43,7 @@ function groupOf(group) {
   const keys = about.keys.filter((key) => key.group === group.name).sort((a, b) => rank(a) - rank(b));
   const more = el('button', { type: 'button', className: 'more' });
   const body = el('div', { className: 'keys' }, ...keys.map(fieldOf));
-  const name = NAMES[group.name] ?? group.name.charAt(0).toUpperCase() + group.name.slice(1);
+  const name = NAMES[group.name] ?? capital(worded(group.name));
   const block = el('details', { open: OPEN.includes(group.name), id: `group.${group.name}` },
     el('summary', {}, el('span', { className: 'groupname' }, name), el('span', { className: 'groupnote' })),
     el('p', { className: 'error', id: `error.${group.name}`, hidden: true }),
@@ -76,19 +76,19 @@ function hintOf(key) {
   const usual = key.default !== null && key.default !== "''" ? `Default ${key.default}${key.otherwise ? ` (${key.otherwise})` : ''}.` : key.otherwise ? `If left out: ${key.otherwise}.` : '';
   const allowed = wordsOf(key).length || key.kind === 'logical' || key.allowed === 'text' ? '' : `Allowed: ${key.allowed}.`;
   const forTasks = key.tasks.length && key.tasks.length <= 6 ? `For ${key.tasks.join(', ')}.` : '';
-  return [`${key.meaning.charAt(0).toUpperCase()}${key.meaning.slice(1)}.`, allowed, usual, forTasks, `In the case: &${key.group} ${key.name}`].filter(Boolean).join(' ');
+  return [`${capital(key.meaning)}.`, allowed, usual, forTasks, `In the case: &${key.group} ${key.name}`].filter(Boolean).join(' ');
 }
 
 function choice(key, words, change_) {
   const id = idOf(key.group, key.name);
-  const options = key.kind === 'logical' ? [['.true.', 'yes'], ['.false.', 'no']] : words.map((word) => [word, word]);
+  const options = key.kind === 'logical' ? [['.true.', 'yes'], ['.false.', 'no']] : words.map((word) => [word, worded(word)]);
   const input = el('select', { id, 'aria-describedby': `error.${id} hint.${id}` }, el('option', { value: '' }, ''), ...options.map(([value, name]) => el('option', { value }, name)));
   input.addEventListener('change', () => change_(input.value || null));
   const set = (raw, usual) => {
     const value = key.kind === 'logical' ? truth(raw) : plain(raw);
     if (![...input.options].some((one) => one.value === value)) input.append(el('option', { value }, value));
     input.value = value;
-    const normal = key.kind === 'logical' ? ({ '.true.': 'yes', '.false.': 'no' })[usual] : plain(usual);
+    const normal = key.kind === 'logical' ? ({ '.true.': 'yes', '.false.': 'no' })[usual] : worded(plain(usual));
     input.options[0].textContent = normal ? `${normal} (default)` : '(not given)';
   };
   return { input, box: input, set };
@@ -98,11 +98,14 @@ const truth = (raw) => raw === undefined || raw === '' ? '' : /^\.?t/i.test(raw)
 
 function boxes(key, words, change_) {
   const id = idOf(key.group, key.name);
-  const checks = words.map((word) => {
+  const chip = (word) => {
     const task = key.name === 'tasks' ? about.tasks.find((one) => one.name === word) : null;
-    return el('label', { title: task?.meaning, className: 'chip' }, el('input', { type: 'checkbox', value: word, id: `${id}.${word}` }), word);
-  });
-  const box = el('div', { className: 'chips', role: 'group', 'aria-labelledby': `label.${id}` }, ...checks);
+    return el('label', { title: task?.meaning, className: 'chip' }, el('input', { type: 'checkbox', value: word, id: `${id}.${word}` }), worded(word));
+  };
+  const parts = key.name === 'tasks' ? Object.entries(names.tasks) : [['', words]];
+  const checks = parts.flatMap(([, some]) => some).map(chip);
+  const box = el('div', { className: 'chips', role: 'group', 'aria-labelledby': `label.${id}` },
+    ...parts.flatMap(([name, some]) => [name ? el('span', { className: 'chipgroup' }, name) : null, ...some.map((word) => checks.find((one) => one.firstChild.value === word))]));
   const inputs = checks.map((one) => one.firstChild);
   box.addEventListener('change', () => {
     const chosen = inputs.filter((one) => one.checked).map((one) => one.value);
@@ -125,9 +128,15 @@ function entry(key, change_) {
     if (input.value !== sent) change_(input.value.trim() === '' ? null : input.value);
     sent = input.value;
   };
-  input.addEventListener('input', () => { clearTimeout(timer); timer = setTimeout(send, 120); });
+  input.addEventListener('input', () => { clearTimeout(timer); timer = setTimeout(send, 120); tell(); });
   input.addEventListener('change', send);
-  const parts = [input];
+  // Commas part the numbers of a list.
+  const note = el('p', { className: 'note', hidden: true });
+  const tell = () => {
+    note.hidden = !(isNumber && key.list && /\d,\d/.test(input.value));
+    note.textContent = `Read as ${input.value.split(/[\s,]+/).filter(Boolean).join(' and ')}: decimals take a point.`;
+  };
+  const parts = [input, note];
   if (isNumber) {
     parts.push(sliderOf(key, input, change_));
     input.addEventListener('keydown', (event) => {
@@ -137,6 +146,7 @@ function entry(key, change_) {
   const set = (raw, usual) => {
     // What somebody is typing or sliding is not written over by an earlier state of it.
     if (!parts.includes(document.activeElement)) sent = input.value = key.kind === 'text' ? plain(raw) : raw ?? '';
+    tell();
     input.placeholder = plain(usual) || (key.required ? 'required' : '');
   };
   return { input, box: el('div', { className: 'entry' }, ...parts), set };
@@ -260,6 +270,14 @@ function find() {
     block.classList.toggle('found', n > 0);
     if (wanted.length && n) block.open = true;
   }
+}
+
+/** Brings a group into sight. */
+export function showGroup(group) {
+  const block = byId(`group.${group}`);
+  if (!block) return;
+  block.open = true;
+  block.scrollIntoView({ block: 'start' });
 }
 
 /** Takes the hand to a field. */

@@ -1,6 +1,7 @@
 // Which pictures there are, and how a table becomes one. What is not listed can be drawn as any column over another.
-import { NUMBERS, color, labelled, shown, title, unit } from './util.js';
+import { color, labelled, names, shown, title, unit } from './util.js';
 import { style } from './chart.js';
+import { state } from './state.js';
 
 const ALONG = { needs: { contact_points: ['point', 's'] }, marks: 'points' };
 const SPEED = { needs: { motion: ['resonance_rpm'] }, marks: 'resonance' };
@@ -13,7 +14,6 @@ const BODIES = ['stress', 'modes', 'grid', 'gear_modes'];
 export const PICTURES = [
   { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', other: 'other_dynamic_factor', othername: 'in the other direction', ...SPEED },
   { id: 'largest', title: 'Largest dynamic factor of all motions over speed', table: 'sweep', x: 'rpm', y: ['dynamic_factor', 'largest_dynamic_factor'], yname: 'Dynamic factor', set: ['sweep', 'direction', 'all'], ...SPEED },
-  { id: 'coast', title: 'Load on the coast flanks over speed', table: 'sweep', x: 'rpm', y: 'coast_factor', ...SPEED },
   { id: 'sweep_map', title: 'Dynamic factor over speed and relief', table: 'sweep', kind: 'map', x: 'rpm', y: 'relief_um', z: 'dynamic_factor' },
   { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor', needs: { optimum: ['relief_um'] }, marks: 'optimum' },
   { id: 'relief_flank', title: 'Tip relief over the diameter', table: 'relief_flank', task: 'deflection_relief', x: 'diameter_mm', y: 'relief_um', first: 'method' },
@@ -22,6 +22,7 @@ export const PICTURES = [
   { id: 'dte', title: 'Dynamic transmission error', table: 'load', x: 's', y: 'dte_um', ...ALONG },
   { id: 'dte_harmonics', title: 'Harmonics of the dynamic transmission error', table: 'motion_harmonics', task: 'load', kind: 'bars', x: 'harmonic', y: 'dte_amplitude_um', above: 0 },
   { id: 'load_harmonics', title: 'Harmonics of the load of the mesh', table: 'motion_harmonics', task: 'load', kind: 'bars', x: 'harmonic', y: 'mesh_load_amplitude_n', above: 0 },
+  { id: 'coast', title: 'Load on the coast flanks over speed', table: 'sweep', x: 'rpm', y: 'coast_factor', ...SPEED },
   { id: 'share', title: 'Static load share of one pair', table: 'mesh', x: 's', y: 'load_share', ...ALONG },
   { id: 'ste', title: 'Static transmission error', table: 'mesh', x: 's', y: 'ste_um', ...ALONG },
   { id: 'stiffness', title: 'Mesh stiffness', table: 'mesh', x: 's', y: 'mesh_stiffness_n_um', fromZero: true, ...ALONG },
@@ -31,7 +32,7 @@ export const PICTURES = [
   { id: 'torque_gear', title: 'Torque of the gear over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: 'gear_torque_nm' },
   { id: 'torque_friction', title: 'Friction’s share of the torque over time', table: 'torque', x: 'tau', xname: 'Time (mesh periods)', y: ['pinion_friction_nm', 'gear_friction_nm'], yname: 'Friction’s share (N·m)' },
   { id: 'torque_harmonics', title: 'Harmonics of the torque of the pinion', table: 'torque_harmonics', task: 'torque', kind: 'bars', x: 'harmonic', y: 'pinion_amplitude_nm', above: 0 },
-  { id: 'sensitivity', title: 'What changes the dynamic factor most', table: 'sensitivity', kind: 'ranking', x: 'relative_slope', xname: 'Per cent of DF for one per cent of the number', y: 'number', yname: 'Number of the case', also: ['derivative'] },
+  { id: 'sensitivity', title: 'What changes the dynamic factor most', table: 'sensitivity', kind: 'ranking', x: 'relative_slope', xname: 'Change of DF for 1 % more (%)', y: 'number', yname: 'Input', also: ['derivative'] },
   { id: 'harmonics', title: 'Harmonics of the static transmission error', table: 'harmonics', kind: 'bars', x: 'harmonic', y: 'amplitude_um', above: 0 },
   { id: 'root', title: 'Root stress over the path of contact', table: 'static', x: 's', y: 'sigma_mpa', yname: 'Stress at the root tangent (MPa)', ...ALONG },
   { id: 'stress', title: 'Stress on the tooth', table: 'stress', task: 'static', kind: 'stress', set: ['static', 'field_position', '16'] },
@@ -39,7 +40,7 @@ export const PICTURES = [
   { id: 'section', title: 'Finite-element grid', table: 'section', task: 'section', kind: 'grid' },
   { id: 'stability', title: 'Stability over speed and damping', table: 'stability', kind: 'map', x: 'rpm', y: 'damping_ratio', z: 'floquet_modulus', low: 0, high: 2 },
   { id: 'tongues', title: 'Tongues of instability', table: 'tongue_edges', task: 'stability', y: 'damping_ratio', x: ['lower_rpm', 'upper_rpm'], xname: 'Speed (1/min)' },
-  { id: 'hysteresis', title: 'Dynamic factor, run up and run down', table: 'hysteresis', x: 'rpm', y: 'dynamic_factor', first: 'direction', ...SPEED },
+  { id: 'hysteresis', title: 'Dynamic factor, run up and run down', table: 'hysteresis', x: 'rpm', y: 'dynamic_factor', first: 'direction', needs: { hysteresis_changes: null }, jumps: 'hysteresis_changes' },
   { id: 'ramps', title: 'Dynamic factor while the speed changes', table: 'hysteresis_ramps', task: 'hysteresis', x: 'rpm', y: 'dynamic_factor', first: 'direction', set: ['hysteresis', 'ramp_rpm_s', '1000'], ...SPEED },
   { id: 'poincare', title: 'Poincaré section over speed', table: 'poincare', kind: 'points', x: 'rpm', y: 'dte_um', without: ['period'] },
   { id: 'section_plane', title: 'Poincaré section, displacement and velocity', table: 'poincare', kind: 'points', x: 'dte_um', y: 'dte_rate_mm_s', without: ['period'] },
@@ -55,10 +56,12 @@ export const PICTURES = [
   { id: 'transient', title: 'Root stress while the load passes over a tooth', table: 'transient', x: 'time_ms', y: ['sigma_mpa', 'static_mpa'], yname: 'Stress at the root tangent (MPa)', first: 'side' },
   { id: 'transient_peaks', title: 'Largest root stress over speed', table: 'transient_peaks', task: 'transient', x: 'rpm', y: ['tension_mpa', 'static_tension_mpa', 'compression_mpa', 'static_compression_mpa'], yname: 'Largest root stress (MPa)' },
   { id: 'frequency', title: 'Root stress over the frequency of the load', table: 'harmonic', x: 'frequency_hz', y: 'stress_mpa', ylog: true, first: 'side' },
-  { id: 'campbell', title: 'Where mesh harmonics meet natural frequencies', table: 'campbell', task: 'harmonic', kind: 'points', x: 'rpm', y: 'frequency_hz', xlog: true, ylog: true, first: 'system', without: ['mode', 'harmonic'] },
+  { id: 'campbell', title: 'Where mesh harmonics meet natural frequencies', table: 'campbell', task: 'harmonic', kind: 'campbell', x: 'rpm', y: 'frequency_hz', order: 'harmonic' },
   { id: 'branches', title: 'Branches of periodic motions', table: 'branch_points', task: 'branches', kind: 'branches', x: PARAMETERS, y: 'dynamic_factor', also: ['mesh_periods', 'stability'] },
   { id: 'life', title: 'Stress amplitudes beside the S-N curve', table: 'life_parts', task: 'life', kind: 'points', x: 'engagements', y: 'equivalent_amplitude_mpa', yname: 'Stress amplitude (MPa)', xname: 'Cycles, of one pass and to failure', xlog: true, ylog: true, first: 'member', without: ['part'],
     needs: { life_curve: ['failure_cycles', 'amplitude_mpa'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'amplitude_mpa', label: 'S-N curve' } },
+  { id: 'body_campbell', title: 'Speeds at which the mesh excites the modes of the whole gear', table: 'body_campbell', task: 'body_modes', kind: 'campbell', x: 'rpm', y: 'frequency_hz', order: 'per_turn', also: ['harmonic', 'nodal_diameter'],
+    needs: { gear_body: ['sectors'], body_modes: ['mode_name'] } },
   { id: 'gear_modes', title: 'Modes of the whole gear, moving', table: 'body_shapes', task: 'body_modes', kind: 'gear_modes' },
 ];
 
@@ -82,7 +85,7 @@ export function columnsOf(picture, about) {
   const table = about[picture.table];
   if (!table || isBody(picture)) return {};
   const index = table.columns.filter((one) => one.index).map((one) => one.name);
-  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? []), ...list(picture.other ?? []), ...list(picture.share ?? [])]);
+  const wanted = new Set([...index, ...list(picture.x), ...list(picture.y), ...list(picture.z ?? []), ...list(picture.group ?? []), ...list(picture.also ?? []), ...list(picture.other ?? []), ...list(picture.share ?? []), ...list(picture.order ?? [])]);
   const there = table.columns.map((one) => one.name);
   const found = { [picture.table]: [...wanted].filter((name) => there.includes(name)) };
   for (const [name, columns] of Object.entries(picture.needs ?? {})) if (about[name]) found[name] = columns;
@@ -121,7 +124,7 @@ function picked(families, columns, chosen) {
 
 function marked(picture, data) {
   if (picture.marks === 'points' && data.contact_points) return data.contact_points.s.map((x, i) => ({ x, name: data.contact_points.point[i] }));
-  if (picture.marks === 'resonance' && data.motion) return [{ x: data.motion.resonance_rpm[0], name: 'resonance' }];
+  if (picture.marks === 'resonance' && data.motion) return [{ x: data.motion.resonance_rpm[0], name: 'linear resonance' }];
   if (picture.marks === 'optimum' && data.optimum) return [{ x: data.optimum.relief_um[0], name: `optimum ${shown(data.optimum.relief_um[0], 4)} µm` }];
   return [];
 }
@@ -133,6 +136,7 @@ export function drawn(picture, about, data, chosen) {
   const spec = { title: picture.title, kind: picture.kind, xlog: picture.xlog, ylog: picture.ylog === 'wide' ? isWide(columns[picture.y]) : picture.ylog, fromZero: picture.fromZero,
     xlabel: picture.xname ?? labelled(column(list(picture.x)[0])), ylabel: picture.yname ?? labelled(column(list(picture.y)[0])) };
   if (picture.kind === 'branches') return { ...spec, xlabel: labelled(column(parameterOf(columns))), kind: undefined, series: branches(columns), lines: [], families: [] };
+  if (picture.kind === 'campbell') return { ...spec, ...campbell(picture, columns, data), kind: undefined, families: [] };
   if (picture.kind === 'ranking') {
     const { where, further } = picked(families(picture, about, data), columns, chosen);
     return { ...spec, ...ranked(picture, columns, rowsWhere(columns, where)), lines: [], families: further };
@@ -155,7 +159,7 @@ export function drawn(picture, about, data, chosen) {
     const rows = rowsWhere(columns, group.where).filter((i) => picture.above === undefined || columns[picture.x][i] > picture.above);
     for (const yname of ys) for (const xname of xs) {
       const more = yname === picture.other ? picture.othername : ys.length > 1 && !picture.other ? picture.names?.[ys.indexOf(yname)] ?? title(yname, column(yname).unit) : '';
-      series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => (yname === picture.other && columns[yname][i] === columns[picture.y][i] ? null : columns[yname][i])), reached: rows.map((i) => columns[picture.share]?.[i] !== 0), group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
+      series.push({ x: rows.map((i) => columns[xname][i]), y: rows.map((i) => (yname === picture.other && columns[yname][i] === columns[picture.y][i] ? null : columns[yname][i])), reached: rows.map((i) => columns[picture.share]?.[i] !== 0), notes: picture.share ? rows.map((i) => `${shown(100 * columns[picture.share][i], 3)} % of the starts`) : undefined, group: g, part: ys.indexOf(yname) + xs.indexOf(xname),
         label: xname === xs[0] ? [group.label, more].filter(Boolean).join(', ') : '' });
     }
   });
@@ -166,7 +170,8 @@ export function drawn(picture, about, data, chosen) {
   if (picture.share) series = series.flatMap(apart);
   if (picture.other) series = series.filter((one) => one.part === 0 || one.y.some((value) => value !== null));
   if (picture.beside) series.unshift(lineOf(picture.beside, data));
-  return { ...spec, series, lines: marked(picture, data), families: further };
+  const arrows = picture.jumps && first ? series.flatMap((one) => jumps(one, data[picture.jumps], { ...where, [first.name]: first.values[one.group] })) : [];
+  return { ...spec, series, arrows, lines: marked(picture, data), families: further };
 }
 
 /** A second column, where it differs from the first somewhere. */
@@ -180,9 +185,45 @@ function isWide(values) {
 
 /** A series of points as those that starts reach and, hollow, those that none reaches. */
 function apart(one) {
-  const take = (reached) => ({ ...one, x: one.x.filter((_, i) => one.reached[i] === reached), y: one.y.filter((_, i) => one.reached[i] === reached) });
+  const take = (reached) => ({ ...one, ...Object.fromEntries(['x', 'y', 'notes'].map((name) => [name, one[name].filter((_, i) => one.reached[i] === reached)])) });
   const hollow = { ...take(false), hollow: true, label: [one.label, 'no start reaches it'].filter(Boolean).join(', ') };
   return [take(true), hollow].filter((some) => some.x.length > 0);
+}
+
+/** Takes the motions before and after each change of a run into its curve, which ends where the motion jumps: those jumps, as arrows. */
+function jumps(series, changes, where) {
+  const points = new Map(series.x.map((x, i) => [x, series.y[i]])), found = [], most = Math.max(...series.y);
+  for (const i of rowsWhere(changes, where)) {
+    const [before, after, from, to] = ['rpm_before', 'rpm_after', 'dynamic_factor_before', 'dynamic_factor_after'].map((name) => changes[name][i]);
+    points.set(before, from).set(after, to);
+    if (changes.kind[i] !== 'jump' && !(Math.abs(to - from) > 0.02 * most)) continue;
+    points.set((before + after) / 2, null);
+    if (from !== null && to !== null) found.push({ x: before, from, to, color: series.color, name: shown(Math.round(before)) });
+  }
+  series.x = [...points.keys()].sort((a, b) => a - b);
+  series.y = series.x.map((x) => points.get(x));
+  return found;
+}
+
+/** Lines of the mesh harmonics over the speeds of the case, natural frequencies that are not above them, and dots where they meet. */
+function campbell({ order }, columns, data) {
+  const { rpm, frequency_hz: hz, mode, harmonic } = columns, given = state.values.sweep ?? {}, least = Math.min(...hz) / 1000;
+  const isBody = order === 'per_turn', teeth = isBody ? data.gear_body.sectors[0] : 1, slope = teeth * hz[0] / rpm[0] / columns[order][0] / 1000;
+  const [low, high] = given.rpm_last ? [Number(given.rpm_first), Number(given.rpm_last)] : [0, 1.2 * least / slope];
+  const most = Math.max(...harmonic), reach = 1.03 * Math.max(most * slope * high, least);
+  const line = (y, more) => ({ x: [0, high], y, label: '', dash: '', width: 1, isPlain: true, ...more });
+  const orders = Array.from({ length: most }, (_, i) => line([0, (i + 1) * slope * high], { color: color('muted'), notes: Array(2).fill(`${i + 1}x`) }));
+  const words = (i) => (isBody ? data.body_modes.mode_name[mode[i] - 1] : columns.system[i] === 'gears' ? 'gears on the mesh' : `section, mode ${mode[i]}`);
+  const waves = [...new Set(columns.nodal_diameter ?? [0])].sort((a, b) => a - b), hue = (i) => style(waves.indexOf(columns.nodal_diameter?.[i] ?? 0), waves.length).color;
+  const rows = hz.flatMap((value, i) => (value / 1000 < reach ? [i] : [])), firsts = rows.filter((i) => rows.find((k) => words(k) === words(i) && hz[k] === hz[i]) === i);
+  const modes = firsts.map((i) => line([hz[i] / 1000, hz[i] / 1000], { color: hue(i), notes: Array(2).fill(words(i)) }));
+  const met = rows.filter((i) => rpm[i] <= high);
+  const meets = { kind: 'points', label: '', mark: 0, color: color('ink'), x: met.map((i) => rpm[i]), y: met.map((i) => hz[i] / 1000),
+    notes: met.map((i) => `${words(i)}, ${harmonic[i]}x${columns.nodal_diameter?.[i] ? `, ${columns[order][i]} times a turn of the gear` : ''}`) };
+  const above = new Set(hz.filter((value) => value / 1000 >= reach));
+  return { series: [...orders, ...modes, meets], extent: { x: [0, high], y: [0, reach] }, ylabel: 'Frequency (kHz)', lines: low > 0 ? [{ x: low, name: 'least speed of the case' }] : [],
+    ends: [...orders.map((one) => ({ y: one.y[1], name: one.notes[0], color: one.color, inside: true })), ...firsts.map((i) => ({ y: hz[i] / 1000, name: `${words(i)}, ${shown(hz[i] / 1000, 4)} kHz`, color: hue(i) }))],
+    below: above.size ? `Above: ${above.size} more, from ${shown(Math.min(...above) / 1000, 4)} kHz.` : '' };
 }
 
 /** Dashes of the columns of one picture. */
@@ -217,7 +258,7 @@ function branches(columns) {
 function ranked(picture, columns, rows) {
   const value = (i) => columns[picture.x][i], length = (i) => (value(i) === null ? -1 : Math.abs(value(i)));
   rows = [...rows].sort((a, b) => length(b) - length(a));
-  const words = rows.map((i) => { const name = columns[picture.y][i]; return `${NUMBERS[name] ?? name}${value(i) === null ? `: ${columns.derivative[i]}` : ''}`; });
+  const words = rows.map((i) => { const name = columns[picture.y][i]; return `${names.numbers[name] ?? name}${value(i) === null ? `: ${columns.derivative[i]}` : ''}`; });
   return { words, series: [{ x: rows.map(value), y: rows.map((_, k) => k), label: '', color: color('accent'), dash: '' }] };
 }
 
@@ -231,7 +272,7 @@ function merged(series, first) {
 
 /** Curves of kept results beside the present ones: thinner, with marks of their own. */
 export function beside(spec, others) {
-  if (spec.map || spec.words || spec.kind === 'bars' || others.length === 0) return spec;
+  if (spec.map || spec.words || spec.extent || spec.kind === 'bars' || others.length === 0) return spec;
   const series = [...spec.series];
   others.forEach(({ name, spec: other }, k) => {
     for (const one of other.series) series.push({ ...one, label: [name, one.label].filter(Boolean).join(': '), width: 1, mark: k, kept: true });

@@ -10,14 +10,14 @@ const STEPS = [
   { at: '#view', words: 'The optimum: of all reliefs the one whose largest DF over all speeds is least. The least point of this curve is the relief to take.', tab: 'pictures', picture: 'optimum' },
   { at: '#field\\.relief\\.amount_um', words: 'Try it: put the caret on the last number of the reliefs and move the slider. The curves follow.', tab: 'pictures', picture: 'sweep', focus: ['relief', 'amount_um'] },
   { at: '#tab\\.compare', words: 'Keep results by a name before you change more: both then stand beside each other here and in the pictures. Undo takes back any change.', tab: 'compare' },
-  { at: '#tab\\.answer', words: 'The whole answer as text, a report for the browser, and all tables and pictures as files. That is all: choose a case, or open your own.', tab: 'answer' },
+  { at: '#tab\\.answer', words: 'The whole answer as text, a report for the browser, and all tables and pictures as files. That is all: what you had before comes back now.', tab: 'answer' },
 ];
 
 export function tour(does) {
   const guide = byId('guide'), from = document.activeElement;
   let at = 0, marked = null;
   const unmark = () => marked?.classList.remove('toured');
-  const end = () => { unmark(); guide.hidden = true; document.removeEventListener('keydown', keys); from?.focus(); };
+  const end = () => { unmark(); guide.hidden = true; document.removeEventListener('keydown', keys); does.back(); from?.focus(); };
   const keys = (event) => { if (event.key === 'Escape') end(); };
   const show = async () => {
     const step = STEPS[at];

@@ -36,10 +36,10 @@ export function shown(value, digits = 5) {
 const SIGNS = { um: 'µm', deg: '°', 'N m': 'N·m', 'N*m': 'N·m', 'kg m^2': 'kg·m²', 'kg/m^3': 'kg/m³', 'N/um': 'N/µm', mm2: 'mm²', 'N/um/mm': 'N/(µm·mm)', 'um/N': 'µm/N', 'mPa s': 'mPa·s', 'W/(m K)': 'W/(m·K)', 'J/(kg K)': 'J/(kg·K)', 'kg**-0.5': 'kg^(−1/2)' };
 export const unit = (word) => SIGNS[word] ?? word.replaceAll('um', 'µm');
 
-/** What the numbers are called by which the dynamic factor is differentiated. */
-export const NUMBERS = { rpm: 'speed', normal_force_n: 'load', damping_ratio: 'damping ratio', friction: 'coefficient of friction', pinion_mass_kg: 'mass of the pinion',
-  gear_mass_kg: 'mass of the gear', stiffness_factor: 'stiffness', pinion_relief_um: "pinion's relief", gear_relief_um: "gear's relief",
-  pinion_relief_start: "start of the pinion's relief", gear_relief_start: "start of the gear's relief", profile_factor: 'profile error', backlash_um: 'backlash' };
+/** What people read for names: of numbers, tasks by what they are for, and words of a case. The server tells them. */
+export const names = { numbers: {}, tasks: {}, words: {} };
+export const worded = (name) => names.words[name] ?? name.replaceAll('_', ' ');
+export const capital = (words) => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** What a key or column is called: its name without the unit, which stands beside it. */
 export function title(name, ofUnit = '') {
@@ -56,8 +56,7 @@ export function title(name, ofUnit = '') {
 export function labelled(column) {
   if (column.name === 's') return 'Path coordinate s (base pitches)';
   const name = title(column.name, column.unit);
-  const words = name.charAt(0).toUpperCase() + name.slice(1);
-  return column.unit ? `${words} (${unit(column.unit)})` : words;
+  return column.unit ? `${capital(name)} (${unit(column.unit)})` : capital(name);
 }
 
 /** Puts a text or a Blob where the browser puts what it loads. */

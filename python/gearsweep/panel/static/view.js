@@ -50,6 +50,18 @@ export function pickPicture() {
   refresh();
 }
 
+/** The picture of a task that was asked for, once there is one. */
+let awaited = null;
+export function awaitPicture(task) { awaited = task; }
+
+function pickAwaited() {
+  const there = tablesOf(state.study), one = PICTURES.find((picture) => taskOf(picture) === awaited && isThere(picture, there));
+  if (!one) return;
+  awaited = null;
+  Object.assign(state, { picture: one.id, chosen: {}, tab: 'pictures' });
+  remember();
+}
+
 function lookAt(id) {
   state.picture = id;
   state.chosen = {};
@@ -60,6 +72,7 @@ function lookAt(id) {
 
 /** Draws anew what is open. */
 export function refresh(isSliding = false) {
+  if (awaited && state.study) pickAwaited();
   for (const [id] of TABS) {
     const tab = byId(`tab.${id}`), isOpen = id === state.tab;
     tab.setAttribute('aria-selected', String(isOpen));
@@ -77,32 +90,10 @@ export function refresh(isSliding = false) {
   return Promise.resolve(shows[state.tab]()).catch(does.told);
 }
 
+/** The numbers that the server picked of each task; each leads to the picture that shows it. */
 function numbers() {
-  const data = state.study?.columns ?? {}, found = [];
-  // Each leads to the picture that shows it.
-  const say = (name, value, more, id) => found.push(el('div', {}, el('dt', {}, name), el('dd', {}, el('button', { type: 'button', title: byName(id)?.title ?? '', onclick: () => lookAt(id) }, el('b', {}, value)), el('small', {}, more))));
-  const one = (table, column) => data[table]?.[column]?.[0];
-  if (data.geometry) say('Contact ratio', shown(one('geometry', 'contact_ratio'), 4), `centre distance ${shown(one('geometry', 'centre_distance_mm'))} mm`, 'share');
-  if (data.motion) say('Resonance', `${shown(one('motion', 'resonance_rpm'), 5)} 1/min`, `natural frequency ${shown(one('motion', 'natural_frequency_hz'), 5)} Hz`, 'sweep');
-  if (data.transmission_error?.relief_um?.length) {
-    const te = data.transmission_error, at = te.peak_to_peak_um.indexOf(Math.min(...te.peak_to_peak_um));
-    say('Transmission error', `${shown(te.peak_to_peak_um[at], 4)} µm`, `peak to peak, relief ${shown(te.relief_um[at])} µm`, 'ste');
-  }
-  if (data.sweep_summary) say('Best of the list', `${shown(one('sweep_summary', 'best_relief_um'))} µm`, `largest dynamic factor ${shown(one('sweep_summary', 'worst_dynamic_factor'), 5)}${one('sweep_summary', 'points_with_two_motions') > 0 ? `, in the other direction ${shown(one('sweep_summary', 'other_dynamic_factor'), 5)}` : ''}`, 'sweep');
-  if (data.optimum) say('Optimum relief', `${shown(one('optimum', 'relief_um'), 4)} µm`, `largest dynamic factor ${shown(one('optimum', 'worst_dynamic_factor'), 5)} at ${shown(one('optimum', 'rpm'))} 1/min`, 'optimum');
-  if (data.rating && data.rating_factors) safety(data, say);
-  byId('numbers').replaceChildren(...found);
-}
-
-/** The least safety factors of both gears, and what they rest on. */
-function safety(data, say) {
-  const of = data.rating_factors, least = (column) => Math.min(...data.rating[column].filter((value) => value !== null));
-  const told = (factor) => (factor > 1 ? shown(factor, 4) : '1 (not computed)');
-  const found = [['S_H', least('contact_safety')], ['S_F', least('root_safety')]].filter(([, value]) => Number.isFinite(value));
-  if (!found.length) return;
-  const names = [...new Set(of.material_name.filter(Boolean))], teeth = names.length ? `${names.join(', ')} of grade ${of.material_grade[0]}` : 'limits as stated';
-  const ground = `K_A ${shown(of.application_factor[0], 4)}, K_H_beta ${told(of.face_load_factor[0])}, K_H_alpha ${told(of.transverse_load_factor[0])}; accuracy grade ${shown(of.accuracy_grade[0])}; ${teeth}`;
-  say('Least safety', found.map(([name, value]) => `${name} ${shown(value, 4)}`).join(', '), ground, 'rating');
+  byId('numbers').replaceChildren(...(state.study?.headlines ?? []).map((one) => el('div', {}, el('dt', {}, one.name), el('dd', {},
+    el('button', { type: 'button', title: byName(one.picture)?.title ?? '', onclick: () => lookAt(one.picture) }, el('b', {}, one.value)), el('small', {}, one.more)))));
 }
 
 // --- pictures -------------------------------------------------------------------
@@ -208,7 +199,7 @@ function show(place, bar, spec, one) {
     bar.append(el('label', {}, `${title(family.name, family.unit)} `, select));
   }
   bar.append(el('span', { className: 'gap' }), el('button', { type: 'button', onclick: () => save('svg', drawing, name(one)) }, 'SVG'), el('button', { type: 'button', onclick: () => save('png', drawing, name(one)) }, 'PNG'));
-  const readout = el('p', { className: 'readout', role: 'status', 'aria-live': 'polite' }, 'Point at a curve, or walk along it by the arrow keys.');
+  const readout = el('p', { className: 'readout', role: 'status', 'aria-live': 'polite' }, `${spec.below ?? ''} Point at a curve, or walk along it by the arrow keys.`.trim());
   place.replaceChildren(bar, legend(spec), drawing, readout);
   place.dataset.picture = one.id;
   follow(drawing, readout);
@@ -260,7 +251,7 @@ function follow(drawing, readout) {
     const n = spec.series.length, s = (at.s + step[1] + n) % n, series = spec.series[s];
     const i = Math.min(series.x.length - 1, Math.max(0, at.i + step[0]));
     if (series.y[i] === null || series.x[i] === null) { at = { ...at, s, i }; readout.textContent = `${series.label || spec.ylabel}: no answer at ${spec.xlabel} ${shown(series.x[i])}`; return; }
-    mark({ x: series.x[i], y: series.y[i], s, i, label: series.label, px: drawing.places.x(series.x[i]), py: drawing.places.y(series.y[i]) });
+    mark({ x: series.x[i], y: series.y[i], s, i, label: series.label, note: series.notes?.[i], px: drawing.places.x(series.x[i]), py: drawing.places.y(series.y[i]) });
   });
 }
 

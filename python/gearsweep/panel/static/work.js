@@ -5,7 +5,7 @@ import { byId } from './util.js';
 import { state, tablesOf } from './state.js';
 import { setLoads, setScene } from './teeth.js';
 
-const ONCE = ['geometry', 'motion', 'optimum', 'sweep_summary', 'transmission_error', 'load_points', 'rating', 'rating_factors'];
+const ONCE = ['motion', 'optimum'];
 let running = null, again = null, seconds = 0, shape = null, spare = '';
 let hooks = {};
 
