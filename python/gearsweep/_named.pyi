@@ -1621,6 +1621,22 @@ class BodyModesTable(Table):
     axial_share: NDArray[float64]
     """kinetic energy of the axial motion over the whole"""
 
+class BodyCampbellTable(Table):
+    """speeds at which the mesh excites the modes of the gear body as it turns past the load"""
+
+    mode: NDArray[int64]
+    """from the lowest frequency"""
+    per_turn: NDArray[int64]
+    """excitations in a turn of the gear: harmonic times teeth, plus or minus nodal diameters"""
+    harmonic: NDArray[int64]
+    """of the mesh frequency; 0: the steady load"""
+    nodal_diameter: NDArray[int64]
+    """waves around the gear"""
+    frequency_hz: NDArray[float64]
+    """Hz: natural frequency"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion at which these meet it"""
+
 class BodyNodesTable(Table):
     """nodes on the front of the tooth sector"""
 
@@ -1922,6 +1938,8 @@ class Named:
     def gear_body(self) -> GearBodyTable: ...
     @property
     def body_modes(self) -> BodyModesTable: ...
+    @property
+    def body_campbell(self) -> BodyCampbellTable: ...
     @property
     def body_nodes(self) -> BodyNodesTable: ...
     @property

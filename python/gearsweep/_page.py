@@ -33,7 +33,7 @@ h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem; border-botto
 pre { background: #f5f5f3; padding: .8rem; overflow-x: auto; font-size: .8rem }
 table { border-collapse: collapse; font-size: .85rem } td, th { padding: .15rem .7rem .15rem 0; text-align: left; vertical-align: top }
 th { border-bottom: 1px solid #999 } figure { margin: 1rem 0; overflow-x: auto } figure svg { max-width: 100%; height: auto }
-figcaption, .meaning { color: #555 } td.number { text-align: right; font-variant-numeric: tabular-nums }
+figcaption, .meaning { color: #555 } td.number { text-align: right; font-variant-numeric: tabular-nums } #result td.number { font-weight: bold }
 .scroll { overflow-x: auto } .formula { margin: .6rem 0 .6rem 1.5rem } .clause { color: #555; float: right }
 .warning { border-left: 3px solid #b3261e; padding-left: .6rem }
 @media print {
@@ -92,7 +92,7 @@ def page(study: Study, drawn: Mapping[str, Mapping[str, bytes]]) -> str:
 
 def _result(study: Study) -> Iterator[str]:
     """The numbers that people look at first."""
-    rows = (f'<tr><td>{one.name}</td><td class="number"><b>{html.escape(one.value)}</b></td><td>{html.escape(one.more)}</td></tr>'
+    rows = (f'<tr><td>{one.name}</td><td class="number">{html.escape(one.value)}</td><td>{html.escape(one.more)}</td></tr>'
             for one in headlines(study))  # fmt: skip
     yield f'<table id="result">{"".join(rows)}</table>'
 

@@ -107,7 +107,7 @@ def test_every_plot_draws_into_given_axes_with_units_and_leaves_the_style_alone(
         assert ax.has_data()
         if ax.axison:
             for label in (ax.get_xlabel(), ax.get_ylabel()):
-                assert re.search(r'[A-Za-z].* \((.+)\)$', label), (plot, label)
+                assert label == 'Input' or re.search(r'[A-Za-z].* \((.+)\)$', label), (plot, label)
     assert dict(matplotlib.rcParams) == before
 
 
@@ -205,6 +205,9 @@ def test_mesh_pictures_show_its_arrays(study, ax, kind, field):
         np.testing.assert_array_equal(curve, [mesh.s[rows], getattr(mesh, field)[rows]])
     letters = {text.get_text(): text.xy[0] for text in ax.texts if text.get_text() in tuple('ABPDE')}
     assert letters == dict(zip('ABPDE', study.contact_points.s))
+    if kind == 'stiffness':  # of one pair, named within the picture
+        place = next(text.xy[0] for text in ax.texts if text.get_text() == 'one pair')
+        assert ax.get_xlim()[0] < place < ax.get_xlim()[1]
 
 
 # Of protanopes, deuteranopes and tritanopes, by Machado, Oliveira and Fernandes 2009, for linear RGB.
@@ -365,7 +368,7 @@ def test_modes_show_the_shape(study, ax):
     shown = (moved - rest)[::5]
     scale = np.vdot(shown, shape) / np.vdot(shape, shape)
     np.testing.assert_allclose(shown, scale * shape, atol=1e-12 * np.abs(nodes).max())
-    assert f'{modal.frequency_hz[1]:.5g} Hz' in ax.get_title()
+    assert f'{modal.frequency_hz[1] / 1000:.4g} kHz' in ax.get_title() and '±' not in ax.get_title()
     with pytest.raises(ValueError, match='mode = 4: must be from 1 to 3'):
         plots.plot_modal(modal, ax, mode=4)
 
@@ -416,7 +419,9 @@ def test_stability_shows_its_map_and_tongues(rattling, ax):
     case = rattling.changed(stability={'rpm': np.linspace(8000, 36000, 57), 'damping_last': 0.12, 'damping_count': 13, 'tongues': 3})
     study = gearsweep.run(case, 'stability')
     plots.plot_stability(study, ax)
-    np.testing.assert_array_equal(ax.collections[0].get_array(), study.stability.floquet_modulus.T)
+    seen = ax.collections[0].get_array()
+    assert min(seen.shape) >= 100  # fine, however few were computed, which are among them as they are
+    np.testing.assert_array_equal(seen[::13, ::3], study.stability.floquet_modulus.T)
     tongues, edges = study.tongues, study.tongue_edges
     for n in range(3):
         rpm, damping = ax.lines[n].get_data()
@@ -479,6 +484,8 @@ def test_poincare_shows_each_motion_in_its_colour(both, ax):
              'chaotic': motion.status == 'chaotic'}  # fmt: skip
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
     for line, label in zip(ax.lines, labels, strict=True):
+        # At 300 dots an inch a point is four of them wide.
+        assert line.get_marker() == 'o' and line.get_markersize() * 300 / 72 >= 4
         if label in kinds:
             np.testing.assert_array_equal(line.get_ydata(), seen.dte_um[kinds[label]].ravel())
     assert labels[:2] == list(kinds)[:2] and sum(len(line.get_xdata()) for line in ax.lines) == seen.dte_um.size
@@ -554,11 +561,11 @@ def test_rating_shows_the_dynamic_factor_by_both_methods():
     labels = [text.get_text() for legend in ax.findobj(Legend) for text in legend.get_texts()]
     assert {'Method A: motion', 'Method B', '0', '10'} == set(labels)
     study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}, rating={'rpm': 4000}), 'rating')
-    ax = plots.plot_rating(study, Figure().subplots())  # single points have marks of their own
-    assert [line.get_marker() for line in ax.lines] == ['o', 'D'] * 2
-    legends = ax.findobj(Legend)
-    marks = {text.get_text(): line.get_marker() for one in legends for text, line in zip(one.get_texts(), one.get_lines())}
-    assert (marks['Method A: motion'], marks['Method B']) == ('o', 'D')
+    ax = plots.plot_rating(study, Figure().subplots())  # one speed: bars over the reliefs
+    factors = study.dynamic_factors
+    heights = [[bar.get_height() for bar in bars] for bars in ax.containers if hasattr(bars, 'patches')]
+    assert heights == [list(factors.dynamic_factor_a[:, 0]), list(factors.dynamic_factor_b[:, 0])]
+    assert '4000 1/min' in ax.get_xlabel() and [text.get_text() for text in ax.get_xticklabels()] == ['0', '10']
 
 
 def test_transient_shows_both_fillets_over_time_and_their_largest_stress_over_speed():
@@ -601,22 +608,103 @@ def test_frequency_response_shows_both_fillets_and_campbell_where_harmonics_meet
     with pytest.raises(ValueError, match='tangent_deg = 25: must be one of 20, 30'):
         plots.plot_frequency_response(study, tangent_deg=25)
     ax = plots.plot_campbell(study, Figure().subplots())
-    speeds = study.campbell
-    marks = {(x, y) for line in ax.lines if line.get_marker() == 'o' for x, y in zip(*line.get_data())}
-    assert marks == {(rpm / 1000, hz / 1000) for rpm, hz in zip(speeds.rpm, speeds.frequency_hz)}
-    # To twice the speed of resonance of the gears, and of the sweep; modes that no harmonic reaches there are named.
-    twice = 2 * max(speeds.rpm[(speeds.system == 'gears') & (speeds.harmonic == 1)].item(), case.get('sweep', 'rpm_last'))
-    reach = 3 * 21 / 60 * twice
-    assert ax.get_xlim() == (0, twice / 1000) and ax.get_ylim()[1] <= reach / 1000 * (1 + 1e-12)
-    section = speeds.frequency_hz[speeds.system == 'section'].min()
-    assert section > reach
-    assert f'section, from {section / 1000:.3g} kHz' in [text.get_text() for text in ax.legend_.get_texts()]
-    # A wave of two nodal diameters that runs with the gear, which turns 21 times for 34 turns of the pinion.
-    modes = study.body_modes
-    which = list(modes.nodal_diameter).index(2)
-    rise = [np.diff(line.get_ydata())[0] / np.diff(line.get_xdata())[0] for line in ax.lines
-            if np.isclose(line.get_ydata()[0], modes.frequency_hz[which] / 1000) and line.get_marker() != 'o']  # fmt: skip
-    assert np.isclose(sorted(rise), [-2 / 60 * 21 / 34, 2 / 60 * 21 / 34]).all()
+    speeds, last = study.campbell, case.get('sweep', 'rpm_last')
+    assert ax.get_xlim() == (0, last / 1000)  # the case's speeds alone
+    gears = speeds.system == 'gears'
+    assert dots(ax) == {(rpm / 1000, hz / 1000) for rpm, hz in zip(speeds.rpm[gears], speeds.frequency_hz[gears])}
+    words = {text.get_text() for text in ax.findobj(Text)}
+    section = speeds.frequency_hz[~gears].min() / 1000
+    assert {'1x', '2x', '3x', f'gears on the mesh, {speeds.frequency_hz[gears][0] / 1000:.4g} kHz',
+            f'Above: 2 more, from section, mode 1, {section:.4g} kHz'} <= words  # fmt: skip
+
+
+def dots(ax):
+    return {(x, y) for line in ax.lines if line.get_marker() == 'o' for x, y in zip(*line.get_data())}
+
+
+@pytest.fixture(scope='module')
+def thin():
+    """A thin-rimmed gear whose modes of few nodal diameters lie among the speeds."""
+    return gearsweep.run(Case("""&case title = 'A thin rim' tasks = 'body_modes', 'sweep' / &pair module_mm = 2 face_width_mm = 20 / &pinion teeth = 20 /
+        &gear teeth = 40 bore_mm = 20 rim_thickness_mm = 3 web_thickness_mm = 2 / &load torque_nm = 50 / &mesh model = 'weber' /
+        &relief amount_um = 0 / &section member = 'gear' / &sweep rpm_first = 1000 rpm_last = 9000 rpm_step = 4000 /
+        &body_modes nodal_diameters = 3 elements_across = 2 modes = 1 shapes = 2 harmonics = 2 /"""))
+
+
+def test_the_load_that_a_gear_turns_past_excites_its_waves_so_often_in_a_turn(thin):
+    """The Fourier series of cos(k z p) cos(n p), what harmonic k of the mesh frequency does on n waves over a turn by 2 pi."""
+    table, teeth, turn = thin.body_campbell, 40, 2 * np.pi * np.arange(1024) / 1024
+    found = {}
+    for mode, n, k, per_turn in zip(table.mode, table.nodal_diameter, table.harmonic, table.per_turn):
+        found.setdefault((mode, n, k), set()).add(per_turn)
+    for mode, n in zip(thin.body_modes.mode, thin.body_modes.nodal_diameter):
+        for k in range(3):
+            series = np.abs(np.fft.rfft(np.cos(k * teeth * turn) * np.cos(n * turn)))
+            assert found.get((mode, n, k), set()) == set(np.flatnonzero(series > 1)) - {0}
+    # A gear of 40 teeth turns once for two turns of a pinion of 20.
+    np.testing.assert_allclose(table.rpm / 60 / 2 * table.per_turn, table.frequency_hz, rtol=1e-12)
+
+
+def test_modes_of_a_body_have_a_campbell_diagram_with_names_and_orders(thin, ax):
+    plots.plot_body_campbell(thin, ax)
+    table, modes = thin.body_campbell, thin.body_modes
+    reach = ax.get_ylim()[1]
+    here = table.frequency_hz / 1000 < reach
+    assert 0 < here.sum() < table.rows or here.all()
+    assert dots(ax) == {(rpm / 1000, hz / 1000) for rpm, hz in zip(table.rpm[here], table.frequency_hz[here])}
+    assert ax.get_xlim() == (0, 9)
+    words = {text.get_text() for text in ax.findobj(Text)}
+    assert {'1x', '2x'} | {f'{name}, {hz / 1000:.4g} kHz' for name, hz in zip(modes.mode_name, modes.frequency_hz) if hz / 1000 < reach} <= words
+    assert [name for name, _ in plots.figures(thin, 'body_campbell')] == ['body_campbell']
+
+
+def test_body_modes_say_what_their_colours_are(thin):
+    ax = plots.plot_body_modes(thin, Figure().subplots(), mode=1)
+    bar = ax.figure.axes[1]
+    assert re.fullmatch(r'Displacement (along the axis|in the plane) \(of the largest\)', bar.get_ylabel())
+
+
+def test_each_picture_says_whose_it_is(thin, prescribed):
+    assert {figure.get_suptitle() for _, figure in plots.figures(thin, 'sweep', 'body_campbell')} == {'A thin rim'}
+    bare = gearsweep.run(Case(PRESCRIBED).changed(case={'title': None, 'tasks': 'mesh'}))
+    assert {figure.get_suptitle() for _, figure in plots.figures(bare, stem='pair')} == {'pair'}
+
+
+def test_one_speed_is_one_tick(ax):
+    plots.plot_sweep(gearsweep.run(Case(PRESCRIBED).changed(**ONE_SPEED), 'sweep'), ax)
+    assert list(ax.get_xticks()) == [7000] and ax.get_xlim() == (5600, 8400)
+
+
+def test_gears_are_named_within_their_teeth_and_turn_into_the_contact(study, ax):
+    """Both flanks move to the right where they touch; the circle and the line have names."""
+    plots.plot_geometry(study, ax)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ['line of action', 'working pitch circles']
+    names = {text.get_text(): text for text in ax.texts}
+    for name, patch in zip(('pinion', 'gear'), ax.patches):
+        place = ax.transAxes.transform(names[name].xy)
+        assert patch.get_path().contains_point(ax.transData.inverted().transform(place))
+    arrows = [(text.xyann, text.xy) for text in ax.texts if text.arrow_patch]
+    assert len(arrows) == 2 and all(end[0] > begin[0] for begin, end in arrows)
+
+
+def test_what_was_found_along_the_curve_of_reliefs_lies_on_it():
+    study = gearsweep.run(Case(GEARED).changed(mesh={'model': 'weber'}), 'deflection_relief')
+    methods = study.deflection_relief
+    for quantity in plots.deflection_relief.LABELS:
+        line = plots.plot_deflection_relief(study, Figure().subplots(), quantity=quantity).lines[0]
+        for name in ('transmission_error', 'dynamic_factor'):
+            found = methods.at(method=name)
+            assert (found.pinion_relief_um, found[quantity]) in set(zip(*line.get_data()))
+        assert (np.diff(line.get_xdata()) >= 0).all()
+    assert len(plots.plot_deflection_relief(study, Figure().subplots()).lines[0].get_xdata()) == study.relief_curve.rows + 2
+
+
+def test_places_between_two_lie_on_straight_lines():
+    from gearsweep.plots.stability import between
+
+    np.testing.assert_allclose(between(np.array([1.0, 3, 7]), 2), [1, 2, 3, 5, 7])
+    np.testing.assert_array_equal(between(np.array([[1.0, 2], [3, np.nan]]), 2), [[1, 2], [2, np.nan], [3, np.nan]])
+    np.testing.assert_array_equal(between(np.array([5.0]), 9), [5])
 
 
 def test_life_shows_the_parts_beside_the_curve():
@@ -680,6 +768,9 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
     rows = (table.rpm == 6000) & (table.relief_um == table.relief_um[-1]) & np.isfinite(table.relative_slope)
     widths = {label.get_text(): bar.get_width() for label, bar in zip(ax.get_yticklabels(), ax.patches)}
     assert widths == {NUMBERS[name]: slope for name, slope in zip(table.number[rows], table.relative_slope[rows])}
+    assert ax.get_xlabel() == 'Change of DF for 1 % more (%)'
+    _, figure = next(plots.figures(everything, 'sensitivity'))
+    assert len({panel.get_xlim() for panel in figure.axes}) == 1 < len(figure.axes)  # to one scale
     assert len(widths) > 5 and list(np.abs(list(widths.values()))) == sorted(np.abs(list(widths.values())))
 
 
@@ -689,7 +780,7 @@ def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
              'sweep', 'optimum_curve', 'relief_curve', 'relief_flank', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins',
              'branches', 'branch_curves', 'sensitivity',
              'precision', 'flank',
-             'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes')  # fmt: skip
+             'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes', 'body_campbell')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair')
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

@@ -309,8 +309,14 @@ def test_pictures_of_the_newer_tasks_show_the_librarys_numbers(browser, front):
         assert x == list(study.life_parts.engagements[0, :, member]) and y == list(study.life_parts.equivalent_amplitude_mpa[0, :, member])
     for (_, x, y), stress in zip(curves(window, 'frequency'), study.harmonic.stress_mpa[0, 0], strict=True):
         assert x == list(study.harmonic.frequency_hz) and y == list(stress)
-    meets = study.campbell
-    assert {(a, b) for _, x, y in curves(window, 'campbell') for a, b in zip(x, y)} == set(zip(meets._read('rpm'), meets._read('frequency_hz')))
+    for name in ('campbell', 'body_campbell'):
+        table, last = study[name], 10000  # the highest speed of the case
+        _, x, y = curves(window, name)[-1]
+        reach = window.page.evaluate("() => document.querySelector('#view svg.chart').places.spec.extent.y[1]")
+        met = (table._read('rpm') <= last) & (table._read('frequency_hz') / 1000 < reach)
+        assert sorted(zip(x, y)) == pytest.approx(sorted(zip(table._read('rpm')[met], table._read('frequency_hz')[met] / 1000)))
+        words = window.page.locator('#view svg.chart .ends').text_content()
+        assert '1x2x3x' in words and ('gears on the mesh, 7' in words) == (name == 'campbell')
     largest = {label: y for label, _, y in curves(window, 'largest')}
     assert largest['relief 10 µm, largest dynamic factor'] == list(study.sweep.largest_dynamic_factor[1])
     harmonics = study.motion_harmonics
@@ -345,6 +351,64 @@ def test_numbers_of_the_case_stand_in_the_order_of_what_they_change(browser, fro
             window.page.keyboard.press('ArrowUp')
         assert window.page.locator('.readout').inner_text() == f'{words[0]}: {shown(slopes[known[0]])} per cent of DF for one per cent'
     window.close()
+
+
+def test_jumps_are_arrows_with_their_speeds(window, tmp_path):
+    """Of a prescribed mesh with a jump: the curve is cut there, and the arrow goes from the motion before to that after it."""
+    text = """&case tasks = 'hysteresis' / &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 / &load normal_force_n = 6858 /
+&relief amount_um = 0 / &mesh model = 'polynomial' contact_ratio = 1.6 coefficients = 400 / &dynamics damping_ratio = 0.02 /
+&sweep rpm_first = 8000 rpm_last = 14000 rpm_step = 250 /
+"""
+    (tmp_path / 'jumps.nml').write_text(text)
+    window.page.set_input_files('#file', str(tmp_path / 'jumps.nml'))
+    window.until(lambda: window.text() == text)
+    window.settled()
+    changes = gearsweep.run(gearsweep.Case(text)).hysteresis_changes
+    jumps = changes._read('kind') == 'jump'
+    assert jumps.any()
+    series = curves(window, 'hysteresis')
+    arrows = window.page.evaluate("() => document.querySelector('#view svg.chart').places.spec.arrows.map((one) => [one.x, one.from, one.to])")
+    before, after = changes._read('rpm_before'), changes._read('rpm_after')
+    found = set(zip(before[jumps], changes._read('dynamic_factor_before')[jumps], changes._read('dynamic_factor_after')[jumps]))
+    assert found <= {tuple(one) for one in arrows}
+    assert window.page.locator('#view svg.chart .jump').count() == len(arrows)
+    words = window.page.locator('#view svg.chart .jumpname').all_inner_texts() or window.page.locator('#view svg.chart .jumpname').all_text_contents()
+    assert set(words) & {f'{rpm:.0f}' for rpm in before[jumps]}
+    middles = {(a + b) / 2 for a, b in zip(before[jumps], after[jumps])}
+    assert middles <= {a for _, x, y in series for a, b in zip(x, y) if b is None}
+
+
+def test_a_ticked_task_shows_its_group_its_numbers_and_its_picture(window):
+    window.page.check('#case\\.tasks\\.rating')
+    window.until(lambda: window.page.evaluate('() => document.activeElement.id') == 'rating.rpm')  # the key that it lacks
+    window.type('rating', 'rpm', '4000')
+    window.page.locator('#view[data-picture=rating] svg.chart').wait_for()
+    factors = gearsweep.run(CASE.changed(rating={'rpm': 4000}), 'rating').dynamic_factors
+    assert window.number('Largest K_v') == shown(max(factors.dynamic_factor_a.max(), factors.dynamic_factor_b.max()), 4)
+    low, high = window.page.evaluate("() => { const { x } = document.querySelector('#view svg.chart').places; return [x.back(62), x.back(700)]; }")
+    assert low == pytest.approx(3200, rel=0.01) and high > 4000  # one speed stands in the middle
+    window.page.check('#case\\.tasks\\.static')
+    window.page.locator('#view[data-picture=root] svg.chart').wait_for()
+    assert window.page.locator('#group\\.static').evaluate('(one) => one.open && one.getBoundingClientRect().top < innerHeight')
+
+
+def test_chips_stand_in_groups_and_have_names(window):
+    assert window.page.locator('.chipgroup').all_inner_texts() == ['Design', 'Strength', 'Vibration', 'Nonlinear motion', 'Accuracy']
+    assert not any('_' in words for words in window.page.locator('.chip, .groupname').all_inner_texts())
+    words = window.page.locator('#relief\\.start option').all_text_contents()
+    assert 'outer point of single contact' in words and 'hpstc' not in words
+
+
+def test_commas_without_a_blank_are_read_back(window):
+    note = window.page.locator('#field\\.relief\\.amount_um .note')
+    window.field('relief', 'amount_um').fill('0,5')
+    note.wait_for()
+    assert note.inner_text() == 'Read as 0 and 5: decimals take a point.'
+    window.field('relief', 'amount_um').fill('0, 5')
+    note.wait_for(state='hidden')
+    field = window.field('pair', 'module_mm')
+    field.fill('3,18')
+    window.page.locator('#error\\.pair\\.module_mm', has_text='decimals take a point').wait_for()
 
 
 def test_a_picture_asks_for_the_key_that_it_needs(window):

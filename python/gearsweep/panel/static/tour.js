@@ -15,11 +15,11 @@ const STEPS = [
 
 export function tour(does) {
   const guide = byId('guide'), from = document.activeElement;
-  let at = 0, marked = null;
+  let at = 0, marked = null, opening = null;
   const unmark = () => marked?.classList.remove('toured');
-  const end = () => { unmark(); guide.hidden = true; document.removeEventListener('keydown', keys); does.back(); from?.focus(); };
+  const end = () => { unmark(); guide.hidden = true; document.removeEventListener('keydown', keys); Promise.resolve(opening).finally(does.back); from?.focus(); };
   const keys = (event) => { if (event.key === 'Escape') end(); };
-  const show = async () => {
+  const show = () => {
     const step = STEPS[at];
     if (step.picture) state.picture = step.picture;
     if (step.tab) does.view.go(step.tab);
@@ -34,7 +34,7 @@ export function tour(does) {
     guide.classList.toggle('left', Boolean(marked?.closest('#results')));
     guide.hidden = false;
     if (!step.focus) next.focus();
-    await step.before?.(does);
+    opening = step.before?.(does) ?? opening;
   };
   document.addEventListener('keydown', keys);
   show();

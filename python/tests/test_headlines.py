@@ -1,0 +1,50 @@
+"""The numbers that people look at first: those of the tables, for each task, whatever a case lacks."""
+
+import re
+
+import numpy as np
+import pytest
+from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT
+
+import gearsweep
+from gearsweep import Case
+from gearsweep._headlines import headlines, shown
+from gearsweep._names import TASKS
+
+
+def by_name(study):
+    return {one.name: one for one in headlines(study)}
+
+
+def test_a_task_has_its_numbers():
+    case = Case(GEARED).changed(mesh={'model': 'weber'}, rating={'rpm': [4000, 6000], 'contact_limit_mpa': 1400, 'root_limit_mpa': 700}, flank={'rpm': 4000})
+    study = gearsweep.run(case, ('rating', 'flank', 'sweep', 'optimum'))
+    told = by_name(study)
+    assert told['Least safety'].value == f'S_H {shown(study.rating.contact_safety.min())}, S_F {shown(study.rating.root_safety.min())}'
+    factors = study.dynamic_factors
+    assert told['Largest K_v'].value == shown(max(factors.dynamic_factor_a.max(), factors.dynamic_factor_b.max()))
+    assert told['Flash temperature'].value == f'{shown(study.flank_losses.largest_flash_k.max())} K'
+    assert told['Efficiency'].value == f'{shown(100 * study.flank_losses.efficiency.min())} %'
+    assert told['Optimum relief'].value == f'{shown(study.optimum.relief_um)} µm'
+    assert (told['Optimum relief'].task, told['Optimum relief'].picture) == ('optimum', 'optimum')
+
+
+def test_one_relief_is_not_the_best_of_a_list():
+    told = by_name(gearsweep.run(Case(PRESCRIBED).changed(relief={'amount_um': 5}), 'sweep'))
+    assert 'Best of the list' not in told and told['Largest dynamic factor'].more.startswith('at 12000 1/min')
+
+
+@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
+def test_points_without_an_answer_are_no_failure():
+    assert headlines(gearsweep.run(Case(PARTIAL), ('sweep', 'hysteresis')))
+
+
+def test_numbers_are_short():
+    assert [shown(x) for x in (2, 0.123456, 1.5e-7, -3.14159, 123456.7, np.nan, 1e9)] == ['2', '0.1235', '1.500e−07', '−3.142', '123500', '–', '1.000e+09']
+
+
+def test_tasks_are_grouped_as_on_the_first_page():
+    text = (ROOT / 'README.md').read_text().split('## What it answers')[1].split('[doc/case.md]')[0]
+    parts = {name: tuple(re.findall(r'`(\w+)`', words)) for name, words in re.findall(r'\*\*([A-Z][a-z ]+)\*\*: (.*?)(?=\*\*|$)', text, re.DOTALL)}
+    assert parts == TASKS
+    assert sorted(name for names in TASKS.values() for name in names) == sorted(task['name'] for task in gearsweep._library.declared()['tasks'])
