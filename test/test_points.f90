@@ -18,7 +18,7 @@ module test_points
   private
   public :: run
 
-  character(4), parameter :: directions(3) = ['each', 'up  ', 'down']
+  character(4), parameter :: directions(4) = ['each', 'up  ', 'down', 'both']
 
 contains
 
@@ -86,7 +86,7 @@ contains
       speeds = 'rpm_first = '//str(first)//' rpm_step = '//str(step)//' rpm_last = '//str(first + 8*step)
       load = str(first + 3*step)//', '//str(first + 5.5_dp*step)//', '//str(first + 9*step)
       call study_of(t, damping, relief, 'up', speeds, load, '''load''', alone)
-      call study_of(t, damping, relief, directions(1 + modulo(i, 3)), speeds, load, '''load'', ''sweep''', beside)
+      call study_of(t, damping, relief, directions(1 + modulo(i, 4)), speeds, load, '''load'', ''sweep''', beside)
       call same_answer(t, alone, beside)
       several = several + count(column_of(alone, 'load_points', 'mesh_periods') > 1)
     end do

@@ -38,12 +38,13 @@ contains
     character(*), parameter :: begin = '&pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 40 addendum = ', &
       middle = ' dedendum = 1.6 / &gear teeth = 60 addendum = ', &
       ends = ' dedendum = 1.6 / &load torque_nm = 200 / &mesh model = ''fe'' / &section elements_across = 8 / '// &
-             '&flank rpm = 10 / &rating rpm = 10, 12000 dynamic_factor_method = ''a'' / &case tasks = ''rating'', ''flank'' /'
+             '&flank rpm = 10 / &rating rpm = 10, 12000 dynamic_factor_method = ''a'' / &life rpm = 10 duration_h = 1 '// &
+             'mean_stress = ''none'' dynamic_load = .false. / &case tasks = ''rating'', ''flank'', ''life'' /'
     character(4), parameter :: addendum(2) = ['1.00', '1.35']
     type(case_t) :: case
     type(study_t) :: study
     type(error_t), allocatable :: error
-    type(table_t) :: rating, dynamic, losses, flank
+    type(table_t) :: rating, dynamic, losses, flank, life, factors
     real(dp) :: at_pitch
     integer :: i, k
 
@@ -59,6 +60,8 @@ contains
       call make_table(study, 'dynamic_factors', dynamic, error)
       call make_table(study, 'flank_losses', losses, error)
       call make_table(study, 'flank', flank, error)
+      call make_table(study, 'life', life, error)
+      call make_table(study, 'rating_factors', factors, error)
       call check_close(t, 'at creeping speed', dynamic%number('dynamic_factor_a', 1), 1.0_dp, absolute=2e-3_dp)
       call check_true(t, 'at any speed', all(dynamic%numbers('dynamic_factor_a') >= 1))
       call check_close(t, 'the load of the task flank', dynamic%number('dynamic_factor', 1), &
@@ -75,6 +78,8 @@ contains
       call check_true(t, 'sigma_H is no less than the pressure at the pitch point', &
                       rating%number('contact_stress_mpa', 1) > at_pitch .and. at_pitch > 400, &
                       str(rating%number('contact_stress_mpa', 1))//' and '//str(at_pitch))
+      call check_true(t, 'sigma_F0 is no less than the root stress of life', all(factors%numbers('nominal_root_mpa') > &
+                      life%numbers('largest_root_stress_mpa')) .and. life%rows == 2, str(life%number('largest_root_stress_mpa', 1)))
     end do
   end subroutine method_a
 

@@ -113,10 +113,16 @@ def _rating(study: Study) -> Iterator[Headline]:
     def told(factor: float) -> str:
         return shown(factor) if factor > 1 else '1 (not computed)'
 
-    materials = list(dict.fromkeys(filter(None, of.material_name)))
+    def once(values: Any) -> list[Any]:
+        return list(dict.fromkeys(value for value in np.ravel(values) if value and value == value))
+
+    materials = once(of.material_name)
     teeth = f'{", ".join(materials)} of grade {of.material_grade[0]}' if materials else 'limits as stated'
-    ground = (f'K_A {shown(of.application_factor[0])}, K_H_beta {told(of.face_load_factor[0])}, '
-              f'K_H_alpha {told(of.transverse_load_factor[0])}; accuracy grade {shown(of.accuracy_grade[0])}; {teeth}')  # fmt: skip
+    limits = ', '.join(f'{sign} {" and ".join(map(shown, once(values)))} MPa' for sign, values in
+                       (('sigma_HG', of.contact_limit_mpa), ('sigma_FG', of.root_limit_mpa)) if once(values))  # fmt: skip
+    ground = (f'K_v by Method {" or ".join(sorted(name.upper() for name in once(rating._read("method"))))}; '
+              f'K_A {shown(of.application_factor[0])}, K_H_beta {told(of.face_load_factor[0])}, '
+              f'K_H_alpha and K_F_alpha {told(of.transverse_load_factor[0])}; accuracy grade {shown(of.accuracy_grade[0])}; {teeth}: {limits}')  # fmt: skip
     if known:
         yield Headline('rating', 'rating', 'Least safety', ', '.join(known), ground)
     stress = ', '.join(f'{sign} {shown(_most(rating._read(column)))}' for sign, column in

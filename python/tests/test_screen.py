@@ -467,6 +467,41 @@ def test_a_rating_names_the_method_of_its_dynamic_factor(program, tmp_path, meth
     assert f'with K_v {named[method]}' in screen and 'no limits and no material are stated' in screen
 
 
+def test_of_several_motions_the_screen_says_how_many_there_are(program, tmp_path):
+    (tmp_path / 'case.nml').write_text("""&case tasks = 'rating', 'torque', 'attractors' / &pair module_mm = 3.18 face_width_mm = 25.4 /
+&pinion teeth = 25 / &gear teeth = 25 / &load line_load_n_mm = 276 / &mesh model = 'weber' corner_contact = .false. /
+&dynamics damping_ratio = 0.02 / &rating rpm = 9500 / &torque rpm = 100, 9500 / &attractors rpm = 9500 /
+""")
+    done = program('case.nml', cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / 'results/case.attractors.csv') as lines:
+        reached = sum(float(row['share']) > 0 for row in csv.DictReader(line for line in lines if not line.startswith('#')))
+    assert reached > 1
+    told = f'rows: {reached} motions attract at the speed; this is the one with the largest dynamic factor'
+    assert f'1 of 1 {told}' in done.stdout and f'1 of 2 {told}' in done.stdout
+
+
+@pytest.mark.parametrize(
+    'model, mass, words',
+    [
+        ('weber', '', 'count in the masses; not in the stiffness by weber'),
+        ('iso6336', '', 'count in the masses; in the stiffness by C_R'),
+        ('weber', 'effective_mass_kg = 1', 'do not count in the masses, which are stated; not in the stiffness by weber'),
+        ('fe', '', 'count in the masses; in the stiffness as rims that sections of 5 teeth hold at their sides'),
+        ('fe', 'effective_mass_kg = 1', 'do not count in the masses, which are stated; in the stiffness as rims'),
+    ],
+)
+def test_the_screen_says_what_of_rims_and_webs_counts(program, tmp_path, model, mass, words):
+    teeth = f'teeth = 40 bore_mm = 20 {mass}'
+    text = f"""&case tasks = 'mesh' / &pair module_mm = 2 face_width_mm = 20 / &load torque_nm = 50 / &mesh model = '{model}' /
+&pinion {teeth} / &gear {teeth} WEB /
+"""
+    (tmp_path / 'solid.nml').write_text(text.replace('WEB', ''))
+    (tmp_path / 'webbed.nml').write_text(text.replace('WEB', 'rim_thickness_mm = 5 web_thickness_mm = 4'))
+    solid, webbed = (program(name, cwd=tmp_path).stdout for name in ('solid.nml', 'webbed.nml'))
+    assert f'Rim and web        {words}' in webbed and 'Rim and web' not in solid
+
+
 @pytest.mark.parametrize(
     'words',
     [

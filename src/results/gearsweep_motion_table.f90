@@ -147,7 +147,7 @@ contains
     if (table%position('damping_ratio') > 0) call lines%put(', damping ratio '//str(table%number('damping_ratio')))
     if (table%position('friction') > 0) call lines%put(', friction '//str(table%number('friction')))
     call lines%add('')
-    if (origin(study, 1) == of_web .or. origin(study, 2) == of_web) call tell_webs(study, lines)
+    call tell_webs(study, lines)
     call lines%add(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')
   end subroutine add_motion
@@ -161,24 +161,42 @@ contains
     words = 'stated'
     if (study%case%mass(member) > 0 .or. study%case%inertia(member) > 0) return
     words = 'solid disc'
-    associate (iso => study%case%iso)
-      if (has_web(study%pair%gear(member), iso%web_thickness(member), iso%rim_thickness(member))) words = of_web
-    end associate
+    if (is_webbed(study, member)) words = of_web
   end function origin
 
-  !> What of rims and webs the stiffness knows.
+  !> Does the case describe a web behind the teeth of this member?
+  pure logical function is_webbed(study, member)
+    type(study_t), intent(in) :: study
+    integer, intent(in) :: member
+
+    is_webbed = allocated(study%pair)
+    if (is_webbed) is_webbed = has_web(study%pair%gear(member), study%case%iso%web_thickness(member), &
+                                       study%case%iso%rim_thickness(member))
+  end function is_webbed
+
+  !> What of rims and webs masses and stiffness know, where the case describes any.
   pure subroutine tell_webs(study, lines)
     type(study_t), intent(in) :: study
     type(lines_t), intent(inout) :: lines
     character(:), allocatable :: words
+    integer :: i
 
-    words = 'count in the masses only, not in the stiffness by '//study%case%model
-    if (study%case%model == 'iso6336') words = 'count in the masses, and in the stiffness by C_R'
-    if (study%case%model == 'fe') then
-      words = 'count in the masses only: &section says what is held'
-      if (any(rims(study%case, study%pair) > 0)) words = 'the stiffness is that of rims that sections of '// &
-        str(rim_teeth(study%case))//' teeth hold at their sides; that the webs hold them too is left out'
-    end if
+    if (.not. any([(is_webbed(study, i), i=1, 2)])) return
+    words = 'count in the masses'
+    if (.not. any([(origin(study, i) == of_web, i=1, 2)])) words = 'do not count in the masses, which are stated'
+    select case (study%case%model)
+    case ('iso6336')
+      words = words//'; in the stiffness by C_R'
+    case ('fe')
+      if (any(rims(study%case, study%pair) > 0)) then
+        words = words//'; in the stiffness as rims that sections of '//str(rim_teeth(study%case))// &
+          ' teeth hold at their sides: that the webs hold them too is left out'
+      else
+        words = words//'; not in the stiffness, as &section says what is held'
+      end if
+    case default
+      words = words//'; not in the stiffness by '//study%case%model
+    end select
     call lines%add(left('Rim and web', 19)//words)
   end subroutine tell_webs
 

@@ -60,13 +60,16 @@ contains
     type(table_t), intent(in) :: table           !< with the column `motions`
     type(lines_t), intent(inout) :: lines
     real(dp), allocatable :: known(:)
-    integer :: several
+    character(:), allocatable :: many
 
     known = table%numbers('motions')
     known = pack(known, .not. ieee_is_nan(known))
-    several = count(known > 1)
-    if (several > 0) call lines%add('   '//str(several)//' of '//str(table%rows)//' rows: several motions attract at the '// &
-                                    'speed; this is the one with the largest dynamic factor')
+    known = pack(known, known > 1)
+    if (size(known) == 0) return
+    many = str(minval(known))
+    if (maxval(known) > minval(known)) many = many//' to '//str(maxval(known))
+    call lines%add('   '//str(size(known))//' of '//str(table%rows)//' rows: '//many//' motions attract at the speed; '// &
+                   'this is the one with the largest dynamic factor')
   end subroutine add_several
 
   !> Names of statuses, padded to one length.

@@ -43,6 +43,13 @@ MORE = """&case tasks = 'static', 'modal', 'stability', 'hysteresis', 'poincare'
 &attractors rpm = 12000, 16000, 20000 starts = 4 /
 &rating rpm = 5000, 10000, 15000 /
 """
+RATED = """&case tasks = 'rating' /
+&pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 21 / &gear teeth = 34 /
+&load torque_nm = 100 application_factor = 1.25 /
+&mesh model = 'weber' /
+&rating rpm = 3000, 9000 material = '18CrNiMo7-6', '42CrMo4' /
+"""
 # The tasks that no other case here asks for.
 REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_modes', 'harmonic', 'torque', 'sensitivity' /
 &pair module_mm = 3 face_width_mm = 20 backlash_um = 60 /
@@ -91,6 +98,7 @@ def folder(tmp_path_factory):
     (path / 'long.nml').write_text(LONG)
     (path / 'more.nml').write_text(MORE)
     (path / 'rest.nml').write_text(REST)
+    (path / 'rated.nml').write_text(RATED)
     return path
 
 

@@ -7,7 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from conftest import LONG, REST, SMALL, Front, Window, shown
+from conftest import LONG, RATED, REST, SMALL, Front, Window, shown
 
 import gearsweep
 from gearsweep.plots.sensitivity import NUMBERS
@@ -72,6 +72,18 @@ def test_numbers_at_a_glance_lead_to_their_pictures(window, small):
     window.page.locator('#view[data-picture=optimum] svg.chart').wait_for()
     assert window.page.evaluate('() => document.activeElement.id') == 'picture'
     assert window.page.locator('#view .asidename').text_content() == f'optimum {shown(small.optimum.relief_um, 4)} µm'
+
+
+def test_the_least_safety_says_what_it_rests_on(browser, front):
+    window = Window(browser, front.address).open('rated.nml')
+    rating = gearsweep.run(gearsweep.Case(RATED)).rating
+    told = window.page.locator('#numbers > div', has_text='Least safety').inner_text()
+    assert f'S_H {shown(rating.contact_safety.min(), 4)}, S_F {shown(rating.root_safety.min(), 4)}' in told
+    by = ' or '.join(sorted({str(name).upper() for name in rating.method.ravel()}))
+    for words in (f'K_v by Method {by};', 'K_A 1.25,', 'K_H_beta 1 (not computed)', 'K_H_alpha and K_F_alpha 1 (not computed)', 'accuracy grade 5',
+                  '18CrNiMo7-6, 42CrMo4 of grade mq: sigma_HG 1500 and 766.9 MPa, sigma_FG 850 and 629 MPa'):  # fmt: skip
+        assert words in told, words
+    window.close()
 
 
 def test_a_slider_moves_the_number_at_the_caret_and_the_curves_follow(window):
