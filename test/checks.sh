@@ -43,7 +43,7 @@ need() {
 run_pytest() {
   cd "$work" || exit
   {
-    "$venv/bin/python" -m pytest -q -rs --tb=short -p no:cacheprovider "$@"
+    "$venv/bin/python" -m pytest -q -rs --tb=short --durations=20 --durations-min=0.5 -p no:cacheprovider "$@"
     echo $? >code
   } | tee said
   code=$(cat code)

@@ -1,4 +1,5 @@
 !> Runs the test suites, or only those named as arguments: SUITE, or SUITE:TEST for its tests whose names contain TEST.
+!> With `--short`, all but those that take long with run-time checks.
 !> With `limits` alone, prints the table of doc/limits.md instead; with `reference`, doc/case.md as
 !> the keys are declared. Where the environment's GEARSWEEP_CHECKS names a file, each check
 !> is added to it as a line `passed SUITE: NAME` or `failed SUITE: NAME`.
@@ -66,6 +67,9 @@ program check
   use test_transient, only: run_transient => run
   use testing, only: suite_t, tally_t
   implicit none
+  !> With run-time checks these take longer than all others together; `--short` leaves them out.
+  character(*), parameter :: long(7) = [character(24) :: 'inputs', 'methods', 'bifurcations', 'elastic_modes', 'body_modes', &
+                                        'elastic_corner', 'scenes']
   integer :: passed = 0, failed = 0
   character(:), allocatable :: ignored
 
@@ -148,6 +152,10 @@ contains
     integer :: i, k
 
     do i = 1, size(suites)
+      if (is_asked(1, '--short', test)) then
+        if (all(long /= suites(i)%name)) call run_suite(suites(i), '')
+        cycle
+      end if
       do k = 0, command_argument_count()
         if (is_asked(k, suites(i)%name, test)) call run_suite(suites(i), test)
       end do

@@ -1,13 +1,21 @@
 #!/bin/sh
-# Runs every test, or only the suites named: sh test/run.sh [SUITE | SUITE:TEST ...]
+# Runs the tests, or only the suites named: sh test/run.sh [--all | SUITE | SUITE:TEST ...]
+# Without a word, what ends within ten minutes on two idle cores. --all: the rest too, before a release: the scripts whose
+# head says that they belong to --all, with run-time checks also the suites that are long with them, the long Python tests, and
+# the front panel in a browser, which `sh test/run.sh --panel` runs alone.
 # SUITE:TEST stands for the suite's tests whose names contain TEST; where there is none, the names are listed.
-# The front panel's tests in a browser are no part of the whole: sh test/run.sh --panel
 # Sets up and builds first where needed. The last line is `N passed, N failed`. A check counts once, however often
 # it is looked at: in a loop, or with run-time checks and as released; it fails if it failed once.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 if [ "${1-}" = --panel ]; then
   shift
   exec sh "$root/test/panel.sh" "$@"
+fi
+all=
+if [ "${1-}" = --all ]; then
+  shift
+  all=--all
+  [ $# = 0 ] || { echo "usage: sh test/run.sh [--all | --panel | SUITE ...]" >&2; exit 2; }
 fi
 . "$root/test/checks.sh"
 cd "$root" || exit
@@ -74,9 +82,10 @@ run_suites() {
   run_part "$build" env GEARSWEEP_CHECKS="$work/$build.list" "$run_dir/check-$build" "$@"
 }
 
-# The longest first, so that both lanes end at about the same time.
+# The longest first, so that both lanes end at about the same time. A script that belongs to --all says so in its head.
 list_scripts() {
-  for script in test/test_*.sh; do
+  for script in test/test_*.sh test/panel.sh; do
+    [ -n "$all" ] || ! sed -n 2,9p "$script" | grep -q '^# Belongs to --all' || continue
     printf '%s %s\n' "$(sed -n 's/^# Takes about \([0-9]* [ms]\).*/\1/p' "$script")" "$script"
   done | sort -k 2,2 -k 1,1nr -k 3 | cut -d ' ' -f 3
 }
@@ -93,29 +102,51 @@ run_script() {
   run_part "$(name_of "$1")" sh "$1" "$run_dir/gearsweep"
 }
 
+# used FILE FILE: seconds of the processor between two reports of `times`, by all that the shell has waited for.
+used() {
+  awk 'FNR == 2 { all = 0; for (i = 1; i <= 2; i++) { split($i, part, "[ms]"); all += 60*part[1] + part[2] } spent = all - spent }
+    END { printf "%d\n", spent }' "$@"
+}
+
 # lane SUITE...: takes the next part that nobody has taken, until there is none.
 lane() {
-  for what in debug release $scripts; do
+  for what in $order; do
     lane_part=$(name_of "$what")
     mkdir "$work/$lane_part.taken" 2>/dev/null || continue
     since=$(date +%s)
+    # Not in a pipe or a subshell, which would tell of itself.
+    times >"$work/$lane_part.before"
     # Stands where what the part needs cannot be built.
     echo 1 >"$work/$lane_part.code"
     : >"$work/$lane_part.said"
     case $what in
-      debug | release) "build_check_$what" && run_suites "$what" "$@" ;;
+      debug) build_check_debug && run_suites debug ${short:+"$short"} "$@" ;;
+      release) build_check_release && run_suites release "$@" ;;
       *) build_program && run_script "$what" ;;
     esac
-    say "$lane_part took $(($(date +%s) - since)) s"
+    times >"$work/$lane_part.after"
+    say "$lane_part took $(($(date +%s) - since)) s, $(used "$work/$lane_part.before" "$work/$lane_part.after") s of the processor"
   done
 }
 
 started=$(date +%s)
 scripts=
+order='debug release'
+# Of the suites, those that are not long with run-time checks.
+short=
 lanes=2
 if [ $# = 0 ]; then
-  say 'the suites, in two builds, take about 8 min, everything about 25'
   scripts=$(list_scripts)
+  # The program shares its build with the suites as released, and Python's own build goes on beside these.
+  order="release test/test_python.sh debug $scripts"
+  if [ -n "$all" ]; then
+    say 'all tests, about 30 min'
+  else
+    say 'about 10 min; sh test/run.sh --all runs the rest too'
+    short=--short
+    # Parts of scripts that belong to --all.
+    export builds_anew=no long_tests=no
+  fi
 fi
 lane "$@" &
 beside=$!

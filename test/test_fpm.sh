@@ -1,6 +1,7 @@
 #!/bin/sh
 # Runs fpm as in any of its packages, in a copy of the sources as fresh as a clone: sh test/test_fpm.sh PROGRAM
 # The last line is `N passed, N failed`.
+# Belongs to --all of test/run.sh.
 # Takes about 2 min.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/test/checks.sh"

@@ -3,6 +3,7 @@
 # itself, with an answer or with code 6 and a message. And hosts with floating-point traps on, and threads with
 # little stack: sh test/test_memory.sh PROGRAM [long]
 # With `long` the limits lie 1 MB apart (half an hour). The last line is `N passed, N failed`.
+# Belongs to --all of test/run.sh.
 # Takes about 2 min.
 export LC_ALL=C
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit

@@ -15,4 +15,6 @@ build_package || exit
 ln -s "$root/data" "$work/data" || exit
 for page in python pictures stability branches sensitivity precision asymmetric; do set -- "$root/doc/$page.md" "$@"; done
 export PYTHONPATH=$root
+# Those that take long belong to --all of test/run.sh.
+[ "${long_tests-yes}" = yes ] || set -- "$@" -m 'not long'
 run_pytest --doctest-modules --doctest-glob='*.md' --pyargs gearsweep "$root/python/tests" "$root/validation/tests" "$@"

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Builds the wheel for other machines and looks whether it has all that it needs: sh test/test_wheel.sh
 # The last line is `N passed, N failed`.
+# Belongs to --all of test/run.sh.
 # Takes about 30 s.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/test/checks.sh"

@@ -60,6 +60,10 @@ def alike(text, other):
     )
 
 
+def pytest_configure(config):
+    config.addinivalue_line('markers', 'long: takes more than ten seconds of the processor, and belongs to test/run.sh --all')
+
+
 def bits(study):
     """All that a study holds and that is the same in every run."""
     return {

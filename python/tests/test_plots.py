@@ -748,6 +748,7 @@ def test_the_page_lists_every_picture_with_its_caption():
     assert {name for names, _, _ in rows for name in re.findall(r'plot_\w+', names)} == {plot.__name__ for plot in all_plots()}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('second, ends', [('damping_ratio', (0.01, 0.1)), ('relief_um', (0, 20))])
 def test_branch_curves_lie_over_both_numbers(second, ends):
     case = Case(PRESCRIBED).changed(dynamics={'damping_ratio': 0.03}, relief={'amount_um': 4}, branches={
