@@ -7,40 +7,28 @@ import pytest
 from conftest import ROOT
 
 import gearsweep
+from gearsweep import _library
 
-GROUPS = {
-    'case': {
-        'tasks': "'static', 'modal', 'load', 'sweep', 'optimum', 'stability', 'hysteresis', 'poincare', 'attractors', 'branches', 'sensitivity', 'precision', 'flank', 'rating', 'transient', 'harmonic', 'life', 'body_modes', 'torque', 'deflection_relief'"
-    },
+DECLARED = _library.declared()
+# Keys that a group cannot do without.
+GROUPS = {group['name']: {} for group in DECLARED['groups']} | {
+    'case': {'tasks': ', '.join(f"'{task['name']}'" for task in DECLARED['tasks'])},
     'pair': {'module_mm': 3, 'face_width_mm': 20},
     'pinion': {'teeth': 21, 'effective_mass_kg': 0.5, 'bore_mm': 20},
     'gear': {'teeth': 34, 'effective_mass_kg': 0.9},
-    'material': {},
     'load': {'normal_force_n': 4000},
     'relief': {'amount_um': 0},
     'mesh': {'model': "'fe'"},
     'section': {'elements_across': 3},
-    'static': {},
-    'modal': {},
-    'dynamics': {},
     'sweep': {'rpm_first': 3000, 'rpm_last': 9000, 'rpm_step': 3000, 'load_rpm': 3000},
-    'numerics': {},
-    'stability': {},
-    'hysteresis': {},
-    'poincare': {},
-    'attractors': {},
     'branches': {'first': 3000, 'last': 4000},
-    'optimum': {},
     'sensitivity': {'rpm': 3000},
-    'precision': {},
     'flank': {'rpm': 3000},
     'rating': {'rpm': 3000},
     'transient': {'rpm': 3000, 'modes': 5},
     'harmonic': {'frequency_hz': '0, 1e5', 'modes': 5},
     'life': {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900},
-    'body_modes': {},
     'torque': {'rpm': 3000},
-    'deflection_relief': {},
 }
 PRESCRIBED = {
     'case': {'tasks': "'sweep'"},

@@ -7,6 +7,8 @@ import re
 import pytest
 from conftest import GEARED, PARTIAL, PRESCRIBED, ROOT
 
+from gearsweep import _library
+
 DATA = sorted(path.stem for path in (ROOT / 'data').glob('*.nml'))
 WRITTEN = {'geared': GEARED, 'prescribed': PRESCRIBED, 'partial': PARTIAL}
 # Where the numbers below a line that begins so must be found, up to the next such line.
@@ -140,3 +142,17 @@ def test_the_page_tells_of_every_column(run):
         written = {column: (unit, meaning) for column, unit, meaning in rows}
         for column, what in told.items():
             assert written.get(column) == what, f'doc/case.md: {name}'
+
+
+def test_every_task_has_its_places():
+    """The lists that are kept by hand have every task that the library declares."""
+    readme = (ROOT / 'README.md').read_text()
+    rows = dict(re.findall(r'^\| `(\w+)` \| .*? \| (.*) \|$', (ROOT / 'doc/case.md').read_text().split('## Keys')[0], re.MULTILINE))
+    places = ' '.join(PLACES.values()).split()
+    for task in _library.declared()['tasks']:
+        name = task['name']
+        assert f'`{name}`' in readme, f'add `{name}` to the list of tasks in README.md'
+        assert name in rows, f'add a row for `{name}` to the table of tasks in doc/case.md'
+        for table in set(task['tables']) - {'nodes', 'elements'}:  # which the row has as its grid
+            assert f'`{table}`' in rows[name], f'add the table `{table}` to the row of `{name}` among the tasks of doc/case.md'
+        assert set(task['tables']) & set(places), f'add how the lines of `{name}` begin on the screen to PLACES in {__file__}'
