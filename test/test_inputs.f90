@@ -1,8 +1,9 @@
 !> Every input counts: changing a key's value changes an output by far more than rounding, or the answer names
-!> the key as not used and not a bit of the output changes, or the key is refused. For every key, model and task; where a
-!> walk takes long, of the keys that reach the task through the mesh it takes some. And a run that takes over what it can
-!> from a study whose case differs in one key gives bit for bit what a fresh one gives.
+!> the key as not used and not a bit of the output changes, or the key is refused. For every key, model and task; a task is run
+!> to its end where no other key has changed as little of what it reads. And a run that takes over what it can from a study whose
+!> case differs in one key gives bit for bit what a fresh one gives. One task alone: the test walk_ and its name.
 module test_inputs
+  use, intrinsic :: iso_c_binding, only: c_int
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: code_input, error_t
@@ -11,22 +12,19 @@ module test_inputs
   use gearsweep_report, only: write_report
   use gearsweep_study, only: run_study, study_t
   use gearsweep_tables, only: table_names
-  use gearsweep_task, only: task_length
-  use gearsweep_tasks, only: list_task_names
+  use gearsweep_task, only: stage, task_length, task_slot_t
+  use gearsweep_tasks, only: list_task_names, list_tasks
   use reproducible, only: write_reproducible
   use testing, only: check_equal, check_true, new_folder, remove_folder, tally_t
+  use touched, only: parts_apart, same_products
   implicit none
   private
   public :: run
 
   character, parameter :: lf = new_line('a')
-  !> How the lines of a log begin that tell of a product; and which were taken over from an earlier study.
-  character(*), parameter :: products(21) = [character(40) :: 'mesh: pair stiffness by model fe', &
-    'mesh: static load sharing', 'modal: ', 'static: ', 'sweep: ', 'load: ', 'optimum: ', &
-    'stability: ', 'hysteresis: ', 'poincare: ', 'attractors: ', 'branches: ', 'sensitivity: ', 'flank: ', &
-    'rating: ', 'transient: ', 'harmonic: ', 'life: ', 'body_modes: ', 'torque: ', &
-    'deflection_relief: ']
-  logical :: is_taken(size(products))
+  !> The stiffness by finite elements, behind the tasks in `is_taken`; how its line of a log begins.
+  character(*), parameter :: by_elements = 'mesh: pair stiffness by model fe'
+  logical, allocatable :: is_taken(:)            !< by tasks, and the stiffness: taken over from an earlier study, once at least
   !> Where the cases look for their stiffness tables.
   character(:), allocatable :: folder
 
@@ -51,7 +49,10 @@ module test_inputs
     type(setting_t) :: setting
     character :: kind = ' '
     character(120) :: beside = '', only = ''
-    logical :: counted = .false.                 !< it changed an output somewhere
+    logical :: counted = .false.                 !< it changed something that a task reads
+    character(:), allocatable :: parts           !< which, in the walk at hand
+    integer :: count = 0                         !< how many parts; 0: nothing to run
+    logical :: is_run = .false.                  !< in the walk at hand, to the end
   end type change_t
 
   type :: output_t
@@ -65,7 +66,9 @@ contains
     type(tally_t), intent(inout) :: t
     type(change_t), allocatable :: changes(:)
     character(*), parameter :: models(5) = [character(10) :: 'weber', 'iso6336', 'polynomial', 'table', 'fe']
+    integer, parameter :: costly(3) = [stage%mesh, stage%body, stage%solid]
     character(task_length), allocatable :: tasks(:)
+    type(task_slot_t), allocatable :: slots(:)
     logical :: counted
     integer :: i, k
 
@@ -76,7 +79,8 @@ contains
     call write_error(folder//'/4.csv', 2)
     call write_error(folder//'/5.csv', 5)
     call list_changes(changes)
-    is_taken = .false.
+    call list_tasks(slots)
+    is_taken = [(.false., i=0, size(slots))]
     if (t%wants('judge_changes')) call judge_changes(t)
     do i = 1, size(models)
       do k = 1, size(tasks)
@@ -84,17 +88,14 @@ contains
         if (i > 1 .and. all(tasks(k) /= [character(9) :: 'mesh', 'static', 'load', 'precision'])) cycle
         ! It repeats its work to take times, most of all where contact beyond the path changes in every period.
         if (tasks(k) == 'precision' .and. models(i) /= 'weber') cycle
-        if (t%wants('walk')) call walk(t, geared(trim(models(i)), trim(tasks(k))), 'g', every_of(models(i), tasks(k)), i + k, &
-                                       changes)
+        if (t%wants('walk_'//trim(tasks(k)))) call walk(t, geared(trim(models(i)), trim(tasks(k))), 'g', changes)
       end do
     end do
     do k = 1, size(tasks)
-      ! These need a gear.
-      if (any(tasks(k) == [character(task_length) :: 'geometry', 'section', 'static', 'modal', 'flank', 'rating', 'transient', &
-                          'harmonic', 'life', 'body_modes', 'torque', 'deflection_relief'])) cycle
-      if (t%wants('walk')) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', every_of('weber', tasks(k)), k, changes)
+      if (any(slots(k)%info%needs == stage%geometry)) cycle  ! a prescribed mesh has none
+      if (t%wants('walk_'//trim(tasks(k)))) call walk(t, prescribed('polynomial', trim(tasks(k))), 'p', changes)
     end do
-    if (t%wants('walk')) call walk(t, prescribed('table', 'mesh'), 'p', 1, 0, changes)
+    if (t%wants('walk_mesh')) call walk(t, prescribed('table', 'mesh'), 'p', changes)
     do i = 1, size(changes)
       if (.not. t%wants('walk')) exit
       associate (s => changes(i)%setting)
@@ -106,21 +107,15 @@ contains
       end associate
     end do
     if (t%wants('compare_keys')) call compare_keys(t, changes)
-    do i = 1, size(products)
-      if (t%wants('walk')) call check_true(t, 'taken over from some study: '//products(i), is_taken(i))
+    do i = 1, size(slots)
+      ! What needs none of these costs nothing, and is made anew.
+      if (.not. any([(slots(i)%info%needs == costly(k), k=1, size(costly))])) cycle
+      if (t%wants('walk')) call check_true(t, 'taken over from some study: the task '//trim(slots(i)%info%name), is_taken(i), &
+        'the walk in test/test_inputs.f90 has no study of which it is known; see is_known in src/study/gearsweep_study.f90')
     end do
+    if (t%wants('walk')) call check_true(t, 'taken over from some study: '//by_elements, is_taken(size(slots) + 1))
     call remove_folder(folder)
   end subroutine run
-
-  !> Of the keys that reach a task through the mesh, its walk takes one of so many: all with one model, but few where a walk
-  !> takes long and another task, as `sweep`, is reached the same way.
-  pure integer function every_of(model, task) result(every)
-    character(*), intent(in) :: model, task
-
-    every = merge(1, 4, model == 'weber' .or. task == 'mesh')
-    if (any(task == [character(task_length) :: 'branches', 'sensitivity', 'deflection_relief'])) every = 4
-    if (task == 'precision') every = 16
-  end function every_of
 
   ! --- what is walked ---------------------------------------------------------
 
@@ -493,28 +488,27 @@ contains
 
   ! --- the walk ---------------------------------------------------------------
 
-  !> All changes to one case. Those that the answer names as not used are tried together. Of the others, one of `every` that
-  !> reach the task through the mesh; which, tells `shift`.
-  subroutine walk(t, base, kind, every, shift, changes)
+  !> All changes to one case. Those that the answer names as not used are tried together. Of the others, those of the task's own
+  !> keys are run to the end, and those that change least of what the task reads beside these. One that changes all of this and
+  !> more changes the outputs too, and nothing of the task is taken over: there only the products of the stages are compared.
+  subroutine walk(t, base, kind, changes)
     type(tally_t), intent(inout) :: t
     type(setting_t), intent(in) :: base(:)
     character, intent(in) :: kind
-    integer, intent(in) :: every, shift
     type(change_t), intent(inout) :: changes(:)
     type(setting_t), allocatable :: first(:), second(:), idle(:), more(:)
     type(output_t) :: plain, after
-    integer :: i
+    integer, allocatable :: order(:)
+    integer :: i, k, n
 
     call find_output(t, text_of(base), plain)
     idle = base
+    changes%count = 0
+    changes%is_run = .false.
     do i = 1, size(changes)
       associate (change => changes(i))
         if (change%kind /= ' ' .and. change%kind /= kind) cycle
-        first = base
-        call set(first, change%beside)
-        second = first
-        call set(second, change%only)
-        call put(second, change%setting)
+        call cases_of(base, change, first, second)
         if (any(first%group == change%setting%group .and. first%key == change%setting%key .and. &
                 first%value == change%setting%value)) cycle
         if (change%beside == '' .and. change%only == '') then
@@ -525,54 +519,129 @@ contains
             cycle
           end if
         end if
-        if (reaches_mesh(change%setting) .and. modulo(i + shift, every) /= 0) cycle
-        call compare(t, first, second, plain, change)
+        call compare_products(t, first, second, plain, change)
       end associate
+    end do
+    order = pack([(i, i=1, size(changes))], changes%count > 0)
+    do n = 1, size(order)
+      k = n - 1 + minloc(changes(order(n:))%count, 1)
+      order([n, k]) = order([k, n])
+      if (any([(includes_all(changes(order(n))%parts, changes(order(i))%parts) .and. changes(order(i))%is_run, i=1, n - 1)])) cycle
+      call cases_of(base, changes(order(n)), first, second)
+      call compare(t, first, second, plain, changes(order(n)))
     end do
     call find_output(t, text_of(idle), after)
     call check_true(t, text_of(idle), plain%text == after%text, 'some key is said to be unused, but changes an output')
     call find_from(t, text_of(idle), plain, after)
   end subroutine walk
 
-  pure logical function reaches_mesh(setting)
-    type(setting_t), intent(in) :: setting
+  !> The two cases that a change compares.
+  subroutine cases_of(base, change, first, second)
+    type(setting_t), intent(in) :: base(:)
+    type(change_t), intent(in) :: change
+    type(setting_t), allocatable, intent(out) :: first(:), second(:)
 
-    reaches_mesh = any(setting%group == [character(8) :: 'pair', 'pinion', 'gear', 'material', 'load', 'relief'])
-  end function reaches_mesh
+    first = base
+    call set(first, change%beside)
+    second = first
+    call set(second, change%only)
+    call put(second, change%setting)
+  end subroutine cases_of
 
-  !> The key is refused, or named as not used and changes nothing, or changes an output by more than rounding. `plain`: the
-  !> output of the case with nothing beside.
-  subroutine compare(t, first, second, plain, change)
+  !> Whether the key is refused; what it changes of what the task reads; and whether the stages, from those of the case before,
+  !> give what they give afresh. Changes that only a run to the end can judge are run. A key that is not used, and changes nothing
+  !> of what the task reads, changes no output.
+  subroutine compare_products(t, first, second, plain, change)
     type(tally_t), intent(inout) :: t
     type(setting_t), intent(in) :: first(:), second(:)
     type(output_t), intent(in) :: plain
     type(change_t), intent(inout) :: change
     type(case_t) :: case
     type(error_t), allocatable :: error
-    type(output_t) :: before, after
-    character(:), allocatable :: name, key, text
-    logical :: same
+    type(study_t) :: before, after, taken
+    character(:), allocatable :: key, text
+    logical :: is_idle
+    integer :: i
 
     key = '&'//trim(change%setting%group)//' '//trim(change%setting%key)
     text = text_of(second)
-    name = key//' = '//trim(change%setting%value)//' in '//text
     call read_case(text, case, error)
     if (allocated(error)) then
-      call check_true(t, name, is_refusal(error, key), error%message)
+      call check_true(t, key//' = '//trim(change%setting%value)//' in '//text, is_refusal(error, key), error%message)
       return
     end if
+    if (change%beside == '') before = plain%study
+    if (change%beside /= '') call find_stages(t, text_of(first), before)
+    call find_stages(t, text, after)
+    ! The stages are the same whatever task needs them.
+    if (case%asks('mesh')) then
+      call find_stages(t, text, taken, before)
+      call check_true(t, 'stages from an earlier study: '//text, same_products(taken, after))
+    end if
+    change%parts = parts_apart(before, after, fine=.not. (case%needs(stage%motion) .or. case%needs(stage%solid)))
+    change%count = count([(change%parts(i:i) == ' ', i=1, len(change%parts))])
+    is_idle = is_unused(second, change%setting)
+    if (.not. is_idle) change%counted = .true.
+    if (is_idle .and. change%count == 0) return
+    ! What changes the gears alone changes the tables of the geometry, which come with every task.
+    if (.not. (is_idle .or. includes_all(change%parts, ' keys') .or. includes_all(' pinion gear path', change%parts))) return
+    change%count = 0
+    call compare(t, first, second, plain, change)
+  end subroutine compare_products
+
+  !> Does the list `parts` have all that `least` has? Each has a blank before every word.
+  pure logical function includes_all(parts, least)
+    character(*), intent(in) :: parts, least
+    integer :: from, until
+
+    includes_all = .true.
+    from = 1
+    do while (from <= len(least) .and. includes_all)
+      until = from + index(least(from + 1:)//' ', ' ') - 1
+      includes_all = index(parts//' ', least(from:until)//' ') > 0
+      from = until + 1
+    end do
+  end function includes_all
+
+  !> Both cases run to the end: the key is named as not used and changes nothing, or changes an output by more than rounding.
+  !> `plain`: the output of the case with nothing beside.
+  subroutine compare(t, first, second, plain, change)
+    type(tally_t), intent(inout) :: t
+    type(setting_t), intent(in) :: first(:), second(:)
+    type(output_t), intent(in) :: plain
+    type(change_t), intent(inout) :: change
+    type(output_t) :: before, after
+    character(:), allocatable :: name, text
+
+    text = text_of(second)
+    name = '&'//trim(change%setting%group)//' '//trim(change%setting%key)//' = '//trim(change%setting%value)//' in '//text
     before = plain
     if (change%beside /= '') call find_output(t, text_of(first), before)
     call find_output(t, text, after)
     call find_from(t, text, before, after)
-    same = before%text == after%text
     if (is_unused(second, change%setting)) then
-      call check_true(t, name, same, 'is said to be unused, but changes an output')
+      call check_true(t, name, before%text == after%text, 'is said to be unused, but changes an output')
     else
       call check_true(t, name, are_apart(before%text, after%text), 'changes nothing by more than rounding')
-      change%counted = .true.
     end if
+    change%is_run = .true.
   end subroutine compare
+
+  !> The products of the stages of a case; its tasks that take time are not run, as if the caller had ended the run.
+  subroutine find_stages(t, text, study, earlier)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: text
+    type(study_t), intent(out) :: study
+    type(study_t), intent(in), optional :: earlier
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    integer(c_int) :: watch(3)
+
+    watch = 1
+    call read_case(text, case, error)
+    if (.not. allocated(error)) call run_study(case, folder//'/', 1, study, error, watch=watch, earlier=earlier)
+    if (allocated(error)) call check_true(t, text, .false., error%message)
+  end subroutine find_stages
 
   !> The case is read, and the answer will name this key as not used.
   logical function is_unused(settings, setting)
@@ -733,15 +802,16 @@ contains
     character(*), intent(in) :: text
     type(output_t), intent(in) :: before, fresh
     type(output_t) :: output
-    integer :: i, at
+    integer :: i
 
     call find_output(t, text, output, before%study)
     call check_true(t, 'from an earlier study: '//text, output%text == fresh%text)
-    do i = 1, size(products)
-      at = index(output%study%log, trim(products(i)))
-      if (at > 0) is_taken(i) = is_taken(i) .or. index(output%study%log(at:at + index(output%study%log(at:), lf) - 1), &
-                                                       'taken over') > 0
-    end do
+    associate (n => size(output%study%tasks), tasks => output%study%tasks)
+      do i = 1, n
+        if (tasks(i)%is_wanted) is_taken(i) = is_taken(i) .or. index(output%study%log, tasks(i)%task%log//', taken over') > 0
+      end do
+      is_taken(n + 1) = is_taken(n + 1) .or. index(output%study%log, by_elements//', taken over') > 0
+    end associate
   end subroutine find_from
 
   ! --- settings ---------------------------------------------------------------
@@ -804,11 +874,14 @@ contains
     walked = changes%setting
     call check_true(t, 'keys are documented', size(documented) > 60)
     do i = 1, size(known)
-      call check_equal(t, 'documented once: &'//known(i)%group//known(i)%key, same_in(documented, known(i)), 1)
-      call check_true(t, 'walked: &'//known(i)%group//known(i)%key, same_in(walked, known(i)) > 0)
+      call check_true(t, 'documented once: &'//known(i)%group//known(i)%key, same_in(documented, known(i)) == 1, &
+                      'build/run/check-release reference prints doc/case.md with it')
+      call check_true(t, 'walked: &'//known(i)%group//known(i)%key, same_in(walked, known(i)) > 0, &
+                      'add a second value of it to list_changes in test/test_inputs.f90')
     end do
     do i = 1, size(documented)
-      call check_equal(t, 'known: &'//documented(i)%group//documented(i)%key, same_in(known, documented(i)), 1)
+      call check_true(t, 'known: &'//documented(i)%group//documented(i)%key, same_in(known, documented(i)) == 1, &
+                      'doc/case.md has it, but no file in src/case or src/tasks declares it')
     end do
   end subroutine compare_keys
 
