@@ -62,6 +62,14 @@ def pair_and_motion():
     near('gear at A', 2 * points[0]['gear_radius_mm'], gears[1]['tip_diameter_mm'])
     near('pinion at A', 2 * points[0]['pinion_radius_mm'], gears[0]['active_diameter_mm'])
     near('gear at E', 2 * points[4]['gear_radius_mm'], gears[1]['active_diameter_mm'])
+    # On the coast side, a base circle and a working angle of its own.
+    coast = math.radians(22)
+    bases = [MODULE * z / 2 * math.cos(coast) for z in (Z1, Z2)]
+    working = math.acos(sum(bases) / pair['centre_distance_mm'])
+    path = sum(math.sqrt((gear['tip_diameter_mm'] / 2) ** 2 - base**2) for gear, base in zip(gears, bases))
+    path -= pair['centre_distance_mm'] * math.sin(working)
+    near('working angle of the coast flanks', pair['coast_working_angle_deg'], math.degrees(working))
+    near('contact ratio of the coast flanks', pair['coast_contact_ratio'], path / (math.pi * MODULE * math.cos(coast)))
     mass = 0.5 * 0.9 / 1.4
     near('natural frequency', motion['natural_frequency_hz'], math.sqrt(1e6 * motion['mean_mesh_stiffness_n_um'] / mass) / math.tau)
     near('resonance', motion['resonance_rpm'], 60 * motion['natural_frequency_hz'] / Z1)
@@ -69,9 +77,15 @@ def pair_and_motion():
 
 def static():
     mesh, ste, harmonics = table('mesh'), table('transmission_error'), table('harmonics')
+    ratio = table('geometry')[0]['contact_ratio']
     for one in ste:
         rows = rows_of(mesh, one, 'relief_um')
         near('largest static share', one['largest_load_share'], max(row['load_share'] for row in rows), 1e-12)
+        # A tenth less of a corner's stiffness: as the loads add up to the whole, the gears yield by a tenth of the corner's load
+        # over the stiffness of all pairs.
+        beyond = [row for row in rows if not 0 <= row['s'] <= ratio]
+        softer = max(0.1 * row['load_share'] * LOAD / row['mesh_stiffness_n_um'] for row in beyond)
+        near('what is not known of corners', one['corner_estimate_um'], softer, 0.1)
         error = [row['ste_um'] for row in rows]
         near('peak-to-peak', one['peak_to_peak_um'], max(error) - min(error), 1e-3)
         # Mean and harmonics add up to the transmission error, but for steep steps: the sign of a phase shows.
@@ -116,6 +130,10 @@ def sweep():
         top = max(rows, key=lambda row: row['dynamic_factor'])
         near('worst DF', one['worst_dynamic_factor'], top['dynamic_factor'])
         near('worst speed', one['rpm'], top['rpm'])
+        # Of the runs up and down, the one whose worst is less.
+        ways = [max(row['dynamic_factor' if row['direction'] in (way, 'both') else 'other_dynamic_factor'] for row in rows)
+                for way in ('up', 'down')]  # fmt: skip
+        near('worst of the other direction', one['other_dynamic_factor'], min(ways))
     best = min(worst, key=lambda row: row['worst_dynamic_factor'])
     near('best relief', summary['best_relief_um'], best['relief_um'])
     near('its worst DF', summary['worst_dynamic_factor'], best['worst_dynamic_factor'])
@@ -155,12 +173,24 @@ def torque():
             near('torques of both gears', (row['pinion_torque_nm'] - row['pinion_friction_nm']) / rb1,
                  (row['gear_torque_nm'] - row['gear_friction_nm']) / rb2)  # fmt: skip
     # What damping carries has no mean over a period but by friction; elastic load and damping make the rest of the torque.
-    loads = {(row['relief_um'], row['rpm']): row['mean_load_ratio'] * LOAD for row in table('load_points')}
+    loads = {(row['relief_um'], row['rpm']): row for row in table('load_points')}
     for one in points:
         rows = rows_of(times, one, 'relief_um', 'rpm')
         elastic = [(row['pinion_torque_nm'] - row['pinion_friction_nm'] - row['pinion_damping_nm']) / rb1 for row in rows]
-        mean = sum((b['tau'] - a['tau']) * (x + y) / 2 for a, b, x, y in zip(rows, rows[1:], elastic, elastic[1:])) / rows[-1]['tau']
-        near('elastic load by the torque', mean, loads[one['relief_um'], one['rpm']], 5e-3)
+        steps = [(b['tau'] - a['tau'], x, y) for a, b, x, y in zip(rows, rows[1:], elastic, elastic[1:])]
+        mean = sum(step * (x + y) / 2 for step, x, y in steps) / rows[-1]['tau']
+        near('elastic load by the torque', mean, loads[one['relief_um'], one['rpm']]['mean_load_ratio'] * LOAD, 5e-3)
+        apart = sum(step for step, x, y in steps if abs(x) + abs(y) < 1e-6 * LOAD) / rows[-1]['tau']
+        near('time apart by the torque', loads[one['relief_um'], one['rpm']]['separation_share'], apart, 0.02, 0.01)
+        # Harmonics of the load, signs of phases included, add up to it, but for what is above the highest.
+        terms = [(part['harmonic'], cmath.rect(part['mesh_load_amplitude_n'], math.radians(part['mesh_load_phase_deg'])))
+                 for part in rows_of(table('motion_harmonics'), one, 'relief_um', 'rpm')]  # fmt: skip
+        off = [sum((a * cmath.exp(2j * math.pi * k * row['tau'])).real for k, a in terms) - x for row, x in zip(rows, elastic)]
+        true('harmonics add up to the load', sum(x * x for x in off) < 0.06 * sum((x - mean) ** 2 for x in elastic))
+    for row in table('torque_harmonics'):
+        for member in ('pinion', 'gear'):
+            known = row['harmonic'] == 0 or row[f'{member}_amplitude_nm'] > row[f'{member}_error_nm']
+            true('a phase where the amplitude is known', math.isnan(row[f'{member}_phase_deg']) != known)
 
 
 def flank():
@@ -173,6 +203,11 @@ def flank():
         near('place on the path', row['path_mm'], pitch * row['s'], 1e-9, 1e-9)
         if row['pressure_mpa'] > 0:
             near('p = 2 F/(pi b a)', row['pressure_mpa'], 2e3 * row['pair_load_n'] / (math.pi * WIDTH * row['half_width_um']), 1e-9)
+            # Blok's flash temperature, of two flanks that conduct 45 and 60 W/(m K): 7850 kg/m^3, 484 J/(kg K).
+            heat = sum(math.sqrt(conductivity * 7850 * 484 * row[f'{member}_rolling_m_s'])
+                       for member, conductivity in (('pinion', 45), ('gear', 60)))  # fmt: skip
+            power = row['friction_power_w'] / (WIDTH / 1000)
+            near('flash temperature', row['flash_temperature_k'], 1.11 * power / (heat * math.sqrt(2e-6 * row['half_width_um'])), 2e-3)
     for one in losses:
         rows = rows_of(contacts, one, 'relief_um', 'rpm', 'loading')
         known = [row for row in rows if row['pressure_mpa'] >= 0]
@@ -255,7 +290,7 @@ def tooth():
             then = min(rows, key=lambda row: abs(row['time_ms'] - one[f'{extreme}_ms']))
             near(f'when {extreme}', then['sigma_mpa'], one[f'{extreme}_mpa'], 0, 0.02 * scale)
         near('at rest', abs(one['static_mpa']), max(abs(row['static_mpa']) for row in rows), 0.01)
-        near('displacement', abs(one['displacement_x_um']), max(abs(row['displacement_x_um']) for row in rows), 0.01)
+        near('displacement', abs(one['displacement_x_um']), max(abs(row['displacement_x_um']) for row in rows), 0.03)
     for one in peaks:
         near('tension ratio', one['tension_ratio'], one['tension_mpa'] / one['static_tension_mpa'])
         near('compression ratio', one['compression_ratio'], one['compression_mpa'] / one['static_compression_mpa'])
@@ -294,6 +329,10 @@ def motions():
         own = rows_of(starts, one, 'relief_um', 'rpm')
         for row in known:
             near('starts', row['starts'], sum(start['motion'] == row['motion'] for start in own))
+    # Starts are spread alike at all speeds: by static deflections, and those times the natural frequency.
+    for row in starts:
+        like = [start for start in starts if start['start'] == row['start']]
+        near('rates of starts', row['dte_rate_mm_s'], like[0]['dte_rate_mm_s'])
     # The section is the motion of the attractors, where there is one of a mesh period.
     seen = table('poincare')
     for one in table('lyapunov'):
@@ -305,15 +344,30 @@ def motions():
             near('growth by the multiplier', math.exp(one['lyapunov_exponent']), known[0]['floquet_modulus'], 0.05)
     edges, tongue = table('tongue_edges'), table('tongues')[0]
     for row in edges:
-        true('edges', not row['lower_rpm'] > row['upper_rpm'])
+        true('edges', row['lower_rpm'] < row['upper_rpm'] or row['damping_ratio'] > tongue['closing_damping_ratio'])
         true('closed from there on', (row['lower_rpm'] > 0) == (row['damping_ratio'] < tongue['closing_damping_ratio']))
+    # Between the edges of the first tongue the period doubles: the multiplier is below -1.
+    for row in table('stability'):
+        edge = rows_of(edges, row, 'damping_ratio')[0]
+        inside = edge['lower_rpm'] < row['rpm'] < edge['upper_rpm']
+        true('unstable between the edges', (row['floquet_modulus'] > 1) == inside)
+        true('sense of what doubles', row['sense'] == -1 or not inside)
+    true('a speed between them', any(row['floquet_modulus'] > 1 for row in table('stability')))
     for row in table('sensitivity'):
         near('relative slope', row['relative_slope'], row['value'] * row['slope'] / row['dynamic_factor'])
     kept = table('hysteresis')
     for row in kept:
         other = [one for one in table('sweep') if one['rpm'] == row['rpm'] and one['relief_um'] == row['relief_um']]
+        if not other:
+            continue
         true('a slow run meets the sweep', any(abs(x - row['dynamic_factor']) < 1e-4 * x for x in
                                                (other[0]['dynamic_factor'], other[0]['other_dynamic_factor'])))  # fmt: skip
+    changes = table('hysteresis_changes')
+    for row in changes:
+        before, after = row['mesh_periods_before'], row['mesh_periods_after']
+        true('kind of a change', row['kind'] == {2: 'doubling', 0.5: 'halving'}.get(after / before, 'jump'))
+        true('in its direction', (row['rpm_after'] > row['rpm_before']) == (row['direction'] == 'up'))
+    true('there is a doubling and a jump', {'doubling', 'jump'} <= {row['kind'] for row in changes})
     best, curve = table('optimum')[0], table('optimum_curve')
     row = min(curve, key=lambda one: (one['worst_dynamic_factor'], one['relief_um']))
     near('optimum', best['relief_um'], row['relief_um'])

@@ -18,6 +18,7 @@ module test_figures
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: column_of, make_table
+  use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: along, moved_x, moved_y, per_point, tooth_modes_t
   use gearsweep_trace, only: record, trace_t
   use gearsweep_transient_tables, only: fill_histories, fill_peaks, fill_points, tooth_run_t
@@ -37,6 +38,7 @@ contains
     if (t%wants('steady_load')) call steady_load(t)
     if (t%wants('passing_load')) call passing_load(t)
     if (t%wants('plane_strain')) call plane_strain(t)
+    if (t%wants('place_of_compression')) call place_of_compression(t)
     if (t%wants('friction_at_rest')) call friction_at_rest(t)
     if (t%wants('load_factors')) call load_factors(t)
     if (t%wants('chamfered_tip')) call chamfered_tip(t)
@@ -261,6 +263,37 @@ contains
       end associate
     end do
   end subroutine plane_strain
+
+  !> Where the table of the largest stresses says that compression is largest, a look at that angle finds it, on the coast side; and
+  !> tension at its angle, on the drive side.
+  subroutine place_of_compression(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: begin = '&case tasks = ''static'' / &pair module_mm = 3 face_width_mm = 20 '// &
+      'coast_angle_deg = 30 / &pinion teeth = 21 rack_tip_radius = 0.1 / &gear teeth = 34 rack_tip_radius = 0.1 / '// &
+      '&load normal_force_n = 4000 / &mesh model = ''iso6336'' / '// &
+      '&section teeth = 1 elements_across = 4 / &static positions = 5 sharing = ''equal'''
+    character(11), parameter :: which(2) = [character(11) :: 'tension', 'compression']
+    type(study_t) :: study, there
+    type(table_t) :: largest, looks
+    type(error_t), allocatable :: error
+    real(dp), allocatable :: stress(:)
+    real(dp) :: angle(2)
+    integer :: i
+
+    call solve(t, begin//' /', study)
+    call make_table(study, 'root_stress', largest, error)
+    do i = 1, 2
+      angle(i) = largest%number(trim(which(i))//'_deg', 1)
+      call solve(t, begin//' tangent_deg = '//str(angle(i), 12)//' /', there)
+      stress = column_of(there, 'static', 'sigma_mpa')
+      call make_table(there, 'static', looks, error)
+      call check_close(t, 'the largest '//which(i), merge(maxval(stress), minval(stress), i == 1), &
+                       largest%number(trim(which(i))//'_mpa', 1), 1e-3_dp)
+      call check_equal(t, 'on which side', trim(looks%word('side', merge(maxloc(stress, 1), minloc(stress, 1), i == 1))), &
+                       trim(merge('drive', 'coast', i == 1)))
+    end do
+    call check_true(t, 'at different angles', abs(angle(2) - angle(1)) > 3)
+  end subroutine place_of_compression
 
   !> K_F_beta = K_H_beta**(1/(1 + h/b + (h/b)^2)) (ISO 6336-1:2006, clause 7), h of the standard rack 2.25 modules; h/b no more
   !> than a third.

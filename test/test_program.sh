@@ -522,17 +522,18 @@ cp geared.nml base.nml
 cat >every.nml <<'END'
 &case tasks = 'geometry', 'mesh', 'load', 'torque', 'sweep', 'optimum', 'stability', 'hysteresis', 'poincare', 'attractors',
   'sensitivity', 'flank', 'rating', 'transient', 'harmonic', 'life', 'deflection_relief', 'static', 'modal' /
-&pair module_mm = 3 face_width_mm = 20 backlash_um = 60 / &pinion teeth = 21 effective_mass_kg = 0.5 profile_shift = 0.1 /
+&pair module_mm = 3 face_width_mm = 20 backlash_um = 60 coast_angle_deg = 22 /
+&pinion teeth = 21 effective_mass_kg = 0.5 profile_shift = 0.1 /
 &gear teeth = 34 effective_mass_kg = 0.9 rim_thickness_mm = 6 web_thickness_mm = 6 / &load normal_force_n = 4000 /
 &relief amount_um = 0, 8 / &mesh model = 'weber' / &dynamics damping_ratio = 0.05 friction = 0.06 /
 &section teeth = 1 elements_across = 3 plane = 'strain' /
 &sweep rpm_first = 6000 rpm_last = 26000 rpm_step = 1000 load_rpm = 4000, 21000 /
-&torque rpm = 4000, 21000 / &flank rpm = 4000, 9000 /
+&torque rpm = 4000, 21000 / &flank rpm = 4000, 9000 conductivity_w_mk = 45, 60 /
 &rating rpm = 4000, 21000 contact_limit_mpa = 1400, 1300 root_limit_mpa = 700, 650 face_load_factor = 1.2
   pitch_deviation_um = 10 profile_deviation_um = 8 /
-&stability rpm = 12000, 24000 damping_first = 0.02 damping_last = 0.1 damping_count = 3 tongues = 1 /
-&hysteresis rpm = 18000, 20000, 22000, 24000 /
-&poincare rpm = 9000, 21000 settling_periods = 100 kept_periods = 40 / &attractors rpm = 9000, 21000 starts = 4 /
+&stability rpm = 24000, 35776 damping_first = 0.02 damping_last = 0.1 damping_count = 3 tongues = 1 /
+&hysteresis rpm = 14000, 15000, 17000, 35000, 35776, 36500 /
+&poincare rpm = 12000, 17000 settling_periods = 100 kept_periods = 40 / &attractors rpm = 12000, 17000 starts = 4 /
 &sensitivity rpm = 9000 / &transient rpm = 4000, 9000 modes = 2 positions = 4 samples = 200 /
 &harmonic frequency_hz = 0, 40000 modes = 2 / &static positions = 5 / &modal modes = 3 /
 &life rpm = 4000, 9000 duration_h = 10, 20 load_factor = 1, 1.5 tensile_strength_mpa = 1100 /
