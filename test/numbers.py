@@ -8,6 +8,7 @@ import cmath
 import csv
 import math
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 Z1, Z2, MODULE, WIDTH, LOAD, FRICTION, NU = 21, 34, 3.0, 20.0, 4000.0, 0.06, 0.3
@@ -118,7 +119,7 @@ def load():
 
 def rms_over(rows, column):
     """Of values over the path of all different pairs, by the trapezoidal rule."""
-    ends = [(a, b) for a, b in zip(rows, rows[1:]) if a['pair'] == b['pair']]
+    ends = [(a, b) for a, b in pairwise(rows) if a['pair'] == b['pair']]
     area = sum((b['s'] - a['s']) * (a[column] ** 2 + b[column] ** 2) / 2 for a, b in ends)
     return math.sqrt(area / sum(b['s'] - a['s'] for a, b in ends))
 
@@ -161,7 +162,7 @@ def torque():
             near('least torque', one[f'{member}_least_nm'], min(values), 1e-3)
             true('mean between them', one[f'{member}_least_nm'] < one[f'{member}_mean_nm'] < one[f'{member}_largest_nm'])
             mean = sum((b['tau'] - a['tau']) * (a[f'{member}_friction_nm'] + b[f'{member}_friction_nm']) / 2
-                       for a, b in zip(rows, rows[1:])) / rows[-1]['tau']  # fmt: skip
+                       for a, b in pairwise(rows)) / rows[-1]['tau']  # fmt: skip
             near('mean friction', one[f'{member}_friction_mean_nm'], mean, 0.02, 0.01)
         near('mean without friction', one['pinion_mean_nm'] / rb1 - one['gear_mean_nm'] / rb2,
              one['pinion_friction_mean_nm'] / rb1 - one['gear_friction_mean_nm'] / rb2, 1e-4)  # fmt: skip
@@ -316,6 +317,24 @@ def tooth():
     near('where ISO takes the load', table('root_rating')[0]['point'] == 'D', 1)
 
 
+def body():
+    body, modes = table('gear_body')[0], table('body_modes')
+    near('it can slide', body['rigid_motions'], 1)
+    for row in modes:
+        shares = {way: row[f'{way}_share'] for way in ('radial', 'tangential', 'axial')}
+        near('all energy', sum(shares.values()), 1)
+        near('multiplicity', row['multiplicity'], 2 if row['nodal_diameter'] > 0 else 1)
+        flat = row['symmetry'] == 'symmetric'
+        if row['nodal_diameter'] == 1:
+            true('a tilt or a step', row['mode_name'] == ('translation' if flat else 'rocking'))
+        if row['nodal_diameter'] == 0:
+            most = max(shares, key=shares.get)
+            names = {'radial': 'breathing', 'tangential': 'torsion', 'axial': 'stretch' if flat else 'umbrella'}
+            true('what moves most', row['mode_name'] == names[most])
+    true('ascending', all(a['frequency_hz'] <= b['frequency_hz'] for a, b in pairwise(modes)))
+    true('umbrella and torsion', {'umbrella', 'torsion', 'rocking'} <= {row['mode_name'] for row in modes})
+
+
 def motions():
     points, all_motions, starts = table('attractor_points'), table('attractors'), table('basins')
     for one in points:
@@ -385,7 +404,7 @@ def motions():
         near('all of it', reliefs['whole_flattening'][key], part['formula_deflection_um'])
 
 
-for check in (pair_and_motion, static, load, sweep, torque, flank, rating, life, tooth, motions):
+for check in (pair_and_motion, static, load, sweep, torque, flank, rating, life, tooth, body, motions):
     check()
 for title, wrong in found.items():
     print(f'FAILED {title}: {wrong}' if wrong else f'passed {title}')

@@ -43,6 +43,7 @@ contains
     if (t%wants('load_factors')) call load_factors(t)
     if (t%wants('chamfered_tip')) call chamfered_tip(t)
     if (t%wants('edge_zone')) call edges(t)
+    if (t%wants('webs')) call webs(t)
     if (t%wants('case_in_table')) call case_in_table(t)
   end subroutine run
 
@@ -370,6 +371,25 @@ contains
     call check_close(t, 'at A an eighth of the path at most', zone(1), pair%contact_ratio/8, 1e-15_dp)
     call check_close(t, 'at E an eighth of the path at most', zone(2), pair%contact_ratio/8, 1e-15_dp)
   end subroutine edges
+
+  !> Of two webs the one that takes more counts: C_R = 1 + ln(b_s/b)/(5 exp(s_R/(5 m))) (ISO 6336-1:2006, 9.3.1.3), whichever gear
+  !> has it.
+  subroutine webs(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: keys(2) = [character(50) :: 'web_thickness_mm = 10 rim_thickness_mm = 9', &
+                                          'web_thickness_mm = 6 rim_thickness_mm = 6']
+    type(study_t) :: study
+    real(dp), allocatable :: factor(:)
+    integer :: i
+
+    do i = 1, 2
+      call solve(t, '&case tasks = ''mesh'' / &pair module_mm = 3 face_width_mm = 20 / &load normal_force_n = 4000 / '// &
+                 '&mesh model = ''iso6336'' / &pinion teeth = 31 effective_mass_kg = 0.5 '//trim(keys(i))// &
+                 ' / &gear teeth = 34 effective_mass_kg = 0.9 '//trim(keys(3 - i))//' /', study)
+      factor = column_of(study, 'motion', 'iso_blank_factor')
+      call check_close(t, 'C_R of the thinner web', factor(1), 1 + log(0.3_dp)/(5*exp(0.4_dp)), 1e-12_dp)
+    end do
+  end subroutine webs
 
   !> A table has the whole case, with the end of a last line that no new line follows.
   subroutine case_in_table(t)
