@@ -125,9 +125,8 @@ def _rating(study: Study) -> Iterator[Headline]:
               f'K_H_alpha and K_F_alpha {told(of.transverse_load_factor[0])}; accuracy grade {shown(of.accuracy_grade[0])}; {teeth}: {limits}')  # fmt: skip
     if known:
         yield Headline('rating', 'rating', 'Least safety', ', '.join(known), ground)
-    stress = ', '.join(f'{sign} {shown(_most(rating._read(column)))}' for sign, column in
-                       (('σ_H', 'contact_stress_mpa'), ('σ_F', 'root_stress_mpa')))  # fmt: skip
-    yield Headline('rating', 'rating', 'Largest stress', f'{stress} MPa')
+    contact, root = (shown(_most(rating._read(column))) for column in ('contact_stress_mpa', 'root_stress_mpa'))
+    yield Headline('rating', 'rating', 'Largest stress', f'{contact} and {root} MPa', 'on the flanks and at the roots')
     by_a, by_b = (_most(factors._read(f'dynamic_factor_{method}')) for method in 'ab')
     yield Headline('rating', 'rating', 'Largest K_v', shown(max(by_a, by_b)), f'Method A {shown(by_a)}, Method B {shown(by_b)}')
 

@@ -12,7 +12,24 @@ from matplotlib.lines import Line2D
 from ..study import Study
 from ..table import Table
 from .kinds import KINDS, in_words
-from .look import BLUE, FAINT, GREEN, HOLLOW, INK, MM, ORANGE, PAGE, PURPLE, SKY, VERMILION, WINE, YELLOW, canvas, legends_above, over_speeds
+from .look import (
+    BLUE,
+    FAINT,
+    GREEN,
+    HOLLOW,
+    INK,
+    MM,
+    ORANGE,
+    PAGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    WINE,
+    YELLOW,
+    canvas,
+    legends_above,
+    over_speeds,
+)
 from .reliefs import study_of
 
 #: From this ratio of dynamic factors on their axis is logarithmic.

@@ -110,7 +110,7 @@ def plot_body_campbell(campbell: Study | Table, ax: Axes | None = None) -> Axes:
     slope = (table.frequency_hz / table.rpm / table.per_turn)[0]
     modes, waves = study.body_modes, dict.fromkeys(sorted(study.body_modes.nodal_diameter))
     looks = dict(zip(waves, line_styles(len(waves))))
-    listed = [Mode(*one, looks[n]) for *one, n in zip(modes.mode_name, modes.frequency_hz, modes.nodal_diameter)]
+    listed = [Mode(name, hz, looks[n]) for name, hz, n in zip(modes.mode_name, modes.frequency_hz, modes.nodal_diameter)]
     with canvas(ax, height=100 * MM, width=PAGE) as ax:
         shown = diagram(ax, study, slope * np.ravel(study.gear_body.sectors)[0], table.harmonic.max(), listed)
         for mode, one in enumerate(listed, 1):
@@ -183,5 +183,5 @@ def speeds_of(case: Case) -> tuple[float, float] | None:
     asked = [case.get('sweep', 'rpm_first'), case.get('sweep', 'rpm_last')]
     if None in asked:
         asked = [case.get(group, 'rpm') for group in ('rating', 'flank', 'transient', 'life', 'torque')]
-    speeds = np.concatenate([np.ravel(one) for one in asked if one is not None] or [[]]).astype(float)
-    return (speeds.min(), speeds.max()) if speeds.size else None
+    speeds = [speed for one in asked if one is not None for speed in np.ravel(one)]
+    return (min(speeds), max(speeds)) if speeds else None

@@ -13,7 +13,6 @@ from .over_speed import curve
 from .reliefs import Reliefs, table_of
 
 
-
 def plot_rating(dynamic: Study | Table, ax: Axes | None = None) -> Axes:
     """Dynamic factor over speed by Method A, from the motion, and, fine, by Method B, for each relief; at a single speed as bars over the
     reliefs.
