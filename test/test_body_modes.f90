@@ -45,6 +45,7 @@ contains
     if (t%wants('thamba')) call thamba(t)
     if (t%wants('honest_estimates')) call honest_estimates(t)
     if (t%wants('webbed_gear')) call webbed_gear(t)
+    if (t%wants('long_webs')) call long_webs(t)
     if (t%wants('refusals')) call refusals(t)
     call release_blas()
   end subroutine run
@@ -443,6 +444,36 @@ contains
                       str(off)//' and '//str(found%error_estimate(k)))
     end do
   end subroutine webbed_gear
+
+  !> A gear of 80 teeth with a thin rim on a web of 4 mm, down to its bore or to a hub: on the default grid no higher than on one of
+  !> twice the fineness without grading, as a grid is only ever too stiff. Where the web ends at a hub, that was 857 Hz with an
+  !> estimate of 29 %, where twice the fineness gave 841.8 Hz.
+  subroutine long_webs(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: ungraded(2, 2) = reshape([587.963_dp, 822.788_dp, 841.814_dp, 1093.45_dp], [2, 2])
+    real(dp), parameter :: hub_radius(2) = [0.0_dp, 0.03_dp]
+    type(gear_t) :: gear
+    type(body_modes_t) :: found
+    type(error_t), allocatable :: error
+    type(gear_spec_t) :: spec
+    integer :: way
+
+    spec = gear_spec_t('gear', 80, 0.002_dp, face_width=0.02_dp, addendum=1.0_dp, dedendum=1.25_dp, rack_tip_radius=0.25_dp)
+    spec%bore_radius = 0.02_dp
+    call make_gear(spec, gear, error)
+    call check_no_error(t, 'long web', error)
+    do way = 1, 2
+      call find_body_modes(gear, material_t(), body_options_t(blank_t(0.004_dp, 0.005_dp, hub_radius(way)), modes=1, &
+                                                              most_diameters=1), c_null_ptr, found, error)
+      call check_no_error(t, 'its modes', error)
+      associate (frequency => found%modes(:2)%frequency, estimate => found%error_estimate(:2))
+        call check_true(t, 'long web, way '//str(way)//': no higher', all(frequency <= ungraded(:, way)), &
+                        str(frequency(1))//' and '//str(frequency(2)))
+        call check_true(t, 'long web, way '//str(way)//': estimate', all(estimate < 0.05_dp), &
+                        str(estimate(1))//' and '//str(estimate(2)))
+      end associate
+    end do
+  end subroutine long_webs
 
   subroutine refusals(t)
     type(tally_t), intent(inout) :: t

@@ -163,7 +163,8 @@ contains
   end subroutine lay_top
 
   !> Radii of all half steps of the rows below the root (0:), from the bore up, and the layers of each row: 1 for those of
-  !> the web, 2 for those that are as wide as the teeth. A body with a web is graded to the corners between the two.
+  !> the web, 2 for those that are as wide as the teeth. A body with a web is graded to the corners between the two, and a web
+  !> that reaches the bore to that too, where it is clamped.
   pure subroutine lay_rows(gear, blank, across, width, radius, row_layers)
     type(gear_t), intent(in) :: gear
     type(blank_t), intent(in) :: blank
@@ -171,7 +172,8 @@ contains
     real(dp), intent(in) :: width
     real(dp), allocatable, intent(out) :: radius(:)
     integer, allocatable, intent(out) :: row_layers(:)
-    real(dp), allocatable :: bound(:)
+    real(dp), allocatable :: bound(:), share(:)
+    logical :: is_sharp(2)
     integer :: k, rows, i
 
     bound = [gear%spec%bore_radius]
@@ -182,13 +184,12 @@ contains
     row_layers = [integer ::]
     do k = 1, size(bound) - 1
       associate (from => steps(bound(k)), to => steps(bound(k + 1)))
+        is_sharp = blank%web > 0 .and. [k > 1 .or. size(bound) == 3, k < size(bound) - 1]
         rows = max(1, nint(across/growth*(to - from)))
-        if (blank%web > 0) then
-          rows = max(rows, nint(merge(0.75_dp, 0.5_dp, k == size(bound) - 2)*across))
-          radius = [radius, bound(k) + (bound(k + 1) - bound(k))*graded(rows, k > 1, k < size(bound) - 1)]
-        else
-          radius = [radius, [(place(from + (to - from)*i/(2*rows)), i=1, 2*rows)]]
-        end if
+        ! So many more that rows in the middle do not grow.
+        rows = min(2*rows, rows + count(is_sharp)*across/2)
+        share = graded(rows, across, is_sharp)
+        radius = [radius, [(place(from + (to - from)*share(i)), i=1, 2*rows)]]
       end associate
       row_layers = [row_layers, spread(merge(1, 2, blank%web > 0 .and. k == size(bound) - 2), 1, rows)]
     end do
@@ -222,22 +223,21 @@ contains
   end subroutine lay_rows
 
   !> The ends of all half steps of `steps` elements, from 0 (left out) to 1. Towards ends with a sharp corner between web and rim
-  !> or hub they shrink with the square of the distance, as the field there is singular.
-  pure function graded(steps, is_low_sharp, is_high_sharp) result(share)
-    integer, intent(in) :: steps
-    logical, intent(in) :: is_low_sharp, is_high_sharp
+  !> or hub, where the field is singular, the last `most` of them shrink with the square of the distance.
+  pure function graded(steps, most, is_sharp) result(share)
+    integer, intent(in) :: steps, most
+    logical, intent(in) :: is_sharp(2)           ! at 0 and at 1
     real(dp) :: share(2*steps)
-    real(dp) :: end(0:steps)
+    real(dp) :: end(0:steps), shrinking(2)
     integer :: i
 
-    end = [(real(i, dp)/steps, i=0, steps)]
-    if (is_low_sharp .and. is_high_sharp) then
-      end = merge(2*end**2, 1 - 2*(1 - end)**2, end < 0.5_dp)
-    else if (is_low_sharp) then
-      end = end**2
-    else if (is_high_sharp) then
-      end = 1 - (1 - end)**2
-    end if
+    shrinking = merge(min(real(most, dp), real(steps, dp)/max(1, count(is_sharp))), 0.0_dp, is_sharp)
+    do i = 0, steps
+      associate (moved => max(0.0_dp, shrinking - [i, steps - i])**2/(2*max(1.0_dp, shrinking)))
+        end(i) = i + moved(1) - moved(2)
+      end associate
+    end do
+    end = (end - end(0))/(end(steps) - end(0))
     share(2::2) = end(1:)
     share(1::2) = (end(:steps - 1) + end(1:))/2
   end function graded
@@ -285,7 +285,8 @@ contains
     associate (half => gear%spec%face_width/2)
       if (blank%web > 0) then
         n = layers_in_web(across)
-        level = [0.0_dp, blank%web/2*graded(n, .false., .true.), blank%web/2 + (half - blank%web/2)*graded(n, .true., .false.)]
+        level = [0.0_dp, blank%web/2*graded(n, n, [.false., .true.]), &
+                 blank%web/2 + (half - blank%web/2)*graded(n, n, [.true., .false.])]
       else
         n = max(1, nint(across/2.0_dp))
         level = [(half*i/(2*n), i=0, 2*n)]
