@@ -156,7 +156,17 @@ def test_formulas_give_the_numbers_that_stand_behind_them(rated, tmp_path):
 
 def test_without_limits_there_are_no_safety_factors(tmp_path):
     study = gearsweep.run(RATED.changed(rating={'contact_limit_mpa': None, 'root_limit_mpa': None}), 'rating')
-    assert len(read(study, tmp_path).formulas) == 3 + 2 * 3
+    page = read(study, tmp_path)
+    assert len(page.formulas) == 3 + 2 * 3
+    assert 'no limits and no material are stated, so there is no safety factor' in page.text['Answer']
+
+
+def test_what_safety_factors_rest_on_stands_above_them(rated, tmp_path):
+    answer = read(rated, tmp_path).text['Answer']
+    above = answer[answer.index('Rating by ISO 6336') : answer.index('sigma_H MPa')]
+    for words in ('K_v by the larger of Methods A (motion) and B (formula)', 'K_A 1,', 'K_H_beta 1 (not computed)', 'accuracy grade 5',
+                  'pinion: sigma_HG 1400 MPa, sigma_FG 700 MPa, as stated', 'gear: sigma_HG 1300 MPa, sigma_FG 700 MPa, as stated'):  # fmt: skip
+        assert words in above, words
 
 
 def test_it_needs_nothing_from_elsewhere_and_runs_nothing(rated, tmp_path):
