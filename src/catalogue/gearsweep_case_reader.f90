@@ -29,7 +29,8 @@ contains
     type(reader_t) :: reader
 
     call open_reader(text, reader, error)
-    call read_all(text, reader, case, error)
+    ! Without memory for the text there is none for the keys.
+    if (.not. allocated(error)) call read_all(text, reader, case, error)
   end subroutine read_case
 
   !> Reads and checks a case and writes it with all its defaults.
@@ -41,7 +42,7 @@ contains
     type(reader_t) :: reader
 
     call open_reader(text, reader, error, keeps_defaults=.true.)
-    call read_all(text, reader, case, error)
+    if (.not. allocated(error)) call read_all(text, reader, case, error)
     if (.not. allocated(error)) call reader%write_complete(complete)
   end subroutine complete_case
 
