@@ -68,8 +68,8 @@ program check
   use testing, only: suite_t, tally_t
   implicit none
   !> With run-time checks these take longer than all others together; `--short` leaves them out.
-  character(*), parameter :: long(7) = [character(24) :: 'inputs', 'methods', 'bifurcations', 'elastic_modes', 'body_modes', &
-                                        'elastic_corner', 'scenes']
+  character(*), parameter :: long(10) = [character(24) :: 'inputs', 'methods', 'bifurcations', 'elastic_modes', 'body_modes', &
+                                         'elastic_corner', 'scenes', 'reliefs', 'transient', 'precision']
   integer :: passed = 0, failed = 0
   character(:), allocatable :: ignored
 

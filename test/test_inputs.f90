@@ -84,10 +84,8 @@ contains
     if (t%wants('judge_changes')) call judge_changes(t)
     do i = 1, size(models)
       do k = 1, size(tasks)
-        ! Without a mesh the model does not matter, and the sweeps' motion is that of the task load.
-        if (i > 1 .and. all(tasks(k) /= [character(9) :: 'mesh', 'static', 'load', 'precision'])) cycle
-        ! It repeats its work to take times, most of all where contact beyond the path changes in every period.
-        if (tasks(k) == 'precision' .and. models(i) /= 'weber') cycle
+        ! The model makes the mesh, and only that by finite elements has more than a stiffness.
+        if (i > 1 .and. tasks(k) /= 'mesh' .and. .not. (models(i) == 'fe' .and. any(tasks(k) == ['static', 'load  ']))) cycle
         if (t%wants('walk_'//trim(tasks(k)))) call walk(t, geared(trim(models(i)), trim(tasks(k))), 'g', changes)
       end do
     end do
@@ -578,7 +576,8 @@ contains
       call find_stages(t, text, taken, before)
       call check_true(t, 'stages from an earlier study: '//text, same_products(taken, after))
     end if
-    change%parts = parts_apart(before, after, fine=.not. (case%needs(stage%motion) .or. case%needs(stage%solid)))
+    change%parts = parts_apart(before, after, fine=.not. (case%needs(stage%motion) .or. case%needs(stage%solid) .or. &
+                                case%needs_elements()))
     change%count = count([(change%parts(i:i) == ' ', i=1, len(change%parts))])
     is_idle = is_unused(second, change%setting)
     if (.not. is_idle) change%counted = .true.
