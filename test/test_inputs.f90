@@ -805,9 +805,11 @@ contains
 
     call find_output(t, text, output, before%study)
     call check_true(t, 'from an earlier study: '//text, output%text == fresh%text)
+    if (.not. allocated(output%study%log)) return
     associate (n => size(output%study%tasks), tasks => output%study%tasks)
       do i = 1, n
-        if (tasks(i)%is_wanted) is_taken(i) = is_taken(i) .or. index(output%study%log, tasks(i)%task%log//', taken over') > 0
+        if (.not. (tasks(i)%is_wanted .and. allocated(tasks(i)%task%log))) cycle
+        is_taken(i) = is_taken(i) .or. index(output%study%log, tasks(i)%task%log//', taken over') > 0
       end do
       is_taken(n + 1) = is_taken(n + 1) .or. index(output%study%log, by_elements//', taken over') > 0
     end associate
