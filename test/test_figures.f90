@@ -1,6 +1,7 @@
 !> What the tasks do with a right figure: signs, which of two extremes and when, plane strain, shares of an estimate, words, the
 !> end of a range. Tables are filled from figures set by hand, and small cases are held against what follows from their own columns.
 module test_figures
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_corner_stiffness, only: edge_zone
@@ -20,6 +21,7 @@ module test_figures
   use gearsweep_tables, only: column_of, make_table
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: along, moved_x, moved_y, per_point, tooth_modes_t
+  use gearsweep_torque_tables, only: fill_torque => fill_harmonics, torque_run_t
   use gearsweep_trace, only: record, trace_t
   use gearsweep_transient_tables, only: fill_histories, fill_peaks, fill_points, tooth_run_t
   use dogan_gears, only: dogan_pair
@@ -40,10 +42,12 @@ contains
     if (t%wants('plane_strain')) call plane_strain(t)
     if (t%wants('place_of_compression')) call place_of_compression(t)
     if (t%wants('friction_at_rest')) call friction_at_rest(t)
+    if (t%wants('phases_of_torque')) call phases_of_torque(t)
     if (t%wants('load_factors')) call load_factors(t)
     if (t%wants('chamfered_tip')) call chamfered_tip(t)
     if (t%wants('edge_zone')) call edges(t)
     if (t%wants('webs')) call webs(t)
+    if (t%wants('each_relief')) call each_relief(t)
     if (t%wants('case_in_table')) call case_in_table(t)
   end subroutine run
 
@@ -203,6 +207,38 @@ contains
       call check_close(t, 'mean of what friction adds', torque%mean_friction(member), mean, 1e-12_dp)
     end do
   end subroutine friction_at_rest
+
+  !> Harmonics of 30, 20 and 0.001 N with an error of 0.01 N: the last has no phase. In half the steps the second is 1 N off and the
+  !> mean 0.5 N: so much is the error more, times the base radius.
+  subroutine phases_of_torque(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: radius(2) = [0.03_dp, 0.05_dp], open = 0.01_dp
+    type(torque_run_t) :: one(1)
+    type(table_t) :: table
+    type(error_t), allocatable :: error
+    integer :: i
+
+    one%rpm = 3000
+    one%period = 1e-3_dp
+    one%left_open = open
+    one(1)%mesh%tau = [0.0_dp, 1.0_dp]
+    do i = 1, 2
+      one(1)%mesh%force(i)%mean = 1000
+      one(1)%mesh%force(i)%amplitude = [30.0_dp, 20.0_dp, 1e-3_dp]
+      one(1)%mesh%force(i)%phase = [1.0_dp, -2.0_dp, 3.0_dp]
+      one(1)%half(i) = one(1)%mesh%force(i)
+      one(1)%half(i)%mean = 1000.5_dp
+      one(1)%half(i)%amplitude(2) = 21
+    end do
+    call fill_torque(one, radius, table, error)
+    call check_no_error(t, 'harmonics of a torque', error)
+    call check_close(t, 'error of the mean', table%number('gear_error_nm', 1), radius(2)*(0.5_dp + open), 1e-12_dp)
+    call check_close(t, 'error of a harmonic', table%number('pinion_error_nm', 3), radius(1)*(1 + open), 1e-12_dp)
+    call check_close(t, 'a harmonic', table%number('gear_amplitude_nm', 2), 30*radius(2), 1e-12_dp)
+    call check_close(t, 'its phase', table%number('gear_phase_deg', 2), 1/degree, 1e-12_dp)
+    call check_close(t, 'its frequency', table%number('frequency_hz', 3), 2000.0_dp, 1e-12_dp)
+    call check_true(t, 'no phase of what is below its error', ieee_is_nan(table%number('pinion_phase_deg', 4)))
+  end subroutine phases_of_torque
 
   ! --- small cases and calls -------------------------------------------------------
 
@@ -390,6 +426,29 @@ contains
       call check_close(t, 'C_R of the thinner web', factor(1), 1 + log(0.3_dp)/(5*exp(0.4_dp)), 1e-12_dp)
     end do
   end subroutine webs
+
+  !> Above a contact ratio of two relief decides how much of the load a pair has at rest, and in a fine accuracy grade K_v by Method
+  !> B: each relief has its own. What the grade allows is that of the larger gear, f_pb = (0.3 (m + 0.4 sqrt(d)) + 4) cos(alpha) in
+  !> grade 5 (ISO 1328-1:1995).
+  subroutine each_relief(t)
+    type(tally_t), intent(inout) :: t
+    type(study_t) :: study
+    real(dp), allocatable :: share(:), rated(:), factor(:), deviation(:)
+
+    call solve(t, '&case tasks = ''mesh'', ''rating'' / &pair module_mm = 3 face_width_mm = 20 / '// &
+               '&pinion teeth = 40 addendum = 1.35 dedendum = 1.5 effective_mass_kg = 0.5 / '// &
+               '&gear teeth = 60 addendum = 1.35 dedendum = 1.5 effective_mass_kg = 0.9 / '// &
+               '&load normal_force_n = 6000 / &relief amount_um = 0, 20 / &mesh model = ''weber'' corner_contact = .false. / '// &
+               '&rating rpm = 3000 accuracy_grade = 5 running_in = 0 /', study)
+    share = column_of(study, 'transmission_error', 'largest_load_share')
+    rated = column_of(study, 'dynamic_factors', 'static_share')
+    factor = column_of(study, 'dynamic_factors', 'dynamic_factor_b')
+    deviation = column_of(study, 'rating_factors', 'pitch_deviation_um')
+    call check_true(t, 'relief changes the largest share', abs(share(2) - share(1)) > 0.01_dp)
+    call check_close(t, 'share at rest of each relief', maxval(abs(rated - share)), 0.0_dp, absolute=1e-3_dp)
+    call check_true(t, 'relief counts in K_v by Method B', abs(factor(2) - factor(1)) > 1e-3_dp)
+    call check_close(t, 'f_pb of the larger gear', deviation(1), (0.3_dp*(3 + 0.4_dp*sqrt(180.0_dp)) + 4)*cos(20*degree), 1e-9_dp)
+  end subroutine each_relief
 
   !> A table has the whole case, with the end of a last line that no new line follows.
   subroutine case_in_table(t)
