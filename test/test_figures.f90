@@ -457,7 +457,7 @@ contains
     type(error_t), allocatable :: error
     character(:), allocatable :: text
 
-    call table%begin('a table', 1, 1, error)
+    call table%begin('a table', 1, error)
     call table%add('x', 'um', 'a number', [0.5_dp])
     call write_csv(table, '&case title = ''two'' /'//new_line('a')//'&load torque_nm = 3 /', text, error)
     call check_no_error(t, 'the text of a table', error)
