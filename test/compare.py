@@ -35,6 +35,8 @@ RULES = {
     'sweep': {
         'relief_um': 'text', 'rpm': 'text', 'steps': 'steps', 'mesh_periods': 'text', 'dynamic_factor': 'estimated error_estimate',
         'error_estimate': 'bound', 'residual': 'bound', 'floquet_modulus': 'asked', 'coast_factor': 'asked',
+        'dte_rms_um': 'estimated dte_error_estimate_um', 'dte_peak_to_peak_um': 'estimated dte_error_estimate_um',
+        'dte_error_estimate_um': 'bound',
     },
     'load': {
         'relief_um': 'text', 'rpm': 'text', 'mesh_periods': 'text', 'pair': 'text', 'pair_load_n': 'asked', 'load_ratio': 'asked', 'dte_um': 'asked',

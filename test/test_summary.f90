@@ -22,7 +22,8 @@ module test_summary
   !> What a march tells of a mesh period: the names are those of the columns.
   type :: march_t
     real(dp) :: dynamic_factor = 0, coast_factor = 0, mean_load_ratio = 0, load_rms_ratio = 0, separation_share = 0
-    real(dp) :: dte_mean_um = 0, dte_rms_um = 0, damping_share = 0, impacts = 0, load_reversals = 0, pair_load_rms_ratio = 0
+    real(dp) :: dte_mean_um = 0, dte_rms_um = 0, dte_peak_to_peak_um = 0, damping_share = 0, impacts = 0
+    real(dp) :: load_reversals = 0, pair_load_rms_ratio = 0
     complex(dp) :: dte(3) = 0, mesh_load(3) = 0            ! of harmonic 1, 2, 3; um, N
   end type march_t
 
@@ -36,6 +37,7 @@ contains
     if (t%wants('slow')) call slow(t)
     if (t%wants('marched')) call marched(t)
     if (t%wants('several_periods')) call several_periods(t)
+    if (t%wants('over_speed')) call over_speed(t)
   end subroutine run
 
   !> Random polynomials of fifth degree in steps of random length: Fourier integrals by Simpson's rule in many parts, and
@@ -179,6 +181,7 @@ contains
       call as_marched('separation_share', found%separation_share, 1e-3_dp)
       call as_marched('dte_mean_um', found%dte_mean_um, 1e-3_dp)
       call as_marched('dte_rms_um', found%dte_rms_um, 1e-3_dp)
+      call as_marched('dte_peak_to_peak_um', found%dte_peak_to_peak_um, 1e-3_dp)
       call as_marched('impacts', found%impacts, 1e-12_dp)
       call as_marched('load_reversals', found%load_reversals, 1e-12_dp)
       call check_close(t, 'what the mesh does not carry is damped', found%mean_load_ratio + found%damping_share, 1.0_dp, 1e-4_dp)
@@ -237,12 +240,14 @@ contains
     real(dp), intent(inout) :: state(2)          ! x (m) and its derivative over time
     integer, intent(inout) :: side               ! that was loaded last: 1 drive, -1 coast
     type(march_t), intent(out) :: found
-    real(dp) :: h, slope(2, 4), pair(2), coast, damped, phase, x, force
+    real(dp) :: h, slope(2, 4), pair(2), coast, damped, phase, x, force, highest, lowest
     logical :: apart
     integer :: i, k
 
     h = 60/(rpm*teeth)/steps
     apart = .false.
+    highest = -huge(highest)
+    lowest = huge(lowest)
     do i = 0, steps - 1
       phase = i/real(steps, dp)
       call forces(damping, state, [phase, phase + 0.5_dp/steps], pair, coast, damped)
@@ -263,6 +268,8 @@ contains
       found%separation_share = found%separation_share + merge(1, 0, apart)/real(steps, dp)
       found%dte_mean_um = found%dte_mean_um + x/steps
       found%dte_rms_um = found%dte_rms_um + x**2/steps
+      highest = max(highest, x)
+      lowest = min(lowest, x)
       do k = 1, 3
         found%dte(k) = found%dte(k) + 2*x*exp(cmplx(0.0_dp, -2*pi*k*phase, dp))/steps
         found%mesh_load(k) = found%mesh_load(k) + 2*force*exp(cmplx(0.0_dp, -2*pi*k*phase, dp))/steps
@@ -275,6 +282,7 @@ contains
     found%load_rms_ratio = sqrt(found%load_rms_ratio - found%mean_load_ratio**2)
     found%dte_rms_um = sqrt(found%dte_rms_um - found%dte_mean_um**2)
     found%pair_load_rms_ratio = sqrt(found%pair_load_rms_ratio)
+    found%dte_peak_to_peak_um = highest - lowest
 
   contains
 
@@ -325,4 +333,45 @@ contains
     call check_close(t, 'the first harmonic', harmonic(2), 1.0_dp/n)
     call check_close(t, 'its frequency', frequency(2), teeth*28000/60.0_dp/n)
   end subroutine several_periods
+
+  !> Root mean square and peak-to-peak transmission error of a sweep, from sums over its steps, are those of the task `load`, from
+  !> quintics: in full contact, of one relief and of several that one map serves, with contact lost, on the coast sides, after
+  !> several mesh periods, in graded steps, and by another method. In finer steps they come nearer.
+  subroutine over_speed(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: coast = '&pair backlash_um = 12 /'
+
+    call as_of_load('full', 0.2_dp, '', 9000.0_dp)
+    call as_of_load('several reliefs', 0.2_dp, '&relief amount_um = 0, 0.5, 1.5 /', 9000.0_dp)
+    call as_of_load('lost', 0.06_dp, coast, 12000.0_dp)
+    call as_of_load('coast', 0.06_dp, coast, 14500.0_dp)
+    call as_of_load('several periods', 0.03_dp, coast, 28000.0_dp)
+    call as_of_load('graded', 0.3_dp, '', 40.0_dp)
+    call as_of_load('rk4', 0.2_dp, '&numerics method = ''rk4'' steps = 400 /', 9000.0_dp)
+
+  contains
+
+    subroutine as_of_load(name, damping, more, rpm)
+      character(*), intent(in) :: name, more
+      real(dp), intent(in) :: damping, rpm
+      character(*), parameter :: columns(2) = [character(19) :: 'dte_rms_um', 'dte_peak_to_peak_um']
+      type(study_t) :: study
+      real(dp), allocatable :: speed(:), found(:), expected(:), estimate(:)
+      integer :: i
+
+      call study_of(t, damping, more//' &sweep rpm_first = '//str(0.99_dp*rpm)//' rpm_last = '//str(1.015_dp*rpm)// &
+                    ' rpm_step = '//str(0.01_dp*rpm)//' direction = ''each'' /', rpm, '''load'', ''sweep''', study)
+      speed = column_of(study, 'sweep', 'rpm')
+      do i = 1, size(columns)
+        found = pack(column_of(study, 'sweep', trim(columns(i))), abs(speed - rpm) < 1e-6_dp*rpm)
+        estimate = pack(column_of(study, 'sweep', 'dte_error_estimate_um'), abs(speed - rpm) < 1e-6_dp*rpm)
+        expected = column_of(study, 'load_points', trim(columns(i)))
+        call check_true(t, name//': the speed is there', size(found) == size(expected), str(size(found)))
+        if (size(found) /= size(expected)) return
+        call check_true(t, name//': '//trim(columns(i))//' within its estimate', all(abs(found - expected) <= estimate), &
+                        str(maxval(abs(found - expected)))//' '//str(maxval(estimate)))
+        call check_true(t, name//': the estimate is small', all(estimate < 1e-3_dp*expected), str(maxval(estimate/expected)))
+      end do
+    end subroutine as_of_load
+  end subroutine over_speed
 end module test_summary

@@ -54,6 +54,7 @@ _PLOTS = (
     'plot_campbell',
     'plot_deflection_relief',
     'plot_dte',
+    'plot_dte_sweep',
     'plot_flank',
     'plot_frequency_response',
     'plot_geometry',

@@ -775,10 +775,17 @@ def test_sensitivity_shows_a_bar_for_each_number(everything):
     assert len(widths) > 5 and list(np.abs(list(widths.values()))) == sorted(np.abs(list(widths.values())))
 
 
+@pytest.mark.parametrize('quantity', ['dte_rms_um', 'dte_peak_to_peak_um'])
+def test_transmission_error_over_speed_has_a_curve_for_each_relief(everything, quantity):
+    ax = plots.plot_dte_sweep(everything, Figure().subplots(), quantity=quantity)
+    curves = [line.get_ydata() for line in ax.lines if len(line.get_xdata()) == len(everything.sweep.rpm)]
+    assert all(np.array_equal(one, other, equal_nan=True) for one, other in zip(curves, everything.sweep[quantity], strict=True))
+
+
 def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     names = ('outline', 'section', 'mesh', 'harmonics', 'static', 'stress', 'modal', 'load', 'motion_harmonics', 'torque',
              'torque_harmonics',
-             'sweep', 'optimum_curve', 'relief_curve', 'relief_flank', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins',
+             'sweep', 'dte_sweep', 'optimum_curve', 'relief_curve', 'relief_flank', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins',
              'branches', 'branch_curves', 'sensitivity',
              'precision', 'flank',
              'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes', 'body_campbell')  # fmt: skip
@@ -786,7 +793,7 @@ def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
     assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)
     few = plots.draw_all(prescribed, tmp_path, formats=['pdf'])
-    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'motion_harmonics', 'sweep', 'optimum_curve')]
+    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'motion_harmonics', 'sweep', 'dte_sweep', 'optimum_curve')]
 
 
 def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):

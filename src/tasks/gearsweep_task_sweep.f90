@@ -23,6 +23,7 @@ module gearsweep_task_sweep
   private
   public :: sweep_task_t
 
+  real(dp), parameter :: micro = 1e6_dp
   character(*), parameter :: of_other = 'with direction both: largest DF over the speeds in the direction in which it is smaller'
 
   type, extends(runnable_t) :: sweep_task_t
@@ -109,6 +110,12 @@ contains
     call table%add('frequency_ratio', '', 'mesh frequency over the natural frequency of the mean mesh stiffness', &
                    table%along(2, frequency_ratio(stages%motion(1), sweep%rpm)))
     call table%add('coast_factor', '', of_coast//'; NaN where there is no answer', [sweep%coast_factor])
+    call table%add('dte_rms_um', 'um', 'root mean square of what the dynamic transmission error differs from its mean over the '// &
+                   'steady motion; NaN where there is no answer', [micro*sweep%dte_rms])
+    call table%add('dte_peak_to_peak_um', 'um', 'largest less least dynamic transmission error of the steady motion; NaN where '// &
+                   'there is no answer', [micro*sweep%dte_range])
+    call table%add('dte_error_estimate_um', 'um', 'estimated error of either of these; NaN: not known', &
+                   [micro*sweep%dte_estimate])
     if (stages%direction == both) then
       call table%add_words('direction', 'with direction both: in which the motion of this row was met: up, down or both', &
                            direction_name([sweep%direction]))

@@ -40,7 +40,7 @@ from .frequency import plot_body_campbell, plot_campbell, plot_frequency_respons
 from .gears import plot_geometry
 from .life import plot_life
 from .look import style
-from .over_speed import plot_optimum, plot_sweep
+from .over_speed import plot_dte_sweep, plot_optimum, plot_sweep
 from .precision import plot_precision
 from .rating import plot_rating
 from .sensitivity import plot_sensitivity
@@ -64,6 +64,7 @@ __all__ = [
     'plot_campbell',
     'plot_deflection_relief',
     'plot_dte',
+    'plot_dte_sweep',
     'plot_flank',
     'plot_frequency_response',
     'plot_geometry',

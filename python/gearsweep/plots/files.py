@@ -37,7 +37,7 @@ from .frequency import plot_body_campbell, plot_campbell, plot_frequency_respons
 from .gears import plot_geometry
 from .life import plot_life
 from .look import COLUMN, GREY, MM, PAGE, style
-from .over_speed import plot_optimum, plot_sweep
+from .over_speed import DTE_LABELS, plot_dte_sweep, plot_optimum, plot_sweep
 from .precision import PANELS, plot_precision
 from .rating import plot_rating
 from .sensitivity import plot_sensitivity
@@ -172,6 +172,18 @@ def _mesh(study: Study) -> Figure:
         plot(study, ax)
         ax.label_outer()
     _one_legend(axes)
+    return figure
+
+
+def _dte_sweep(study: Study) -> Figure:
+    """Root mean square and peak to peak below each other."""
+    figure = Figure((PAGE, 130 * MM), layout='constrained')
+    axes = figure.subplots(2, sharex=True)
+    for ax, quantity in zip(axes, DTE_LABELS):
+        plot_dte_sweep(study, ax, quantity=quantity)
+        ax.label_outer()
+    for legend in axes[1].findobj(Legend):
+        legend.remove()
     return figure
 
 
@@ -312,6 +324,7 @@ PICTURES = {
     'torque_harmonics': Picture("Amplitudes of the harmonics of the pinion's torque, a panel for each speed",
                                 _speeds('torque_harmonics', plot_torque_harmonics)),
     'sweep': Picture('Dynamic factor over speed, a curve for each relief', _single(plot_sweep, 80, PAGE)),
+    'dte_sweep': Picture('Dynamic transmission error over speed: root mean square, and peak to peak', _dte_sweep),
     'optimum_curve': Picture('Largest dynamic factor over relief, the least marked', _single(plot_optimum, 60)),
     'relief_curve': Picture('Static transmission error and dynamic factor over relief, with the reliefs of each method', _relief_curve),
     'relief_flank': Picture('Relief over the diameter of both flanks by each method', _relief_flank),

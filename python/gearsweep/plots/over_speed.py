@@ -1,4 +1,4 @@
-"""Dynamic factor over speed, and the largest of it over relief."""
+"""Dynamic factor and transmission error over speed, and the largest dynamic factor over relief."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ from .reliefs import Reals, Reliefs, table_of
 
 #: Marks of points that have an answer, but not a plain one.
 MARKS = {'marginal': 'o', 'subharmonic': 'D', 'inexact': '^'}
+
+#: What `plot_dte_sweep` shows.
+DTE_LABELS = {'dte_rms_um': 'DTE, rms (µm)', 'dte_peak_to_peak_um': 'DTE, peak to peak (µm)'}
 
 
 def plot_sweep(sweep: Study | Table, ax: Axes | None = None, *, points: Sequence[Sequence[float]] = ()) -> Axes:
@@ -45,7 +48,7 @@ def plot_sweep(sweep: Study | Table, ax: Axes | None = None, *, points: Sequence
         for i, look in enumerate(reliefs.styles):
             curve(ax, sweep.rpm, sweep.dynamic_factor[i], look)
         others = _other_direction(ax, sweep, reliefs)
-        _error_bands(ax, sweep, reliefs)
+        _error_bands(ax, sweep.rpm, sweep.dynamic_factor, sweep.error_estimate, reliefs)
         circles = [(*point[:2], reliefs.style(point[2])['color'] if len(point) > 2 else INK) for point in points]
         more = _published(ax, circles) + others + _status_marks(ax, sweep, reliefs)
         missing = np.isnan(sweep.dynamic_factor)
@@ -54,6 +57,38 @@ def plot_sweep(sweep: Study | Table, ax: Axes | None = None, *, points: Sequence
         reliefs.legend(ax, more + crosses(ax, rows, f'no answer: {words}'))
         over_speeds(ax, sweep.rpm)
         ax.set_ylabel('Dynamic factor (–)')
+    return ax
+
+
+def plot_dte_sweep(sweep: Study | Table, ax: Axes | None = None, *, quantity: str = 'dte_rms_um') -> Axes:
+    """Dynamic transmission error over speed, a curve for each relief, as gear dynamics are measured.
+
+    Where the speed rising leads to another motion than the speed falling, that of the larger dynamic factor counts. A speed without
+    an answer is a gap. A band shows the estimated error where it is wide enough to be seen.
+
+    Parameters
+    ----------
+    sweep : Study or Table
+        A study, or its table `sweep`.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    quantity : {'dte_rms_um', 'dte_peak_to_peak_um'}
+        Root mean square of what it differs from its mean, or largest less least.
+
+    Returns
+    -------
+    Axes
+    """
+    sweep = table_of(sweep, 'sweep')
+    reliefs = Reliefs(sweep.case)
+    with canvas(ax, height=80 * MM, width=PAGE) as ax:
+        for value, look in zip(sweep[quantity], reliefs.styles):
+            curve(ax, sweep.rpm, value, look)
+        _error_bands(ax, sweep.rpm, sweep[quantity], sweep.dte_error_estimate_um, reliefs)
+        reliefs.legend(ax)
+        ax.set_xlabel('Speed of the pinion (1/min)')
+        ax.set_ylabel(DTE_LABELS[quantity])
+        ax.set_ylim(bottom=0)
     return ax
 
 
@@ -117,12 +152,12 @@ def _other_direction(ax: Axes, sweep: Table, reliefs: Reliefs) -> list[Line2D]:
     return [Line2D([], [], color=GREY, linestyle=':', linewidth=1, label='in the other direction')]
 
 
-def _error_bands(ax: Axes, sweep: Table, reliefs: Reliefs) -> None:
+def _error_bands(ax: Axes, rpm: Reals, values: Reals, estimates: Reals, reliefs: Reliefs) -> None:
     """The estimated error, where it is wide enough to be seen."""
     visible = VISIBLE * np.ptp(ax.get_ylim())
-    for factor, estimate, look in zip(sweep.dynamic_factor, sweep.error_estimate, reliefs.styles):
+    for value, estimate, look in zip(values, estimates, reliefs.styles):
         if np.any(estimate > visible):
-            ax.fill_between(sweep.rpm, factor - estimate, factor + estimate, color=look['color'], alpha=0.25, linewidth=0)
+            ax.fill_between(rpm, value - estimate, value + estimate, color=look['color'], alpha=0.25, linewidth=0)
 
 
 def _published(ax: Axes, circles: list[tuple]) -> list[Line2D]:

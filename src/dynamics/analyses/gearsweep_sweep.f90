@@ -26,6 +26,9 @@ module gearsweep_sweep
     real(dp), allocatable :: rpm(:)
     real(dp), allocatable :: dynamic_factor(:, :)
     real(dp), allocatable :: estimate(:, :)      !< error of the dynamic factor
+    real(dp), allocatable :: dte_rms(:, :)       !< of what the transmission error differs from its mean, m
+    real(dp), allocatable :: dte_range(:, :)     !< largest less least transmission error, m
+    real(dp), allocatable :: dte_estimate(:, :)  !< of the errors of both, m
     real(dp), allocatable :: coast_factor(:, :)  !< largest load on the coast sides over the static load
     real(dp), allocatable :: multiplier(:, :)    !< largest Floquet modulus
     real(dp), allocatable :: residual(:, :)      !< of periodicity, in static deflections
@@ -176,7 +179,7 @@ contains
     if (points > most_points) call fail(error, code_memory, 'sweep: '//str(speeds)//' speeds times '//str(reliefs)// &
                                         ' reliefs are too many points; at most '//str(most_points))
     ! Results and work, copies of one relief's points as they are stored, and the blocks.
-    call claim_memory((points + 2*speeds)*(76 + storage_size(point)/8) - merge(points*storage_size(point)/8, 0.0_dp, begun), &
+    call claim_memory((points + 2*speeds)*(100 + storage_size(point)/8) - merge(points*storage_size(point)/8, 0.0_dp, begun), &
                       'sweep: '//str(speeds)//' speeds times '//str(reliefs)//' reliefs', error)
   end subroutine claim_points
 
@@ -189,6 +192,7 @@ contains
     n = size(rpm)
     allocate (sweep%dynamic_factor(n, reliefs), sweep%estimate(n, reliefs), sweep%multiplier(n, reliefs), &
               sweep%coast_factor(n, reliefs), &
+              sweep%dte_rms(n, reliefs), sweep%dte_range(n, reliefs), sweep%dte_estimate(n, reliefs), &
               sweep%residual(n, reliefs), sweep%status(n, reliefs), sweep%contact(n, reliefs), &
               sweep%steps(n, reliefs), sweep%periods(n, reliefs), sweep%branch_lost(n, reliefs), &
               sweep%direction(n, reliefs), sweep%other_status(n, reliefs), sweep%other_factor(n, reliefs))
@@ -210,6 +214,9 @@ contains
     associate (steady => points%steady)
       sweep%dynamic_factor(:, relief) = merge(points%dynamic_factor, none, found)
       sweep%estimate(:, relief) = merge(points%estimate, none, found)
+      sweep%dte_rms(:, relief) = merge(steady%dte_rms, none, found)
+      sweep%dte_range(:, relief) = merge(steady%dte_range, none, found)
+      sweep%dte_estimate(:, relief) = merge(points%dte_estimate, none, found)
       sweep%coast_factor(:, relief) = merge(steady%coast_peak/load, none, found)
       sweep%multiplier(:, relief) = merge(steady%multiplier, none, final)
       sweep%residual(:, relief) = merge(steady%residual, none, final)

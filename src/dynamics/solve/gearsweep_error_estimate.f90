@@ -19,7 +19,7 @@ contains
     real(dp), intent(in) :: duration             !< of the mesh period, s
     type(steady_t), intent(in) :: half           !< the motion with half the steps
     type(point_t), intent(inout) :: point
-    real(dp) :: peak, state
+    real(dp) :: peak, state, dte
 
     if (point%resolution%scheme == scheme_rk4 .and. .not. has_result(half%status)) then
       call leave_unknown(osc, point)
@@ -27,15 +27,19 @@ contains
     end if
     point%dynamic_factor = point%steady%peak/osc%load
     point%step_error = unbounded
+    point%dte_estimate = unbounded
     if (has_result(half%status)) then
       peak = abs(point%steady%peak - half%peak)/osc%load
       state = max(distance(osc, duration, point%steady%state - half%state), &
                   abs(point%steady%checksum - half%checksum)/osc%static_deflection)
       if (point%resolution%scheme == scheme_rk4) then
-        point%step_error = rk4_error(max(peak, state), point%steady%departs)
+        point%step_error = fourth_order_error(max(peak, state), point%steady%departs)
       else
         point%step_error = doubling_error(peak, state, raise_for(osc, duration, point))
       end if
+      dte = max(abs(point%steady%dte_rms - half%dte_rms), abs(point%steady%dte_range - half%dte_range))
+      point%dte_estimate = raise_for(osc, duration, point)*fourth_order_error(dte, point%steady%departs) + &
+                           2*point%steady%closure*osc%static_deflection
       ! So near to 1 that the error of the steps decides on which side.
       if (has_result(point%steady%status) .and. &
           abs(point%steady%multiplier - 1) < abs(point%steady%multiplier - half%multiplier)) point%steady%status = status_marginal
@@ -74,15 +78,14 @@ contains
     end if
   end function raise_for
 
-  !> The same by Runge-Kutta steps that end at the breaks. While all pairs stay in contact they are of fourth order: a
-  !> fifteenth of the difference, three times raised. Changes of contact lie somewhere within steps, so that no order
-  !> shows: five times the difference.
-  pure real(dp) function rk4_error(difference, partial)
-    real(dp), intent(in) :: difference           !< of dynamic factors, or motions in static deflections
+  !> The same of what is of fourth order, as by Runge-Kutta steps that end at the breaks: a fifteenth of the difference, three
+  !> times raised. Where contact changes somewhere within steps no order shows: five times the difference.
+  pure real(dp) function fourth_order_error(difference, partial)
+    real(dp), intent(in) :: difference           !< of dynamic factors, motions in static deflections or transmission errors
     logical, intent(in) :: partial               !< contact changes
 
-    rk4_error = merge(5*difference, difference/5, partial)
-  end function rk4_error
+    fourth_order_error = merge(5*difference, difference/5, partial)
+  end function fourth_order_error
 
   !> Does the solution with half the steps show the error? Where breaks lie somewhere within equal steps, both solutions
   !> may come as near to each other as chance has it.
@@ -100,6 +103,7 @@ contains
     point%dynamic_factor = point%steady%peak/osc%load
     point%step_error = ieee_value(1.0_dp, ieee_quiet_nan)
     point%estimate = point%step_error
+    point%dte_estimate = point%step_error
   end subroutine leave_unknown
 
   !> Marks a result whose estimate exceeds the tolerance.

@@ -2,6 +2,7 @@
 !> and whether it attracts. The state is x and its derivative over the mesh phase, both in m.
 module gearsweep_periodic_orbit
   use gearsweep_contact_set, only: period_t
+  use gearsweep_dte, only: join, range_of, rms_of
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_period
@@ -99,6 +100,7 @@ contains
       run%peak = max(run%peak, next%peak)
       run%coast_peak = max(run%coast_peak, next%coast_peak)
       run%checksum = run%checksum + next%checksum
+      run%dte = join(run%dte, next%dte)
       run%departs = run%departs .or. next%departs
       run%partial = run%partial .or. next%partial
       run%lost = run%lost .or. next%lost
@@ -226,6 +228,8 @@ contains
     steady%peak = run%peak
     steady%coast_peak = run%coast_peak
     steady%checksum = run%checksum/periods
+    steady%dte_rms = rms_of(run%dte, periods)
+    steady%dte_range = range_of(run%dte)
     steady%departs = run%departs
     steady%partial = run%partial
     steady%lost = run%lost

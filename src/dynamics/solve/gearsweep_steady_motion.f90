@@ -41,6 +41,8 @@ module gearsweep_steady_motion
     real(dp) :: peak = 0                         !< largest load on one pair, N
     real(dp) :: coast_peak = 0                   !< largest load on the coast sides, N
     real(dp) :: checksum = 0                     !< sum of x where smooth intervals begin, mean of the periods, m
+    real(dp) :: dte_rms = 0                      !< of what the transmission error differs from its mean, m
+    real(dp) :: dte_range = 0                    !< largest less least transmission error, m
     !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean factor by which a disturbance grows
     !> over a mesh period.
     real(dp) :: multiplier = 0
@@ -59,6 +61,7 @@ module gearsweep_steady_motion
     type(steady_t) :: steady
     real(dp) :: dynamic_factor = 0               !< largest load on one pair over the static load
     real(dp) :: estimate = 0                     !< of the error of the dynamic factor; NaN: not known
+    real(dp) :: dte_estimate = 0                 !< of the errors of `dte_rms` and `dte_range`, m; NaN: not known
     real(dp) :: step_error = 0                   !< its part that more steps reduce
     real(dp) :: work = 0                         !< steps in all, at every level tried; not counted in batches
     integer :: steps = 0                         !< of the period

@@ -4,7 +4,9 @@
 !> So the motion is that of the load without relief and, times the amount, that of the relief without load: two motions
 !> of one map serve all amounts. The load of a pair is linear in the amount as well, and its largest value convex.
 module gearsweep_superposition
+  use gearsweep_coefficients, only: coefficients_t
   use gearsweep_contact_set, only: period_t
+  use gearsweep_dte, only: dte_batch_t, dte_of, dte_t, raise_range, some_turn, weights_of_end
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: load_within, may_exceed
@@ -25,6 +27,8 @@ module gearsweep_superposition
     real(dp), allocatable :: x(:, :, :, :)         !< x and y at the ends of steps, m; (speed, x or y, motion, 0:steps)
     real(dp) :: monodromy(batch_size, 4) = 0       !< columns one after the other
     real(dp) :: checksum(batch_size, 2) = 0        !< as in period_t; (speed, motion)
+    !> Integrals of the deflections, of their squares, and between these of twice the product.
+    real(dp) :: first(batch_size, 2) = 0, second(batch_size, 3) = 0
     logical :: solved(batch_size) = .false.
   end type motions_t
 
@@ -37,6 +41,7 @@ module gearsweep_superposition
   integer, parameter :: most_candidates = 24
   type :: search_t
     logical :: carries(batch_size) = .true.        !< all pairs so far, all the time
+    type(dte_batch_t) :: range                     !< of the transmission error so far
     real(dp) :: peak(batch_size) = 0               !< N
     integer :: count(batch_size) = 0               !< of candidates
     integer :: step(most_candidates, batch_size), pair(most_candidates, batch_size)
@@ -64,7 +69,7 @@ contains
           if (search(r)%bound(i, l) > search(r)%peak(l)) &
             call settle(map, motions, l, part(r), search(r)%step(i, l), search(r)%pair(i, l), search(r)%peak(l))
         end do
-        call conclude(map, motions, l, part(r), search(r)%peak(l), steady(l, r))
+        call conclude(map, motions, l, part(r), search(r)%peak(l), dte_of(search(r)%range, l), steady(l, r))
       end do
     end do
   end subroutine superpose
@@ -105,6 +110,7 @@ contains
       do i = 1, n
         if (table%kind(i)%begins) motions%checksum = motions%checksum + motions%x(:, 1, :, i - 1)
         call take_steps(propagator(:, :, i), motions%x(:, :, :, i - 1), motions%x(:, :, :, i))
+        call add_integrals(table, i, motions)
       end do
     end associate
   end subroutine find_motions
@@ -136,6 +142,9 @@ contains
       search(r)%carries(map%speeds + 1:) = .false.
     end do
     do i = 1, map%table%steps
+      do r = 1, size(part)
+        if (any(search(r)%carries)) call watch_range(map%table%width(i), motions%x(:, :, :, i - 1:i), part(r), search(r)%range)
+      end do
       do j = 1, map%table%pairs(i)
         call find_loads(map, motions, i, j, ends)
         do r = 1, size(part)
@@ -144,6 +153,40 @@ contains
       end do
     end do
   end subroutine search_peaks
+
+  !> The integrals of the transmission error by the end of a step, counted from where each motion begins.
+  pure subroutine add_integrals(table, step, motions)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    type(motions_t), intent(inout) :: motions
+    real(dp) :: place, slope, x(2), y(2)
+    integer :: l
+
+    call weights_of_end(table%width(step), table%width(merge(1, step + 1, step == table%steps)), place, slope)
+    do l = 1, batch_size
+      x = motions%x(l, 1, :, step) - motions%x(l, 1, :, 0)
+      y = slope*motions%x(l, 2, :, step)
+      motions%first(l, :) = motions%first(l, :) + place*x + y
+      motions%second(l, 1) = motions%second(l, 1) + (place*x(1) + 2*y(1))*x(1)
+      motions%second(l, 2) = motions%second(l, 2) + 2*((place*x(1) + y(1))*x(2) + x(1)*y(2))
+      motions%second(l, 3) = motions%second(l, 3) + (place*x(2) + 2*y(2))*x(2)
+    end do
+  end subroutine add_integrals
+
+  !> The range of the transmission error of one amount over a step.
+  pure subroutine watch_range(width, x, part, dte)
+    real(dp), intent(in) :: width
+    real(dp), intent(in) :: x(batch_size, 2, 2, 2)         ! as in motions_t; (speed, x or y, motion, end)
+    real(dp), intent(in) :: part
+    type(dte_batch_t), intent(inout) :: dte
+    real(dp), dimension(batch_size) :: left, right
+
+    left = x(:, 2, by_load, 1) + part*x(:, 2, by_relief, 1)
+    right = x(:, 2, by_load, 2) + part*x(:, 2, by_relief, 2)
+    if (.not. some_turn(left, right)) return
+    call raise_range(width, x(:, 1, by_load, 1) + part*x(:, 1, by_relief, 1), left, &
+                     x(:, 1, by_load, 2) + part*x(:, 1, by_relief, 2), right, dte)
+  end subroutine watch_range
 
   !> The loads of pair j at both ends of a step, by each of the two motions.
   pure subroutine find_loads(map, motions, step, j, ends)
@@ -294,11 +337,12 @@ contains
   end subroutine motion_at_end
 
   !> The steady motion of one speed and amount.
-  pure subroutine conclude(map, motions, l, part, peak, steady)
+  pure subroutine conclude(map, motions, l, part, peak, range, steady)
     type(period_map_t), intent(in) :: map
     type(motions_t), intent(in) :: motions
     integer, intent(in) :: l
     real(dp), intent(in) :: part, peak
+    type(dte_t), intent(in) :: range             ! its least and largest transmission error
     type(steady_t), intent(out) :: steady
     type(period_t) :: run
     real(dp) :: state(2)
@@ -308,6 +352,9 @@ contains
       run%state = x(l, :, by_load, n) + part*x(l, :, by_relief, n)
       run%monodromy = reshape(motions%monodromy(l, :), [2, 2])
       run%peak = peak
+      run%dte = range
+      run%dte%first = motions%first(l, 1) + part*motions%first(l, 2)
+      run%dte%second = motions%second(l, 1) + part*(motions%second(l, 2) + part*motions%second(l, 3))
       run%checksum = motions%checksum(l, by_load) + part*motions%checksum(l, by_relief)
       call judge(map%osc, map%duration(l), state, run, closure_of(map%osc, map%duration(l), state, run), 1, steady)
     end associate

@@ -4,6 +4,7 @@
 !> contact set is an integer: bit j - 1 is set where contact j is closed. The state of the motion is x (m) and its
 !> derivative y over the mesh phase (m).
 module gearsweep_contact_set
+  use gearsweep_dte, only: dte_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
@@ -21,6 +22,7 @@ module gearsweep_contact_set
     real(dp) :: coast_peak = 0         !< largest load on the coast sides, N
     !> Phase checksum (m): the sum of x where smooth intervals begin. It shows errors that the largest load may hide.
     real(dp) :: checksum = 0
+    type(dte_t) :: dte                 !< where largest loads are wanted; from the mean static deflection
     integer :: events = 0              !< changes of contact
     real(dp) :: work = 0               !< computing time, in steps
     logical :: departs = .false.       !< it was not all in full contact, about which the motion is linear

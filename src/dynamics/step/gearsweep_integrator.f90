@@ -2,6 +2,7 @@
 module gearsweep_integrator
   use gearsweep_change_loads, only: change_t
   use gearsweep_contact_set, only: contact_t
+  use gearsweep_dte, only: dte_batch_t, dte_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: candidates_t
@@ -27,6 +28,8 @@ module gearsweep_integrator
     logical :: peaks                             !< the largest loads are wanted
     real(dp) :: peak(batch_size)                 !< largest load so far, N
     real(dp) :: coast_peak(batch_size)           !< that on the coast sides, N
+    type(dte_batch_t) :: dte                     !< so far
+    type(dte_t) :: single_dte                    !< the same of a batch of one
     type(candidates_t) :: candidates(batch_size)  !< for larger ones
     type(change_t) :: change(4)                  !< steps with a change of contact in which larger ones may be
     integer :: noted                             !< how many

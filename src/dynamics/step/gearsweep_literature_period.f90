@@ -10,6 +10,7 @@ module gearsweep_literature_period
   use gearsweep_coefficients, only: scheme_constant, scheme_rk4
   use gearsweep_contact_set, only: period_t, in_contact, record_contact
   use gearsweep_coupled_pairs, only: closed_set, compliances, left_for, respond
+  use gearsweep_dte, only: add_to_dte
   use gearsweep_kinds, only: dp
   use gearsweep_literature_table, only: exact_step_t, literature_table_t, sum_at_place
   use gearsweep_load_peaks, only: cubic_curvature
@@ -57,6 +58,8 @@ contains
         call step_rk4(osc, table, i, duration, held, state, columns)
       end if
       last_set = contacts_at(osc, table, ends, i, state(1), held)
+      call add_to_dte(table%width(i), table%width(merge(1, i + 1, i == table%steps)), &
+                      [before(1), state(1)] - osc%mean_deflection, [before(2), state(2)], period%dte)
       call raise_peak(osc, table, i, [contact_set, last_set], before, state, period%peak)
       if (osc%has_backlash) period%coast_peak = max(period%coast_peak, coast_at(osc, table, begins, i, before(1)), &
                                                     coast_at(osc, table, ends, i, state(1)))

@@ -6,6 +6,7 @@ module gearsweep_period
   use gearsweep_contact_events, only: locate_events
   use gearsweep_contact_set, only: contact_t, in_contact, keep_derivative, period_t, record_contact, set_contacts
   use gearsweep_deflections, only: find_deflections, find_deflections_of
+  use gearsweep_dte, only: add_batch_to_dte, add_to_dte, dte_batch_t, dte_of, dte_t
   use gearsweep_event_crossing, only: cross_events, has_simple_steps
   use gearsweep_gauss, only: batch_size
   use gearsweep_integrator, only: integrator_t
@@ -71,7 +72,10 @@ contains
       if (peaks .and. map%table%kind(i)%widens) call begin_loads(map%osc, map%table, i, state)
       call advance(map, i, state, period, trace)
       if (all(period(:map%speeds)%failed)) return
-      if (peaks) call watch_loads(map, i, state)
+      if (peaks) then
+        call watch_loads(map, i, state)
+        call watch_dte(map, i, state)
+      end if
       if (present(trace) .and. .not. state%changes(1)) call record_step(map, i, state, trace)
       if (modulo(i, 64) == 0) call flush_to_zero(state%monodromy, state%shrunk)
       state%from = state%to
@@ -88,6 +92,8 @@ contains
     do l = 1, map%speeds
       period(l)%peak = state%peak(l)
       period(l)%coast_peak = state%coast_peak(l)
+      period(l)%dte = dte_of(state%dte, l)
+      if (map%speeds == 1) period(l)%dte = state%single_dte
       period(l)%state = [state%x(l, state%from), state%y(l, state%from)]
       call keep_derivative(state%monodromy(l, :), state%shrunk(l), period(l))
       period(l)%work = period(l)%work + map%table%steps
@@ -115,6 +121,8 @@ contains
     state%peaks = peaks
     state%peak = 0
     state%coast_peak = 0
+    state%dte = dte_batch_t()
+    state%single_dte = dte_t()
     state%candidates%count = 0
     state%noted = 0
   end subroutine begin
@@ -323,6 +331,22 @@ contains
       end do
     end associate
   end subroutine watch_loads
+
+  !> The transmission error over a step.
+  pure subroutine watch_dte(map, step, state)
+    type(period_map_t), intent(in) :: map
+    integer, intent(in) :: step
+    type(integrator_t), intent(inout) :: state
+
+    associate (level => map%osc%mean_deflection, width => map%table%width(step), from => state%from, to => state%to, &
+               next => map%table%width(merge(1, step + 1, step == map%table%steps)), x => state%x, y => state%y)
+      if (map%speeds == 1) then
+        call add_to_dte(width, next, [x(1, from), x(1, to)] - level, [y(1, from), y(1, to)], state%single_dte)
+      else
+        call add_batch_to_dte(width, next, level, x(:, from), y(:, from), x(:, to), y(:, to), state%dte)
+      end if
+    end associate
+  end subroutine watch_dte
 
   !> Moves the load of pair j to an end of a step: raises the largest, and tells the bound that the load stays below on the
   !> way, as a concave curve stays below its tangents.

@@ -14,6 +14,8 @@ const BODIES = ['stress', 'modes', 'grid', 'gear_modes'];
 export const PICTURES = [
   { id: 'sweep', title: 'Dynamic factor over speed', table: 'sweep', x: 'rpm', y: 'dynamic_factor', other: 'other_dynamic_factor', othername: 'in the other direction', ...SPEED },
   { id: 'largest', title: 'Largest dynamic factor of all motions over speed', table: 'sweep', x: 'rpm', y: ['dynamic_factor', 'largest_dynamic_factor'], yname: 'Dynamic factor', set: ['sweep', 'direction', 'all'], ...SPEED },
+  { id: 'dte_rms', title: 'Dynamic transmission error over speed, root mean square', table: 'sweep', x: 'rpm', y: 'dte_rms_um', fromZero: true, ...SPEED },
+  { id: 'dte_range', title: 'Dynamic transmission error over speed, peak to peak', table: 'sweep', x: 'rpm', y: 'dte_peak_to_peak_um', fromZero: true, ...SPEED },
   { id: 'sweep_map', title: 'Dynamic factor over speed and relief', table: 'sweep', kind: 'map', x: 'rpm', y: 'relief_um', z: 'dynamic_factor' },
   { id: 'optimum', title: 'Largest dynamic factor over relief', table: 'optimum_curve', x: 'relief_um', y: 'worst_dynamic_factor', yname: 'Largest dynamic factor', needs: { optimum: ['relief_um'] }, marks: 'optimum' },
   { id: 'relief_flank', title: 'Tip relief over the diameter', table: 'relief_flank', task: 'deflection_relief', x: 'diameter_mm', y: 'relief_um', first: 'method' },
