@@ -487,11 +487,11 @@ class SweepTable(Table):
     coast_factor: NDArray[float64]
     """largest load on the coast sides over the static load; 0 where they do not touch; NaN where there is no answer"""
     dte_rms_um: NDArray[float64]
-    """root mean square of what the dynamic transmission error differs from its mean over the steady motion; NaN where there is no answer"""
+    """um: root mean square of what the dynamic transmission error differs from its mean over the steady motion; NaN where there is no answer"""
     dte_peak_to_peak_um: NDArray[float64]
-    """largest less least dynamic transmission error of the steady motion; NaN where there is no answer"""
+    """um: largest less least dynamic transmission error of the steady motion; NaN where there is no answer"""
     dte_error_estimate_um: NDArray[float64]
-    """estimated error of either of these; NaN: not known"""
+    """um: estimated error of either of these; NaN: not known"""
     motions: NDArray[float64]
     """with direction all: how many motions attract at this speed"""
     largest_dynamic_factor: NDArray[float64]

@@ -6,7 +6,6 @@ import pathlib
 import re
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -124,9 +123,8 @@ def test_figures_of_their_own_have_the_width_of_a_journal(everything):
 
 def test_the_band_of_a_sweep_is_the_estimate_on_either_side(ax):
     rpm, factor, estimate = np.array([1000.0, 2000, 3000]), np.array([[1.2, 1.5, 1.1]]), np.array([[0.1, 0.2, 0.05]])
-    sweep = SimpleNamespace(rpm=rpm, dynamic_factor=factor, error_estimate=estimate)
     ax.set_ylim(1, 2)
-    over_speed._error_bands(ax, sweep, Reliefs(Case(PRESCRIBED).changed(relief={'amount_um': 0})))
+    over_speed._error_bands(ax, rpm, factor, estimate, Reliefs(Case(PRESCRIBED).changed(relief={'amount_um': 0})))
     (band,) = ax.collections
     corners = band.get_paths()[0].vertices
     for speed, middle, half in zip(rpm, factor[0], estimate[0]):

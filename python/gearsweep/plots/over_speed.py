@@ -85,8 +85,8 @@ def plot_dte_sweep(sweep: Study | Table, ax: Axes | None = None, *, quantity: st
         for value, look in zip(sweep[quantity], reliefs.styles):
             curve(ax, sweep.rpm, value, look)
         _error_bands(ax, sweep.rpm, sweep[quantity], sweep.dte_error_estimate_um, reliefs)
-        reliefs.legend(ax)
-        ax.set_xlabel('Speed of the pinion (1/min)')
+        reliefs.legend(ax, [])
+        over_speeds(ax, sweep.rpm)
         ax.set_ylabel(DTE_LABELS[quantity])
         ax.set_ylim(bottom=0)
     return ax
