@@ -53,6 +53,7 @@ class Picture:
 
     caption: str
     draw: Callable[[Study], Figure]
+    table: str = ''  #: that it shows, where that is not its name
 
 
 #: No more panels than this in a picture; it says how many there would be.
@@ -95,7 +96,7 @@ def figures(study: Study, *names: str, stem: str = '') -> Iterator[tuple[str, Fi
     Above each stands the title of the case, or else `stem`.
     """
     for name, picture in PICTURES.items():
-        if name in study and (not names or name in names):
+        if (picture.table or name) in study and (not names or name in names):
             with style():
                 figure = picture.draw(study)
                 _entitle(figure, study.case.get('case', 'title') or stem)
@@ -324,7 +325,7 @@ PICTURES = {
     'torque_harmonics': Picture("Amplitudes of the harmonics of the pinion's torque, a panel for each speed",
                                 _speeds('torque_harmonics', plot_torque_harmonics)),
     'sweep': Picture('Dynamic factor over speed, a curve for each relief', _single(plot_sweep, 80, PAGE)),
-    'dte_sweep': Picture('Dynamic transmission error over speed: root mean square, and peak to peak', _dte_sweep),
+    'dte_sweep': Picture('Dynamic transmission error over speed: root mean square, and peak to peak', _dte_sweep, 'sweep'),
     'optimum_curve': Picture('Largest dynamic factor over relief, the least marked', _single(plot_optimum, 60)),
     'relief_curve': Picture('Static transmission error and dynamic factor over relief, with the reliefs of each method', _relief_curve),
     'relief_flank': Picture('Relief over the diameter of both flanks by each method', _relief_flank),
