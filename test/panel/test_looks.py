@@ -146,7 +146,7 @@ def test_escape_ends_the_tour(browser, front):
 
 
 PICTURES = {
-    'case1.nml': ['sweep', 'sweep_map', 'optimum', 'load', 'dte', 'share', 'ste', 'stiffness', 'pair_stiffness', 'profile_error', 'harmonics', 'own'],
+    'case1.nml': ['sweep', 'dte_rms', 'dte_range', 'sweep_map', 'optimum', 'load', 'dte', 'share', 'ste', 'stiffness', 'pair_stiffness', 'profile_error', 'harmonics', 'own'],
     'hassan.nml': ['root', 'modes', 'section'],
     'fzg_c40.nml': ['pressure', 'sliding', 'flash', 'film'],
     'precision.nml': ['precision'],

@@ -232,8 +232,8 @@ contains
     associate (best => self%tables(self%place('optimum_design')), loads => self%tables(self%place('optimum_loads')))
       if (.not. best%is_there()) return
       if (ieee_is_nan(best%number('worst_dynamic_factor'))) return
-      call lines%add(left('Optimum design', 19)//'pinion '//relief_in(best, 'pinion')//', gear '//relief_in(best, 'gear')// &
-                     ': worst DF '//fixed(best%number('worst_dynamic_factor'), 4))
+      call lines%add(left('Optimum design', 19)//'pinion '//trim(relief_in(best, 'pinion'))//', gear '// &
+                     trim(relief_in(best, 'gear'))//': worst DF '//fixed(best%number('worst_dynamic_factor'), 4))
       if (.not. self%has_loads()) return
       do i = 1, loads%rows
         if (ieee_is_nan(loads%number('rpm', i))) cycle
@@ -247,13 +247,13 @@ contains
   pure function relief_in(table, gear) result(text)
     type(table_t), intent(in) :: table
     character(*), intent(in) :: gear             ! pinion or gear
-    character(:), allocatable :: text
+    character(80) :: text
 
-    text = str(table%number(gear//'_relief_um'), 4)//' um from '
+    text = str(table%number(gear//'_relief_um'), 4)//' um from'
     if (ieee_is_nan(table%number(gear//'_start_diameter_mm'))) then
-      text = text//'s = '//str(table%number(gear//'_relief_start'), 4)
+      text = trim(text)//' s = '//str(table%number(gear//'_relief_start'), 4)
     else
-      text = text//fixed(table%number(gear//'_start_diameter_mm'), 3)//' mm diameter'
+      text = trim(text)//' '//fixed(table%number(gear//'_start_diameter_mm'), 3)//' mm diameter'
     end if
   end function relief_in
 end module gearsweep_task_optimum

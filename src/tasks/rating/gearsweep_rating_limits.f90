@@ -139,8 +139,8 @@ contains
     words = ''
     if (material /= '') words = material//' of grade '//trim(factors%word('material_grade', i))//': sigma_Hlim '// &
       str(factors%number('contact_number_mpa', i), 5)//', sigma_Flim '//str(factors%number('root_number_mpa', i), 5)//' MPa; '
-    if (bears('contact')) words = trim(words)//' sigma_HG '//limit('contact')
-    if (bears('root')) words = trim(words)//trim(merge(',', ' ', bears('contact')))//' sigma_FG '//limit('root')
+    if (bears('contact')) words = trim(words)//' sigma_HG '//trim(limit('contact'))
+    if (bears('root')) words = trim(words)//trim(merge(',', ' ', bears('contact')))//' sigma_FG '//trim(limit('root'))
     if (.not. (bears('contact') .or. bears('root'))) words = 'no limits and no material are stated, so there is no safety factor'
     if (material == '' .and. (bears('contact') .or. bears('root'))) words = trim(words)//', as stated'
     words = adjustl(words)
@@ -155,7 +155,7 @@ contains
 
     pure function limit(what)
       character(*), intent(in) :: what
-      character(:), allocatable :: limit
+      character(30) :: limit
 
       limit = str(factors%number(what//'_limit_mpa', i), 5)//' MPa'
     end function limit
