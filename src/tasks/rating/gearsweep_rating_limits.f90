@@ -1,6 +1,7 @@
 !> The stresses that gears bear, for the task `rating`: stated by the case, or those of a material. And the lines that say what a
 !> rating rests on.
 module gearsweep_rating_limits
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_error, only: error_t
   use gearsweep_gear_materials, only: common_names, contact_number, gear_materials, grades, material_length, root_number, &
                                       test_gear_correction
@@ -150,7 +151,7 @@ contains
     pure logical function bears(what)
       character(*), intent(in) :: what
 
-      bears = factors%number(what//'_limit_mpa', i) > 0
+      bears = .not. ieee_is_nan(factors%number(what//'_limit_mpa', i))
     end function bears
 
     pure function limit(what)
