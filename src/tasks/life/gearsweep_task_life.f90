@@ -307,20 +307,21 @@ contains
     real(dp) :: harm(size(parts))
     integer :: k
 
-    root = [(parts(k)%root(member), k=1, size(parts))]
-    harm = root%damage*[(parts(k)%engagements(member), k=1, size(parts))]
-    damage = sum(harm)
-    largest = maxval(root%largest)
-    worst = 0
-    if (damage > 0) worst = maxloc(harm, 1)
-    word = 'finite'
-    if (damage <= 0) word = 'endless'
-    if (any(root%is_over)) word = 'overloaded'
-    if (all(has_result(parts%status))) return
     word = 'unknown'
     damage = no_number()
     largest = no_number()
     worst = 0
+    if (.not. all(has_result(parts%status))) return
+    root = [(parts(k)%root(member), k=1, size(parts))]
+    harm = root%damage*[(parts(k)%engagements(member), k=1, size(parts))]
+    damage = sum(harm)
+    largest = maxval(root%largest)
+    word = 'overloaded'
+    if (any(root%is_over)) return
+    word = 'endless'
+    if (.not. damage > 0) return
+    word = 'finite'
+    worst = maxloc(harm, 1)
   end subroutine sum_up
 
   !> Time or passes over the damage of one pass.
