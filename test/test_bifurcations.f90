@@ -261,7 +261,7 @@ contains
       do i = 2, 3
         call check_close(t, 'a creeping ramp', ramp%factor(i), maxval(branch%point(i - 1:i)%dynamic_factor), 1e-4_dp)
       end do
-      call follow_ramp(osc, speeds(3:1:-1), last%steady%state/[1.0_dp, 60/(25*speeds(3))], [level_t ::], &
+      call follow_ramp(osc, [(speeds(i), i=3, 1, -1)], last%steady%state/[1.0_dp, 60/(25*speeds(3))], [level_t ::], &
                        ramp_options_t(200.0_dp, 0.05_dp), ramp)
       call check_close(t, 'a creeping ramp down', ramp%factor(3), maxval(branch%point(:2)%dynamic_factor), 1e-4_dp)
       call check_true(t, 'it is a motion with a dynamic factor', first%dynamic_factor > 1.05_dp, str(first%dynamic_factor))

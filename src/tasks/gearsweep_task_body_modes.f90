@@ -202,10 +202,10 @@ contains
     call table%add_index(axis('per_turn', '', 'excitations in a turn of the gear: harmonic times teeth, plus or minus nodal '// &
                               'diameters', per_turn(:n)))
     call table%add('harmonic', '', 'of the mesh frequency; 0: the steady load', harmonic(:n))
-    call table%add('nodal_diameter', '', 'waves around the gear', modes(mode(:n))%diameter)
-    call table%add('frequency_hz', 'Hz', 'natural frequency', modes(mode(:n))%frequency)
+    call table%add('nodal_diameter', '', 'waves around the gear', [(modes(mode(i))%diameter, i=1, n)])
+    call table%add('frequency_hz', 'Hz', 'natural frequency', [(modes(mode(i))%frequency, i=1, n)])
     call table%add('rpm', '1/min', 'speed of the pinion at which these meet it', &
-                   60*modes(mode(:n))%frequency*teeth/pinion_teeth/per_turn(:n))
+                   [(60*modes(mode(i))%frequency*teeth/pinion_teeth/per_turn(i), i=1, n)])
   end subroutine fill_speeds
 
   !> Those of the sector on its front.
