@@ -1,15 +1,16 @@
 !> The motions of a batch on their way through the mesh period.
 module gearsweep_integrator
   use gearsweep_change_loads, only: change_t
+  use gearsweep_coefficients, only: coefficients_t
   use gearsweep_contact_set, only: contact_t
-  use gearsweep_dte, only: dte_batch_t, dte_t
+  use gearsweep_dte, only: add_batch_to_dte, add_to_dte, dte_batch_t, dte_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: candidates_t
   use gearsweep_sub_steps, only: sub_steps_t
   implicit none
   private
-  public :: integrator_t
+  public :: integrator_t, watch_dte
 
   !> Second index of x and y: where the step begins is `from` and where it ends `to`, which change places after it.
   type :: integrator_t
@@ -34,4 +35,24 @@ module gearsweep_integrator
     type(change_t) :: change(4)                  !< steps with a change of contact in which larger ones may be
     integer :: noted                             !< how many
   end type integrator_t
+
+contains
+
+  !> Adds a step to the transmission error of all motions.
+  pure subroutine watch_dte(table, speeds, level, step, state)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: speeds                !< of the batch
+    real(dp), intent(in) :: level                !< from which the deflection counts, m
+    integer, intent(in) :: step
+    type(integrator_t), intent(inout) :: state
+
+    associate (width => table%width(step), next => table%width(merge(1, step + 1, step == table%steps)), from => state%from, &
+               to => state%to, x => state%x, y => state%y)
+      if (speeds == 1) then
+        call add_to_dte(width, next, [x(1, from), x(1, to)] - level, [y(1, from), y(1, to)], state%single_dte)
+      else
+        call add_batch_to_dte(width, next, level, x(:, from), y(:, from), x(:, to), y(:, to), state%dte)
+      end if
+    end associate
+  end subroutine watch_dte
 end module gearsweep_integrator

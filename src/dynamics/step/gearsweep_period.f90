@@ -6,10 +6,10 @@ module gearsweep_period
   use gearsweep_contact_events, only: locate_events
   use gearsweep_contact_set, only: contact_t, in_contact, keep_derivative, period_t, record_contact, set_contacts
   use gearsweep_deflections, only: find_deflections, find_deflections_of
-  use gearsweep_dte, only: add_batch_to_dte, add_to_dte, dte_batch_t, dte_of, dte_t
+  use gearsweep_dte, only: dte_batch_t, dte_of, dte_t
   use gearsweep_event_crossing, only: cross_events, has_simple_steps
   use gearsweep_gauss, only: batch_size
-  use gearsweep_integrator, only: integrator_t
+  use gearsweep_integrator, only: integrator_t, watch_dte
   use gearsweep_kinds, only: dp
   use gearsweep_literature_period, only: run_literature_period
   use gearsweep_load_peaks, only: add_candidate, candidate_t, settle_candidates
@@ -74,7 +74,7 @@ contains
       if (all(period(:map%speeds)%failed)) return
       if (peaks) then
         call watch_loads(map, i, state)
-        call watch_dte(map, i, state)
+        call watch_dte(map%table, map%speeds, map%osc%mean_deflection, i, state)
       end if
       if (present(trace) .and. .not. state%changes(1)) call record_step(map, i, state, trace)
       if (modulo(i, 64) == 0) call flush_to_zero(state%monodromy, state%shrunk)
@@ -331,22 +331,6 @@ contains
       end do
     end associate
   end subroutine watch_loads
-
-  !> The transmission error over a step.
-  pure subroutine watch_dte(map, step, state)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: step
-    type(integrator_t), intent(inout) :: state
-
-    associate (level => map%osc%mean_deflection, width => map%table%width(step), from => state%from, to => state%to, &
-               next => map%table%width(merge(1, step + 1, step == map%table%steps)), x => state%x, y => state%y)
-      if (map%speeds == 1) then
-        call add_to_dte(width, next, [x(1, from), x(1, to)] - level, [y(1, from), y(1, to)], state%single_dte)
-      else
-        call add_batch_to_dte(width, next, level, x(:, from), y(:, from), x(:, to), y(:, to), state%dte)
-      end if
-    end associate
-  end subroutine watch_dte
 
   !> Moves the load of pair j to an end of a step: raises the largest, and tells the bound that the load stays below on the
   !> way, as a concave curve stays below its tangents.
