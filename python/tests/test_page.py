@@ -232,7 +232,7 @@ def test_the_command_writes_it(tmp_path, capsys):
     code, said = run(tmp_path, capsys, '--report', target)
     assert code == Code.OK and said.out.splitlines()[-1] == f'Wrote              {target}'
     page = Page(target.read_text('utf-8'))
-    assert len(page.pictures) == 6 and 'optimum' in page.tables
+    assert len(page.pictures) == 7 and 'optimum' in page.tables
     code, _ = run(tmp_path, capsys, '--report', tmp_path / 'out' / 'new.html', '--no-pictures', '--quiet')  # in the folder of the tables
     assert code == Code.OK and Page((tmp_path / 'out/new.html').read_text('utf-8')).pictures == []
 

@@ -870,7 +870,7 @@ assert 'matplotlib.pyplot' not in sys.modules
 print(gearsweep.plot_sweep(study.sweep).get_ylabel())
 """
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, env={}, cwd=tmp_path, check=False)
-    assert done.stdout == '12\nDynamic factor (–)\n', done.stderr
+    assert done.stdout == '14\nDynamic factor (–)\n', done.stderr
 
 
 def test_without_matplotlib_the_message_says_what_to_install(tmp_path):

@@ -86,6 +86,7 @@ contains
     integer, intent(in), optional :: extent(:)
     character(*), intent(in), optional :: grid
 
+    if (.not. allocated(self%name)) self%name = ''
     ! Each column once more as it is made; words are longer than numbers.
     call claim_memory(16.0_dp*rows*(columns_at_first + 1), 'the table '//self%name, error)
     if (allocated(error)) return
