@@ -7,11 +7,10 @@ module gearsweep_sweep_work
   use gearsweep_error_estimate, only: point_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
-  use gearsweep_operating_point, only: solve_batch, solve_point
+  use gearsweep_operating_point, only: solve_batch, solve_family, solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_periodic_orbit, only: distance
   use gearsweep_refinement, only: levels_t
-  use gearsweep_relief_family, only: solve_family
   use gearsweep_status, only: has_result, status_stopped, status_unbounded, status_unresolved
   use gearsweep_sweep_state, only: block_t, counter_t, down, each, is_stopped, sweep_options_t, sweep_state_t, up
   use gearsweep_transient, only: by_shooting

@@ -13,10 +13,11 @@ module gearsweep_operating_point
                                   need_batch_level, need_level, next_level, per_doubling, resolution_of, search_level
   use gearsweep_status, only: has_result, status_unresolved
   use gearsweep_steady, only: find_batch, find_beside, find_settled, find_steady, is_one_branch
+  use gearsweep_superposition, only: superpose
   use gearsweep_transient, only: by_shooting, steady_options_t
   implicit none
   private
-  public :: solve_point, solve_batch
+  public :: solve_point, solve_batch, solve_family
 
   !> What was found on the level on which motions are looked for.
   type :: search_t
@@ -166,23 +167,58 @@ contains
     type(levels_t), intent(inout) :: levels          !< of this oscillator; lacks: the memory does not hold the steps
     type(point_t), intent(out) :: points(batch_size)
     logical, intent(out) :: solved(batch_size)       !< the others are for `solve_point`
-    ! The solution with half the steps counts a twentieth, so that its Newton iterations may end so much earlier.
-    real(dp), parameter :: loose = 1000
-    type(steady_t) :: half(batch_size), full(batch_size)
     type(resolution_t) :: graded
-    real(dp) :: longest
-    integer :: level, trial
-    logical :: done, ready
+    type(point_t) :: one(batch_size, 1)
+    logical :: one_solved(batch_size, 1)
 
     solved = .false.
     if (levels%lacks) return
-    longest = maxval(duration)
     graded = graded_resolution(osc, duration, options, levels)
     if (graded%graded_for > 0) then
       call solve_graded(osc, duration, options, graded, levels, points, solved)
       if (any(solved)) return
-      points = point_t(steady_t(), resolution=resolution_t())
     end if
+    call refine_batch(osc, [1.0_dp], duration, options, levels, one, one_solved)
+    points = one(:, 1)
+    solved = one_solved(:, 1)
+  end subroutine solve_batch
+
+  !> The operating points at all speeds of a batch for many amounts of one relief, as far as all pairs stay in contact. The
+  !> number of steps is that of the amount that needs most.
+  pure subroutine solve_family(osc, part, duration, options, levels, points, solved)
+    type(oscillator_t), intent(in) :: osc            !< that with the largest profile error
+    real(dp), intent(in) :: part(:)                  !< of its profile error; (amount), more than one
+    real(dp), intent(in) :: duration(batch_size)     !< of the mesh period at each speed, s
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels          !< of this oscillator; lacks: the memory does not hold the steps
+    type(point_t), intent(out) :: points(:, :)       !< (speed, amount)
+    logical, intent(out) :: solved(:, :)             !< the others are to be solved by themselves; (speed, amount)
+    type(resolution_t) :: graded
+
+    solved = .false.
+    if (levels%lacks) return
+    graded = graded_resolution(osc, duration, options, levels)
+    if (graded%graded_for == 0) call refine_batch(osc, part, duration, options, levels, points, solved)
+  end subroutine solve_family
+
+  !> The same in equal steps, whose number grows until the estimate of the error is small enough. One amount is solved by Newton's
+  !> method, several by superposition.
+  pure subroutine refine_batch(osc, part, duration, options, levels, points, solved)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: part(:)                  !< of its profile error; (amount)
+    real(dp), intent(in) :: duration(batch_size)     !< of the mesh period at each speed, s
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels          !< of this oscillator; lacks: the memory does not hold the steps
+    type(point_t), intent(out) :: points(:, :)       !< (speed, amount)
+    logical, intent(out) :: solved(:, :)             !< (speed, amount)
+    ! The solution with half the steps counts a twentieth, so that its Newton iterations may end so much earlier.
+    real(dp), parameter :: loose = 1000
+    type(steady_t), dimension(batch_size, size(part)) :: half, full
+    real(dp) :: longest
+    integer :: level, trial
+    logical :: done, ready
+
+    longest = maxval(duration)
     level = first_level(osc, longest, options, levels)
     do trial = 1, most_trials
       solved = .false.
@@ -190,22 +226,30 @@ contains
       if (.not. ready) return
       associate (coarse => levels%level(level - per_doubling)%map, fine => levels%level(level)%map)
         call set_durations(coarse, duration)
-        call find_batch(coarse, loose*options%steady%tolerance, half)
-        if (.not. any(settled(half))) return
         call set_durations(fine, duration)
-        call find_batch(fine, options%steady%tolerance, full, half)
+        if (size(part) == 1) then
+          call find_batch(coarse, loose*options%steady%tolerance, half(:, 1))
+        else
+          call superpose(coarse, part, half)
+        end if
+        if (.not. any(settled(half))) return
+        if (size(part) == 1) then
+          call find_batch(fine, options%steady%tolerance, full(:, 1), half(:, 1))
+        else
+          call superpose(fine, part, full)
+        end if
         points%steps = fine%table%steps
       end associate
       points%steady = full
       solved = settled(half) .and. settled(full)
       if (.not. any(solved)) return
       points%resolution = resolution_of(level)
-      call compare(osc, duration, half, points)
+      call compare(osc, spread(duration, 2, size(part)), half, points)
       call next_level(osc, options, maxval(points%step_error, mask=solved), longest, levels, level, done)
       if (done) exit
     end do
     call mark_inexact(options, points)
-  end subroutine solve_batch
+  end subroutine refine_batch
 
   !> One speed with the number of steps given.
   pure subroutine solve_with_steps(osc, duration, options, levels, point, start)

@@ -1,19 +1,14 @@
-!> Operating points of many amounts of one relief at once, as far as all pairs stay in contact: one map serves all.
+!> Oscillators that differ in the amount of one relief: one map serves all, as far as all pairs stay in contact.
 module gearsweep_relief_family
-  use gearsweep_coefficients, only: resolution_t, scheme_collocation
-  use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t
-  use gearsweep_gauss, only: batch_size
-  use gearsweep_graded_point, only: graded_resolution, most_trials
+  use gearsweep_coefficients, only: scheme_collocation
+  use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
-  use gearsweep_periodic_orbit, only: settled, steady_t
   use gearsweep_piecewise, only: piecewise_t
-  use gearsweep_refinement, only: first_level, levels_t, need_batch_level, next_level, per_doubling, resolution_of
-  use gearsweep_superposition, only: superpose
   use gearsweep_transient, only: by_shooting
   implicit none
   private
-  public :: relief_family_t, find_family, solve_family
+  public :: relief_family_t, find_family
 
   !> Oscillators that differ in the amount of their relief alone.
   type :: relief_family_t
@@ -77,51 +72,4 @@ contains
     is_part = all(abs(curve%breaks - whole%breaks) <= rounding*maxval(abs(whole%breaks))) .and. &
               all(abs(curve%coef - part*whole%coef) <= rounding*largest)
   end subroutine compare_curves
-
-  !> The operating points of a family at all speeds of a batch, as far as all pairs stay in contact. The number of steps is
-  !> that of the amount that needs most.
-  pure subroutine solve_family(osc, part, duration, options, levels, points, solved)
-    type(oscillator_t), intent(in) :: osc            !< the reference
-    real(dp), intent(in) :: part(:)                  !< of its profile error; (amount)
-    real(dp), intent(in) :: duration(batch_size)     !< of the mesh period at each speed, s
-    type(accuracy_t), intent(in) :: options
-    type(levels_t), intent(inout) :: levels          !< of the reference; lacks: the memory does not hold the steps
-    type(point_t), intent(out) :: points(:, :)       !< (speed, amount)
-    logical, intent(out) :: solved(:, :)             !< the others are to be solved by themselves; (speed, amount)
-    type(steady_t), dimension(batch_size, size(part)) :: half, full
-    type(resolution_t) :: graded
-    real(dp) :: longest
-    integer :: level, trial
-    logical :: done, ready
-
-    solved = .false.
-    if (levels%lacks) return
-    longest = maxval(duration)
-    graded = graded_resolution(osc, duration, options, levels)
-    if (graded%graded_for > 0) return
-    level = first_level(osc, longest, options, levels)
-    do trial = 1, most_trials
-      solved = .false.
-      call need_batch_level(osc, level, longest, options, levels, ready)
-      if (.not. ready) return
-      associate (coarse => levels%level(level - per_doubling)%map, fine => levels%level(level)%map)
-        coarse%speeds = batch_size
-        coarse%duration = duration
-        fine%speeds = batch_size
-        fine%duration = duration
-        call superpose(coarse, part, half)
-        if (.not. any(settled(half))) return
-        call superpose(fine, part, full)
-        points%steps = fine%table%steps
-      end associate
-      points%steady = full
-      solved = settled(half) .and. settled(full)
-      if (.not. any(solved)) return
-      points%resolution = resolution_of(level)
-      call compare(osc, spread(duration, 2, size(part)), half, points)
-      call next_level(osc, options, maxval(points%step_error, mask=solved), longest, levels, level, done)
-      if (done) exit
-    end do
-    call mark_inexact(options, points)
-  end subroutine solve_family
 end module gearsweep_relief_family
