@@ -1,5 +1,5 @@
-"""Puts the latest tables of results/bench into doc/performance.md, between its markers, with what they say in
-short above them, and the pictures that it shows beside it.
+"""Puts the tables of results/bench into doc/performance.md, between its markers, with what they say in short above them,
+and the pictures that it shows beside it. What was not measured stays as it is.
 
     python bench/doc.py
 """
@@ -7,7 +7,7 @@ import re
 import shutil
 
 from pictures import draw
-from report import BENCH, RESULTS, machine
+from report import BENCH, RESULTS
 
 
 def between(begin, end, text, content):
@@ -16,13 +16,12 @@ def between(begin, end, text, content):
 
 page = BENCH.parent / 'doc' / 'performance.md'
 text = page.read_text()
-for name in re.findall(r'<!-- begin (\w+) -->', text):
-    table = (RESULTS / f'{name}.md').read_text().strip()
-    text = between(f'<!-- begin {name} -->', f'<!-- end {name} -->', text, table)
-short = ''.join((RESULTS / f'{name}.short.md').read_text() for name in ('dynamics', 'honesty', 'elastic'))
-text = between('<!-- performance: begin, by sh bench/run.sh doc -->', '<!-- performance: end -->', text,
-               f'{machine()}, one thread unless said:\n\n{short}'.rstrip())
+for name in re.findall(r'<!-- begin ([\w.]+) -->', text):
+    if (RESULTS / f'{name}.md').exists():
+        text = between(f'<!-- begin {name} -->', f'<!-- end {name} -->', text, (RESULTS / f'{name}.md').read_text().strip())
 page.write_text(text)
 for name in re.findall(r'\(bench_(\w+)\.svg\)', text):
+    if not (RESULTS / f'{name}.svg').exists():
+        continue
     draw(name)
     shutil.copyfile(RESULTS / f'{name}.svg', page.with_name(f'bench_{name}.svg'))

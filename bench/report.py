@@ -33,7 +33,7 @@ def machine():
 
 
 class Report:
-    """Markdown on the screen and in results/bench/NAME.md; what the page says of it in short in NAME.short.md."""
+    """Markdown on the screen and in results/bench/NAME.md; what the page says of it in short, and of which machine, in NAME.short.md."""
 
     def __init__(self, name, title):
         RESULTS.mkdir(parents=True, exist_ok=True)
@@ -64,7 +64,7 @@ class Report:
 
     def save(self):
         (RESULTS / f'{self.name}.md').write_text('\n'.join(self.lines))
-        (RESULTS / f'{self.name}.short.md').write_text(''.join(self.short))
+        (RESULTS / f'{self.name}.short.md').write_text(f'{machine()}, one thread unless said:\n\n{"".join(self.short)}')
 
 
 def rows_of(name):

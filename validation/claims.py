@@ -89,8 +89,8 @@ def content(path):
 
 
 def _prose(text):
-    for begin, end in ((r'<!-- (?:validation|performance): begin.*?-->', r'<!-- (?:validation|performance): end -->'),
-                       (r'<!-- begin \w+ -->', r'<!-- end \w+ -->'), ('```', '```'), (r'\n## Damping\n', r'\Z')):
+    for begin, end in ((r'<!-- validation: begin.*?-->', r'<!-- validation: end -->'),
+                       (r'<!-- begin [\w.]+ -->', r'<!-- end [\w.]+ -->'), ('```', '```'), (r'\n## Damping\n', r'\Z')):
         text = re.sub(f'{begin}.*?{end}', '', text, flags=re.DOTALL)
     text = re.sub(r'(?m)^    .*$', '', text)
     return re.sub(r'\]\([^)]*\)', ']', text)
