@@ -38,23 +38,23 @@ contains
     associate (section => case%section)
       section%elements_across = 16
       section%others_across = 0
-      call reader%get('section', 'teeth', section%teeth, error, tasks=with_body, waits=shape, refused=geared, &
+      call reader%get('section', 'teeth', section%teeth, error, tasks=with_body, lacks=shape, refused=geared, &
                       at_least=0, at_most=100000, &
                       meaning='teeth in the section, the middle one (of an even number, the left one of the two) loaded; '// &
                       '0, or as many as the gear has without half_angle_deg, for the whole gear')
-      call reader%get('section', 'half_angle_deg', section%half_angle, error, unit='deg', tasks=with_body, waits=shape, &
+      call reader%get('section', 'half_angle_deg', section%half_angle, error, unit='deg', tasks=with_body, lacks=shape, &
                       refused=geared, above=0.0_dp, below=180.0_dp, otherwise='to the middle of the outer spaces', &
                       meaning='angle from the section''s axis to either of its cut sides, which must lie between the fillets '// &
                       'of the outer teeth and the next teeth')
-      call reader%get('section', 'rim_mm', section%rim, error, unit='mm', tasks=with_body, waits=shape, refused=geared, &
+      call reader%get('section', 'rim_mm', section%rim, error, unit='mm', tasks=with_body, lacks=shape, refused=geared, &
                       above=0.0_dp, otherwise='down to the bore, or 2.5 tooth heights', &
                       meaning='thickness of the body below the root circle; it must leave room to the bore; without it and '// &
                       'fixed, the pair stiffness of a gear with a web takes its rim_thickness_mm, free inside')
-      call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, waits=fineness, &
+      call reader%get('section', 'elements_across', section%elements_across, error, tasks=with_body, lacks=fineness, &
                       refused=geared, at_least=3, at_most=200, &
                       meaning='finite elements across the loaded tooth, which all else follows')
       allocate (fixed, source=[character(5) :: 'sides', 'rim'])
-      call reader%get('section', 'fixed', fixed, error, tasks=with_support, waits=support, refused=geared, &
+      call reader%get('section', 'fixed', fixed, error, tasks=with_support, lacks=support, refused=geared, &
                       allowed=[character(5) :: 'sides', 'rim'], &
                       meaning='what is held: the two cut sides, the inner edge; a whole gear has no sides, so its inner '// &
                       'edge must be held')
@@ -63,13 +63,13 @@ contains
       section%fixed_sides = any(fixed == 'sides')
       section%fixed_rim = any(fixed == 'rim')
       plane = 'strain'
-      call reader%get('section', 'plane', plane, error, tasks=with_support, waits=support, refused=geared, &
+      call reader%get('section', 'plane', plane, error, tasks=with_support, lacks=support, refused=geared, &
                       allowed=[character(6) :: 'stress', 'strain'], &
                       meaning='plane strain suits a wide gear, plane stress a thin one')
       section%plane_strain = plane == 'strain'
     end associate
     member = 'pinion'
-    call reader%get('section', 'member', member, error, waits=looks, refused=geared, &
+    call reader%get('section', 'member', member, error, lacks=looks, refused=geared, &
                     allowed=[character(6) :: 'pinion', 'gear'], &
                     meaning='the gear whose section the tasks section, static, modal, precision, transient and harmonic take, '// &
                     'and whose body body_modes')

@@ -36,7 +36,7 @@ contains
     call reader%get('pair', 'face_width_mm', width, error, unit='mm', required=cut, refused=unless(cut .or. case%line_load > 0, &
                     'a prescribed mesh uses it with line_load_n_mm only; remove it'), at_least=0.005_dp, at_most=1e5_dp, &
                     meaning='common face width of the two gears, at least a tenth of the module')
-    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, unit='deg', waits=slides, &
+    call reader%get('pair', 'pressure_angle_deg', drive_angle, error, unit='deg', lacks=slides, &
                     refused=unless(cut .or. case%friction > 0, 'a prescribed mesh uses it with friction only; remove it'), &
                     above=3.0_dp, below=45.0_dp, meaning='pressure angle of the rack on the drive flanks; of a prescribed '// &
                     'mesh with friction, the working pressure angle')
@@ -72,7 +72,7 @@ contains
     integer, intent(in) :: member
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
-    character(sentence_length) :: geared, waits
+    character(sentence_length) :: geared, lacks
     logical :: cut, rolls
 
     cut = .not. case%prescribed
@@ -90,9 +90,9 @@ contains
     rolls = cut .or. member == 1 .or. case%inertia(member) > 0
     associate (spec => case%spec(member))
       spec%name = group
-      waits = ''
-      if (.not. rolls) waits = for_stage(case, stage%motion)
-      call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, waits=waits, &
+      lacks = ''
+      if (.not. rolls) lacks = for_stage(case, stage%motion)
+      call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, lacks=lacks, &
                       refused=unless(rolls .or. case%friction > 0, &
                       'a prescribed mesh uses it with friction or inertia_kgm2 only; remove it'), at_least=5, at_most=100000, &
                       meaning='number of teeth')
@@ -114,7 +114,7 @@ contains
                       meaning='diameter of the pins over which the gear is measured; equal pressure angles only')
       call read_web(reader, group, member, case, geared, error)
       call reader%get(group, 'bore_mm', spec%bore_radius, error, unit='mm', factor=0.5_dp, refused=geared, &
-                      waits=bore_waits(case, member), at_least=0.0_dp, &
+                      lacks=without_bore(case, member), at_least=0.0_dp, &
                       required=case%needs(stage%solid) .and. member == case%member, &
                       otherwise='none; required by the task body_modes', &
                       meaning='bore diameter, below the root diameter; it ends the section where rim_mm is not given, and '// &
@@ -249,11 +249,11 @@ contains
       rim = ''
     end if
     call reader%get(group, 'web_thickness_mm', case%iso%web_thickness(member), error, unit='mm', given=given(1), &
-                    waits=web, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+                    lacks=web, refused=geared, above=0.0_dp, otherwise='a solid disc', &
                     meaning='thickness of the web b_s, for a mass that is not stated, C_R of a stiffness by iso6336 and '// &
                     'the task body_modes')
     call reader%get(group, 'rim_thickness_mm', case%iso%rim_thickness(member), error, unit='mm', given=given(2), &
-                    waits=rim, refused=geared, above=0.0_dp, otherwise='a solid disc', &
+                    lacks=rim, refused=geared, above=0.0_dp, otherwise='a solid disc', &
                     meaning='thickness of the rim s_R below the root circle, for a mass that is not stated, the pair stiffness '// &
                     'by elements where &section says neither fixed nor rim_mm, C_R of a stiffness by iso6336 and Y_B of '// &
                     'the tasks rating and life, and for the task body_modes')
@@ -262,14 +262,14 @@ contains
   end subroutine read_web
 
   !> The bore ends the section where no rim is stated, and takes its part off the mass of a solid body.
-  pure function bore_waits(case, member) result(waits)
+  pure function without_bore(case, member) result(lacks)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
-    character(sentence_length) :: waits
+    character(sentence_length) :: lacks
     logical :: ends
 
     ends = case%section%rim <= 0 .and. (case%needs_elements() .or. (case%needs(stage%section) .and. member == case%member))
     ends = ends .or. (case%needs(stage%solid) .and. member == case%member)
-    waits = unless(case%weighs(member) .or. ends, 'a section that ends at it or a mass that is not stated')
-  end function bore_waits
+    lacks = unless(case%weighs(member) .or. ends, 'a section that ends at it or a mass that is not stated')
+  end function without_bore
 end module gearsweep_gear_keys

@@ -28,7 +28,7 @@ contains
       'depends on it', &
       'modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated']
     logical :: counts(3, 2), own(3, 2)
-    character(sentence_length) :: geared, waits(3)
+    character(sentence_length) :: geared, lacks(3)
     type(material_t) :: common
     integer :: i
 
@@ -36,17 +36,17 @@ contains
     geared = unless(.not. case%prescribed, needs_gears)
     do i = 1, 2
       counts(:, i) = uses_of(case, i)
-      waits = ''
-      where (.not. counts(:, i)) waits = 'a stiffness or mass that depends on it, or a task that takes this gear (&section member)'
+      lacks = ''
+      where (.not. counts(:, i)) lacks = 'a stiffness or mass that depends on it, or a task that takes this gear (&section member)'
       case%material(i) = not_given
-      call read_group(reader, trim(case%spec(i)%name), waits, geared, case%material(i), error)
+      call read_group(reader, trim(case%spec(i)%name), lacks, geared, case%material(i), error)
       own(:, i) = [case%material(i)%young > 0, case%material(i)%poisson >= 0, case%material(i)%density > 0]
     end do
     do i = 1, 3
-      waits(i) = first_of(unless(any(counts(i, :)), users(i)), &
+      lacks(i) = first_of(unless(any(counts(i, :)), users(i)), &
                           unless(any(counts(i, :) .and. .not. own(i, :)), 'a gear without its own'))
     end do
-    call read_group(reader, 'material', waits, geared, common, error)
+    call read_group(reader, 'material', lacks, geared, common, error)
     do i = 1, 2
       if (.not. own(young, i)) case%material(i)%young = common%young
       if (.not. own(poisson, i)) case%material(i)%poisson = common%poisson
@@ -58,38 +58,38 @@ contains
   pure function uses_of(case, member) result(uses)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member
-    logical :: uses(3), yields, vibrates, touches
+    logical :: uses(3), deflects, vibrates, touches
 
-    yields = case%needs(stage%mesh) .and. case%models_teeth()
+    deflects = case%needs(stage%mesh) .and. case%models_teeth()
     ! Printed values may be a tooth's as a beam.
     vibrates = case%asks('modal') .or. case%asks('precision') .or. case%asks('transient') .or. &
                case%asks('harmonic') .or. case%needs(stage%solid) .or. allocated(case%published)
     vibrates = vibrates .and. member == case%member
     touches = case%needs(stage%elasticity)
-    uses(young) = yields .or. vibrates .or. touches
-    uses(poisson) = (yields .and. case%model /= 'iso6336') .or. touches .or. &
+    uses(young) = deflects .or. vibrates .or. touches
+    uses(poisson) = (deflects .and. case%model /= 'iso6336') .or. touches .or. &
                     ((case%needs(stage%body) .or. case%needs(stage%solid)) .and. member == case%member)
     uses(density) = case%weighs(member) .or. vibrates .or. case%needs(stage%density)
   end function uses_of
 
   !> The keys of one group; for a single gear without defaults.
-  subroutine read_group(reader, group, waits, geared, material, error)
+  subroutine read_group(reader, group, lacks, geared, material, error)
     type(reader_t), intent(inout) :: reader
-    character(*), intent(in) :: group, waits(:), geared
+    character(*), intent(in) :: group, lacks(:), geared
     type(material_t), intent(inout) :: material
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: common          !< not allocated: not said
 
     if (group /= 'material') common = 'that of &material'
     call reader%get(group, 'young_gpa', material%young, error, unit='GPa', at_least=1e-3_dp, at_most=1e4_dp, &
-                    waits=waits(young), refused=geared, otherwise=common, &
+                    lacks=lacks(young), refused=geared, otherwise=common, &
                     meaning='Young''s modulus, for a stiffness that is computed, natural modes and contact pressure; root '// &
                     'stress depends on it only in how pairs share the load')
-    call reader%get(group, 'poisson', material%poisson, error, at_least=0.0_dp, below=0.5_dp, waits=waits(poisson), &
+    call reader%get(group, 'poisson', material%poisson, error, at_least=0.0_dp, below=0.5_dp, lacks=lacks(poisson), &
                     refused=geared, otherwise=common, &
                     meaning='Poisson''s ratio, for a stiffness by fe or weber, root stress, natural modes and contact pressure')
     call reader%get(group, 'density_kgm3', material%density, error, unit='kg/m^3', at_least=1.0_dp, at_most=1e5_dp, &
-                    waits=waits(density), refused=geared, otherwise=common, &
+                    lacks=lacks(density), refused=geared, otherwise=common, &
                     meaning='density, for natural modes, flash temperature and gears with neither mass nor inertia given')
   end subroutine read_group
 end module gearsweep_material_keys

@@ -11,7 +11,7 @@ module gearsweep_mesh_keys
   private
   public :: read_model, read_load, read_relief, read_path
 
-  !> What keys of the relief wait for.
+  !> What keys of the relief need to be used.
   character(*), parameter :: relief_matters = 'optimum, deflection_relief or an amount above 0'
 
 contains
@@ -70,7 +70,7 @@ contains
                     at_least=1e-12_dp, at_most=1e12_dp, meaning='force on the line of action')
     call reader%get('load', 'line_load_n_mm', case%line_load, error, unit='N/mm', one_of=.true., tasks=case%tasks_for(stage%mesh), &
                     at_least=1e-12_dp, at_most=1e7_dp, meaning='force on the line of action over the face width')
-    call reader%get('load', 'application_factor', case%iso%application_factor, error, waits=for_iso(case, stage%rims), &
+    call reader%get('load', 'application_factor', case%iso%application_factor, error, lacks=for_iso(case, stage%rims), &
                     at_least=0.1_dp, at_most=10.0_dp, otherwise='1, a steady load', &
                     meaning='K_A of ISO 6336-1, for the tasks rating and life; a stiffness by iso6336 takes it '// &
                     'below 100 N/mm of F_t K_A/b')
@@ -82,41 +82,41 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: shape
-    character(sentence_length) :: waits, with_relief
+    character(sentence_length) :: lacks, with_relief
     logical :: has_length, has_roll(2)
 
     with_relief = case%tasks_for(stage%reliefs)
-    waits = for_stage(case, stage%reliefs)
+    lacks = for_stage(case, stage%reliefs)
     allocate (case%amount(1), source=0.0_dp)
     call reader%get('relief', 'amount_um', case%amount, error, unit='um', required=reader%has_group('relief'), &
-                    tasks=with_relief, waits=waits, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, distinct=.true., &
+                    tasks=with_relief, lacks=lacks, at_least=0.0_dp, at_most=1e9_dp, max_size=10000, distinct=.true., &
                     meaning='amounts of tip relief to compute, of gears each 0 or from 0.05 um to a tenth of the module; '// &
                     'required where this group is given')
     ! Nothing that is wanted differs between the reliefs.
-    if (len_trim(waits) > 0) case%amount = [0.0_dp]
-    waits = first_of(waits, unless(case%relieves(), relief_matters))
-    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_relief, waits=waits, at_least=0.0_dp, &
+    if (len_trim(lacks) > 0) case%amount = [0.0_dp]
+    lacks = first_of(lacks, unless(case%relieves(), relief_matters))
+    call reader%get('relief', 'pinion_fraction', case%fraction(1), error, tasks=with_relief, lacks=lacks, at_least=0.0_dp, &
                     at_most=1000.0_dp, meaning='relief at the pinion''s tip over the amount; 0 leaves the pinion as it is')
-    call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_relief, waits=waits, at_least=0.0_dp, &
+    call reader%get('relief', 'gear_fraction', case%fraction(2), error, tasks=with_relief, lacks=lacks, at_least=0.0_dp, &
                     at_most=1000.0_dp, meaning='relief at the gear''s tip over the amount; 0 leaves the gear as it is')
     shape = 'linear'
-    call reader%get('relief', 'shape', shape, error, tasks=with_relief, waits=waits, &
+    call reader%get('relief', 'shape', shape, error, tasks=with_relief, lacks=lacks, &
                     allowed=[character(9) :: 'linear', 'parabolic'], &
                     meaning='how relief grows with the path coordinate, and so with the roll angle')
     case%shape = merge(parabolic, linear, shape == 'parabolic')
-    call reader%get('relief', 'length_mm', case%length, error, unit='mm', given=has_length, tasks=with_relief, waits=waits, &
+    call reader%get('relief', 'length_mm', case%length, error, unit='mm', given=has_length, tasks=with_relief, lacks=lacks, &
                     at_least=1e-6_dp, at_most=1e6_dp, otherwise='none; for start = ''length''', &
                     meaning='length of the relieved part of the path of contact, alike for both gears')
     call reader%get('relief', 'pinion_roll_deg', case%roll(1), error, unit='deg', given=has_roll(1), tasks=with_relief, &
-                    waits=waits, above=0.0_dp, otherwise='none; for start = ''roll''', &
+                    lacks=lacks, above=0.0_dp, otherwise='none; for start = ''roll''', &
                     meaning='roll angle of the pinion at which its relief begins')
     call reader%get('relief', 'gear_roll_deg', case%roll(2), error, unit='deg', given=has_roll(2), tasks=with_relief, &
-                    waits=waits, above=0.0_dp, otherwise='none; for start = ''roll''', &
+                    lacks=lacks, above=0.0_dp, otherwise='none; for start = ''roll''', &
                     meaning='roll angle of the gear at which its relief begins')
     case%start = 'hpstc'
     if (has_length) case%start = 'length'
     if (any(has_roll)) case%start = 'roll'
-    call reader%get('relief', 'start', case%start, error, tasks=with_relief, waits=waits, &
+    call reader%get('relief', 'start', case%start, error, tasks=with_relief, lacks=lacks, &
                     allowed=[character(6) :: 'hpstc', 'pitch', 'length', 'roll'], &
                     otherwise='hpstc, or what length_mm or a roll angle says', &
                     meaning='where relief begins: at D and B (hpstc), at the pitch point, at a length from the ends of the '// &
@@ -129,19 +129,19 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
-    character(sentence_length) :: made, waits
+    character(sentence_length) :: made, lacks
     logical :: relieves
 
     made = unless(case%prescribed, by_hand)
     relieves = case%relieves()
-    waits = unless(case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0) .or. case%asks('mesh'), 'mesh')
+    lacks = unless(case%torque > 0 .or. any(case%inertia > 0) .or. (relieves .and. case%length > 0) .or. case%asks('mesh'), 'mesh')
     call reader%get('mesh', 'base_pitch_mm', case%base_pitch, error, unit='mm', at_least=1e-6_dp, at_most=1e6_dp, &
-                    waits=waits, refused=made, otherwise='that of the gears', &
+                    lacks=lacks, refused=made, otherwise='that of the gears', &
                     meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
-    waits = ''
-    if (.not. (relieves .and. case%start == 'pitch')) waits = for_stage(case, stage%motion)
-    if (.not. (relieves .or. case%friction > 0)) waits = relief_matters
-    call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, waits=waits, &
+    lacks = ''
+    if (.not. (relieves .and. case%start == 'pitch')) lacks = for_stage(case, stage%motion)
+    if (.not. (relieves .or. case%friction > 0)) lacks = relief_matters
+    call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, lacks=lacks, &
                     refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch', &
                     'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')), &
                     otherwise='half the contact ratio', &
@@ -156,24 +156,24 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: sharing = 'mesh, static, deflection_relief, precision or transient'
-    character(sentence_length) :: geared, waits
+    character(sentence_length) :: geared, lacks
     integer :: i
 
     geared = unless(.not. case%prescribed, needs_gears)
-    waits = first_of(for_stage(case, stage%mesh), unless(case%model == 'fe', 'model = ''fe'''))
+    lacks = first_of(for_stage(case, stage%mesh), unless(case%model == 'fe', 'model = ''fe'''))
     call reader%get('mesh', 'tooth_coupling', case%tooth_coupling, error, tasks=case%tasks_for(stage%mesh), refused=geared, &
-                    waits=first_of(waits, unless(case%section%teeth /= 1, 'a section of more than one tooth')), &
+                    lacks=first_of(lacks, unless(case%section%teeth /= 1, 'a section of more than one tooth')), &
                     meaning='whether the load on a tooth moves the next one on the same body, with '// &
                     'model = ''fe''; papers whose pairs of teeth are springs side by side leave it out')
     call reader%get('mesh', 'corner_contact', case%corner_contact, error, tasks=case%tasks_for(stage%mesh), refused=geared, &
-                    waits=first_of(for_stage(case, stage%mesh), unless(case%models_teeth(), &
+                    lacks=first_of(for_stage(case, stage%mesh), unless(case%models_teeth(), &
                     'model = ''fe'', ''weber'' or ''iso6336''')), &
                     meaning='whether a loaded pair may touch before A and behind E too, where the tip corner of one tooth '// &
                     'meets the other''s flank, with model = ''fe'', ''weber'' or ''iso6336''; papers whose contact ends at A '// &
                     'and E leave it out')
-    waits = unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), sharing)
+    lacks = unless(any([(shares_load(case%tasks(i)), i=1, size(case%tasks))]), sharing)
     call reader%get('mesh', 'nonlinear_contact', case%nonlinear_contact, error, tasks=sharing, refused=geared, &
-                    waits=first_of(waits, unless(case%model == 'fe', 'model = ''fe''')), &
+                    lacks=first_of(lacks, unless(case%model == 'fe', 'model = ''fe''')), &
                     meaning='whether the static load sharing flattens flanks by the load that each pair carries (Hertz), with '// &
                     'model = ''fe''; otherwise by the nominal load, as the motion does')
   end subroutine read_contact
@@ -194,16 +194,16 @@ contains
     character(*), intent(in) :: refused
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: relieved = 'has the reliefs in it; remove the amounts above 0 and the task optimum'
-    character(sentence_length) :: waits
+    character(sentence_length) :: lacks
 
     call reader%get('mesh', 'shared_compliance_um_n', case%shared_compliance, error, unit='um/N', &
                     tasks=case%tasks_for(stage%mesh), refused=refused, at_least=0.0_dp, at_most=1e6_dp, otherwise='none', &
                     meaning='how far a load on a pair of a prescribed mesh moves its neighbours too, as all act on the same '// &
                     'bodies: a part of each pair''s compliance')
     ! Stability feels it only where contact reaches beyond A and E.
-    waits = unless(case%model == 'table' .or. case%needs(stage%reliefs), case%tasks_for(stage%reliefs))
+    lacks = unless(case%model == 'table' .or. case%needs(stage%reliefs), case%tasks_for(stage%reliefs))
     call reader%get('mesh', 'profile_error_file', case%profile_error_file, error, tasks=case%tasks_for(stage%mesh), &
-                    waits=waits, &
+                    lacks=lacks, &
                     refused=first_of(refused, unless(.not. case%relieves(), relieved)), &
                     otherwise='none', &
                     meaning='file with a table of the path coordinate s and the profile error of a prescribed mesh in um, '// &

@@ -1,4 +1,4 @@
-!> Reads a case, one text for every door: takes each key once, in its unit, and checks it. A key that
+!> Reads a case, one text for every interface: takes each key once, in its unit, and checks it. A key that
 !> contradicts others is refused; one that the case has no use for is listed.
 module gearsweep_case_reader
   use gearsweep_body_keys, only: read_section

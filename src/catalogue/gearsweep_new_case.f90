@@ -71,7 +71,7 @@ contains
     character(:), allocatable :: line, remark, allowed, why
 
     why = key%refused
-    if (len(why) == 0) why = key%waits
+    if (len(why) == 0) why = key%lacks
     line = '  '
     if (len(why) > 0) line = '  ! '
     line = line//trim(key%name)//' ='
@@ -89,7 +89,7 @@ contains
     remark = remark//allowed
     if (len(key%otherwise) > 0) remark = remark//'; default: '//key%otherwise
     if (len(key%refused) > 0) remark = remark//'; '//why
-    if (len(key%refused) == 0 .and. len(key%waits) > 0) remark = remark//'; for '//why
+    if (len(key%refused) == 0 .and. len(key%lacks) > 0) remark = remark//'; for '//why
     call add_remark(line, remark//')', lines)
   end subroutine add_key
 

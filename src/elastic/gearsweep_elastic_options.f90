@@ -27,7 +27,7 @@ module gearsweep_elastic_options
     !> Where the grid's share ends and Hertz's begins, in modules.
     real(dp) :: depth = 0.4_dp
     integer :: positions = 17                    !< of the load along the path
-    logical :: tooth_coupling = .true.           !< neighbouring teeth share what their body yields
+    logical :: tooth_coupling = .true.           !< neighbouring teeth share what their body deflects
     real(dp) :: rim(2) = 0                       !< of a section that ends below the rim of pinion or gear, m; 0: as `section` says
     integer :: rim_teeth = 5                     !< of such a section
     real(dp) :: hub_share(2) = 0                 !< of the inertia of pinion and gear, what sits at their bores

@@ -30,7 +30,7 @@ contains
 
   !> K(s) of one pair (N/m, smaller face width) over the path coordinate s, without the turning of
   !> whole gears about their bores but for what the inertia at their hubs makes the motion feel of it, and what their
-  !> bodies yield under all pairs together (m/N).
+  !> bodies deflect under all pairs together (m/N).
   !>
   !> `material` is that of pinion and gear; `line_load` (N/m) is the nominal load that
   !> the flattening is taken at (secant stiffness). Equal gears share the work.
@@ -143,7 +143,7 @@ contains
     end associate
   end subroutine flatten_beyond
 
-  !> What each member's tooth yields along the line of action under `line_load` (N/m) at its path coordinate in `s` (m): bending
+  !> What each member's tooth deflects along the line of action under `line_load` (N/m) at its path coordinate in `s` (m): bending
   !> with its body, and its flattening for this half width of the contact (m), without the turning of whole gears about their
   !> bores.
   subroutine fe_deflection(pair, material, options, line_load, half_width, s, deflection, error)
@@ -168,7 +168,7 @@ contains
     end do
   end subroutine fe_deflection
 
-  !> What the bodies of pinion and gear yield together, with what of their turning is `felt` by the motion (m2/N). The path
+  !> What the bodies of pinion and gear deflect together, with what of their turning is `felt` by the motion (m2/N). The path
   !> leads up the flank of the pinion and down that of the gear.
   pure type(disc_t) function both_discs(each, felt, width) result(disc)
     type(disc_t), intent(in) :: each(2)          !< under a unit line load, m2/N
@@ -202,7 +202,7 @@ contains
     f = [(curve%value(x(i)), i=1, size(x))]
   end function values
 
-  !> What a pair has alone must yield.
+  !> What a pair has alone must deflect.
   pure subroutine check_compliance(s, alone, error)
     real(dp), intent(in) :: s(:), alone(:)
     type(error_t), allocatable, intent(inout) :: error
@@ -240,7 +240,7 @@ contains
     end do
   end subroutine both_teeth
 
-  !> Do both members yield alike?
+  !> Do both members deflect alike?
   pure logical function are_equal(pair, material, options)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)

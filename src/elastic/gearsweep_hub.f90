@@ -28,22 +28,22 @@ contains
     real(dp), intent(in) :: compliance           !< of the mesh between the bodies, m/N
     real(dp), intent(in) :: twist(2)             !< of the bodies about their hubs, m/N
     real(dp) :: omega(2)
-    real(dp), allocatable :: mass(:), yield(:)
+    real(dp), allocatable :: mass(:), compliances(:)
     integer :: i
 
     mass = body_mass
-    yield = [compliance]
+    compliances = [compliance]
     do i = 1, 2
       if (hub_mass(i) > 0 .and. twist(i) > 0) then
         mass = extended(mass, hub_mass(i), i)
-        yield = extended(yield, twist(i), i)
+        compliances = extended(compliances, twist(i), i)
       else
         mass(merge(1, size(mass), i == 1)) = mass(merge(1, size(mass), i == 1)) + hub_mass(i)
       end if
     end do
     omega = 0
-    do i = 1, min(2, size(yield))
-      omega(i) = sqrt(eigenvalue(mass, 1/yield, i))
+    do i = 1, min(2, size(compliances))
+      omega(i) = sqrt(eigenvalue(mass, 1/compliances, i))
     end do
   end function chain_frequencies
 

@@ -88,7 +88,7 @@ contains
     end do
   end function gear_contour
 
-  !> The outline as doors show it (2, points), m: the whole gear, or one tooth
+  !> The outline as every interface shows it (2, points), m: the whole gear, or one tooth
   !> of a gear with more than 500.
   pure subroutine shown_contour(gear, points)
     type(gear_t), intent(in) :: gear

@@ -167,7 +167,7 @@ contains
   end function contact_reach
 
   !> Extends the stiffness `curve` of a pair (N/m), known from A to E, to where it may be in contact under `load` (N): both teeth
-  !> yield along the mate's normal as they do at the path's end, and by that and the part of the load along the line of action
+  !> deflect along the mate's normal as they do at the path's end, and by that and the part of the load along the line of action
   !> (`part_along` of corner_t) the stiffness is less. Continuous at A and E.
   pure subroutine add_corner_stiffness(pair, load, curve)
     type(pair_t), intent(in) :: pair

@@ -16,7 +16,7 @@ module gearsweep_mesh
   public :: mesh_t, interval_t, smooth_intervals, coupling, joint_stiffness
 
   !> How well the stiffness at a tip corner is known: the secant at the whole load is too stiff for a small one by up to this part;
-  !> where a pair yields by its own load, grid and depth of the contact problem are left (suite elastic_corner).
+  !> where a pair deflects by its own load, grid and depth of the contact problem are left (suite elastic_corner).
   real(dp), parameter, public :: corner_uncertainty = 0.1_dp, own_corner_uncertainty = 0.03_dp
 
   type :: mesh_t
@@ -25,7 +25,7 @@ module gearsweep_mesh
     !> ratio (E). Both curves cover all of it. Beyond A and E the tip corner of one member touches.
     real(dp) :: reach(2) = 0
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
-    type(disc_t) :: disc                         !< what the discs yield under all pairs together
+    type(disc_t) :: disc                         !< what the discs deflect under all pairs together
     type(piecewise_t) :: profile_error           !< e(s) of one pair, m
     !> How the compliance of a pair falls as its load grows, beside that at the nominal load, which the stiffness has. Known to
     !> the static load sharing alone.

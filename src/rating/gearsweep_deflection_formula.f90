@@ -25,16 +25,16 @@ contains
     type(material_t), intent(in) :: material
     real(dp), intent(in) :: line_load, half_width, radius
     real(dp), parameter :: milli = 1e3_dp
-    real(dp) :: yielding
+    real(dp) :: unit_deflection
 
-    yielding = line_load*(1 - material%poisson**2)/material%young
+    unit_deflection = line_load*(1 - material%poisson**2)/material%young
     associate (x => gear%spec%profile_shift, z => real(gear%spec%teeth, dp), m => gear%spec%module)
       ! Eqs. 8 to 13: the angle alpha_b - omega_b is that between the tooth's axis and the ray to the point.
       tooth%height = radius*cos(gear%half_angle(drive, radius)) - gear%root_radius
-      tooth%bending = yielding*(-1.05_dp + 153*exp(-8.1_dp*x)*z**(-(1.75_dp - 1.6_dp*x)) &
+      tooth%bending = unit_deflection*(-1.05_dp + 153*exp(-8.1_dp*x)*z**(-(1.75_dp - 1.6_dp*x)) &
                                 + (0.63_dp + (7.35_dp - 0.924_dp*x)/z)*exp((1.28_dp - (2.88_dp + 3.68_dp*x)/z)*tooth%height/m) &
                                 - 1.06_dp + 0.638_dp*log(milli*m*z))
-      tooth%flattening = 2/pi*yielding*(1.27_dp + 0.781_dp*log(m/half_width))
+      tooth%flattening = 2/pi*unit_deflection*(1.27_dp + 0.781_dp*log(m/half_width))
     end associate
   end function formula_deflection
 

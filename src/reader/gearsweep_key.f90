@@ -30,7 +30,7 @@ module gearsweep_key
     character(:), allocatable :: otherwise       !< what holds instead of a default; may be empty
     ! In the case at hand:
     integer :: entry = 0                         !< where it is given, its entry in the namelist
-    character(:), allocatable :: waits           !< what would use it; empty where something does
+    character(:), allocatable :: lacks           !< what would use it; empty where something does
     character(:), allocatable :: refused         !< why it must not be given; empty where it may
   contains
     procedure :: allow_list, list_allowed, is_for
@@ -58,7 +58,7 @@ contains
     if (present(otherwise)) key%otherwise = otherwise
     if (present(required)) key%is_required = required
     if (present(one_of)) key%is_one_of = one_of
-    key%waits = ''
+    key%lacks = ''
     key%refused = ''
   end subroutine declare
 

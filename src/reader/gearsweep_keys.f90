@@ -122,7 +122,7 @@ contains
     words = ''
     do i = 1, self%known
       associate (key => self%key(i))
-        if (.not. key%is_one_of .or. len(key%waits) > 0) cycle
+        if (.not. key%is_one_of .or. len(key%lacks) > 0) cycle
         if (key%entry > 0) exit
         if (len(words) == 0) words = ', one of &'//trim(key%group)
         words = words//' '//trim(key%name)
@@ -131,7 +131,7 @@ contains
     if (i <= self%known) words = ''
   end function lacking_choice
 
-  !> The given keys that wait: for each set of tasks a line `tasks: &group key, key; &group key`.
+  !> The given keys that are not used: for each set of tasks a line `tasks: &group key, key; &group key`.
   pure subroutine list_waiting(self, text)
     class(keys_t), intent(in) :: self
     character(:), allocatable, intent(out) :: text
@@ -141,12 +141,12 @@ contains
 
     told = .false.
     do i = 1, self%known
-      if (told(i) .or. .not. waits(i)) cycle
-      call lines%put(self%key(i)%waits//':')
+      if (told(i) .or. .not. is_unused(i)) cycle
+      call lines%put(self%key(i)%lacks//':')
       before = 0
       do k = i, self%known
-        if (.not. waits(k)) cycle
-        if (self%key(k)%waits /= self%key(i)%waits) cycle
+        if (.not. is_unused(k)) cycle
+        if (self%key(k)%lacks /= self%key(i)%lacks) cycle
         if (before == 0) then
           call lines%put(' &'//trim(self%key(k)%group)//' ')
         else if (self%key(k)%group == self%key(before)%group) then
@@ -164,11 +164,11 @@ contains
 
   contains
 
-    pure logical function waits(i)
+    pure logical function is_unused(i)
       integer, intent(in) :: i
 
-      waits = self%key(i)%entry > 0 .and. len(self%key(i)%waits) > 0
-    end function waits
+      is_unused = self%key(i)%entry > 0 .and. len(self%key(i)%lacks) > 0
+    end function is_unused
   end subroutine list_waiting
 
   !> All values in effect as a case: what `list` gives, and the defaults of the rest.
@@ -204,7 +204,7 @@ contains
     pure logical function counts(key)
       type(key_t), intent(in) :: key
 
-      counts = allocated(key%default) .and. len(key%waits) == 0 .and. len(key%refused) == 0
+      counts = allocated(key%default) .and. len(key%lacks) == 0 .and. len(key%refused) == 0
     end function counts
   end subroutine write_case
 

@@ -4,7 +4,7 @@
 !> is said of the key anywhere: what it means, its unit, what may be given and the tasks that use it; its variable holds
 !> the default before, in SI units, and what is given after. A key that can have no effect is asked for with `refused`,
 !> the reason why: then it must not be given. One that has none for what the caller wants this time, as no task in
-!> `tasks` is wanted or for the reason in `waits`, is read and listed.
+!> `tasks` is wanted or for the reason in `lacks`, is read and listed.
 module gearsweep_reader
   use gearsweep_bounds, only: bound_integer, bound_real, bounds_t
   use gearsweep_error, only: code_input, error_t, fail
@@ -30,7 +30,7 @@ module gearsweep_reader
     type(error_t), allocatable :: missing
     character(:), allocatable :: missing_too     !< the others, a comma and a blank in front of each
   contains
-    !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [waits], [refused], ...)`
+    !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [lacks], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure :: add_group, want, wants, has, has_group, finish, check_key, write_complete
@@ -61,7 +61,7 @@ contains
     call self%keys%add_group(name, meaning)
   end subroutine add_group
 
-  !> From now on, keys for other tasks wait for these.
+  !> From now on, keys for other tasks are not used.
   pure subroutine want(self, tasks)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: tasks(:)
@@ -78,13 +78,13 @@ contains
   end function wants
 
   !> One number. The bounds are in the key's unit; what is given is converted to SI units, then multiplied by `factor`.
-  pure subroutine get_real(self, group, key, value, error, meaning, unit, factor, given, required, one_of, tasks, waits, &
+  pure subroutine get_real(self, group, key, value, error, meaning, unit, factor, given, required, one_of, tasks, lacks, &
                            refused, otherwise, above, at_least, below, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     real(dp), intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: unit, tasks, waits, refused, otherwise
+    character(*), intent(in), optional :: unit, tasks, lacks, refused, otherwise
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required, one_of
     real(dp), intent(in), optional :: factor, above, at_least, below, at_most
@@ -95,7 +95,7 @@ contains
 
     call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
     call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
-    call self%find(wanted, at, error, given, waits, refused)
+    call self%find(wanted, at, error, given, lacks, refused)
     scale = in_si(wanted%unit)
     if (present(factor)) scale = scale*factor
     if (.not. present(given)) call self%settle([value], wanted%bounds, scale)
@@ -106,13 +106,13 @@ contains
   end subroutine get_real
 
   !> A list of numbers; the bounds hold for each, `min_size` and `max_size` for how many there are. `distinct`: none twice.
-  pure subroutine get_reals(self, group, key, value, error, meaning, unit, given, required, one_of, tasks, waits, &
+  pure subroutine get_reals(self, group, key, value, error, meaning, unit, given, required, one_of, tasks, lacks, &
                             refused, otherwise, above, at_least, below, at_most, min_size, max_size, distinct)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     real(dp), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: unit, tasks, waits, refused, otherwise
+    character(*), intent(in), optional :: unit, tasks, lacks, refused, otherwise
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required, one_of, distinct
     real(dp), intent(in), optional :: above, at_least, below, at_most
@@ -125,7 +125,7 @@ contains
     call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
     call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
     call wanted%allow_list(min_size, max_size)
-    call self%find(wanted, at, error, given, waits, refused)
+    call self%find(wanted, at, error, given, lacks, refused)
     scale = in_si(wanted%unit)
     if (allocated(value) .and. .not. present(given)) call self%settle(value, wanted%bounds, scale)
     if (at == 0) return
@@ -135,13 +135,13 @@ contains
     if (.not. allocated(error)) call move_alloc(numbers, value)
   end subroutine get_reals
 
-  pure subroutine get_integer(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+  pure subroutine get_integer(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
                               otherwise, at_least, at_most)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     integer, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, waits, refused, otherwise
+    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required, one_of
     integer, intent(in), optional :: at_least, at_most
@@ -151,7 +151,7 @@ contains
 
     call declare(wanted, group, key, meaning, kind_integer, '', tasks, otherwise, required, one_of)
     call bound_integer(wanted%bounds, at_least, at_most)
-    call self%find(wanted, at, error, given, waits, refused)
+    call self%find(wanted, at, error, given, lacks, refused)
     if (.not. present(given)) call self%settle([real(value, dp)], wanted%bounds, 1.0_dp)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
@@ -160,20 +160,20 @@ contains
   end subroutine get_integer
 
   !> `.true.`, `true`, `T` and the same for false.
-  pure subroutine get_logical(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+  pure subroutine get_logical(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
                               otherwise)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     logical, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, waits, refused, otherwise
+    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required, one_of
     type(key_t) :: wanted
     integer :: at
 
     call declare(wanted, group, key, meaning, kind_logical, '', tasks, otherwise, required, one_of)
-    call self%find(wanted, at, error, given, waits, refused)
+    call self%find(wanted, at, error, given, lacks, refused)
     if (.not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     call check_size(self%list%entries(at), 'logical', error)
@@ -181,13 +181,13 @@ contains
   end subroutine get_logical
 
   !> One text; with `allowed`, one of these words in any case, returned in lower case.
-  pure subroutine get_text(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+  pure subroutine get_text(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
                            otherwise, allowed)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     character(:), allocatable, intent(inout) :: value
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, waits, refused, otherwise
+    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required, one_of
     character(*), intent(in), optional :: allowed(:)
@@ -197,7 +197,7 @@ contains
 
     call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
     if (present(allowed)) wanted%words = allowed
-    call self%find(wanted, at, error, given, waits, refused)
+    call self%find(wanted, at, error, given, lacks, refused)
     if (allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
     if (at == 0) return
     call check_size(self%list%entries(at), 'text', error)
@@ -207,13 +207,13 @@ contains
   end subroutine get_text
 
   !> A list of texts, padded with blanks to the longest.
-  pure subroutine get_texts(self, group, key, value, error, meaning, given, required, one_of, tasks, waits, refused, &
+  pure subroutine get_texts(self, group, key, value, error, meaning, given, required, one_of, tasks, lacks, refused, &
                             otherwise, allowed, min_size, max_size)
     class(reader_t), intent(inout) :: self
     character(*), intent(in) :: group, key, meaning
     character(:), allocatable, intent(inout) :: value(:)
     type(error_t), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: tasks, waits, refused, otherwise
+    character(*), intent(in), optional :: tasks, lacks, refused, otherwise
     logical, intent(out), optional :: given
     logical, intent(in), optional :: required, one_of
     character(*), intent(in), optional :: allowed(:)
@@ -224,7 +224,7 @@ contains
     call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
     if (present(allowed)) wanted%words = allowed
     call wanted%allow_list(min_size, max_size)
-    call self%find(wanted, at, error, given, waits, refused)
+    call self%find(wanted, at, error, given, lacks, refused)
     if (allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'texts', error, min_size, max_size)
@@ -338,20 +338,20 @@ contains
   end subroutine settle
 
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
-  pure subroutine find(self, key, at, error, given, waits, refused)
+  pure subroutine find(self, key, at, error, given, lacks, refused)
     class(reader_t), intent(inout) :: self
     type(key_t), intent(inout) :: key
     integer, intent(out) :: at
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(out), optional :: given
-    character(*), intent(in), optional :: waits, refused
+    character(*), intent(in), optional :: lacks, refused
     logical :: may_be
 
     at = 0
     if (present(given)) given = .false.
-    if (present(waits)) key%waits = trim(waits)
+    if (present(lacks)) key%lacks = trim(lacks)
     if (present(refused)) key%refused = trim(refused)
-    if (len(key%waits) == 0 .and. .not. key%is_for(self%tasks)) key%waits = key%tasks
+    if (len(key%lacks) == 0 .and. .not. key%is_for(self%tasks)) key%lacks = key%tasks
     may_be = len(key%refused) == 0
     if (.not. allocated(error)) then
       at = position(self%list, key%group, key%name)
@@ -362,7 +362,7 @@ contains
     call self%keys%add(key)
     if (at > 0) self%list%entries(at)%used = .true.
     if (present(given)) given = at > 0
-    if (key%is_required .and. at == 0 .and. may_be .and. len(key%waits) == 0) call self%miss(key)
+    if (key%is_required .and. at == 0 .and. may_be .and. len(key%lacks) == 0) call self%miss(key)
   end subroutine find
 
   pure subroutine miss(self, key)

@@ -1,4 +1,4 @@
-!> What a key is good for. It waits where a task that the case does not name would use it, or where
+!> What a key is good for. It is not used where a task that the case does not name would use it, or where
 !> another of its values makes it idle: it is read, and named as not used. It is refused where it contradicts
 !> the case's other keys.
 module gearsweep_uses

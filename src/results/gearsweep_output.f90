@@ -1,4 +1,4 @@
-!> The results as files, for every door that writes them.
+!> The results as files, for every interface that writes them.
 module gearsweep_output
   use gearsweep_csv, only: csv_start
   use gearsweep_error, only: error_t

@@ -154,7 +154,7 @@ contains
     end do
   end function rims
 
-  !> Teeth of such a section: as the case says, or five. Between its sides the rim then yields about as much as a beam on an elastic
+  !> Teeth of such a section: as the case says, or five. Between its sides the rim then deflects about as much as a beam on elastic
   !> foundation, its web.
   pure integer function rim_teeth(case)
     type(case_t), intent(in) :: case

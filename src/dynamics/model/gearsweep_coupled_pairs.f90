@@ -1,6 +1,6 @@
 !> Three pairs in contact and more, of which neighbours share more than others.
 !>
-!> The matrix C says what a load on a pair moves each pair by; its diagonal is what a pair yields while it carries alone. With
+!> The matrix C says what a load on a pair moves each pair by; its diagonal is what a pair deflects while it carries alone. With
 !> the profile errors e, the loads F of the pairs in contact under the deflection x follow from C F = x - e, and are affine
 !> in x: F = g x - h with C g = 1 and C h = e. What the other pairs' loads leave of the deflection for pair j is its working
 !> deflection w_j = x - sum C_ji F_i over the others: F_j = (w_j - e_j)/C_jj, and an open pair closes where w_j exceeds e_j.

@@ -20,7 +20,7 @@ module gearsweep_ladder
   use gearsweep_transient, only: march, shorten, steady_options_t
   implicit none
   private
-  public :: climb, double
+  public :: try_in_turn, double
 
   !> Mesh periods of a short transient: from rest, and where a motion ends under lowered damping.
   integer, parameter :: from_rest = 100, beyond_end = 40
@@ -28,7 +28,7 @@ module gearsweep_ladder
 contains
 
   !> The steady motion, or why there is none.
-  pure subroutine climb(map, options, linear, steady)
+  pure subroutine try_in_turn(map, options, linear, steady)
     type(period_map_t), intent(inout) :: map         !< with the duration of one speed
     type(steady_options_t), intent(in) :: options
     real(dp), intent(in) :: linear(2)                !< state of the motion in full contact, m
@@ -36,15 +36,15 @@ contains
     integer, parameter :: last = 6
     type(steady_t) :: found
     real(dp) :: rest(2)
-    integer :: rung
+    integer :: attempt
 
     rest = [map%osc%mean_deflection, 0.0_dp]
-    do rung = 1, last
+    do attempt = 1, last
       ! Where changes of contact are not located, the map has jumps, which Newton's method far from its end does not stand.
-      if (allocated(map%literature) .and. rung > 1 .and. rung < last) cycle
-      if (rung < last .and. (wants_stop(options%stop) .or. steady%work > most_work)) cycle
+      if (allocated(map%literature) .and. attempt > 1 .and. attempt < last) cycle
+      if (attempt < last .and. (wants_stop(options%stop) .or. steady%work > most_work)) cycle
       found = steady_t()
-      select case (rung)
+      select case (attempt)
       case (1)
         call shoot(map, options%tolerance, 1, linear, found)
       case (2)
@@ -62,10 +62,10 @@ contains
       call take(found, steady)
       if (has_result(steady%status)) return
       ! Where contact changes without end from rest, so it does from elsewhere.
-      if (rung == 3 .and. found%status == status_chatter) steady%status = status_chatter
+      if (attempt == 3 .and. found%status == status_chatter) steady%status = status_chatter
       if (steady%status == status_chatter) return
     end do
-  end subroutine climb
+  end subroutine try_in_turn
 
   !> Keeps a motion that attracts, or the first that repels.
   pure subroutine take(found, steady)

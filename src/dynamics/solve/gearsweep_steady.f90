@@ -3,7 +3,7 @@ module gearsweep_steady
   use gearsweep_contact_set, only: period_t
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
-  use gearsweep_ladder, only: climb, double
+  use gearsweep_ladder, only: try_in_turn, double
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_batch
   use gearsweep_period_map, only: period_map_t, run_full_contact
@@ -31,7 +31,7 @@ contains
       if (.not. has_result(steady%status)) call march(map, options, start, steady)
     else if (options%method == by_shooting) then
       call solve_full_contact(map, linear, steady)
-      if (.not. settled(steady)) call climb(map, options, linear, steady)
+      if (.not. settled(steady)) call try_in_turn(map, options, linear, steady)
     else
       call march(map, options, [map%osc%mean_deflection, 0.0_dp], steady)
     end if

@@ -73,7 +73,7 @@ contains
     end do
   end function compliance_slope
 
-  !> By how much a pair yields less (m2/N) under `line_load` (N/m), as its contact moves to where the teeth are stiffer.
+  !> By how much a pair deflects less (m2/N) under `line_load` (N/m), as its contact moves to where the teeth are stiffer.
   !>
   !> A load F at the place u of the flanks turns them against each other by F C'/2 there, with the slope C' of the compliance: by
   !> reciprocity half of it is due to where the load is, half to where the displacement is seen. Where the curvature 1/R of both

@@ -1,4 +1,4 @@
-!> Contact of a sharp edge with a flank, close up: how far a tooth's tip corner and its mate yield at their surfaces.
+!> Contact of a sharp edge with a flank, close up: how far a tooth's tip corner and its mate deflect at their surfaces.
 !>
 !> Where the tip corner touches, the contact ends at an edge, so that neither Hertz's pressure nor his half plane
 !> holds for that tooth. Close up it is a wedge between its flank and its tip land, and the mate a cylinder that touches
@@ -150,8 +150,8 @@ contains
   !> (rad) between mate and face, `curvature` (1/m) of both together. The load acts along the mate's normal. Where they press
   !> the surfaces fit: Johnson 1985, Contact Mechanics, section 5.9.
   !>
-  !> The bodies behind yield less by `fall` (m/N) per length that the load is farther from the edge: half of that turns the
-  !> surfaces against each other, half makes the load's own place yield less (see `moved_contact` of gearsweep_corner_stiffness).
+  !> The bodies behind deflect less by `fall` (m/N) per length that the load is farther from the edge: half of that turns the
+  !> surfaces against each other, half makes the load's own place deflect less (see `moved_contact` of gearsweep_corner_stiffness).
   subroutine edge_compliance(edge, line_load, tilt, curvature, fall, mate_depth, compliance, error)
     type(edge_t), intent(in) :: edge
     real(dp), intent(in) :: line_load, tilt, curvature, fall, mate_depth

@@ -1,4 +1,4 @@
-!> Hertz's line contact, and how far a flank yields between its surface and a depth.
+!> Hertz's line contact, and how far a flank deflects between its surface and a depth.
 module gearsweep_flattening
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
@@ -50,19 +50,19 @@ contains
   !> pressure, completes what a grid gives for a point load; the two differ by (a/h)**2/4.
   !> Source: Weber, Banaschek 1953; Johnson 1985, Eq. 5.57; for plane stress
   !> with E and nu in place of E/(1 - nu**2) and nu/(1 - nu).
-  elemental real(dp) function surface_to_depth(material, plane_strain, a, depth) result(yield)
+  elemental real(dp) function surface_to_depth(material, plane_strain, a, depth) result(deflection)
     type(material_t), intent(in) :: material
     logical, intent(in) :: plane_strain
     real(dp), intent(in) :: a, depth
 
     associate (nu => material%poisson)
       if (plane_strain) then
-        yield = (1 + nu)*((1 - nu)*2*log(2*depth/a) - nu)
+        deflection = (1 + nu)*((1 - nu)*2*log(2*depth/a) - nu)
       else
-        yield = 2*log(2*depth/a) - nu
+        deflection = 2*log(2*depth/a) - nu
       end if
     end associate
-    yield = yield/(pi*material%young)
+    deflection = deflection/(pi*material%young)
   end function surface_to_depth
 
   !> How much the flattening of one flank of a pair, over its load (m2/N, per line load), falls as the load grows e times:

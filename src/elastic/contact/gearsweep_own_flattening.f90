@@ -1,4 +1,4 @@
-!> How much less a pair of teeth yields, over its load, as its own load grows.
+!> How much less a pair of teeth deflects, over its load, as its own load grows.
 !>
 !> Flanks flatten by less than in proportion to their load: by Hertz the flattening over the load falls with the load's
 !> logarithm, alike all along the path of contact. Where a tip corner is in contact it falls faster, up to two and a half times

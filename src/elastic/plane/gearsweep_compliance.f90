@@ -2,7 +2,7 @@
 !>
 !> The displacement under a point load grows without bound as the grid is
 !> refined. So the grid gives the displacement of the point at a small depth
-!> along the line of action, which converges, and the yield of the flank from
+!> along the line of action, which converges, and the deflection of the flank from
 !> the surface to that depth is Hertz's, in closed form (gearsweep_flattening).
 module gearsweep_compliance
   use gearsweep_kinds, only: dp, pi

@@ -1,4 +1,4 @@
-!> What the body behind the teeth yields under all teeth in contact together, as numbers; gearsweep_disc_compliance finds them.
+!> What the body behind the teeth deflects under all teeth in contact together, as numbers; gearsweep_disc_compliance finds them.
 module gearsweep_disc
   use gearsweep_kinds, only: dp
   implicit none
@@ -18,7 +18,7 @@ module gearsweep_disc
     real(dp) :: decline = 0                      !< how much less than `shared` the tooth after the next one shares
     real(dp) :: twist(2) = 0                     !< of a mesh: all the turning of pinion and gear, each by itself
   contains
-    procedure :: yield
+    procedure :: compliance
     procedure :: shared_at
     procedure :: most_shared
     procedure :: shared_beyond
@@ -27,11 +27,11 @@ module gearsweep_disc
 contains
 
   !> Both together, m/N: a spring in series with all pairs.
-  pure real(dp) function yield(disc)
+  pure real(dp) function compliance(disc)
     class(disc_t), intent(in) :: disc
 
-    yield = disc%turn + disc%shared
-  end function yield
+    compliance = disc%turn + disc%shared
+  end function compliance
 
   !> What neighbours share where two teeth touch (m/N), with its first and second derivative over u, which is -1 where they
   !> begin to and 1 where they cease; (0:2).

@@ -1,4 +1,4 @@
-!> What the body behind the teeth yields under all teeth in contact together.
+!> What the body behind the teeth deflects under all teeth in contact together.
 !>
 !> All loads of a gear mesh lie on one line, tangent to the base circle. So whichever tooth takes
 !> them, a whole gear held at its bore turns by the same angle, and on any body the teeth beside it move too.

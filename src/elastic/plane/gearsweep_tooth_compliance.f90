@@ -88,7 +88,7 @@ contains
     tilt = [(most_tilt*i/(tilts - 1), i=0, tilts - 1)]
     call corner_deflection(section, body, radius, depth, tilt, near, far, error)
     if (allocated(error)) return
-    ! Lever arm of a tilted load over the base radius: the disc turns under its couple, and moves the corner by as much less.
+    ! Lever arm of a tilted load over the base radius: the gear body rotates under its couple and moves the corner less by that.
     associate (angle => acos(min(1.0_dp, section%gear%base_radius(drive)/radius)))
       lever = cos(angle + tilt)/cos(angle)
     end associate

@@ -130,7 +130,7 @@ contains
     self%log = group//': '//str(size(methods))//' reliefs compared, '//str(size(optimum%amount))//' swept'
   end subroutine run
 
-  !> What the teeth yield, each under the whole load at its own point.
+  !> What the teeth deflect, each under the whole load at its own point.
   subroutine find_deflection(self, stages, teeth, error)
     class(deflection_relief_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
