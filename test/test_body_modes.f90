@@ -44,6 +44,7 @@ contains
     if (t%wants('weights')) call weights(t)
     if (t%wants('thamba')) call thamba(t)
     if (t%wants('honest_estimates')) call honest_estimates(t)
+    if (t%wants('own_estimates')) call own_estimates(t)
     if (t%wants('webbed_gear')) call webbed_gear(t)
     if (t%wants('long_webs')) call long_webs(t)
     if (t%wants('refusals')) call refusals(t)
@@ -410,6 +411,30 @@ contains
       end do
     end do
   end subroutine honest_estimates
+
+  !> Each mode has its own estimate: what twice the elements change, over 2**1.4 - 1, of the mode of the same nodal diameter,
+  !> symmetry and order on the coarser grid, solved by itself.
+  subroutine own_estimates(t)
+    type(tally_t), intent(inout) :: t
+    type(gear_t) :: gear
+    type(body_modes_t) :: coarse, fine
+    integer :: i, k, alike
+
+    call thamba_gear(t, 0.03_dp, gear)
+    call modes_of(t, gear, body_options_t(modes=2, most_diameters=2, across=4), fine)
+    call modes_of(t, gear, body_options_t(modes=2, most_diameters=2, across=2), coarse)
+    do i = 1, size(fine%modes)
+      alike = 0
+      do k = 1, size(coarse%modes)
+        if (coarse%modes(k)%diameter == fine%modes(i)%diameter .and. coarse%modes(k)%symmetry == fine%modes(i)%symmetry .and. &
+            coarse%modes(k)%order == fine%modes(i)%order) alike = k
+      end do
+      call check_true(t, 'the same mode', alike > 0)
+      if (alike == 0) cycle
+      call check_close(t, 'its own estimate', fine%error_estimate(i), &
+                       abs(coarse%modes(alike)%frequency/fine%modes(i)%frequency - 1)/(2**1.4_dp - 1), 1e-6_dp)
+    end do
+  end subroutine own_estimates
 
   !> A pinion of 28 teeth with rim, web and hub on the default grid, beside CalculiX with ten-node tetrahedra on the finest grid
   !> that it was given (11595 nodes, which are too stiff too). Grids of this program extrapolate to 4635 Hz of rocking: the estimate
