@@ -5,23 +5,27 @@ module test_figures
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_corner_stiffness, only: edge_zone
+  use gearsweep_continuation, only: branch_t, change_t
   use gearsweep_csv, only: write_csv
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive
   use gearsweep_harmonic_tables, only: fill_resonances, fill_response, steady_load_t
+  use gearsweep_hysteresis_ramps, only: fill_delays, fill_ramps, ramps_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_load_factors, only: root_face_load_factor
   use gearsweep_material, only: material_t
   use gearsweep_mesh_torque, only: find_torque, mesh_torque_t
   use gearsweep_modal_superposition, only: motion_record_t
+  use gearsweep_motion_summary, only: motion_summary_t, summarise
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_pair, only: pair_t
+  use gearsweep_ramp, only: level_t
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: column_of, make_table
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: along, moved_x, moved_y, per_point, tooth_modes_t
-  use gearsweep_torque_tables, only: fill_torque => fill_harmonics, torque_run_t
+  use gearsweep_torque_tables, only: fill_points_of_torque => fill_points, fill_time, fill_torque => fill_harmonics, torque_run_t
   use gearsweep_trace, only: record, trace_t
   use gearsweep_transient_tables, only: fill_histories, fill_peaks, fill_points, tooth_run_t
   use dogan_gears, only: dogan_pair
@@ -43,6 +47,10 @@ contains
     if (t%wants('place_of_compression')) call place_of_compression(t)
     if (t%wants('friction_at_rest')) call friction_at_rest(t)
     if (t%wants('phases_of_torque')) call phases_of_torque(t)
+    if (t%wants('torques_of_forces')) call torques_of_forces(t)
+    if (t%wants('growing_load')) call growing_load(t)
+    if (t%wants('outer_single_contact')) call outer_single_contact(t)
+    if (t%wants('late_jumps')) call late_jumps(t)
     if (t%wants('load_factors')) call load_factors(t)
     if (t%wants('chamfered_tip')) call chamfered_tip(t)
     if (t%wants('edge_zone')) call edges(t)
@@ -240,6 +248,112 @@ contains
     call check_true(t, 'no phase of what is below its error', ieee_is_nan(table%number('pinion_phase_deg', 4)))
   end subroutine phases_of_torque
 
+  !> Each gear feels elastic load, damping and its own friction at its own base radius, the damping of the table at the pinion's. Of
+  !> mean, least and largest force the mean differs most between the steps, by 2 N: three times that and what is left open, 0.3 N.
+  subroutine torques_of_forces(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: radius(2) = [0.03_dp, 0.05_dp], open = 0.3_dp
+    type(torque_run_t) :: one(1)
+    type(table_t) :: times, points
+    type(error_t), allocatable :: error
+    character(:), allocatable :: name
+    integer :: i
+
+    one%rpm = 3000
+    one%period = 1e-3_dp
+    one%left_open = open
+    associate (mesh => one(1)%mesh, half => one(1)%half)
+      mesh%tau = [0.0_dp, 1.0_dp]
+      mesh%error = [3e-6_dp, 4e-6_dp]
+      mesh%elastic = [900.0_dp, 1100.0_dp]
+      mesh%damping = [70.0_dp, -50.0_dp]
+      mesh%friction = reshape([8.0_dp, -9.0_dp, 5.0_dp, -6.0_dp], [2, 2])
+      mesh%mean_friction = [6.5_dp, -7.5_dp]
+      do i = 1, 2
+        mesh%force(i)%mean = 1000 - 20*(i - 1)
+        mesh%force(i)%least = 850
+        mesh%force(i)%largest = 1200
+        half(i)%mean = mesh%force(i)%mean - 2
+        half(i)%least = 851
+        half(i)%largest = 1200.5_dp
+      end do
+    end associate
+    call fill_time(one, radius, times, error)
+    call fill_points_of_torque(one, 1, radius, points, error)
+    call check_no_error(t, 'tables of a torque', error)
+    call check_close(t, 'torque of the pinion', times%number('pinion_torque_nm', 1), 0.03_dp*978)
+    call check_close(t, 'torque of the gear', times%number('gear_torque_nm', 2), 0.05_dp*1044)
+    call check_close(t, 'friction on the pinion', times%number('pinion_friction_nm', 2), 0.03_dp*5)
+    call check_close(t, 'friction on the gear', times%number('gear_friction_nm', 1), -0.05_dp*9)
+    call check_close(t, 'damping, at the pinion', times%number('pinion_damping_nm', 1), 0.03_dp*70)
+    do i = 1, 2
+      name = trim(merge('pinion', 'gear  ', i == 1))
+      call check_close(t, 'mean torque, '//name, points%number(name//'_mean_nm', 1), radius(i)*(1020 - 20*i))
+      call check_close(t, 'least torque, '//name, points%number(name//'_least_nm', 1), radius(i)*850)
+      call check_close(t, 'largest torque, '//name, points%number(name//'_largest_nm', 1), radius(i)*1200)
+      call check_close(t, 'error of a torque, '//name, points%number(name//'_error_nm', 1), radius(i)*(3*2 + open))
+      call check_close(t, 'mean friction, '//name, points%number(name//'_friction_mean_nm', 1), radius(i)*(20.5_dp - 14*i))
+    end do
+    call check_close(t, 'of the power that goes in friction takes', points%number('friction_loss', 1), 0.02_dp)
+  end subroutine torques_of_forces
+
+  !> A load that grows over one step from nothing has 1/sqrt(3) of its last value as root mean square, 1/2 as mean.
+  subroutine growing_load(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: last = 900
+    type(oscillator_t) :: osc
+    type(trace_t) :: trace(1)
+    type(motion_summary_t) :: summary
+    real(dp) :: ends(0:2, 1, 2), x(0:2, 2)
+
+    osc%pairs = 1
+    osc%contacts = 1
+    x = 0
+    ends(:, 1, 1) = [0.0_dp, last, 0.0_dp]
+    ends(:, 1, 2) = [last, last, 0.0_dp]
+    call record(trace(1), 1, [0, 0], [0.0_dp, 1.0_dp], [1, 1], x, ends)
+    call summarise(osc, trace, 1, summary)
+    call check_close(t, 'mean of a load that grows', summary%load%mean, last/2)
+    call check_close(t, 'root mean square on a pair', summary%pair_rms, last/sqrt(3.0_dp))
+  end subroutine growing_load
+
+  !> Runs up and down at 50 rpm a second that jump 20 and 10 rpm behind slow ones: later in either direction, by 0.4 and 0.2 s. With
+  !> twice the steps 1 rpm earlier, that is by 0.02 s, and a mesh period of 60/(25 n) s is what the time is a multiple of.
+  subroutine late_jumps(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: rate = 50, behind(2) = [20.0_dp, -10.0_dp], rpm(2) = [1000.0_dp, 1100.0_dp]
+    type(branch_t) :: branch(2, 1)
+    type(ramps_t) :: ramps(2, 1)
+    type(table_t) :: delays, runs
+    type(error_t), allocatable :: error
+    integer :: way
+
+    do way = 1, 2
+      branch(way, 1)%change = [change_t(rpm=1050 + [-0.1_dp, 0.0_dp])]
+      associate (ramp => ramps(way, 1))
+        ramp%teeth = 25
+        ramp%level = [level_t(1050.0_dp, 1.5_dp, .true.)]
+        ramp%change = [1]
+        ramp%fine%passed = [1050 + behind(way)]
+        ramp%coarse%passed = [1050 + behind(way) - sign(1.0_dp, behind(way))]
+        ramp%fine%factor = [1.0_dp, 1.25_dp] + way
+        ramp%coarse%factor = [1.5_dp, 1.125_dp] + way
+      end associate
+    end do
+    call fill_delays([0.0_dp], branch, ramps, rate, delays, error)
+    call fill_ramps(rpm, [0.0_dp], ramps, runs, error)
+    call check_no_error(t, 'tables of the ramps', error)
+    do way = 1, 2
+      call check_close(t, 'where the run jumps', delays%number('ramp_rpm', way), 1050 + behind(way))
+      call check_close(t, 'later, whichever way', delays%number('delay_s', way), abs(behind(way))/rate)
+      call check_close(t, 'error of that', delays%number('error_estimate_s', way), 1/rate + 60/(25*(1050 + behind(way))))
+    end do
+    call check_close(t, 'DF of the run up', runs%number('dynamic_factor', 2), 2.25_dp)
+    call check_close(t, 'DF of the run down at its last speed', runs%number('dynamic_factor', 3), 3.25_dp)
+    call check_close(t, 'its error', runs%number('error_estimate', 3), 0.125_dp)
+    call check_close(t, 'and at its first speed', runs%number('error_estimate', 4), 0.5_dp)
+  end subroutine late_jumps
+
   ! --- small cases and calls -------------------------------------------------------
 
   subroutine solve(t, text, study)
@@ -384,6 +498,24 @@ contains
     call check_true(t, 'there is relief, and a chamfer', amount > 1 .and. &
                     gears%number('tip_form_diameter_mm', 1) < gears%number('tip_diameter_mm', 1) - 0.1_dp)
   end subroutine chamfered_tip
+
+  !> The outer point of single contact is D of the pinion and B of the gear, as the table of contact points has them.
+  subroutine outer_single_contact(t)
+    type(tally_t), intent(inout) :: t
+    type(study_t) :: study
+    real(dp), allocatable :: loaded(:), pinion(:), gear(:)
+
+    call solve(t, '&case tasks = ''deflection_relief'', ''geometry'' / &pair module_mm = 3 face_width_mm = 20 / '// &
+               '&pinion teeth = 21 effective_mass_kg = 0.5 / &gear teeth = 34 effective_mass_kg = 0.7 / '// &
+               '&load normal_force_n = 4000 / &mesh model = ''iso6336'' / &sweep rpm_first = 5000 rpm_last = 6000 '// &
+               'rpm_step = 500 / &relief amount_um = 0, 10 / &deflection_relief point = ''hpstc'' /', study)
+    loaded = column_of(study, 'relief_deflection', 'load_diameter_mm')
+    pinion = column_of(study, 'contact_points', 'pinion_radius_mm')
+    gear = column_of(study, 'contact_points', 'gear_radius_mm')
+    call check_close(t, 'D of the pinion', loaded(1), 2*pinion(4), 1e-12_dp)
+    call check_close(t, 'B of the gear', loaded(2), 2*gear(2), 1e-12_dp)
+    call check_true(t, 'beyond the pitch point', loaded(1) > 2*pinion(3) .and. loaded(2) > 2*gear(3))
+  end subroutine outer_single_contact
 
   !> The zone of the edge is the arc of 1.4 half widths of Hertz's contact, an involute's arc being rho^2/(2 r_b): in proportion to
   !> the root of the load where it is small, and an eighth of the path at most.
