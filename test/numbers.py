@@ -194,6 +194,15 @@ def torque():
             true('a phase where the amplitude is known', math.isnan(row[f'{member}_phase_deg']) != known)
 
 
+def half_width(load, first):
+    """Of the contact (um) where the pinion's radius of curvature is `first` (mm): Hertz, both flanks in plane strain."""
+    bases = [MODULE * z / 2 * math.cos(math.radians(20)) for z in (Z1, Z2)]
+    centre = table('geometry')[0]['centre_distance_mm']
+    second = math.sqrt(centre**2 - sum(bases) ** 2) - first
+    modulus = 206e3 / (2 * (1 - NU**2))
+    return 1e3 * math.sqrt(4 * load / WIDTH * first * second / (first + second) / (math.pi * modulus))
+
+
 def flank():
     contacts, losses = table('flank'), table('flank_losses')
     pitch = math.pi * MODULE * math.cos(math.radians(20))
@@ -203,6 +212,8 @@ def flank():
         near('specific sliding of the gear', row['gear_specific_sliding'], -row['sliding_m_s'] / row['gear_rolling_m_s'])
         near('place on the path', row['path_mm'], pitch * row['s'], 1e-9, 1e-9)
         if row['pressure_mpa'] > 0:
+            start = math.sqrt(table('contact_points')[0]['pinion_radius_mm'] ** 2 - (MODULE * Z1 / 2 * math.cos(math.radians(20))) ** 2)
+            near('half width of the contact', row['half_width_um'], half_width(row['pair_load_n'], start + row['path_mm']), 1e-6)
             near('p = 2 F/(pi b a)', row['pressure_mpa'], 2e3 * row['pair_load_n'] / (math.pi * WIDTH * row['half_width_um']), 1e-9)
             # Blok's flash temperature, of two flanks that conduct 45 and 60 W/(m K): 7850 kg/m^3, 484 J/(kg K).
             heat = sum(math.sqrt(conductivity * 7850 * 484 * row[f'{member}_rolling_m_s'])
@@ -374,6 +385,11 @@ def motions():
     true('a speed between them', any(row['floquet_modulus'] > 1 for row in table('stability')))
     for row in table('sensitivity'):
         near('relative slope', row['relative_slope'], row['value'] * row['slope'] / row['dynamic_factor'])
+        # Where the derivative is smooth, both sides have it, in the unit of the number.
+        if row['derivative'] == 'smooth':
+            for side in ('slope_below', 'slope_above'):
+                if not math.isnan(row[side]):
+                    near(side, row[side], row['slope'], 0.02, 10 * row['error_estimate'])
     kept = table('hysteresis')
     for row in kept:
         other = [one for one in table('sweep') if one['rpm'] == row['rpm'] and one['relief_um'] == row['relief_um']]
@@ -381,6 +397,13 @@ def motions():
             continue
         true('a slow run meets the sweep', any(abs(x - row['dynamic_factor']) < 1e-4 * x for x in
                                                (other[0]['dynamic_factor'], other[0]['other_dynamic_factor'])))  # fmt: skip
+        # The same motion by the same steps.
+        if other[0]['direction'] == 'both':
+            near('its estimate', row['error_estimate'], other[0]['error_estimate'], 0.5)
+    for row in kept:
+        for one in rows_of(all_motions, row, 'relief_um', 'rpm'):
+            if abs(one['dynamic_factor'] - row['dynamic_factor']) < 1e-6:
+                true('estimate of an attractor', row['error_estimate'] / 6 < one['error_estimate'] < 6 * row['error_estimate'])
     changes = table('hysteresis_changes')
     for row in changes:
         before, after = row['mesh_periods_before'], row['mesh_periods_after']
@@ -397,9 +420,17 @@ def motions():
                                          if 0 <= i < len(curve)), 1e-6)  # fmt: skip
     parts, reliefs = table('relief_deflection'), {row['method']: row for row in table('deflection_relief')}
     gears = table('gears')
+    curve, found = table('relief_curve'), reliefs['dynamic_factor']
+    at = min(range(len(curve)), key=lambda i: abs(curve[i]['relief_um'] - found['pinion_relief_um']))
+    gaps = [abs(curve[i]['relief_um'] - curve[at]['relief_um']) for i in (at - 1, at + 1) if 0 <= i < len(curve)]
+    near('least dynamic factor: within the reliefs beside', found['within_um'], max(gaps), 1e-6)
     for k, (part, key) in enumerate(zip(parts, ('pinion_relief_um', 'gear_relief_um'))):
         near('sum of both parts', part['formula_deflection_um'], part['bending_um'] + part['flattening_um'])
         near('loaded at the tip', part['load_diameter_mm'], gears[k]['tip_diameter_mm'])
+        bases = [MODULE * z / 2 * math.cos(math.radians(20)) for z in (Z1, Z2)]
+        own = math.sqrt((part['load_diameter_mm'] / 2) ** 2 - bases[k] ** 2)
+        line = math.sqrt(table('geometry')[0]['centre_distance_mm'] ** 2 - sum(bases) ** 2)
+        near('half width under the load at the tip', part['half_width_um'], half_width(LOAD, line - own if k else own), 1e-6)
         near('half of the flattening', reliefs['markovic_vrcan'][key], part['bending_um'] + part['flattening_um'] / 2)
         near('all of it', reliefs['whole_flattening'][key], part['formula_deflection_um'])
 
