@@ -4,10 +4,12 @@ module test_figures
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
+  use gearsweep_corner_estimate, only: find_corner_estimate
   use gearsweep_corner_stiffness, only: edge_zone
   use gearsweep_continuation, only: branch_t, change_t
   use gearsweep_csv, only: write_csv
   use gearsweep_error, only: error_t
+  use gearsweep_error_estimate, only: point_t
   use gearsweep_gear, only: drive
   use gearsweep_harmonic_tables, only: fill_resonances, fill_response, steady_load_t
   use gearsweep_hysteresis_ramps, only: fill_delays, fill_ramps, ramps_t
@@ -17,7 +19,7 @@ module test_figures
   use gearsweep_mesh_torque, only: find_torque, mesh_torque_t
   use gearsweep_modal_superposition, only: motion_record_t
   use gearsweep_motion_summary, only: motion_summary_t, summarise
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_pair, only: pair_t
   use gearsweep_ramp, only: level_t
   use gearsweep_study, only: run_study, study_t
@@ -29,6 +31,7 @@ module test_figures
   use gearsweep_trace, only: record, trace_t
   use gearsweep_transient_tables, only: fill_histories, fill_peaks, fill_points, tooth_run_t
   use dogan_gears, only: dogan_pair
+  use single_points, only: solve_motion => solve
   use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
   implicit none
   private
@@ -54,6 +57,7 @@ contains
     if (t%wants('load_factors')) call load_factors(t)
     if (t%wants('chamfered_tip')) call chamfered_tip(t)
     if (t%wants('edge_zone')) call edges(t)
+    if (t%wants('softer_corners')) call softer_corners(t)
     if (t%wants('webs')) call webs(t)
     if (t%wants('each_relief')) call each_relief(t)
     if (t%wants('case_in_table')) call case_in_table(t)
@@ -539,6 +543,41 @@ contains
     call check_close(t, 'at A an eighth of the path at most', zone(1), pair%contact_ratio/8, 1e-15_dp)
     call check_close(t, 'at E an eighth of the path at most', zone(2), pair%contact_ratio/8, 1e-15_dp)
   end subroutine edges
+
+  !> What is left open of tip corners is what a motion with a tenth less of their stiffness has for a dynamic factor, whichever way
+  !> it lies.
+  subroutine softer_corners(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: rpm(2) = [5000.0_dp, 7000.0_dp]
+    type(study_t) :: study
+    type(oscillator_t) :: motion
+    type(point_t) :: usual, softer
+    type(error_t), allocatable :: error
+    real(dp) :: estimate
+    integer :: i
+
+    call solve(t, '&case tasks = ''sweep'' / &pair module_mm = 3 face_width_mm = 20 / '// &
+               '&pinion teeth = 21 effective_mass_kg = 0.5 / &gear teeth = 34 effective_mass_kg = 0.7 / '// &
+               '&load normal_force_n = 4000 / &mesh model = ''weber'' nonlinear_contact = .false. / '// &
+               '&sweep rpm_first = 5000 rpm_last = 5500 rpm_step = 500 / &relief amount_um = 0 /', study)
+    motion = study%motion(1)
+    associate (stiffness => motion%mesh%stiffness)
+      do i = 1, size(stiffness%breaks) - 1
+        if (stiffness%breaks(i + 1) <= 1e-9_dp .or. stiffness%breaks(i) >= motion%mesh%contact_ratio - 1e-9_dp) &
+          stiffness%coef(:, i) = 0.9_dp*stiffness%coef(:, i)
+      end do
+    end associate
+    call make_oscillator(motion, error)
+    call check_no_error(t, 'softer corners', error)
+    do i = 1, size(rpm)
+      call solve_motion(study%motion(1), rpm(i), study%case%accuracy, usual)
+      call solve_motion(motion, rpm(i), study%case%accuracy, softer)
+      call find_corner_estimate(study%motion(1), rpm(i), study%case%accuracy, estimate)
+      call check_true(t, 'it matters at '//str(rpm(i)), abs(softer%dynamic_factor - usual%dynamic_factor) > 1e-4_dp)
+      call check_close(t, 'left open of corners at '//str(rpm(i)), estimate, abs(softer%dynamic_factor - usual%dynamic_factor), &
+                       absolute=2*(usual%estimate + softer%estimate))
+    end do
+  end subroutine softer_corners
 
   !> Of two webs the one that takes more counts: C_R = 1 + ln(b_s/b)/(5 exp(s_R/(5 m))) (ISO 6336-1:2006, 9.3.1.3), whichever gear
   !> has it.
