@@ -1,4 +1,4 @@
-!> Nothing in vain: what a scene leaves out is not there, and what it gives is what
+!> What a scene does not ask for is not computed, and what it gives is what
 !> the whole gives, to the last bit or within a stated error.
 module test_scenes
   use gearsweep_coefficients, only: resolution_t

@@ -285,7 +285,7 @@ contains
 
   !> Derivatives: those by the state are the monodromy matrix, with its jumps where contact changes; those by the parameters are
   !> central differences of each mesh period's map, taken to the end by the maps behind it. A third equation is differentiated
-  !> by differences. These only serve to find solutions, and do not move them.
+  !> by differences. The derivatives affect how fast a solution is found, not where it lies.
   subroutine differentiate(self, z, jacobian, ok)
     class(motion_equations_t), intent(inout) :: self
     real(dp), intent(in) :: z(:)

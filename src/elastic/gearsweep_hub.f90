@@ -4,7 +4,7 @@
 !> drive both. While they vibrate slowly beside the body's own turning vibration, its load accelerates both alike,
 !> the share mu = m_h/(m_b + m_h) of the load goes on to the bore, and the turning adds mu**2 twist to the compliance
 !> of the mesh: the strain energy of the share. Without inertia at the bore that is nothing, with a great one the whole
-!> turning. Beside it, the chain of the four inertias has natural frequencies that tell how far this holds.
+!> turning. The natural frequencies of the chain of the four inertias tell up to which mesh frequency this holds.
 module gearsweep_hub
   use gearsweep_kinds, only: dp
   implicit none

@@ -98,7 +98,7 @@ module gearsweep_inputs
 
 contains
 
-  !> Eight characters for each byte are enough for all.
+  !> Compares the bytes; each of the two texts has room for them eight times over.
   pure logical function same_elements(a, b) result(same)
     type(elements_inputs_t), intent(in) :: a, b
     character(storage_size(a)) :: words(2)

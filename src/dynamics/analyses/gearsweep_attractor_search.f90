@@ -1,5 +1,5 @@
-!> The search for all attracting motions at one speed: from spread starts, side by side, each followed until a motion that
-!> is known has captured it. Newton's method makes motions known, from where the maps of the last mesh periods promise one.
+!> The search for all attracting motions at one speed: trajectories from spread starts run side by side, each until a known
+!> motion has captured it. Where the maps of a trajectory's last mesh periods predict a periodic motion, Newton's method finds it.
 module gearsweep_attractor_search
   use gearsweep_coefficients, only: resolution_t
   use gearsweep_contact_set, only: period_t

@@ -88,7 +88,7 @@ contains
     step = rpm - here%rpm
     do while (abs(rpm - here%rpm) > 0 .and. .not. (levels%lacks .or. wants_stop(options%accuracy%steady%stop)))
       if (abs(step) > 0.7_dp*abs(rpm - here%rpm)) step = rpm - here%rpm
-      ! Whether a motion is still there is clear soon.
+      ! A few periods show whether the motion still exists.
       enough = options%accuracy
       if (has_result(here%point%steady%status)) enough%steady%most_cycles = min(options%accuracy%steady%most_cycles, 200)
       there = here

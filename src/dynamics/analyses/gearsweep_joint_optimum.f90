@@ -4,7 +4,7 @@
 !> dynamic factor at each speed is taken to be linear in the numbers, with the slopes of differences. Of these linear functions the
 !> largest is made least within a step up and down; where that design is no better in truth, the step is halved (sequential linear
 !> programming for minimax: Madsen, Schjaer-Jacobsen 1978, Linearly constrained minimax optimization, Math. Programming 14).
-!> A design that is worse than the best one at the speeds that are worst for that one is left at once.
+!> A design is evaluated first at the worst speeds of the best one so far, and dropped if it is worse there.
 module gearsweep_joint_optimum
   use gearsweep_error, only: error_t
   use gearsweep_kinds, only: dp

@@ -40,7 +40,7 @@ contains
 
     rest = [map%osc%mean_deflection, 0.0_dp]
     do attempt = 1, last
-      ! Where changes of contact are not located, the map has jumps, which Newton's method far from its end does not stand.
+      ! Where changes of contact are not located, the map has jumps: Newton's method converges only from nearby.
       if (allocated(map%literature) .and. attempt > 1 .and. attempt < last) cycle
       if (attempt < last .and. (wants_stop(options%stop) .or. steady%work > most_work)) cycle
       found = steady_t()

@@ -110,7 +110,7 @@ contains
       end do
       do l = 1, batch_size
         if (pair(l) > 0) then
-          ! Flanks that all part, or meet, are nothing that happens in every period.
+          ! Few periods have an instant at which the last pair parts or the first one meets: the sub-steps locate it.
           if (state%contact_set(l) == 0 .or. state%contact_set(l) == ibset(0, pair(l) - 1)) pair(l) = unclear
         end if
         if (.not. map%osc%has_backlash) cycle

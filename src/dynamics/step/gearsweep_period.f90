@@ -23,7 +23,7 @@ module gearsweep_period
   private
   public :: run_period, run_batch
 
-  !> A height above all profile errors, m.
+  !> A deflection above all profile errors, m: a motion held there keeps all pairs in contact.
   real(dp), parameter :: far = 1e30_dp
 
 contains

@@ -338,8 +338,8 @@ contains
     map%all_full = .false.
   end subroutine leave_full_contact
 
-  !> Sets a derivative to zero of which nothing is left; or takes out of it, where `shrunk` keeps the logarithm of what was
-  !> taken out so far.
+  !> Sets a derivative to zero that has decayed to nothing. With `shrunk`, scales it up instead, and adds the logarithm of the
+  !> scale to `shrunk`.
   pure subroutine flush_to_zero(monodromy, shrunk)
     real(dp), intent(inout) :: monodromy(batch_size, 4)    !< as in `compose`
     real(dp), intent(inout), optional :: shrunk(batch_size)

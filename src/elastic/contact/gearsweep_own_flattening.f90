@@ -1,8 +1,8 @@
 !> How much less a pair of teeth deflects, over its load, as its own load grows.
 !>
 !> Flanks flatten by less than in proportion to their load: by Hertz the flattening over the load falls with the load's
-!> logarithm, alike all along the path of contact. Where a tip corner is in contact it falls faster, up to two and a half times
-!> as fast where the edge alone touches, as the smaller a load the nearer to the edge it stands.
+!> logarithm, alike all along the path of contact. Where a tip corner is in contact it falls faster, because a smaller load acts
+!> nearer to the edge: up to two and a half times as fast where the edge alone touches.
 module gearsweep_own_flattening
   use gearsweep_kinds, only: dp
   implicit none

@@ -79,7 +79,7 @@ contains
   end subroutine claim_modes
 
   !> The same for a whole gear: where all its teeth are alike, most of its frequencies come in pairs, of which an
-  !> iteration finds one. So it is repeated beside what is known, until it finds nothing below the last one wanted.
+  !> iteration finds one. So it is repeated, orthogonal to the shapes found, until it finds none below the last one wanted.
   subroutine find_twins(pencil, count, values, vectors, error)
     type(body_pencil_t), intent(in) :: pencil
     integer, intent(in) :: count
