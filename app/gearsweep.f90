@@ -15,8 +15,9 @@ program gearsweep_program
   use gearsweep_study, only: record_t
   use gearsweep_system, only: print_text
   use gearsweep_taken, only: taken_of
-  use gearsweep_text, only: fixed, str, to_number
+  use gearsweep_text, only: str, to_number
   use gearsweep_interruption, only: catch_signals, drop_unread, watch
+  use gearsweep_progress, only: show_progress
   implicit none
 
   interface
@@ -45,8 +46,7 @@ program gearsweep_program
   character(:), allocatable :: text, written, checkpoint
   logical :: made = .false.
   character, parameter :: lf = new_line('a')
-  integer(int64) :: began, ended, rate, told = 0, first_told = 0
-  integer :: first_done = -1                     ! points that were done when the first were told
+  integer(int64) :: began, ended, rate
 
   call system_clock(began, rate)
   call drop_unread()
@@ -166,45 +166,6 @@ contains
     progress_wanted = .false.
     if (.not. arguments%quiet) progress_wanted = c_isatty(2_c_int) == 1
   end function progress_wanted
-
-  !> At most ten times a second: points, per cent and, once it can be told, the time left.
-  subroutine show_progress(done, total)
-    integer, intent(in) :: done, total
-    integer(int64) :: now
-    character(:), allocatable :: line
-    character(60) :: padded
-    real(dp) :: seconds
-
-    call system_clock(now)
-    if (first_done < 0) then
-      first_done = done
-      first_told = now
-    end if
-    if (done < total .and. 10*(now - told) < rate) return
-    told = now
-    seconds = real(now - first_told, dp)/rate
-    line = str(done)//' of '//str(total)//' points, '//str(int(100.0_dp*done/total))//' %'
-    if (seconds > 1 .and. done > first_done) then
-      line = line//', '//duration(seconds*(total - done)/(done - first_done))//' left'
-    end if
-    padded = line
-    write (error_unit, '(a)', advance='no') achar(13)//padded
-    flush (error_unit)
-  end subroutine show_progress
-
-  !> As 45 s, 12 min, 3.5 h.
-  function duration(seconds) result(words)
-    real(dp), intent(in) :: seconds
-    character(:), allocatable :: words
-
-    if (seconds < 100) then
-      words = str(nint(seconds))//' s'
-    else if (seconds < 6000) then
-      words = str(nint(seconds/60))//' min'
-    else
-      words = fixed(seconds/3600, 1)//' h'
-    end if
-  end function duration
 
   subroutine read_arguments(arguments)
     type(arguments_t), intent(out) :: arguments
