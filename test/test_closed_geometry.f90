@@ -117,7 +117,7 @@ contains
     end do
   end subroutine backlash_by_turning
 
-  !> The backlash that a case states is the pair's where the motion takes it; where none is stated and none is left, it is 0 and no
+  !> The backlash that a case states is the pair's, whatever its tasks; where none is stated and none is left, it is 0 and no
   !> rounding of the arithmetic (5e-12 um here).
   subroutine stated_backlash(t)
     type(tally_t), intent(inout) :: t
@@ -132,7 +132,7 @@ contains
                       pitch, backlash(3))
     call check_close(t, 'no rounding', backlash(1), 0.0_dp, absolute=tiny(1.0_dp))
     call check_close(t, 'as stated', backlash(2), 80.0_dp, relative=1e-12_dp)
-    call check_close(t, 'stated, but not for what this case computes', backlash(3), 0.0_dp, absolute=tiny(1.0_dp))
+    call check_close(t, 'as stated, without a motion', backlash(3), 80.0_dp, relative=1e-12_dp)
   end subroutine stated_backlash
 
   !> Angle (rad) by which the gear's space turns until its flank of one side touches the pinion's tooth, both

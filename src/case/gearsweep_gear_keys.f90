@@ -54,7 +54,7 @@ contains
                     meaning='where undercut takes flank that the partner''s tip would work on, ends the path of contact '// &
                     'where the involute ends; without it such gears are refused')
     call reader%get('pair', 'backlash_um', case%backlash, error, unit='um', given=case%has_backlash, &
-                    tasks=case%tasks_for(stage%losses), at_least=0.0_dp, at_most=1e9_dp, &
+                    tasks=unless(cut, trim(case%tasks_for(stage%losses))), at_least=0.0_dp, at_most=1e9_dp, &
                     otherwise='where a gear has a thickness allowance, what follows from it; else the coast flanks never '// &
                     'touch', &
                     meaning='backlash along the line of action: the coast flanks touch once the drive flanks are this far '// &

@@ -15,7 +15,6 @@ module gearsweep_first_stages
   use gearsweep_profile_table, only: profile_table
   use gearsweep_stiffness, only: iso_stiffness, polynomial_stiffness, table_stiffness
   use gearsweep_table_file, only: read_table
-  use gearsweep_task, only: stage
   use gearsweep_text, only: str
   use gearsweep_weber, only: weber_stiffness
   implicit none
@@ -45,8 +44,8 @@ contains
       if (allocated(error)) return
     end if
     call make_pair(gear(1), gear(2), distance, pair, error, shorten=case%shorten_path)
-    ! The backlash that is stated for the motion is that of the pair.
-    if (case%has_backlash .and. case%needs(stage%losses)) pair%backlash = case%backlash
+    ! The backlash that is stated is that of the pair.
+    if (case%has_backlash) pair%backlash = case%backlash
     do i = 1, 2
       call check_pin(gear(i), error)
     end do

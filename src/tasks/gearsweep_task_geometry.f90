@@ -65,7 +65,7 @@ contains
                      [pair%working_angle(drive)/degree])
       call table%add('coast_working_angle_deg', 'deg', 'working pressure angle of the coast flanks', &
                      [pair%working_angle(coast)/degree])
-      call table%add('backlash_um', 'um', 'along the line of action: as backlash_um of &pair states it for the motion, '// &
+      call table%add('backlash_um', 'um', 'along the line of action: as backlash_um of &pair states it, '// &
                      'else what centre distance and tooth thickness leave', [micro*max(0.0_dp, pair%backlash)])
       call table%add('rounding_um', 'um', 'how far the centre distance lies below the one without backlash, by rounding of '// &
                      'the inputs', [micro*pair%rounding])
