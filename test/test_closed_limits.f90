@@ -72,7 +72,8 @@ contains
   end subroutine generation
 
   !> Jamming: the distance without backlash has inv(alpha_w) = inv(alpha) + 2 (x1 + x2) tan(alpha)/(z1 + z2), for unlike flanks
-  !> that of both together. Interference: the path begins where the other's involute does, or the tip meets the root.
+  !> that of both together. Contact ends where the path between the tips is one base pitch long. Interference: the path begins where
+  !> the other's involute does, or the tip meets the root.
   subroutine meshing(t)
     type(tally_t), intent(inout) :: t
     type(stated_t) :: pair
@@ -99,6 +100,10 @@ contains
       pair%distance = 75.5_dp
       call check_limit(t, task//text_of(pair), 'the teeth jam; must be at least ', low, 1e-7_dp)
     end do
+    pair = stated_t(teeth=[20, 30], distance=79.0_dp)
+    call check_limit(t, task//text_of(pair), 'contact would be interrupted; it must be below ', &
+                     hypot(sum(sqrt(tip_radius(pair)**2 - base_radius(pair, drive)**2)) - base_pitch(pair), &
+                           sum(base_radius(pair, drive))), 1e-5_dp)
     pair = stated_t(teeth=[24, 90], addendum=[1.0_dp, 1.4_dp], dedendum=[1.4_dp, 1.25_dp], rounding=[0.3_dp, 0.1_dp], &
                     shift=[0.15_dp, 0.0_dp], distance=171.6_dp)
     rb = base_radius(pair, drive)

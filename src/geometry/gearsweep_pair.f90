@@ -228,6 +228,7 @@ contains
   pure subroutine check_path(pair, error)
     type(pair_t), intent(in) :: pair
     type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: reach, farthest
     integer :: i, side
 
     do side = drive, coast
@@ -235,8 +236,18 @@ contains
         call check_flank(pair, i, side, error)
       end do
     end do
-    if (.not. pair%contact_ratio > 1) call fail(error, code_input, &
-      'path of contact: contact ratio '//str(pair%contact_ratio)//' is not above 1: contact would be interrupted')
+    if (pair%contact_ratio > 1) return
+    ! At which the path between the tips has one base pitch.
+    reach = sum([(pair%gear(i)%curvature(drive, pair%gear(i)%flank_end(drive)), i=1, 2)]) - pair%base_pitch
+    farthest = hypot(reach, pair%gear(1)%base_radius(drive) + pair%gear(2)%base_radius(drive))
+    if (reach > 0 .and. pair%centre_distance > farthest .and. farthest > closest(pair%gear(1), pair%gear(2), &
+                                                                               sum(generating_shift(pair%gear%spec)))) then
+      call fail(error, code_input, 'centre distance (mm) = '//str(1000*pair%centre_distance, 9)//': contact ratio '// &
+        str(pair%contact_ratio)//' is not above 1: contact would be interrupted; it must be below '//str(1000*farthest))
+    else
+      call fail(error, code_input, &
+        'path of contact: contact ratio '//str(pair%contact_ratio)//' is not above 1: contact would be interrupted')
+    end if
   end subroutine check_path
 
   !> The mate's tip must not reach below the involute of member `i` on this side. Undercut leaves room for the tip; on the coast
