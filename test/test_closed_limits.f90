@@ -145,14 +145,11 @@ contains
       rho(2) = pair%distance*sin(working_angle(pair, drive)) - rho(1)
       largest = max(largest, rho(1)*rho(2)/sum(rho))
     end do
+    ! It is refused before any model is asked, by the key that is given.
     call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=2.4e4 / &mesh model=''weber'' /', &
-                     'Hertz''s contact does not hold; must be at most ', 1.5_dp**2*pi*206e3_dp/(8*0.91_dp*largest), 1e-2_dp)
-    ! A load in another unit is refused before any model is asked, by the pitch point.
-    associate (tan_w => tan(working_angle(pair, drive)), rb => base_radius(pair, drive))
-      rho = rb*tan_w
-      call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load line_load_n_mm=5e5 / &mesh model=''weber'' /', &
-                       'with this face width it must be at most ', 1.5_dp**2*pi*206e3_dp*sum(rho)/(8*0.91_dp*product(rho)), 1e-2_dp)
-    end associate
+                     'with this face width it must be at most ', 1.5_dp**2*pi*206e3_dp/(8*0.91_dp*largest), 1e-2_dp)
+    call check_limit(t, '&case tasks=''mesh'' / '//text_of(pair)//'&load normal_force_n=5e6 / &mesh model=''weber'' /', &
+                     '&load normal_force_n = ', 5e6_dp, 1e-12_dp)
   end subroutine bodies_and_loads
 
   !> Where the section would overlap the next tooth's fillet; and every number of a gear that cannot be, each by its name

@@ -422,6 +422,26 @@ def test_cautions(program, tmp_path, member, model, word, stands):
     assert (word in program('one.nml', cwd=tmp_path).stdout) is stands
 
 
+@pytest.mark.parametrize(('torque', 'word', 'stands'), [
+    (10000, 'if N mm is meant, write 10', True),
+    (1000, 'caution', False),
+])
+def test_a_torque_that_no_flank_bears_is_told(program, tmp_path, torque, word, stands):
+    """Hertz at the pitch point of two equal gears of steel, both curved by r_b tan(alpha): p**2 = w E/(pi (1 - nu**2) r_b tan(alpha)).
+    Roller bearings have 4000 MPa in ISO 76."""
+    (tmp_path / 'one.nml').write_text(f"""&case tasks = 'mesh' / &pair module_mm = 3 face_width_mm = 20 / &load torque_nm = {torque} /
+&pinion teeth = 25 / &gear teeth = 25 / &mesh model = 'weber' /""")
+    alpha = math.radians(20)
+    base_mm = 37.5 * math.cos(alpha)
+    per_mm = 1e3 * torque / base_mm / 20
+    pressure = math.sqrt(per_mm * 206e3 / (math.pi * 0.91 * base_mm * math.tan(alpha)))
+    screen = program('one.nml', cwd=tmp_path).stdout
+    assert (pressure > 4000) is stands
+    assert (word in screen) is stands
+    if stands:
+        assert float(re.search(r'torque_nm = 10000 makes a pressure of (\S+) MPa', screen)[1]) == pytest.approx(pressure, rel=1e-3)
+
+
 @pytest.mark.parametrize(('coast_deg', 'cautions'), [(20, 0), (25, 3)])
 def test_iso_6336_3_of_asymmetric_teeth_comes_with_a_caution(program, tmp_path, coast_deg, cautions):
     """Once for each task that shows such values; the standard is made for equal flanks."""

@@ -9,7 +9,7 @@ module gearsweep_motion_table
   use gearsweep_material, only: material_t
   use gearsweep_piecewise, only: piecewise_t
   use gearsweep_stiffness, only: gear_blank_factor
-  use gearsweep_first_stages, only: rim_teeth, rims
+  use gearsweep_first_stages, only: name_load, pressure_at_pitch, rim_teeth, rims
   use gearsweep_study, only: study_t
   use gearsweep_table, only: no_number, table_t
   use gearsweep_task, only: stage
@@ -147,10 +147,28 @@ contains
     if (table%position('damping_ratio') > 0) call lines%put(', damping ratio '//str(table%number('damping_ratio')))
     if (table%position('friction') > 0) call lines%put(', friction '//str(table%number('friction')))
     call lines%add('')
+    if (allocated(study%pair)) call tell_pressure(study, lines)
     call tell_webs(study, lines)
     call lines%add(left('Natural frequency', 19)//str(table%number('natural_frequency_hz'), 5)//' Hz: the mesh excites it at '// &
                    str(table%number('resonance_rpm'), 5)//' rpm of the pinion')
   end subroutine add_motion
+
+  !> A load that no flank bears, as where a torque is in another unit than its key. Steel of rolling bearings, harder than that of
+  !> gears, takes a lasting dent from 4000 MPa on in contacts along a line (ISO 76:2006, static load rating of roller bearings).
+  pure subroutine tell_pressure(study, lines)
+    type(study_t), intent(in) :: study
+    type(lines_t), intent(inout) :: lines
+    real(dp), parameter :: most = 4e9_dp
+    character(:), allocatable :: key
+    real(dp) :: pressure, given
+
+    pressure = pressure_at_pitch(study%case, study%pair, study%load)
+    if (pressure <= most) return
+    call name_load(study%case, key, given)
+    call lines%add(left('', 19)//'caution: &load '//key//' = '//str(given)//' makes a pressure of '//str(pressure/micro, 4)// &
+                   ' MPa at the pitch point; hardened steel bears '//str(most/micro))
+    if (key == 'torque_nm') call lines%add(left('', 19)//'if N mm is meant, write '//str(given/1000))
+  end subroutine tell_pressure
 
   !> Where a member's effective mass comes from.
   pure function origin(study, member) result(words)

@@ -19,7 +19,8 @@ module gearsweep_first_stages
   use gearsweep_weber, only: weber_stiffness
   implicit none
   private
-  public :: build_pair, check_load, find_load, place_mesh, rim_teeth, rims, build_stiffness, build_profile_error
+  public :: build_pair, check_load, find_load, name_load, pressure_at_pitch, place_mesh, rim_teeth, rims, build_stiffness
+  public :: build_profile_error
 
 contains
 
@@ -99,34 +100,64 @@ contains
     end do
   end subroutine find_load
 
-  !> Refuses a load (N on the line of action) that flattens the flanks at the pitch point over more than a module, where
+  !> Refuses a load (N on the line of action) that flattens the flanks somewhere on the path over more than a module, where
   !> teeth are no half planes: such loads, and such narrow faces, come about where a number is in another unit than its key.
   pure subroutine check_load(case, pair, load, error)
     type(case_t), intent(in) :: case
     type(pair_t), intent(in) :: pair
     real(dp), intent(in) :: load
     type(error_t), allocatable, intent(inout) :: error
-    real(dp) :: points(5), radius(2), flat, given, scale
+    real(dp) :: flat, given, scale, middle
     character(:), allocatable :: key
 
-    points = pair%points()
-    radius = pair%curvature([1, 2], points(3))
+    ! The contact is widest where both flanks are curved alike, or nearest to there.
+    middle = ((pair%curvature(1, 0.0_dp) + pair%curvature(2, 0.0_dp))/2 - pair%start_curvature)/pair%base_pitch
     associate (module => case%spec(1)%module)
-      flat = 2*contact_half_width(case%material(1), case%material(2), .true., load/minval(case%spec%face_width), &
-                                  radius(1), radius(2))
+      flat = 2*half_width(case, pair, load, min(max(middle, 0.0_dp), pair%contact_ratio))
       if (flat <= module) return
       scale = (module/flat)**2
     end associate
+    call name_load(case, key, given)
+    call fail(error, code_input, '&load '//key//' = '//str(given)//': flattens the flanks over '//str(1000*flat, 3)// &
+              ' mm, more than the module; with this face width it must be at most '//str(given*scale, 3)// &
+              trim(merge('; if N mm is meant, divide by 1000', repeat(' ', 34), case%torque > 0)))
+  end subroutine check_load
+
+  !> The key of &load that the case gives, and its value in the key's unit.
+  pure subroutine name_load(case, key, given)
+    type(case_t), intent(in) :: case
+    character(:), allocatable, intent(out) :: key
+    real(dp), intent(out) :: given
+
     key = 'torque_nm'
     given = case%torque
     if (case%normal_force > 0) key = 'normal_force_n'
     if (case%normal_force > 0) given = case%normal_force
     if (case%line_load > 0) key = 'line_load_n_mm'
     if (case%line_load > 0) given = case%line_load/1000
-    call fail(error, code_input, '&load '//key//' = '//str(given)//': flattens the flanks over '//str(1000*flat, 3)// &
-              ' mm, more than the module; with this face width it must be at most '//str(given*scale, 3)// &
-              trim(merge('; if N mm is meant, divide by 1000', repeat(' ', 34), case%torque > 0)))
-  end subroutine check_load
+  end subroutine name_load
+
+  !> Hertz's pressure (Pa) between one pair at the pitch point under the whole load (N on the line of action).
+  !> Source: Johnson 1985, Contact Mechanics, Eqs. 4.43 and 4.45.
+  pure real(dp) function pressure_at_pitch(case, pair, load) result(pressure)
+    type(case_t), intent(in) :: case
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: load
+    real(dp) :: points(5)
+
+    points = pair%points()
+    pressure = 2*load/minval(case%spec%face_width)/(pi*half_width(case, pair, load, points(3)))
+  end function pressure_at_pitch
+
+  !> Half width (m) of the contact of one pair at path coordinate `s` under the whole load (N on the line of action).
+  pure real(dp) function half_width(case, pair, load, s)
+    type(case_t), intent(in) :: case
+    type(pair_t), intent(in) :: pair
+    real(dp), intent(in) :: load, s
+
+    half_width = contact_half_width(case%material(1), case%material(2), .true., load/minval(case%spec%face_width), &
+                                    pair%curvature(1, s), pair%curvature(2, s))
+  end function half_width
 
   !> Polar inertia of a disc up to the reference circle, less its bore (kg m^2).
   pure real(dp) function solid_inertia(gear, density)
