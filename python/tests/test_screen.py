@@ -442,6 +442,11 @@ def test_a_torque_that_no_flank_bears_is_told(program, tmp_path, torque, word, s
         assert float(re.search(r'torque_nm = 10000 makes a pressure of (\S+) MPa', screen)[1]) == pytest.approx(pressure, rel=1e-3)
 
 
+def test_one_speed_is_told_as_one(program, tmp_path):
+    (tmp_path / 'one.nml').write_text(CASES['narrow'].replace('rpm_last = 16000', 'rpm_last = 12000').replace(", 'optimum'", ''))
+    assert 'Dynamic factor over 1 speed, 12000 rpm\n' in program('one.nml', cwd=tmp_path).stdout
+
+
 @pytest.mark.parametrize(('coast_deg', 'cautions'), [(20, 0), (25, 3)])
 def test_iso_6336_3_of_asymmetric_teeth_comes_with_a_caution(program, tmp_path, coast_deg, cautions):
     """Once for each task that shows such values; the standard is made for equal flanks."""

@@ -295,8 +295,10 @@ contains
       if (all_points%position('points_with_two_motions') > 0) has_two = all_points%number('points_with_two_motions') > 0
       associate (speeds => sweep%extent(2), peaks => resonances%extent(2))
         call lines%add('')
-        call lines%add('Dynamic factor over '//str(speeds)//' speeds, '//str(sweep%number('rpm'))//' to '// &
-                       str(sweep%number('rpm', speeds))//' rpm')
+        call lines%put('Dynamic factor over '//str(speeds)//' speed'//trim(merge('s', ' ', speeds > 1))//', '// &
+                       str(sweep%number('rpm')))
+        if (speeds > 1) call lines%put(' to '//str(sweep%number('rpm', speeds)))
+        call lines%add(' rpm')
         call lines%put('   relief um     worst    at rpm')
         if (has_two) call lines%put('     other    at rpm')
         if (peaks > 0) then
