@@ -442,6 +442,19 @@ def test_a_torque_that_no_flank_bears_is_told(program, tmp_path, torque, word, s
         assert float(re.search(r'torque_nm = 10000 makes a pressure of (\S+) MPa', screen)[1]) == pytest.approx(pressure, rel=1e-3)
 
 
+def test_attractors_that_no_start_reaches_are_told_as_such(program, tmp_path):
+    """In the column of shares a word stands where the table has no start, and a number elsewhere."""
+    (tmp_path / 'one.nml').write_text("""&case tasks = 'attractors' / &pair module_mm = 3 face_width_mm = 20 backlash_um = 80 /
+&pinion teeth = 25 / &gear teeth = 25 / &load torque_nm = 100 / &dynamics damping_ratio = 0.02 / &attractors rpm = 16000 /""")
+    lines = program('one.nml', cwd=tmp_path).stdout.splitlines()
+    with open(tmp_path / 'results/one.attractors.csv') as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith('#')))
+    at = next(i for i, line in enumerate(lines) if line.startswith('   relief um      at rpm   periods'))
+    shares = [line.split()[4] for line in lines[at + 1 : at + 1 + len(rows)]]
+    assert 'none' in shares
+    assert shares == [f'{100 * float(row["share"]):.1f}' if int(row['starts']) else 'none' for row in rows]
+
+
 def test_one_speed_is_told_as_one(program, tmp_path):
     (tmp_path / 'one.nml').write_text(CASES['narrow'].replace('rpm_last = 16000', 'rpm_last = 12000').replace(", 'optimum'", ''))
     assert 'Dynamic factor over 1 speed, 12000 rpm\n' in program('one.nml', cwd=tmp_path).stdout

@@ -242,6 +242,7 @@ contains
   pure subroutine add_report(self, lines)
     class(attractors_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
+    character(12) :: share
     integer :: i
 
     associate (found => self%tables(self%place('attractors')), points => self%tables(self%place('attractor_points')))
@@ -249,10 +250,12 @@ contains
       call lines%add('Attracting motions, '//str(points%extent(2))//' speeds, '//str(self%options%starts**2)//' starts each')
       call lines%add('   relief um      at rpm   periods        DF   starts, %   contact')
       do i = 1, min(found%rows, most_rows)
+        share = fixed(100*found%number('share', i), 1)
+        if (found%number('starts', i) <= 0) share = 'none'
         call lines%add(right(str(found%number('relief_um', i)), 12)//right(str(found%number('rpm', i), 6), 12)// &
                        right(str(nint(found%number('mesh_periods', i))), 10)// &
                        factor_in(found%number('dynamic_factor', i))// &
-                       right(fixed(100*found%number('share', i), 1), 12)//'   '//trim(found%word('contact', i)))
+                       right(trim(share), 12)//'   '//trim(found%word('contact', i)))
       end do
       call add_rest(found%rows, found%name, lines)
       call lines%add(left('Several motions', 19)//'at '//str(count(points%numbers('motions') > 1))//' of '//str(points%rows)// &
