@@ -228,6 +228,10 @@ contains
     call check_close(t, 'the list meets it', maxval(size_of), found, 1e-3_dp)
     angular = frequencies_around(model, [3.0_dp, 4.0_dp])
     call check_true(t, 'nothing outside', all(angular >= 3) .and. all(angular <= 4))
+    ! In Hz; the second is the half of the way, which rounding puts beside it.
+    model%frequency = 1e6_dp
+    angular = frequencies_around(model, 2*pi*[1000.0_dp, 2000.0_dp, 3000.0_dp])
+    call check_equal(t, 'a listed frequency that is a hundredth of the way stands once', size(angular), 101)
   end subroutine whatever_is_listed
 
   ! --- the task --------------------------------------------------------------------

@@ -89,12 +89,14 @@ contains
                                           8.0_dp, 16.0_dp]
     real(dp), parameter :: around(*) = [-one_side, 0.0_dp, one_side]
     integer, parameter :: between = 100
+    !> Relative: of the same frequency by two ways, which rounding leaves apart
+    real(dp), parameter :: apart = 1e-12_dp
     integer :: i, k, n
 
     n = size(stated)
     angular = [stated, (stated(1) + i*(stated(n) - stated(1))/between, i=1, between - 1)]
     angular = [angular, ((model%frequency(k) + around(i)*model%damping(k), i=1, size(around)), k=1, size(model%frequency))]
     angular = sorted(pack(angular, angular >= stated(1) .and. angular <= stated(n)))
-    angular = pack(angular, [.true., angular(2:) > angular(:size(angular) - 1)])
+    angular = pack(angular, [.true., angular(2:) > angular(:size(angular) - 1)*(1 + apart)])
   end function frequencies_around
 end module gearsweep_frequency_response
