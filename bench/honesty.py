@@ -121,15 +121,15 @@ def main():
                        CONTACT[int(points['contact'][i])], f'{points["tolerance"][i]:.1e}', f'{points["estimate"][i]:.1e}',
                        f'{error[i]:.1e}') for i in worst])
     found = motions()
-    everything = np.ones(len(found['draw']), bool)
-    _, _, far, beyond, *_ = summary(found, found['error'], everything)
-    report.tell(f'Error estimates of {len(everything)} random motions, every eighth with tip corners that touch: the true error is '
+    rows = [(name, *summary(found, found['error'], mask)) for name, mask in motion_classes(found) if mask.any()]
+    _, count, _, far, beyond, *_ = rows[0]
+    report.tell(f'Error estimates of {count} random motions, every eighth with tip corners that touch: the true error is '
                 f'above twice the\n  estimate at {far}, above the tolerance at {beyond}.')
     report.add(f'{DRAWS} random draws at eight speeds each (test/random_motions.f90): damping ratio 1e-4 to 50, contact ratio\n'
                '1.05 to 2.9 or, in half of them, 0.005 to 0.15 above 1 or 2, relief, backlash, friction, 0.05 to 3 times the main\n'
                'resonance, tolerance 1e-10 to 1e-3; every eighth a pair like case 1 whose tip corners touch. Reference: four times\n'
                'as many steps and more, cut otherwise.\n')
-    report.table(heads, [(name, *summary(found, found['error'], mask)) for name, mask in motion_classes(found) if mask.any()])
+    report.table(heads, rows)
     largest = np.argmax(np.where(found['error'] > ROUNDING, found['error'] / found['estimate'], 0))
     report.add(f'The largest ratio belongs to an error of {found["error"][largest]:.1g} where {found["tolerance"][largest]:.1g} is allowed.\n')
     report.csv('honesty_motions', MOTION, np.column_stack([*found.values()]))

@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 
 Z1, Z2, MODULE, WIDTH, LOAD, FRICTION, NU = 21, 34, 3.0, 20.0, 4000.0, 0.06, 0.3
+BASES = [MODULE * z / 2 * math.cos(math.radians(20)) for z in (Z1, Z2)]  # base radii, mm
 folder, name = Path(sys.argv[1]), sys.argv[2]
 found = {}
 
@@ -153,7 +154,7 @@ def sweep():
 
 def torque():
     points, times = table('torque_points'), table('torque')
-    rb1, rb2 = (MODULE * z / 2 * math.cos(math.radians(20)) / 1000 for z in (Z1, Z2))
+    rb1, rb2 = (radius / 1000 for radius in BASES)
     for one in points:
         rows = rows_of(times, one, 'relief_um', 'rpm')
         for member in ('pinion', 'gear'):
@@ -194,11 +195,10 @@ def torque():
             true('a phase where the amplitude is known', math.isnan(row[f'{member}_phase_deg']) != known)
 
 
-def half_width(load, first):
-    """Of the contact (um) where the pinion's radius of curvature is `first` (mm): Hertz, both flanks in plane strain."""
-    bases = [MODULE * z / 2 * math.cos(math.radians(20)) for z in (Z1, Z2)]
-    centre = table('geometry')[0]['centre_distance_mm']
-    second = math.sqrt(centre**2 - sum(bases) ** 2) - first
+def half_width(load, member, radius):
+    """Of the contact (um) at `radius` (mm) of the pinion (member 0) or the gear (1): Hertz, both flanks in plane strain."""
+    first = math.sqrt(radius**2 - BASES[member] ** 2)
+    second = math.sqrt(table('geometry')[0]['centre_distance_mm'] ** 2 - sum(BASES) ** 2) - first
     modulus = 206e3 / (2 * (1 - NU**2))
     return 1e3 * math.sqrt(4 * load / WIDTH * first * second / (first + second) / (math.pi * modulus))
 
@@ -212,8 +212,9 @@ def flank():
         near('specific sliding of the gear', row['gear_specific_sliding'], -row['sliding_m_s'] / row['gear_rolling_m_s'])
         near('place on the path', row['path_mm'], pitch * row['s'], 1e-9, 1e-9)
         if row['pressure_mpa'] > 0:
-            start = math.sqrt(table('contact_points')[0]['pinion_radius_mm'] ** 2 - (MODULE * Z1 / 2 * math.cos(math.radians(20))) ** 2)
-            near('half width of the contact', row['half_width_um'], half_width(row['pair_load_n'], start + row['path_mm']), 1e-6)
+            start = math.sqrt(table('contact_points')[0]['pinion_radius_mm'] ** 2 - BASES[0] ** 2)
+            radius = math.hypot(start + row['path_mm'], BASES[0])
+            near('half width of the contact', row['half_width_um'], half_width(row['pair_load_n'], 0, radius), 1e-6)
             near('p = 2 F/(pi b a)', row['pressure_mpa'], 2e3 * row['pair_load_n'] / (math.pi * WIDTH * row['half_width_um']), 1e-9)
             # Blok's flash temperature, of two flanks that conduct 45 and 60 W/(m K): 7850 kg/m^3, 484 J/(kg K).
             heat = sum(math.sqrt(conductivity * 7850 * 484 * row[f'{member}_rolling_m_s'])
@@ -226,7 +227,7 @@ def flank():
         near('largest pressure', one['largest_pressure_mpa'], max(row['pressure_mpa'] for row in known))
         near('largest flash', one['largest_flash_k'], max(row['flash_temperature_k'] for row in known))
         near('least film', one['least_film_um'], min(row['film_thickness_um'] for row in known if row['film_thickness_um'] > 0))
-        near('power', one['input_power_w'], LOAD * MODULE * Z1 / 2 * math.cos(math.radians(20)) / 1000 * math.pi * one['rpm'] / 30)
+        near('power', one['input_power_w'], LOAD * BASES[0] / 1000 * math.pi * one['rpm'] / 30)
         near('loss', one['friction_loss_w'], one['friction_coefficient'] * one['loss_factor'] * one['input_power_w'])
         near('efficiency', one['efficiency'], 1 - one['friction_loss_w'] / one['input_power_w'])
         for row in rows:
@@ -385,11 +386,10 @@ def motions():
     true('a speed between them', any(row['floquet_modulus'] > 1 for row in table('stability')))
     for row in table('sensitivity'):
         near('relative slope', row['relative_slope'], row['value'] * row['slope'] / row['dynamic_factor'])
-        # Where the derivative is smooth, both sides have it, in the unit of the number.
+        # Where the derivative is smooth, both sides have it, to the differences that they are taken by (1e-7 here).
         if row['derivative'] == 'smooth':
             for side in ('slope_below', 'slope_above'):
-                if not math.isnan(row[side]):
-                    near(side, row[side], row['slope'], 0.02, 10 * row['error_estimate'])
+                near(side, row[side], row['slope'], 1e-5, 10 * row['error_estimate'])
     kept = table('hysteresis')
     for row in kept:
         other = [one for one in table('sweep') if one['rpm'] == row['rpm'] and one['relief_um'] == row['relief_um']]
@@ -397,13 +397,14 @@ def motions():
             continue
         true('a slow run meets the sweep', any(abs(x - row['dynamic_factor']) < 1e-4 * x for x in
                                                (other[0]['dynamic_factor'], other[0]['other_dynamic_factor'])))  # fmt: skip
-        # The same motion by the same steps.
+        # Where there is one motion only: by the same steps, from another start.
         if other[0]['direction'] == 'both':
-            near('its estimate', row['error_estimate'], other[0]['error_estimate'], 0.5)
+            near('estimate of a slow run', row['error_estimate'], other[0]['error_estimate'], 0.01)
     for row in kept:
         for one in rows_of(all_motions, row, 'relief_um', 'rpm'):
             if abs(one['dynamic_factor'] - row['dynamic_factor']) < 1e-6:
-                true('estimate of an attractor', row['error_estimate'] / 6 < one['error_estimate'] < 6 * row['error_estimate'])
+                # Of sixth order; a level has the cube root of two times as many steps as the one before.
+                true('estimate of an attractor, to a level of steps', 1 / 4 < one['error_estimate'] / row['error_estimate'] < 4)
     changes = table('hysteresis_changes')
     for row in changes:
         before, after = row['mesh_periods_before'], row['mesh_periods_after']
@@ -427,10 +428,7 @@ def motions():
     for k, (part, key) in enumerate(zip(parts, ('pinion_relief_um', 'gear_relief_um'))):
         near('sum of both parts', part['formula_deflection_um'], part['bending_um'] + part['flattening_um'])
         near('loaded at the tip', part['load_diameter_mm'], gears[k]['tip_diameter_mm'])
-        bases = [MODULE * z / 2 * math.cos(math.radians(20)) for z in (Z1, Z2)]
-        own = math.sqrt((part['load_diameter_mm'] / 2) ** 2 - bases[k] ** 2)
-        line = math.sqrt(table('geometry')[0]['centre_distance_mm'] ** 2 - sum(bases) ** 2)
-        near('half width under the load at the tip', part['half_width_um'], half_width(LOAD, line - own if k else own), 1e-6)
+        near('half width under the load at the tip', part['half_width_um'], half_width(LOAD, k, part['load_diameter_mm'] / 2), 1e-6)
         near('half of the flattening', reliefs['markovic_vrcan'][key], part['bending_um'] + part['flattening_um'] / 2)
         near('all of it', reliefs['whole_flattening'][key], part['formula_deflection_um'])
 

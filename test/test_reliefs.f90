@@ -277,7 +277,7 @@ contains
       end do
     end do
     call check_true(t, 'it has all speeds', all(found%best%failed == 0))
-    ! Steps are halved from an eighth of the ranges; the last one that found nothing better is the least of them.
+    ! Steps are halved from an eighth of the ranges down to 1/512 (`last_step`), in which nothing better was found.
     call check_close(t, 'no better one so near', found%within, 2.0_dp**(-9))
     largest = maxval(found%best%worst%dynamic_factor)
     call check_true(t, 'no design of the grid is better', largest < least + 1e-4_dp, str(largest)//' and '//str(least))

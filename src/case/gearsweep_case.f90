@@ -118,7 +118,7 @@ contains
     words = sentence_of(self%tasks, which)
   end function tasks_for
 
-  !> What would make a key applicable: the tasks that need this stage, told as in `load, sweep or optimum`, or nothing where the
+  !> What a key lacks: the tasks that need this stage, told as in `load, sweep or optimum`, or nothing where the
   !> case names one of them.
   pure function for_stage(case, which) result(what)
     type(case_t), intent(in) :: case
@@ -128,7 +128,7 @@ contains
     what = unless(case%needs(which), trim(case%tasks_for(which)))
   end function for_stage
 
-  !> What would make a key of ISO 6336 applicable: tasks that need this stage, or a stiffness by ISO 6336.
+  !> What a key of ISO 6336 lacks: tasks that need this stage, or a stiffness by ISO 6336.
   pure function for_iso(case, which) result(what)
     type(case_t), intent(in) :: case
     integer, intent(in) :: which                 !< of `stage`

@@ -168,8 +168,6 @@ contains
     type(point_t), intent(out) :: points(batch_size)
     logical, intent(out) :: solved(batch_size)       !< the others are for `solve_point`
     type(resolution_t) :: graded
-    type(point_t) :: one(batch_size, 1)
-    logical :: one_solved(batch_size, 1)
 
     solved = .false.
     if (levels%lacks) return
@@ -178,9 +176,7 @@ contains
       call solve_graded(osc, duration, options, graded, levels, points, solved)
       if (any(solved)) return
     end if
-    call refine_batch(osc, [1.0_dp], duration, options, levels, one, one_solved)
-    points = one(:, 1)
-    solved = one_solved(:, 1)
+    call refine_batch(osc, [1.0_dp], duration, options, levels, points, solved)
   end subroutine solve_batch
 
   !> The operating points at all speeds of a batch for many amounts of one relief, as far as all pairs stay in contact. The
@@ -191,8 +187,8 @@ contains
     real(dp), intent(in) :: duration(batch_size)     !< of the mesh period at each speed, s
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels          !< of this oscillator; lacks: the memory does not hold the steps
-    type(point_t), intent(out) :: points(:, :)       !< (speed, amount)
-    logical, intent(out) :: solved(:, :)             !< the others are to be solved by themselves; (speed, amount)
+    type(point_t), intent(out) :: points(batch_size, size(part))  !< (speed, amount)
+    logical, intent(out) :: solved(batch_size, size(part))  !< the others are to be solved by themselves; (speed, amount)
     type(resolution_t) :: graded
 
     solved = .false.
@@ -209,8 +205,8 @@ contains
     real(dp), intent(in) :: duration(batch_size)     !< of the mesh period at each speed, s
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels          !< of this oscillator; lacks: the memory does not hold the steps
-    type(point_t), intent(out) :: points(:, :)       !< (speed, amount)
-    logical, intent(out) :: solved(:, :)             !< (speed, amount)
+    type(point_t), intent(out) :: points(batch_size, size(part))  !< (speed, amount); of one amount also (speed)
+    logical, intent(out) :: solved(batch_size, size(part))
     ! The solution with half the steps counts a twentieth, so that its Newton iterations may end so much earlier.
     real(dp), parameter :: loose = 1000
     type(steady_t), dimension(batch_size, size(part)) :: half, full
@@ -226,13 +222,13 @@ contains
       if (.not. ready) return
       associate (coarse => levels%level(level - per_doubling)%map, fine => levels%level(level)%map)
         call set_durations(coarse, duration)
-        call set_durations(fine, duration)
         if (size(part) == 1) then
           call find_batch(coarse, loose*options%steady%tolerance, half(:, 1))
         else
           call superpose(coarse, part, half)
         end if
         if (.not. any(settled(half))) return
+        call set_durations(fine, duration)
         if (size(part) == 1) then
           call find_batch(fine, options%steady%tolerance, full(:, 1), half(:, 1))
         else

@@ -89,7 +89,7 @@ contains
                                           8.0_dp, 16.0_dp]
     real(dp), parameter :: around(*) = [-one_side, 0.0_dp, one_side]
     integer, parameter :: between = 100
-    !> Relative: of the same frequency by two ways, which rounding leaves apart
+    !> Relative: rounding leaves one frequency, reached in two ways, so far apart at most.
     real(dp), parameter :: apart = 1e-12_dp
     integer :: i, k, n
 
