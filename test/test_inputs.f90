@@ -438,8 +438,8 @@ contains
              'life tensile_strength_mpa 1500;'// &
              'body_modes modes 1;body_modes nodal_diameters 0;body_modes elements_across 2;body_modes shapes 1;'//few)
     if (task == 'body_modes') call set(settings, 'pinion bore_mm 20;gear bore_mm 30')
-    ! With tip corners every motion takes three times as long; what they feed is walked with these tasks.
-    if (.not. any(task == [character(task_length) :: 'mesh', 'load', 'static', 'sweep'])) &
+    ! Steady motions take longer with tip corners; these are walked with the tasks that have them here.
+    if (.not. any(task == [character(task_length) :: 'mesh', 'load', 'static', 'sweep', 'transient', 'harmonic'])) &
       call set(settings, 'mesh corner_contact .false.')
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
