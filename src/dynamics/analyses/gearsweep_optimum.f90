@@ -228,6 +228,7 @@ contains
     if (size(known) == 3) call may_be_largest(known, amount, 2*options%accuracy%steady%tolerance, needed)
     of_linear = options
     of_linear%full_contact_only = .true.
+    of_linear%accuracy%with_dte = .false.
     of_linear%is_counted = .false.
     call run_sweep(motion, pack(rpm, needed), of_linear, sweep, error)
     if (allocated(error)) return

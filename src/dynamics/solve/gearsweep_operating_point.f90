@@ -225,14 +225,14 @@ contains
         if (size(part) == 1) then
           call find_batch(coarse, loose*options%steady%tolerance, half(:, 1))
         else
-          call superpose(coarse, part, half)
+          call superpose(coarse, part, options%with_dte, half)
         end if
         if (.not. any(settled(half))) return
         call set_durations(fine, duration)
         if (size(part) == 1) then
           call find_batch(fine, options%steady%tolerance, full(:, 1), half(:, 1))
         else
-          call superpose(fine, part, full)
+          call superpose(fine, part, options%with_dte, full)
         end if
         points%steps = fine%table%steps
       end associate

@@ -32,6 +32,7 @@ module gearsweep_steady_motion
   !> What an operating point is asked for.
   type, extends(step_choice_t) :: accuracy_t
     type(steady_options_t) :: steady
+    logical :: with_dte = .true.                 !< root mean square and range of the transmission error are wanted
   end type accuracy_t
 
   !> A periodic motion.

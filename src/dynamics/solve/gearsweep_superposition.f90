@@ -51,17 +51,18 @@ module gearsweep_superposition
 contains
 
   !> The steady motions with these parts of the profile error of the map's oscillator.
-  pure subroutine superpose(map, part, steady)
+  pure subroutine superpose(map, part, with_dte, steady)
     type(period_map_t), intent(in) :: map              !< with the durations of a batch
     real(dp), intent(in) :: part(:)                    !< of the profile error, as a factor; (amount)
+    logical, intent(in) :: with_dte                    !< false: `dte_rms` and `dte_range` are 0
     !> (speed, amount); without a result where a pair may part, or the map has no periodic motion.
     type(steady_t), intent(out) :: steady(:, :)
     type(motions_t) :: motions
     type(search_t) :: search(size(part))
     integer :: i, l, r
 
-    call find_motions(map, motions)
-    call search_peaks(map, motions, part, search)
+    call find_motions(map, with_dte, motions)
+    call search_peaks(map, motions, part, with_dte, search)
     do r = 1, size(part)
       do l = 1, map%speeds
         if (.not. (search(r)%carries(l) .and. motions%solved(l))) cycle
@@ -75,8 +76,9 @@ contains
   end subroutine superpose
 
   !> Two periods from rest give the periodic states, and two more the motions from there.
-  pure subroutine find_motions(map, motions)
+  pure subroutine find_motions(map, with_dte, motions)
     type(period_map_t), intent(in) :: map
+    logical, intent(in) :: with_dte
     type(motions_t), intent(inout) :: motions
     real(dp), parameter :: forced(2, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
     real(dp), allocatable :: propagator(:, :, :)   ! as in period_map_t, with the affine part of the other motion; (, , step)
@@ -110,7 +112,7 @@ contains
       do i = 1, n
         if (table%kind(i)%begins) motions%checksum = motions%checksum + motions%x(:, 1, :, i - 1)
         call take_steps(propagator(:, :, i), motions%x(:, :, :, i - 1), motions%x(:, :, :, i))
-        call add_integrals(table, i, motions)
+        if (with_dte) call add_integrals(table, i, motions)
       end do
     end associate
   end subroutine find_motions
@@ -130,10 +132,11 @@ contains
   end subroutine take_steps
 
   !> Largest loads at the ends of steps, where all pairs carry, and candidates for larger ones between them.
-  pure subroutine search_peaks(map, motions, part, search)
+  pure subroutine search_peaks(map, motions, part, with_dte, search)
     type(period_map_t), intent(in) :: map
     type(motions_t), intent(in) :: motions
     real(dp), intent(in) :: part(:)
+    logical, intent(in) :: with_dte
     type(search_t), intent(inout) :: search(:)
     type(ends_t) :: ends
     integer :: i, j, r
@@ -142,7 +145,7 @@ contains
       search(r)%carries(map%speeds + 1:) = .false.
     end do
     do i = 1, map%table%steps
-      do r = 1, size(part)
+      do r = 1, merge(size(part), 0, with_dte)
         if (any(search(r)%carries)) call watch_range(map%table%width(i), motions%x(:, :, :, i - 1:i), part(r), search(r)%range)
       end do
       do j = 1, map%table%pairs(i)
@@ -350,7 +353,9 @@ contains
     associate (x => motions%x, n => map%table%steps)
       state = x(l, :, by_load, 0) + part*x(l, :, by_relief, 0)
       run%state = x(l, :, by_load, n) + part*x(l, :, by_relief, n)
-      run%monodromy = reshape(motions%monodromy(l, :), [2, 2])
+      ! Not by `reshape`, a call of the run-time library at each point.
+      run%monodromy(:, 1) = motions%monodromy(l, 1:2)
+      run%monodromy(:, 2) = motions%monodromy(l, 3:4)
       run%peak = peak
       run%dte = range
       run%dte%first = motions%first(l, 1) + part*motions%first(l, 2)
