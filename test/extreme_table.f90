@@ -117,7 +117,7 @@ contains
     case ('chaotic')
       text = text//', no DF: no periodic motion, disturbances grow'
     case ('transient')
-      text = text//', no DF: the motion had not settled when the march ended'
+      text = text//', no DF: the transient had not died away when the march ended'
     case ('unbounded')
       text = text//', no DF: no bound was seen'
     case default

@@ -3,7 +3,7 @@
 module test_closed_geometry
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
-  use gearsweep_contour, only: shown_contour, tooth_contour
+  use gearsweep_contour, only: shown_outline, tooth_outline
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
@@ -184,7 +184,7 @@ contains
             pair%dedendum(i), pair%rounding(i), face_width=1.0_dp), gear, error)
           call check_no_error(t, 'gear to be cut', error)
           call check_true(t, 'pair '//str(n)//': undercut', any(gear%is_undercut([drive, coast])) .eqv. n > size(examples()))
-          points = tooth_contour(gear, steps)
+          points = tooth_outline(gear, steps)
           farthest = 0
           least = 0
           do k = 1, 5*steps + 1
@@ -233,7 +233,7 @@ contains
             call make_gear(spec, gear, error)
             call check_no_error(t, name, error)
             call check_true(t, name//': flanks begin higher', all(gear%form_radius > plain%form_radius))
-            points = tooth_contour(gear, steps)
+            points = tooth_outline(gear, steps)
             farthest = 0
             least = 0
             do k = 1, 5*steps + 1
@@ -249,7 +249,7 @@ contains
           end do
           spec%protuberance = spec%grinding_stock
           call make_gear(spec, gear, error)
-          call check_true(t, name//': as much stock', all(abs(tooth_contour(gear, steps) - tooth_contour(plain, steps)) <= 0))
+          call check_true(t, name//': as much stock', all(abs(tooth_outline(gear, steps) - tooth_outline(plain, steps)) <= 0))
           spec%protuberance = 0.9_dp*spec%grinding_stock
           call make_gear(spec, gear, error)
           call check_error(t, name//': more stock', error, 'grinding stock (mm) = ')
@@ -379,7 +379,7 @@ contains
       if (.not. allocated(error)) call build_pair(case, gears, error)
       call check_no_error(t, 'outline', error)
       if (allocated(error)) return
-      call shown_contour(gears%gear(member), found)
+      call shown_outline(gears%gear(member), found)
       points = size(found, 2)
       x(:points) = 1000*found(1, :)
       y(:points) = 1000*found(2, :)

@@ -1,6 +1,6 @@
 !> The limits that refusals tell are the true ones: each against its closed form or the geometry that it stands for.
 module test_closed_limits
-  use gearsweep_contour, only: tooth_contour
+  use gearsweep_contour, only: tooth_outline
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_kinds, only: dp, pi
@@ -168,7 +168,7 @@ contains
     associate (pair => list(3))
       call make_gear(gear_spec_t('gear', pair%teeth(1), pair%module, pair%angle*degree, pair%shift(1), pair%addendum(1), &
         pair%dedendum(1), pair%rounding(1), face_width=1.0_dp), gear, error)
-      points = tooth_contour(gear, steps)
+      points = tooth_outline(gear, steps)
       ! The outline begins and ends where the fillets meet the root circle; the cut is in the middle of the root's land.
       root = abs([atan2(points(1, 5*steps + 1), points(2, 5*steps + 1)), atan2(points(1, 1), points(2, 1))])
       middle = (root(drive) - root(coast))/2

@@ -1,7 +1,7 @@
 !> Modes and grids by elements of the tests' own: mass, stiffness and energies of the shapes that are told, integrated anew
 !> from the grid that is told; nodes on the surface against the sampled outline.
 module test_closed_modes
-  use gearsweep_contour, only: gear_contour
+  use gearsweep_contour, only: gear_outline
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_grid, only: grid_t, rectangle_grid
@@ -143,7 +143,7 @@ contains
     associate (pair => list(3))
       call make_gear(gear_spec_t('gear', pair%teeth(1), pair%module, pair%angle*degree, pair%shift(1), pair%addendum(1), &
         pair%dedendum(1), pair%rounding(1), face_width=1.0_dp), gear, error)
-      outline = gear_contour(gear, steps)
+      outline = gear_outline(gear, steps)
       do n = 1, size(options)
         call ask(t, '&case tasks=''section'' / '//text_of(pair)//'&section elements_across=6 '//trim(options(n))//' /', answer)
         x = answer%all_of('nodes.x_mm')

@@ -1,7 +1,7 @@
 !> Pair and mesh stiffness against the standards' formulas written out anew, closed forms, and a solver of load
 !> sharing in a few lines; unlike gears by exchanging them.
 module test_closed_stiffness
-  use gearsweep_contour, only: tooth_contour
+  use gearsweep_contour, only: tooth_outline
   use gearsweep_disc, only: disc_t
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
@@ -224,7 +224,7 @@ contains
 
     call make_gear(gear_spec_t('gear', pair%teeth(member), pair%module, pair%angle*degree, pair%shift(member), &
       pair%addendum(member), pair%dedendum(member), pair%rounding(member), face_width=1.0_dp), gear, error)
-    points = tooth_contour(gear, steps)
+    points = tooth_outline(gear, steps)
     rb = base_radius(pair, drive)
     r = hypot(rb(member), rho)
     lever = half_tooth(pair, member, drive, r)

@@ -1,7 +1,7 @@
 !> Stress and rating against Hooke's law, brute force on the outline, and the whole stress field beside the fillet's.
 module test_closed_stress
   use gearsweep_body, only: body_t, make_body
-  use gearsweep_contour, only: tooth_contour
+  use gearsweep_contour, only: tooth_outline
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear
   use gearsweep_grid, only: grid_t, rectangle_grid
@@ -120,7 +120,7 @@ contains
 
     call make_gear(gear_spec_t('gear', pair%teeth(member), pair%module, pair%angle*degree, pair%shift(member), &
       pair%addendum(member), pair%dedendum(member), pair%rounding(member), face_width=1.0_dp), gear, error)
-    points = tooth_contour(gear, steps)
+    points = tooth_outline(gear, steps)
   end function sampled
 
   !> ISO 6336-3:2006, 6.2 to 6.4, for a tool with protuberance: E = pi/4 m - h_fP tan(alpha) + s_pr/cos(alpha) - (1 - sin(alpha))

@@ -45,7 +45,7 @@ contains
     if (t%wants('whole_gear_densely')) call whole_gear_densely(t)
     if (t%wants('small_bore')) call small_bore(t)
     if (t%wants('honest_estimates')) call honest_estimates(t)
-    if (t%wants('crossing_modes')) call crossing_modes(t)
+    if (t%wants('exchanged_modes')) call exchanged_modes(t)
     if (t%wants('undercut_gear')) call undercut_gear(t)
     if (t%wants('assembled_mass')) call assembled_mass(t)
     if (t%wants('own_material')) call own_material(t)
@@ -235,7 +235,7 @@ contains
 
   !> Two frequencies whose errors are of second order, 0.8 % and none on the finer grid: on the coarser one they have changed
   !> places. The differences are 0.2 and 2.2 Hz, of which the first is none of a mode. A third lies apart.
-  subroutine crossing_modes(t)
+  subroutine exchanged_modes(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: fine(3) = [100.8_dp, 101.0_dp, 150.3_dp], coarse(3) = [101.0_dp, 103.2_dp, 151.2_dp]
     real(dp), parameter :: true(3) = [100, 101, 150]
@@ -244,7 +244,7 @@ contains
     ratio = (fine/true - 1)/estimated_errors(fine, coarse, 2.0_dp)
     call check_true(t, 'modes that change places: estimates hold', maxval(ratio) < 1.2_dp, str(maxval(ratio)))
     call check_close(t, 'a mode apart: by its own difference', ratio(3), 1.0_dp, relative=0.01_dp)
-  end subroutine crossing_modes
+  end subroutine exchanged_modes
 
   !> Ten undercut teeth: along the fillets both of a gear's grids have three parabolas for an element each, which
   !> make it larger, as its area shows beside that of a grid twice as fine. So its first frequency is too low by more than the

@@ -2,7 +2,7 @@
 !> ISO 6336's form factors beside it. Beam formulas, outline, pictures.
 module test_elastic_stress
   use gearsweep_beam, only: beam_t, hassan_shape
-  use gearsweep_contour, only: gear_contour
+  use gearsweep_contour, only: gear_outline
   use gearsweep_error, only: error_t
   use gearsweep_form, only: iso_form, iso_form_t, lewis_factor, outer_single_contact
   use gearsweep_gear, only: gear_t, gear_spec_t, make_gear, drive, coast
@@ -182,7 +182,7 @@ contains
     real(dp) :: area
 
     gear = hassan_gear(30)
-    points = gear_contour(gear, 40)
+    points = gear_outline(gear, 40)
     area = sum(cshift(points(1, :), 1)*points(2, :) - points(1, :)*cshift(points(2, :), 1))/2
     call make_section(gear, section_options_t(teeth=30, rim=0.1_dp, elements_across=10), section, error)
     call check_close(t, 'outline and grid enclose the same area', area, &

@@ -30,7 +30,7 @@ contains
 
     if (t%wants('standard_example')) call standard_example(t)
     if (t%wants('flat_histories')) call flat_histories(t)
-    if (t%wants('crossings_of_intervals')) call crossings_of_intervals(t)
+    if (t%wants('level_crossings_of_intervals')) call level_crossings_of_intervals(t)
     if (t%wants('mean_stress')) call mean_stress(t)
     if (t%wants('curves')) call curves(t)
     if (t%wants('spectra')) call spectra(t)
@@ -72,7 +72,7 @@ contains
 
   !> What defines the rainflow method: as many cycles span an interval of stress as the history crosses it upwards
   !> (Rychlik 1987).
-  subroutine crossings_of_intervals(t)
+  subroutine level_crossings_of_intervals(t)
     type(tally_t), intent(inout) :: t
     type(random_t) :: random
     type(cycle_t), allocatable :: cycles(:)
@@ -90,18 +90,18 @@ contains
         low = random%between(-1.0_dp, 1.0_dp)
         high = random%between(low, 1.0_dp)
         call check_equal(t, 'cycles that span an interval', count(cycles%mean - cycles%amplitude < low .and. &
-                         cycles%mean + cycles%amplitude > high), crossings(stress, low, high))
+                         cycles%mean + cycles%amplitude > high), level_crossings(stress, low, high))
       end do
     end do
-  end subroutine crossings_of_intervals
+  end subroutine level_crossings_of_intervals
 
   !> How often a repeating history goes from below an interval to above it.
-  pure integer function crossings(stress, low, high)
+  pure integer function level_crossings(stress, low, high)
     real(dp), intent(in) :: stress(:), low, high
     logical :: is_below
     integer :: i
 
-    crossings = 0
+    level_crossings = 0
     is_below = .false.
     ! The second turn counts; in the first, it is found whether the history is below.
     do i = 1, 2*size(stress)
@@ -109,11 +109,11 @@ contains
         if (now < low) is_below = .true.
         if (now > high .and. is_below) then
           is_below = .false.
-          if (i > size(stress)) crossings = crossings + 1
+          if (i > size(stress)) level_crossings = level_crossings + 1
         end if
       end associate
     end do
-  end function crossings
+  end function level_crossings
 
   ! --- mean stress and curve -------------------------------------------------------
 

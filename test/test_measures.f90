@@ -1,7 +1,7 @@
 !> Tooth thickness and tips: allowances and the backlash that follows, span and diameter over pins, chamfers and roundings.
 module test_measures
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_contour, only: tooth_contour
+  use gearsweep_contour, only: tooth_outline
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: coast, drive, gear_spec_t, gear_t, involute, make_gear
   use gearsweep_measures, only: check_pin, find_measures, measures_t
@@ -278,7 +278,7 @@ contains
       call check_true(t, 'a chamfer is a blunter edge', edge > bare + 20*degree)
     end associate
     call check_close(t, 'slope of the chamfer', dot_product(along, p)/norm2(p), 37.5_dp*mm*cos(45*degree)/norm2(p), 1e-6_dp)
-    outline = tooth_contour(gear, 5)
+    outline = tooth_outline(gear, 5)
     call check_close(t, 'outline reaches the tip circle', maxval(norm2(outline, 1)), gear%tip_radius, 1e-14_dp)
     call check_close(t, 'tip land of the outline', norm2(outline(:, 20) - outline(:, 15)), &
                      2*gear%tip_radius*sin((gear%tip_half_angle(drive) + gear%tip_half_angle(coast))/2), 1e-12_dp)

@@ -858,26 +858,26 @@ refuses "&mesh coefficients = 400: needs model = 'polynomial'" 1 "s/model = .*/m
 refuses "file = 'pair.csv': needs model = 'table'" 1 "s/model = .*/model = 'weber' file = 'pair.csv'/"
 refuses '&mesh base_pitch_mm = 9: needs a prescribed mesh' 1 "s/model = .*/model = 'weber' base_pitch_mm = 9/"
 
-# Keys that wait for another task: read, and named in the answer
-# waits TEXT SED: the edited base case is answered with this text.
-waits() {
+# Keys that another task uses: read, and named in the answer
+# unused TEXT SED: the edited base case is answered with this text.
+unused() {
   edit "$2"
   cmp -s base.nml case.nml && { fails "no change by: $2"; return; }
-  run case.nml --out waits
-  check "waits: exit code of $2" exits 0
-  check "waits: $2" says stdout "$1"
+  run case.nml --out unused
+  check "unused: exit code of $2" exits 0
+  check "unused: $2" says stdout "$1"
 }
-run base.nml --out waits
-check 'nothing waits' lacks stdout 'Not used'
-waits "Not used           for a section that ends at it or a mass that is not stated: &pinion bore_mm" '/&pinion/,/^\//s/teeth = 25/teeth = 25 bore_mm = 20/'
-waits 'Not used           for modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated: &material density_kgm3' 's/young/density_kgm3 = 7850 young/'
-waits 'Not used           for static, modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
-waits 'Not used           for modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
-waits 'Not used           for load: &sweep load_rpm' "s/tasks = .*/tasks = 'mesh', 'sweep'/"
-waits '                   for sweep, optimum, deflection_relief, stability, hysteresis, poincare or attractors: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
-waits "Not used           for section, static, modal, precision, transient, harmonic or a stiffness by elements: &section teeth" "s/&sweep/\\&section teeth = 5 \\/ \\&sweep/"
-waits 'for section, static, modal, precision, transient, harmonic or body_modes: &section member' "s/&sweep/\\&section member = 'gear' \\/ \\&sweep/"
-waits 'for static: &static positions' "s/&sweep/\\&static positions = 5 \\/ \\&sweep/"
+run base.nml --out unused
+check 'every key is used' lacks stdout 'Not used'
+unused "Not used           for a section that ends at it or a mass that is not stated: &pinion bore_mm" '/&pinion/,/^\//s/teeth = 25/teeth = 25 bore_mm = 20/'
+unused 'Not used           for modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated: &material density_kgm3' 's/young/density_kgm3 = 7850 young/'
+unused 'Not used           for static, modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
+unused 'Not used           for modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
+unused 'Not used           for load: &sweep load_rpm' "s/tasks = .*/tasks = 'mesh', 'sweep'/"
+unused '                   for sweep, optimum, deflection_relief, stability, hysteresis, poincare or attractors: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
+unused "Not used           for section, static, modal, precision, transient, harmonic or a stiffness by elements: &section teeth" "s/&sweep/\\&section teeth = 5 \\/ \\&sweep/"
+unused 'for section, static, modal, precision, transient, harmonic or body_modes: &section member' "s/&sweep/\\&section member = 'gear' \\/ \\&sweep/"
+unused 'for static: &static positions' "s/&sweep/\\&static positions = 5 \\/ \\&sweep/"
 refuses '&static positions = 1: must be at least 2' 1 "s/&sweep/\\&static positions = 1 \\/ \\&sweep/"
 
 # A prescribed mesh

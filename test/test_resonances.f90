@@ -45,11 +45,11 @@ contains
 
   contains
 
-    !> For a stretch that ends at the maximum.
-    pure logical function is_fall(stretch)
-      real(dp), intent(in) :: stretch(:)
+    !> For a piece that ends at the maximum.
+    pure logical function is_fall(piece)
+      real(dp), intent(in) :: piece(:)
 
-      is_fall = stretch(1) > none .and. stretch(1) <= y(i) - prominence .and. all(stretch <= y(i))
+      is_fall = piece(1) > none .and. piece(1) <= y(i) - prominence .and. all(piece <= y(i))
     end function is_fall
   end function stands_out
 

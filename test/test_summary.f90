@@ -222,17 +222,17 @@ contains
     end subroutine harmonics_as_marched
   end subroutine marched
 
-  !> Marches until it has settled, and a period in finer steps.
+  !> Marches until the transient has died away, and a period in finer steps.
   subroutine march(damping, rpm, found)
     real(dp), intent(in) :: damping, rpm
     type(march_t), intent(out) :: found
-    integer, parameter :: settling = 1500, rough = 500, fine = 40000
+    integer, parameter :: first = 1500, rough = 500, fine = 40000
     real(dp) :: state(2)
     integer :: side, i
 
     state = [load/700e6_dp, 0.0_dp]
     side = 1
-    do i = 1, settling
+    do i = 1, first
       call march_period(damping, rpm, rough, state, side, found)
     end do
     do i = 1, 60

@@ -561,7 +561,7 @@ class SweepSummaryTable(Table):
     points_chaotic: int
     """no periodic motion was found, and disturbances keep growing"""
     points_transient: int
-    """the motion had not settled when the march ended"""
+    """the transient had not died away when the march ended"""
     points_unbounded: int
     """the deflection passed 1e4 static ones; no bound was seen"""
     points_stopped: int

@@ -182,7 +182,7 @@ def test_counts_and_errors(runs, name):
     assert counts == expected | ({'with loss': lost} if lost else {}) | ({'with another': two} if two else {})
     # Each says what it means.
     for state, part in {'inexact': 'error exceeds the tolerance', 'unresolved': 'too low', 'subharmonic': 'several mesh periods',
-                        'aperiodic': 'no periodic motion', 'chaotic': 'disturbances keep growing', 'transient': 'had not settled',
+                        'aperiodic': 'no periodic motion', 'chaotic': 'disturbances keep growing', 'transient': 'had not died away',
                         'unbounded': 'no bound was seen'}.items():
         assert part in words.get(state, part)
 

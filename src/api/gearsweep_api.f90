@@ -11,7 +11,7 @@ module gearsweep_api
   use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
   use gearsweep_kept, only: fail_name, find_column, find_table, kept_t, list_tables, release, take
   use gearsweep_kinds, only: dp
-  use gearsweep_memory, only: claim_memory, settle_memory
+  use gearsweep_memory, only: claim_memory, release_claim
   use gearsweep_new_case, only: write_new_case
   use gearsweep_output, only: write_results
   use gearsweep_report, only: failed_points, write_report
@@ -45,7 +45,7 @@ contains
       info = error%code
       message = error%message
     end if
-    call settle_memory()
+    call release_claim()
     call bring_traps_back()
   end subroutine end_call
 

@@ -38,8 +38,8 @@ module gearsweep_arclength
     end subroutine differentiate_equations
   end interface
 
-  !> Newton's method has settled where a step is below this.
-  real(dp), parameter :: settled = 1e-11_dp
+  !> Newton's method has converged where a step is below this.
+  real(dp), parameter :: small = 1e-11_dp
 
 contains
 
@@ -74,7 +74,7 @@ contains
       if (.not. ok) return
       z = z + step
       ok = norm2(z - start) <= farthest
-      if (.not. ok .or. maxval(abs(step)) < settled) return
+      if (.not. ok .or. maxval(abs(step)) < small) return
       call equations%evaluate(z, g, ok)
       jacobian = jacobian + spread(g/dot_product(step, step), 2, n)*spread(step, 1, n - 1)
     end do

@@ -66,7 +66,7 @@ contains
     logical :: ok, accepted
 
     allocate (curve%point(64))
-    call equations%settle_steps(start, ok)
+    call equations%choose_steps(start, ok)
     if (ok) call measure(equations, start, sense, here, ok)
     curve%end = end_lost
     if (.not. ok) return
@@ -174,7 +174,7 @@ contains
       z(3) = bound
       normal = [0.0_dp, 0.0_dp, 1.0_dp]
     end if
-    call equations%settle_steps(z, ok)
+    call equations%choose_steps(z, ok)
     if (.not. ok) return
     jacobian = here%jacobian
     call correct(equations, normal, step, jacobian, z, ok)

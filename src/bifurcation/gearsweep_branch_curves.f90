@@ -84,7 +84,7 @@ contains
     if (special%kind > kind_grazing .or. special%kind == kind_grazing .and. special%overlap%contact == 0) return
     equations%kind = special%kind
     equations%overlap = special%overlap
-    call settle_start(equations, [special%start(:2)*rescale, special%start(3), second], start, ok)
+    call find_start(equations, [special%start(:2)*rescale, special%start(3), second], start, ok)
     if (.not. ok) return
     do i = 1, size(curves)
       if (curves(i)%kind == equations%kind .and. curves(i)%periods == equations%periods) then
@@ -115,7 +115,7 @@ contains
   end subroutine add_curve
 
   !> The place of a branch, as these equations have it.
-  subroutine settle_start(equations, from, start, ok)
+  subroutine find_start(equations, from, start, ok)
     class(motion_equations_t), intent(inout) :: equations
     real(dp), intent(in) :: from(4)
     type(curve_point_t), intent(out) :: start
@@ -124,12 +124,12 @@ contains
     real(dp) :: jacobian(3, 4), z(4)
 
     z = from
-    call equations%settle_steps(z, ok)
+    call equations%choose_steps(z, ok)
     if (ok) call equations%differentiate(z, jacobian, ok)
     if (ok) call correct(equations, [0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], farthest, jacobian, z, ok)
     z(4) = from(4)
     if (ok) call measure_place(equations, z, 1, start, ok)
-  end subroutine settle_start
+  end subroutine find_start
 
   !> Does a curve pass a place, wherever in its periods the motion begins?
   logical function passes(equations, curve, z)
@@ -236,7 +236,7 @@ contains
       normal = 0
       normal(fixed) = 1
     end if
-    call equations%settle_steps(z, ok)
+    call equations%choose_steps(z, ok)
     if (.not. ok) return
     jacobian = here%jacobian
     call correct(equations, normal, step, jacobian, z, ok)

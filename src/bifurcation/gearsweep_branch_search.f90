@@ -69,7 +69,7 @@ contains
           equations%periods = size(known(i)%state, 2)
           if (equations%periods > options%search%most_periods) cycle
           z(:2) = known(i)%state(:, 1)/(equations%scale*[1.0_dp, duration])
-          call settle_at(equations, z, [0.0_dp, 0.0_dp, 1.0_dp], ok)
+          call correct_at(equations, z, [0.0_dp, 0.0_dp, 1.0_dp], ok)
           if (ok) call add_from(equations, z, options, branches)
           call add_doubled(equations, options, done, branches)
           if (size(branches) > 0) stopped = any(branches(size(branches))%ends == end_stopped)
@@ -106,7 +106,7 @@ contains
   end subroutine add_from
 
   !> Newton's method from nearby, in a plane.
-  subroutine settle_at(equations, z, normal, ok)
+  subroutine correct_at(equations, z, normal, ok)
     class(motion_equations_t), intent(inout) :: equations
     real(dp), intent(inout) :: z(3)
     real(dp), intent(in) :: normal(3)
@@ -115,11 +115,11 @@ contains
     real(dp) :: jacobian(2, 3), parameter_there
 
     parameter_there = z(3)
-    call equations%settle_steps(z, ok)
+    call equations%choose_steps(z, ok)
     if (ok) call equations%differentiate(z, jacobian, ok)
     if (ok) call correct(equations, normal, farthest, jacobian, z, ok)
     if (abs(normal(3)) >= 1) z(3) = parameter_there
-  end subroutine settle_at
+  end subroutine correct_at
 
   !> Is a motion on a branch? Where the branch passes its parameter, Newton's method leads to the branch's motion there, which is
   !> compared with the one at hand wherever in its periods that begins.
@@ -144,7 +144,7 @@ contains
       end associate
       there(3) = z(3)
       if (.not. any(is_near(motion%state, there(:2), nearby))) cycle
-      call settle_at(equations, there, [0.0_dp, 0.0_dp, 1.0_dp], ok)
+      call correct_at(equations, there, [0.0_dp, 0.0_dp, 1.0_dp], ok)
       is_on = ok .and. any([(all(abs(motion%state(:, k) - there(:2)) < same), k=1, equations%periods)])
       if (is_on) return
     end do
@@ -211,7 +211,7 @@ contains
     end associate
     equations%periods = equations%periods/2
     allocate (found(0))
-    call settle_at(equations, z, [0.0_dp, 0.0_dp, 1.0_dp], ok)
+    call correct_at(equations, z, [0.0_dp, 0.0_dp, 1.0_dp], ok)
     short = options%follow
     short%most_points = 40
     short%longest = min(short%longest, norm2(curve%point(curve%count - 1)%half))
@@ -307,7 +307,7 @@ contains
     equations%periods = 2*equations%periods
     do i = 1, size(sizes)
       z = from + sizes(i)*[direction(1), direction(2), 0.0_dp]
-      call settle_at(equations, z, [direction(1), direction(2), 0.0_dp], ok)
+      call correct_at(equations, z, [direction(1), direction(2), 0.0_dp], ok)
       if (ok) call equations%run_motion(z, .false., motion, ok)
       if (ok) ok = norm2(motion%state(:, equations%periods/2) - z(:2)) > sizes(i)/2
       if (ok) return

@@ -69,7 +69,7 @@ module gearsweep_motion_equations
     type(overlap_t) :: overlap                   !< that is 0 where contact grazes
     real(dp) :: angle = 0.2_dp                   !< of the natural motion in a step, rad
     real(dp) :: value(2) = 0                     !< of the parameters, where no unknown gives them
-    integer :: level = -1                        !< of `settle_steps`
+    integer :: level = -1                        !< of `choose_steps`
     type(oscillator_t) :: osc                    !< of the last motion
     real(dp) :: scale(2) = 1                     !< static deflection (m) and its product with the natural frequency (m/s)
     type(period_map_t) :: map
@@ -77,7 +77,7 @@ module gearsweep_motion_equations
     integer :: made_level = -1                   !< the map
     integer :: runs = 0                          !< mesh periods computed
   contains
-    procedure :: evaluate, differentiate, settle_steps, run_motion, values_at, unknown_of, special_value, need_oscillator
+    procedure :: evaluate, differentiate, choose_steps, run_motion, values_at, unknown_of, special_value, need_oscillator
   end type motion_equations_t
 
   !> Steps of a mesh period at level 0; each further level doubles them.
@@ -148,7 +148,7 @@ contains
 
   !> Cuts the mesh period into steps that follow the natural motion at a point. Until this is called again they stay, so that
   !> the equations are continuous.
-  subroutine settle_steps(self, z, ok)
+  subroutine choose_steps(self, z, ok)
     class(motion_equations_t), intent(inout) :: self
     real(dp), intent(in) :: z(:)
     logical, intent(out) :: ok
@@ -162,7 +162,7 @@ contains
     end associate
     ok = steps <= fewest_steps*2.0_dp**most_level
     if (ok) self%level = max(0, ceiling(log(steps/fewest_steps)/log(2.0_dp)))
-  end subroutine settle_steps
+  end subroutine choose_steps
 
   !> The motion that starts at a point, over its mesh periods.
   subroutine run_motion(self, z, watch, motion, ok)

@@ -4,7 +4,7 @@
 !> Between two neighbouring points of the branch, the point over a place on their chord is found by Newton's method in the
 !> plane normal to the chord. The place where a test function of it passes zero is enclosed and narrowed by the Illinois
 !> method with bisections between; where the points at both ends stay apart, as the branch leaves the chord, on the chord
-!> between these. Changes of contact part a stretch, and folds and doublings are looked for in each part, and across each change,
+!> between these. Changes of contact part a segment, and folds and doublings are looked for in each part, and across each change,
 !> where a test function may jump over zero. What cannot be narrowed is told with the enclosure so far.
 module gearsweep_special_points
   use gearsweep_arclength, only: correct
@@ -37,8 +37,8 @@ module gearsweep_special_points
     logical :: contact(3) = .false.              !< partial, lost, coast
   end type side_t
 
-  !> A stretch of the branch over its chord.
-  type :: stretch_t
+  !> A segment of the branch over its chord.
+  type :: segment_t
     real(dp) :: from(3) = 0, chord(3) = 0, normal(3) = 0, length = 0
     real(dp) :: jacobian(2, 3) = 0
     integer :: kind = 0
@@ -46,7 +46,7 @@ module gearsweep_special_points
     logical :: by_overlap = .false.              !< grazing by the overlap `sought`; otherwise, by the changes of contact
     type(overlap_t) :: sought
     real(dp) :: sign = 1                         !< which makes the test function positive at its begin
-  end type stretch_t
+  end type segment_t
 
   !> A part of the chord below which rounding rules.
   real(dp), parameter :: finest = 1e-15_dp
@@ -68,7 +68,7 @@ contains
     logical :: ok, goes_on
     integer, parameter :: most = 6               ! grazings between two points
 
-    call equations%settle_steps(a%z, ok)
+    call equations%choose_steps(a%z, ok)
     if (.not. ok .or. .not. norm2(b%z - a%z) > 0) return
     left = side_t(a%z, a%test, a%modulus, a%events, [a%partial, a%lost, a%coast])
     right = side_t(b%z, b%test, b%modulus, b%events, [b%partial, b%lost, b%coast])
@@ -151,7 +151,7 @@ contains
     if (ok) specials = [specials, found]
   end subroutine add
 
-  !> A little beyond a change of contact, where that is past for certain; at the end of the stretch, its end. Where Newton's method
+  !> A little beyond a change of contact, where that is past for certain; at the end of the segment, its end. Where Newton's method
   !> fails, the motion stays.
   subroutine step_beyond(equations, jacobian, right, left)
     class(motion_equations_t), intent(inout) :: equations
@@ -159,7 +159,7 @@ contains
     type(side_t), intent(in) :: right
     type(side_t), intent(inout) :: left
     real(dp), parameter :: steps(*) = [1e-9_dp, 1e-8_dp, 1e-7_dp, 1e-6_dp]
-    type(stretch_t) :: stretch
+    type(segment_t) :: segment
     type(motion_t) :: motion
     real(dp) :: value
     integer :: i
@@ -168,27 +168,27 @@ contains
     ok = norm2(right%z - left%z) > 2*maxval(steps)
     if (.not. ok) left = right
     if (.not. ok) return
-    stretch = stretch_between(left, right, kind_fold, jacobian)
+    segment = segment_between(left, right, kind_fold, jacobian)
     do i = 1, size(steps)
-      call side_at(equations, stretch, steps(i)/stretch%length, left, motion, value, ok)
+      call side_at(equations, segment, steps(i)/segment%length, left, motion, value, ok)
       if (ok) return
     end do
   end subroutine step_beyond
 
-  pure type(stretch_t) function stretch_between(low, high, kind, jacobian) result(stretch)
+  pure type(segment_t) function segment_between(low, high, kind, jacobian) result(segment)
     type(side_t), intent(in) :: low, high
     integer, intent(in) :: kind
     real(dp), intent(in) :: jacobian(2, 3)
 
-    stretch%from = low%z
-    stretch%chord = high%z - low%z
-    stretch%length = norm2(stretch%chord)
-    stretch%normal = stretch%chord/stretch%length
-    stretch%jacobian = jacobian
-    stretch%kind = kind
-    stretch%begin = low
-    if (kind /= kind_grazing) stretch%sign = sign(1.0_dp, low%test(kind))
-  end function stretch_between
+    segment%from = low%z
+    segment%chord = high%z - low%z
+    segment%length = norm2(segment%chord)
+    segment%normal = segment%chord/segment%length
+    segment%jacobian = jacobian
+    segment%kind = kind
+    segment%begin = low
+    if (kind /= kind_grazing) segment%sign = sign(1.0_dp, low%test(kind))
+  end function segment_between
 
   !> Narrows the place of a change between two motions, on one chord after the other.
   subroutine narrow(equations, jacobian, kind, low, high, overlap)
@@ -199,22 +199,22 @@ contains
     type(overlap_t), intent(out) :: overlap      !< of grazing; contact 0: not known
     integer, parameter :: most_chords = 40
     real(dp), parameter :: shrinks = 0.7_dp
-    type(stretch_t) :: stretch
+    type(segment_t) :: segment
     integer :: chord
 
     do chord = 1, most_chords
       if (.not. norm2(high%z - low%z) > same) exit
-      stretch = stretch_between(low, high, kind, jacobian)
-      call narrow_on_chord(equations, stretch, low, high)
-      if (stretch%by_overlap) overlap = stretch%sought
-      if (.not. norm2(high%z - low%z) < shrinks*stretch%length) exit
+      segment = segment_between(low, high, kind, jacobian)
+      call narrow_on_chord(equations, segment, low, high)
+      if (segment%by_overlap) overlap = segment%sought
+      if (.not. norm2(high%z - low%z) < shrinks*segment%length) exit
     end do
   end subroutine narrow
 
   !> The same on one chord.
-  subroutine narrow_on_chord(equations, stretch, low, high)
+  subroutine narrow_on_chord(equations, segment, low, high)
     class(motion_equations_t), intent(inout) :: equations
-    type(stretch_t), intent(inout) :: stretch
+    type(segment_t), intent(inout) :: segment
     type(side_t), intent(inout) :: low, high
     integer, parameter :: most = 120, bisections = 8
     type(side_t) :: middle
@@ -228,10 +228,10 @@ contains
     last = 0
     do trial = 1, most
       at = sum(place)/2
-      if (trial > bisections .and. modulo(trial, 4) /= 0 .and. (stretch%kind /= kind_grazing .or. stretch%by_overlap)) &
+      if (trial > bisections .and. modulo(trial, 4) /= 0 .and. (segment%kind /= kind_grazing .or. segment%by_overlap)) &
         at = place(1) + (place(2) - place(1))*value(1)/(value(1) - value(2))
       if (.not. (at > place(1) .and. at < place(2))) at = sum(place)/2
-      call try_places(equations, stretch, place, at, middle, motion, now, ok)
+      call try_places(equations, segment, place, at, middle, motion, now, ok)
       if (.not. ok) exit
       if (now > 0) then
         place(1) = at
@@ -246,15 +246,15 @@ contains
         if (last == 2) value(1) = value(1)/2
         last = 2
       end if
-      if (trial == bisections .and. stretch%kind == kind_grazing) call choose_overlap(equations, stretch, low, high, value)
-      if (place(2) - place(1) <= max(finest, 1e-14_dp/stretch%length) .or. .not. abs(now) > 1e-15_dp) exit
+      if (trial == bisections .and. segment%kind == kind_grazing) call choose_overlap(equations, segment, low, high, value)
+      if (place(2) - place(1) <= max(finest, 1e-14_dp/segment%length) .or. .not. abs(now) > 1e-15_dp) exit
     end do
   end subroutine narrow_on_chord
 
   !> The branch over a place on the chord or, where Newton's method fails there, over another between the same two.
-  subroutine try_places(equations, stretch, between, at, side, motion, value, ok)
+  subroutine try_places(equations, segment, between, at, side, motion, value, ok)
     class(motion_equations_t), intent(inout) :: equations
-    type(stretch_t), intent(in) :: stretch
+    type(segment_t), intent(in) :: segment
     real(dp), intent(in) :: between(2)
     real(dp), intent(inout) :: at
     type(side_t), intent(out) :: side
@@ -264,18 +264,18 @@ contains
     real(dp), parameter :: parts(*) = [0.25_dp, 0.75_dp, 0.06_dp, 0.94_dp]
     integer :: i
 
-    call side_at(equations, stretch, at, side, motion, value, ok)
+    call side_at(equations, segment, at, side, motion, value, ok)
     do i = 1, size(parts)
       if (ok) return
       at = between(1) + parts(i)*(between(2) - between(1))
-      if (at > between(1) .and. at < between(2)) call side_at(equations, stretch, at, side, motion, value, ok)
+      if (at > between(1) .and. at < between(2)) call side_at(equations, segment, at, side, motion, value, ok)
     end do
   end subroutine try_places
 
-  !> The branch over a place on the chord, and the test function there, positive as at the begin of the stretch.
-  subroutine side_at(equations, stretch, place, side, motion, value, ok)
+  !> The branch over a place on the chord, and the test function there, positive as at the begin of the segment.
+  subroutine side_at(equations, segment, place, side, motion, value, ok)
     class(motion_equations_t), intent(inout) :: equations
-    type(stretch_t), intent(in) :: stretch
+    type(segment_t), intent(in) :: segment
     real(dp), intent(in) :: place                ! 0 to 1
     type(side_t), intent(inout) :: side          ! unchanged where that fails
     type(motion_t), intent(out) :: motion
@@ -283,11 +283,11 @@ contains
     logical, intent(out) :: ok
     real(dp) :: jacobian(2, 3), z(3), trace, determinant
 
-    z = stretch%from + place*stretch%chord
-    jacobian = stretch%jacobian
+    z = segment%from + place*segment%chord
+    jacobian = segment%jacobian
     value = 0
-    call correct(equations, stretch%normal, max(stretch%length, 1e-9_dp), jacobian, z, ok)
-    if (ok) call equations%run_motion(z, stretch%kind == kind_grazing, motion, ok)
+    call correct(equations, segment%normal, max(segment%length, 1e-9_dp), jacobian, z, ok)
+    if (ok) call equations%run_motion(z, segment%kind == kind_grazing, motion, ok)
     if (.not. ok) return
     associate (m => motion%monodromy)
       trace = m(1, 1) + m(2, 2)
@@ -295,35 +295,35 @@ contains
     end associate
     side = side_t(z, 1 + determinant + [-trace, trace], largest_multiplier(motion%monodromy), motion%events, &
                   [motion%partial, motion%lost, motion%coast])
-    if (stretch%kind /= kind_grazing) then
-      value = stretch%sign*side%test(stretch%kind)
+    if (segment%kind /= kind_grazing) then
+      value = segment%sign*side%test(segment%kind)
     else
-      value = merge(1, -1, is_alike(side, stretch%begin))
-      if (stretch%by_overlap) call value_of_overlap(equations, stretch, motion, value)
+      value = merge(1, -1, is_alike(side, segment%begin))
+      if (segment%by_overlap) call value_of_overlap(equations, segment, motion, value)
     end if
   end subroutine side_at
 
   !> The overlap sought over the static deflection; where it is not found, the value stays.
-  subroutine value_of_overlap(equations, stretch, motion, value)
+  subroutine value_of_overlap(equations, segment, motion, value)
     class(motion_equations_t), intent(inout) :: equations
-    type(stretch_t), intent(in) :: stretch
+    type(segment_t), intent(in) :: segment
     type(motion_t), intent(in) :: motion
     real(dp), intent(inout) :: value
     real(dp) :: found
     logical :: ok
 
-    equations%kind = stretch%kind
-    equations%overlap = stretch%sought
+    equations%kind = segment%kind
+    equations%overlap = segment%sought
     call equations%special_value(motion, found, ok)
     equations%kind = 0
-    if (ok) value = stretch%sign*found
+    if (ok) value = segment%sign*found
   end subroutine value_of_overlap
 
   !> The overlap that passes zero between two motions: of those of one contact that have different signs there, the one that is
   !> nearest to zero at both.
-  subroutine choose_overlap(equations, stretch, low, high, value)
+  subroutine choose_overlap(equations, segment, low, high, value)
     class(motion_equations_t), intent(inout) :: equations
-    type(stretch_t), intent(inout) :: stretch
+    type(segment_t), intent(inout) :: segment
     type(side_t), intent(in) :: low, high
     real(dp), intent(inout) :: value(2)          ! of the test function at both
     real(dp), parameter :: nearby = 0.02_dp
@@ -344,13 +344,13 @@ contains
           now = abs(a%value) + abs(b%value)
           if (now >= best) cycle
           best = now
-          stretch%by_overlap = .true.
-          stretch%sought = b
-          stretch%sign = sign(1.0_dp, a%value)
+          segment%by_overlap = .true.
+          segment%sought = b
+          segment%sign = sign(1.0_dp, a%value)
           found = abs([a%value, b%value])*[1, -1]/equations%scale(1)
         end associate
       end do
     end do
-    if (stretch%by_overlap) value = found
+    if (segment%by_overlap) value = found
   end subroutine choose_overlap
 end module gearsweep_special_points

@@ -4,7 +4,7 @@
    (ulimit -v, -d) and, for what is large, the machine's memory and that of the
    control groups. Elsewhere than on Linux only what getrlimit and /proc tell.
 
-   Each thread's latest claim counts for the others until it settles, so that
+   Each thread's latest claim counts for the others until it is released, so that
    calls at once do not share what is there once. Where the process has a limit, one
    thread at a time computes with BLAS: OpenBLAS takes a buffer for each that does at
    the same time, and cannot be told to do with one. */
@@ -178,7 +178,7 @@ void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *ne
 }
 
 /* What this thread claimed is allocated, or no longer wanted. */
-void gearsweep_settle(void)
+void gearsweep_release_claim(void)
 {
   if (!(mine > 0)) return;
   pthread_mutex_lock(&lock);

@@ -11,7 +11,7 @@ module gearsweep_memory
   use gearsweep_text, only: str
   implicit none
   private
-  public :: claim_memory, has_memory, settle_memory, team
+  public :: claim_memory, has_memory, release_claim, team
 
   interface
     pure subroutine c_claim(bytes, used, blas, lacks, need, left) bind(c, name='gearsweep_claim')
@@ -23,8 +23,8 @@ module gearsweep_memory
     end subroutine c_claim
 
     !> What this thread claimed is allocated, or no longer wanted; also as a call ends.
-    subroutine settle_memory() bind(c, name='gearsweep_settle')
-    end subroutine settle_memory
+    subroutine release_claim() bind(c, name='gearsweep_release_claim')
+    end subroutine release_claim
 
     !> Of so many threads those that there can be, the caller's own at least.
     integer(c_int) function c_team(wanted) bind(c, name='gearsweep_team')

@@ -6,7 +6,7 @@ module gearsweep_contour
   use gearsweep_outline, only: fillet_point, involute_point, root_angle, tip_break_point
   implicit none
   private
-  public :: tooth_contour, gear_contour, shown_contour, tooth_curves
+  public :: tooth_outline, gear_outline, shown_outline, tooth_curves
 
 contains
 
@@ -26,7 +26,7 @@ contains
   !> One tooth with its axis along y, from root circle to root circle: coast
   !> fillet and involute, tip land, drive involute and fillet (2, 5 steps + 1), with chamfers or roundings beside the tip
   !> land (2, 7 steps + 1), m; the drive side has positive x. `steps` per curve, at least 1.
-  pure function tooth_contour(gear, steps) result(points)
+  pure function tooth_outline(gear, steps) result(points)
     type(gear_t), intent(in) :: gear
     integer, intent(in) :: steps
     real(dp) :: points(2, 0:tooth_curves(gear)*steps)
@@ -44,7 +44,7 @@ contains
       angle = left + (right - left)*i/steps
       points(:, side + i) = gear%tip_radius*[sin(angle), cos(angle)]
     end do
-  end function tooth_contour
+  end function tooth_outline
 
   !> Fillet, involute and chamfer or rounding of one side, upwards, on positive x.
   pure function one_side(gear, side, steps) result(points)
@@ -65,7 +65,7 @@ contains
 
   !> All teeth, clockwise, each followed by `steps` - 1 points inside its root
   !> land (2, teeth times steps times one more than `tooth_curves`), m; the last point joins the first.
-  pure function gear_contour(gear, steps) result(points)
+  pure function gear_outline(gear, steps) result(points)
     type(gear_t), intent(in) :: gear
     integer, intent(in) :: steps
     real(dp) :: points(2, (tooth_curves(gear) + 1)*steps*gear%spec%teeth)
@@ -74,7 +74,7 @@ contains
 
     n = (tooth_curves(gear) + 1)*steps
     last = tooth_curves(gear)*steps + 1
-    tooth(:, :last) = tooth_contour(gear, steps)
+    tooth(:, :last) = tooth_outline(gear, steps)
     from = root_angle(gear, drive)
     to = 2*pi/gear%spec%teeth - root_angle(gear, coast)
     do i = 1, steps - 1
@@ -86,19 +86,19 @@ contains
       points(1, k*n + 1:(k + 1)*n) = tooth(1, :)*cos(angle) + tooth(2, :)*sin(angle)
       points(2, k*n + 1:(k + 1)*n) = tooth(2, :)*cos(angle) - tooth(1, :)*sin(angle)
     end do
-  end function gear_contour
+  end function gear_outline
 
   !> The outline as every interface shows it (2, points), m: the whole gear, or one tooth
   !> of a gear with more than 500.
-  pure subroutine shown_contour(gear, points)
+  pure subroutine shown_outline(gear, points)
     type(gear_t), intent(in) :: gear
     real(dp), allocatable, intent(out) :: points(:, :)
     integer, parameter :: steps = 12, most_teeth = 500
 
     if (gear%spec%teeth > most_teeth) then
-      points = tooth_contour(gear, steps)
+      points = tooth_outline(gear, steps)
     else
-      points = gear_contour(gear, steps)
+      points = gear_outline(gear, steps)
     end if
-  end subroutine shown_contour
+  end subroutine shown_outline
 end module gearsweep_contour

@@ -8,7 +8,7 @@ module gearsweep_harmonics
   use gearsweep_mesh, only: mesh_t, interval_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: balance_t, carrying, segment_t, smooth_segments
-  use gearsweep_sharing, only: settle_at
+  use gearsweep_sharing, only: solve_equilibrium_at
   implicit none
   private
   public :: harmonics_t, find_harmonics
@@ -114,7 +114,7 @@ contains
     real(dp), intent(in) :: phase
     real(dp) :: force(interval%pairs)
 
-    call settle_at(f%mesh, interval, f%load, phase, error_at, force)
+    call solve_equilibrium_at(f%mesh, interval, f%load, phase, error_at, force)
   end function error_at
 
   !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k tau) in part(k), k = 0 to

@@ -4,7 +4,7 @@
 module gearsweep_segments
   use gearsweep_kinds, only: dp
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
-  use gearsweep_sharing, only: settle_at
+  use gearsweep_sharing, only: solve_equilibrium_at
   implicit none
   private
   public :: balance_t, segment_t, smooth_segments, contact_intervals, carrying
@@ -168,7 +168,7 @@ contains
                  j=1, interval%pairs)]/sum(1/balance%mass)
     end if
     do i = 1, most
-      call settle_at(mesh, interval, load, phase, deflection, force)
+      call solve_equilibrium_at(mesh, interval, load, phase, deflection, force)
       if (.not. balance%friction > 0) exit
       ! The weights are near 1 and near each other, so that this comes to rest in a few turns.
       last = load

@@ -9,7 +9,7 @@ module gearsweep_sharing
   use gearsweep_small_system, only: solve_small
   implicit none
   private
-  public :: sharing_t, share_load, load_share, pairs_at, settle, settle_at, static_deflection, pair_load, transmission_error
+  public :: sharing_t, share_load, load_share, pairs_at, solve_equilibrium, solve_equilibrium_at, static_deflection, pair_load, transmission_error
 
   !> The static state along the mesh period; one-sided at every break.
   type :: sharing_t
@@ -86,7 +86,7 @@ contains
   !> The common deflection (m), but for the turning of discs, and the loads (N) of pairs one behind the other that carry the
   !> nominal `load` (N) together. `stiffness` (N/m) is that of each pair while it carries alone, `flattening` (m/N) as in
   !> `pair_load`, `error` (m) its profile error, `shared` (m/N) what it shares with the next one.
-  pure subroutine settle(mesh, load, stiffness, flattening, error, shared, deflection, force)
+  pure subroutine solve_equilibrium(mesh, load, stiffness, flattening, error, shared, deflection, force)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
     real(dp), intent(in) :: stiffness(:), flattening(:), error(:)     !< (pair)
@@ -96,19 +96,19 @@ contains
     real(dp), dimension(size(stiffness)) :: own, slope
 
     if (mesh%is_coupled(size(stiffness))) then
-      call settle_coupled(coupling(mesh, stiffness, shared), error, load, flattening, deflection, force)
+      call solve_coupled(coupling(mesh, stiffness, shared), error, load, flattening, deflection, force)
     else
       own = stiffness/(1 - shared(1)*stiffness)
       deflection = static_deflection(own, error, load, flattening)
       call pair_load(deflection - error, own, load, flattening, force, slope)
       deflection = deflection + shared(1)*load
     end if
-  end subroutine settle
+  end subroutine solve_equilibrium
 
   !> The same for pairs of which each is moved by the others' loads as the matrix `compliance` says (m/N), whose diagonal they have
   !> alone: each load is that of `pair_load` on what the others leave of the deflection. Newton's method on all loads and the
   !> deflection; the loads' slopes jump where a pair parts, so that it may step back and forth there: then half of a step.
-  pure subroutine settle_coupled(compliance, error, load, flattening, deflection, force)
+  pure subroutine solve_coupled(compliance, error, load, flattening, deflection, force)
     real(dp), intent(in) :: compliance(:, :), error(:), load, flattening(:)
     real(dp), intent(out) :: deflection, force(:)
     real(dp), parameter :: rounding = 1e-14_dp
@@ -140,10 +140,10 @@ contains
       if (all(abs(step(:n, 1)) <= rounding*load)) exit
     end do
     where (.not. depth > 0) force = 0
-  end subroutine settle_coupled
+  end subroutine solve_coupled
 
   !> Deflection (m), but for the turning of discs, and loads (N) of the pairs at a phase of `interval`, one-sided at its ends.
-  pure subroutine settle_at(mesh, interval, load, phase, deflection, force)
+  pure subroutine solve_equilibrium_at(mesh, interval, load, phase, deflection, force)
     type(mesh_t), intent(in) :: mesh
     type(interval_t), intent(in) :: interval
     real(dp), intent(in) :: load, phase
@@ -154,8 +154,8 @@ contains
 
     call pairs_at(mesh, interval, phase, stiffness, error)
     flattening = mesh%flattening%at(interval%place(phase, [(j, j=1, interval%pairs)]), mesh%contact_ratio)
-    call settle(mesh, load, stiffness, flattening, error, interval%shared_at(phase), deflection, force)
-  end subroutine settle_at
+    call solve_equilibrium(mesh, load, stiffness, flattening, error, interval%shared_at(phase), deflection, force)
+  end subroutine solve_equilibrium_at
 
   !> Stiffness (N/m), while it carries alone, and profile error (m) of each pair at a phase of `interval`, one-sided at its ends.
   pure subroutine pairs_at(mesh, interval, phase, stiffness, error)
@@ -180,7 +180,7 @@ contains
     real(dp), intent(in) :: load, phase
     real(dp) :: force(interval%pairs)
 
-    call settle_at(mesh, interval, load, phase, transmission_error, force)
+    call solve_equilibrium_at(mesh, interval, load, phase, transmission_error, force)
     transmission_error = transmission_error + mesh%disc%turn*load
   end function transmission_error
 
@@ -230,7 +230,7 @@ contains
     sharing%offset(row) = interval%offset
     sharing%s(:interval%pairs, row) = interval%place(sharing%phase(row), [(j, j=1, interval%pairs)])
     sharing%pairs(row) = interval%pairs
-    call settle_at(mesh, interval, load, sharing%phase(row), deflection, force)
+    call solve_equilibrium_at(mesh, interval, load, sharing%phase(row), deflection, force)
     sharing%error(row) = deflection + mesh%disc%turn*load
     sharing%load(:interval%pairs, row) = force
     call pairs_at(mesh, interval, sharing%phase(row), stiffness, error)
@@ -258,7 +258,7 @@ contains
       error(j) = mesh%profile_error%value(place)
       if (j <= ubound(shared, 2)) shared(:, j) = mesh%shared_from(place)
     end do
-    call settle(mesh, load, stiffness, flattening, error, shared(0, :), deflection, force)
+    call solve_equilibrium(mesh, load, stiffness, flattening, error, shared(0, :), deflection, force)
     load_share = force(0)/load
   end function load_share
 end module gearsweep_sharing

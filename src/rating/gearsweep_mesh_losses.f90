@@ -7,7 +7,7 @@ module gearsweep_mesh_losses
   use gearsweep_pair, only: pair_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: segment_t, smooth_segments
-  use gearsweep_sharing, only: settle_at
+  use gearsweep_sharing, only: solve_equilibrium_at
   implicit none
   private
   public :: friction_rule_t, mean_friction, static_loss_factor, followed_loss_factor, half_shares_factor, even_load_factor
@@ -113,7 +113,7 @@ contains
     real(dp) :: deflection, force(f%interval%pairs)
     integer :: j
 
-    call settle_at(f%mesh, f%interval, f%load, phase, deflection, force)
+    call solve_equilibrium_at(f%mesh, f%interval, f%load, phase, deflection, force)
     associate (s => f%interval%place(phase, [(j, j=1, f%interval%pairs)]))
       loss_at = sum(force*abs(sliding_ratio(f%pair, s)))/f%load
     end associate

@@ -18,7 +18,7 @@ module gearsweep_keys
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add_group, add, settle, list_groups, has, why_unknown, lacking_choice, list_waiting, write_case, write_given
+    procedure :: add_group, add, set_default, list_groups, has, why_unknown, lacking_choice, list_waiting, write_case, write_given
   end type keys_t
 
 contains
@@ -75,12 +75,12 @@ contains
   end subroutine add
 
   !> The default of the key added last, where it is not given.
-  pure subroutine settle(self, default)
+  pure subroutine set_default(self, default)
     class(keys_t), intent(inout) :: self
     character(*), intent(in) :: default
 
     self%key(self%last)%default = default
-  end subroutine settle
+  end subroutine set_default
 
   !> Has this key been asked for? Names in lower case.
   pure logical function has(self, group, name)

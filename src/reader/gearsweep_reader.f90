@@ -34,7 +34,7 @@ module gearsweep_reader
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure :: add_group, want, wants, has, has_group, finish, check_key, write_complete
-    procedure, private :: find, miss, settle, check_names, check_group
+    procedure, private :: find, miss, set_default, check_names, check_group
   end type reader_t
 
 contains
@@ -98,7 +98,7 @@ contains
     call self%find(wanted, at, error, given, lacks, refused)
     scale = in_si(wanted%unit)
     if (present(factor)) scale = scale*factor
-    if (.not. present(given)) call self%settle([value], wanted%bounds, scale)
+    if (.not. present(given)) call self%set_default([value], wanted%bounds, scale)
     if (at == 0) return
     call check_size(self%list%entries(at), 'number', error)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
@@ -127,7 +127,7 @@ contains
     call wanted%allow_list(min_size, max_size)
     call self%find(wanted, at, error, given, lacks, refused)
     scale = in_si(wanted%unit)
-    if (allocated(value) .and. .not. present(given)) call self%settle(value, wanted%bounds, scale)
+    if (allocated(value) .and. .not. present(given)) call self%set_default(value, wanted%bounds, scale)
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'numbers', error, min_size, max_size)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error, scale)
@@ -152,7 +152,7 @@ contains
     call declare(wanted, group, key, meaning, kind_integer, '', tasks, otherwise, required, one_of)
     call bound_integer(wanted%bounds, at_least, at_most)
     call self%find(wanted, at, error, given, lacks, refused)
-    if (.not. present(given)) call self%settle([real(value, dp)], wanted%bounds, 1.0_dp)
+    if (.not. present(given)) call self%set_default([real(value, dp)], wanted%bounds, 1.0_dp)
     if (at == 0) return
     call check_size(self%list%entries(at), 'integer', error)
     call read_numbers(self%list%entries(at), wanted%bounds, numbers, error)
@@ -174,7 +174,7 @@ contains
 
     call declare(wanted, group, key, meaning, kind_logical, '', tasks, otherwise, required, one_of)
     call self%find(wanted, at, error, given, lacks, refused)
-    if (.not. present(given)) call self%keys%settle(trim(merge('.true. ', '.false.', value)))
+    if (.not. present(given)) call self%keys%set_default(trim(merge('.true. ', '.false.', value)))
     if (at == 0) return
     call check_size(self%list%entries(at), 'logical', error)
     call read_logical(self%list%entries(at), value, error)
@@ -198,7 +198,7 @@ contains
     call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
     if (present(allowed)) wanted%words = allowed
     call self%find(wanted, at, error, given, lacks, refused)
-    if (allocated(value) .and. .not. present(given)) call self%keys%settle(''''//value//'''')
+    if (allocated(value) .and. .not. present(given)) call self%keys%set_default(''''//value//'''')
     if (at == 0) return
     call check_size(self%list%entries(at), 'text', error)
     call read_texts(self%list%entries(at), texts, error, allowed)
@@ -225,7 +225,7 @@ contains
     if (present(allowed)) wanted%words = allowed
     call wanted%allow_list(min_size, max_size)
     call self%find(wanted, at, error, given, lacks, refused)
-    if (allocated(value) .and. .not. present(given)) call self%keys%settle(''''//join(value, ''', ''')//'''')
+    if (allocated(value) .and. .not. present(given)) call self%keys%set_default(''''//join(value, ''', ''')//'''')
     if (at == 0) return
     call check_sizes(self%list%entries(at), 'texts', error, min_size, max_size)
     call read_texts(self%list%entries(at), value, error, allowed)
@@ -320,7 +320,7 @@ contains
 
   !> Default numbers of the key asked for last, to be told in its unit, so that they read back to the same
   !> bits. One that is not allowed stands for none.
-  pure subroutine settle(self, values, bounds, scale)
+  pure subroutine set_default(self, values, bounds, scale)
     class(reader_t), intent(inout) :: self
     real(dp), intent(in) :: values(:), scale
     type(bounds_t), intent(in) :: bounds
@@ -334,8 +334,8 @@ contains
       call tell_number(values(i), scale, words(i), number, found)
       if (.not. found .or. .not. bounds%allow(number)) return
     end do
-    call self%keys%settle(join(words, ', '))
-  end subroutine settle
+    call self%keys%set_default(join(words, ', '))
+  end subroutine set_default
 
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
   pure subroutine find(self, key, at, error, given, lacks, refused)

@@ -5,7 +5,7 @@ module gearsweep_output
   use gearsweep_file_set, only: file_set_t
   use gearsweep_grid, only: grid_t
   use gearsweep_kinds, only: dp
-  use gearsweep_memory, only: claim_memory, settle_memory
+  use gearsweep_memory, only: claim_memory, release_claim
   use gearsweep_study, only: study_t
   use gearsweep_tables, only: make_table, table_names, write_table
   use gearsweep_table, only: table_t
@@ -55,7 +55,7 @@ contains
         if (table%is_there()) deallocate (table%meaning)
       end do
     end do
-    call settle_memory()
+    call release_claim()
     call files%finish(error)
     if (allocated(error)) written = ''
 

@@ -9,7 +9,7 @@ module gearsweep_study
   use gearsweep_inputs, only: body_inputs_t, choice_t, same, same_but_amounts, solid_inputs_t
   use gearsweep_key_names, only: name_key
   use gearsweep_kinds, only: dp
-  use gearsweep_memory, only: claim_memory, settle_memory
+  use gearsweep_memory, only: claim_memory, release_claim
   use gearsweep_mesh_stage, only: mesh_and_motion
   use gearsweep_products, only: record_t, study_t
   use gearsweep_published, only: read_published
@@ -67,7 +67,7 @@ contains
     call claim_memory(0.0_dp, '&case tasks', error)
     if (.not. allocated(error)) call run_stages(study, folder, error, earlier)
     call name_key(error)
-    call settle_memory()
+    call release_claim()
     call release_blas()
     if (present(record) .and. study%stopped) record%tasks = study%tasks
     if (allocated(study%before)) deallocate (study%before)

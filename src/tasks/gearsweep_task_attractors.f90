@@ -190,7 +190,7 @@ contains
     end associate
   end subroutine fill_points
 
-  !> Largest DF of those that are reached, DF of the point by itself and its share, share of the starts that settle nowhere.
+  !> Largest DF of those that are reached, DF of the point by itself and its share, share of the starts without a motion.
   pure function summary(found) result(values)
     type(attractors_t), intent(in) :: found
     real(dp) :: values(4)

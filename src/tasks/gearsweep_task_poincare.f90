@@ -17,7 +17,7 @@ module gearsweep_task_poincare
   public :: poincare_task_t
 
   type, extends(runnable_t) :: poincare_task_t
-    integer :: settling = 500, kept = 400        !< mesh periods
+    integer :: periods_before = 500, kept = 400        !< mesh periods
     logical :: at_rest = .true.                  !< the motion begins at rest under the static load
     real(dp) :: start(2) = 0                     !< m, m/s
   contains
@@ -49,7 +49,7 @@ contains
     call self%read_speeds(reader, group, error, order='in the order followed: at each further one the motion starts where '// &
                           'it was at the one before')
     call self%read_reliefs(reader, group, error)
-    call reader%get(group, 'settling_periods', self%settling, error, tasks=group, at_least=0, at_most=10**7, &
+    call reader%get(group, 'settling_periods', self%periods_before, error, tasks=group, at_least=0, at_most=10**7, &
                     meaning='mesh periods passed over at each speed')
     call reader%get(group, 'kept_periods', self%kept, error, tasks=group, at_least=1, at_most=10**7, &
                     meaning='mesh periods kept after them')
@@ -80,9 +80,9 @@ contains
     do i = 1, size(which)
       associate (motion => stages%motion(which(i)), stop => stages%accuracy%steady%stop)
         if (self%at_rest) then
-          call sample_section(motion, rpm, self%settling, self%kept, section(i), stop=stop)
+          call sample_section(motion, rpm, self%periods_before, self%kept, section(i), stop=stop)
         else
-          call sample_section(motion, rpm, self%settling, self%kept, section(i), self%start, stop)
+          call sample_section(motion, rpm, self%periods_before, self%kept, section(i), self%start, stop)
         end if
       end associate
       if (section(i)%lacks) call fail(error, code_memory, '&poincare: the memory does not hold the motions')

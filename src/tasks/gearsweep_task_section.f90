@@ -1,6 +1,6 @@
 !> The task `section`: the grid of a section of one gear, and the outlines of both.
 module gearsweep_task_section
-  use gearsweep_contour, only: shown_contour
+  use gearsweep_contour, only: shown_outline
   use gearsweep_error, only: error_t
   use gearsweep_grid_tables, only: fill_elements, fill_nodes
   use gearsweep_kinds, only: dp, pi
@@ -80,8 +80,8 @@ contains
     integer :: i
 
     if (allocated(error)) return
-    call shown_contour(pair%gear(1), pinion)
-    call shown_contour(pair%gear(2), gear)
+    call shown_outline(pair%gear(1), pinion)
+    call shown_outline(pair%gear(2), gear)
     associate (n => size(pinion, 2), m => size(gear, 2))
       call table%begin('outline of both gears, each about its own centre', n + m, error)
       if (allocated(error)) return

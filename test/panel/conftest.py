@@ -144,9 +144,9 @@ class Window:
     def open(self, name, place='folder'):
         self.page.select_option('#cases', f'{place}/{name}')
         self.until(lambda: self.page.title().startswith(f'{name.removesuffix(".nml")} '))
-        return self.settled()
+        return self.up_to_date()
 
-    def settled(self):
+    def up_to_date(self):
         """Waits until the results are those of the case: nothing is stale, or an error is told. On a busy machine, on which runs last
         longer, the page waits for the button."""
         done, due = (self.page.locator(name) for name in ('#results:not(.stale), #state.error', '#calculate.due'))
@@ -167,7 +167,7 @@ class Window:
         field.fill(words)
         field.dispatch_event('change')
         self.until(lambda: self.text() != before)
-        return self.settled()
+        return self.up_to_date()
 
     def text(self):
         """The case's text as this window keeps it."""

@@ -113,7 +113,7 @@ def test_the_tour_gives_the_case_back(window):
     window.until(lambda: window.page.title().startswith('case1 '))
     window.page.locator('#guide button', has_text='End').click()
     window.until(lambda: window.text() == before)
-    window.settled()
+    window.up_to_date()
     assert window.page.title().startswith('small ') and window.field('pinion', 'teeth').input_value() == '18'
     window.page.locator('#view[data-picture=load]').wait_for()
     window.page.click('#undo')  # of what was done before the tour

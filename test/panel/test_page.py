@@ -95,7 +95,7 @@ def test_a_slider_moves_the_number_at_the_caret_and_the_curves_follow(window):
     slider.evaluate("(one) => { one.value = 6; one.dispatchEvent(new Event('input', { bubbles: true })); }")
     window.until(lambda: window.page.locator('#view svg.chart .curve').nth(1).get_attribute('d') != before)
     slider.evaluate("(one) => one.dispatchEvent(new Event('change', { bubbles: true }))")
-    window.settled()
+    window.up_to_date()
     amounts = gearsweep.Case(window.text()).get('relief', 'amount_um')
     assert amounts[0] == 0 and amounts[1] == pytest.approx(6, abs=0.1)
     study = gearsweep.run(gearsweep.Case(window.text()))
@@ -154,7 +154,7 @@ def test_bad_input_gets_the_librarys_message_beside_its_field(group, key, words,
     window.shoot(f'bad_{key}')
     window.page.click('#undo')
     window.until(lambda: window.text() == SMALL)
-    window.settled()
+    window.up_to_date()
     assert message.is_hidden()
 
 
@@ -169,7 +169,7 @@ def test_undo_and_redo(window):
     window.type('load', 'torque_nm', '150')
     window.page.click('#undo')
     window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 23}).text)
-    window.settled()
+    window.up_to_date()
     assert window.field('load', 'torque_nm').input_value() == '100'
     window.page.keyboard.press('Control+z')
     window.until(lambda: window.text() == SMALL)
@@ -209,7 +209,7 @@ def test_without_at_once_it_waits_for_the_button(window):
     window.page.wait_for_timeout(300)
     assert window.number('Contact ratio') == before
     window.page.keyboard.press('Control+Enter')
-    window.settled()
+    window.up_to_date()
     assert window.number('Contact ratio') == shown(gearsweep.run(CASE.changed(pinion={'teeth': 25}), 'geometry').geometry.contact_ratio, 4)
 
 
@@ -248,7 +248,7 @@ def test_the_case_is_saved_and_opened_as_the_same_text(window, tmp_path):
     other.write_text(CASE.changed(pinion={'teeth': 30}).text)
     window.page.set_input_files('#file', str(other))
     window.until(lambda: window.text() == other.read_text())
-    window.settled()
+    window.up_to_date()
     assert window.field('pinion', 'teeth').input_value() == '30'
 
 
@@ -274,7 +274,7 @@ def test_a_pair_of_ones_own_has_no_number_of_a_paper(window):
     """Effective masses and resonance are those of its own gears."""
     window.page.click('#new')
     window.until(lambda: 'torque_nm = 100' in window.text() and window.page.title().startswith('new '))
-    window.settled()
+    window.up_to_date()
     assert window.page.locator('#changed').is_hidden()
     case = gearsweep.Case(window.text())
     assert case.get('pinion', 'effective_mass_kg') is None
@@ -284,7 +284,7 @@ def test_a_pair_of_ones_own_has_no_number_of_a_paper(window):
     assert window.number('Resonance') == f'{shown(study.motion.resonance_rpm)} 1/min'
     assert window.number('Optimum relief') == f'{shown(study.optimum.relief_um, 4)} µm'
     window.page.click('#undo')
-    window.settled()
+    window.up_to_date()
     assert window.page.locator('#changed').is_hidden()
 
 
@@ -375,7 +375,7 @@ def test_jumps_are_arrows_with_their_speeds(window, tmp_path):
     (tmp_path / 'jumps.nml').write_text(text)
     window.page.set_input_files('#file', str(tmp_path / 'jumps.nml'))
     window.until(lambda: window.text() == text)
-    window.settled()
+    window.up_to_date()
     changes = gearsweep.run(gearsweep.Case(text)).hysteresis_changes
     jumps = changes._read('kind') == 'jump'
     assert jumps.any()
@@ -478,7 +478,7 @@ def test_a_lost_server_is_told_and_comes_back(browser, folder):
     window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 26}).text)  # nothing that was typed is lost
     window.field('pinion', 'teeth').fill('27')
     window.until(lambda: window.text() == CASE.changed(pinion={'teeth': 27}).text)
-    window.settled()
+    window.up_to_date()
     assert window.number('Contact ratio') == shown(gearsweep.run(CASE.changed(pinion={'teeth': 27}), 'geometry').geometry.contact_ratio, 4)
     again.end()
     window.close()

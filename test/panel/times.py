@@ -42,7 +42,7 @@ def slide(window: Window, group: str, key: str, values: list) -> str:
         window.until(lambda n=n: window.page.evaluate("() => performance.getEntriesByName('redraw').length") >= n)
     found = sorted(window.page.evaluate("() => performance.getEntriesByName('redraw').map((one) => one.duration)"))
     slider.evaluate("(one) => one.dispatchEvent(new Event('change', { bubbles: true }))")
-    window.settled()
+    window.up_to_date()
     return f'{statistics.median(found):7.0f} ms, of {len(found)} {found[0]:.0f} to {found[-1]:.0f}'
 
 

@@ -39,11 +39,11 @@ class Watched(Period):
         self.extrema = []
         super().__init__(*args)
 
-    def crossing(self, at, level, above, h):
+    def event(self, at, level, above, h):
         slope = lambda t: at(t)[1]
         if (slope(0 * h) > 0) != (slope(h) > 0):
             self.extrema.append(at(find_root(slope, 0 * h, h, self.eps))[0])
-        return super().crossing(at, level, above, h)
+        return super().event(at, level, above, h)
 
 
 class Place:

@@ -41,7 +41,7 @@ template <class F> double root(F f, double low, double high) {
     return high;
 }
 
-void stretch(Motion &m, int n, double time) {
+void advance(Motion &m, int n, double time) {
     while (time > 0) {
         if (m.x > 0 || (m.x == 0 && m.v > 0)) {
             const Closed c(m, n);
@@ -81,8 +81,8 @@ void stretch(Motion &m, int n, double time) {
 void period(Motion &m, double rpm) {
     const double time = 60 / (teeth * rpm);
     m.peak = 0;
-    stretch(m, 2, 0.6 * time);
-    stretch(m, 1, 0.4 * time);
+    advance(m, 2, 0.6 * time);
+    advance(m, 1, 0.4 * time);
 }
 
 double jump(double zeta, double first, double last, long periods, double beyond) {

@@ -102,7 +102,7 @@ class Period:
                 if m.row.backlash >= 0:
                     levels.append(("back", [-m.backlash], not back))
                 for j, level, above in levels:
-                    t = self.crossing(at, level, above, h)
+                    t = self.event(at, level, above, h)
                     if t is not None and t < te:
                         te, who = t, j
             self.loss = max(self.loss, 3 if back else 2 if not contact
@@ -126,7 +126,7 @@ class Period:
             return find_root(slope, 0 * h, h, self.eps)
         return None
 
-    def crossing(self, at, level, above, h):
+    def event(self, at, level, above, h):
         """First time at which x - level leaves its side (above or below)."""
         dl = pder(level)
         g = lambda t: at(t)[0] - pval(level, t)

@@ -88,7 +88,7 @@ def plot_branches(branches: Study | Table, ax: Axes | None = None, *, relief_um:
             across, factor = points[name][here], points.dynamic_factor[here]
             attracts = points.stability[here] != 'unstable'
             for solid, line in LINES.items():
-                _stretches(ax, across, factor, attracts == solid, {'color': KINDS[kind], **line})
+                _segments(ax, across, factor, attracts == solid, {'color': KINDS[kind], **line})
         entries = []
         for kind, all_periods in sorted(present.items()):
             entries.append(Line2D([], [], color=KINDS[kind], label=in_words(kind, np.array(all_periods))))
@@ -147,7 +147,7 @@ def reliefs_of(found: Table) -> list[float | None]:
     return [float(amount) for amount in dict.fromkeys(amounts)] or [None]
 
 
-def _stretches(ax: Axes, across: np.ndarray, factor: np.ndarray, wanted: np.ndarray, look: dict[str, Any]) -> None:
+def _segments(ax: Axes, across: np.ndarray, factor: np.ndarray, wanted: np.ndarray, look: dict[str, Any]) -> None:
     """Draws the steps of a branch whose first point is wanted."""
     runs = np.flatnonzero(np.diff(np.concatenate([[0], wanted[:-1].astype(int), [0]])))
     for first, last in zip(runs[::2], runs[1::2]):

@@ -282,9 +282,9 @@ contains
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: periods               ! mesh periods after which the motion is to repeat
     real(dp), intent(in) :: start(2)             ! m
-    type(steady_t), intent(out) :: steady        ! without a result where it does not settle
+    type(steady_t), intent(out) :: steady        ! without a result where it does not converge
     integer, parameter :: most_iterations = 10
-    real(dp), parameter :: settled = 1e-3_dp     ! static deflections
+    real(dp), parameter :: small = 1e-3_dp     ! static deflections
     type(period_t) :: run
     real(dp) :: state(2), step(2), size, last
     integer :: iteration
@@ -300,7 +300,7 @@ contains
       if (.not. solved .or. size > 0.7_dp*last .and. iteration > 2) return
       state = state + step
       last = size
-      if (size > settled) cycle
+      if (size > small) cycle
       call shoot(map, shot_tolerance, periods, state, steady)
       return
     end do

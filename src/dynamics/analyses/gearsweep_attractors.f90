@@ -7,7 +7,7 @@ module gearsweep_attractors
   use gearsweep_error_estimate, only: accuracy_t, compare, mark_inexact, point_t
   use gearsweep_kinds, only: dp
   use gearsweep_known_motion, only: known_t
-  use gearsweep_memory, only: has_memory, settle_memory, team
+  use gearsweep_memory, only: has_memory, release_claim, team
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period_map, only: set_durations
@@ -47,7 +47,7 @@ contains
     integer :: i
     type(c_ptr) :: traps
 
-    call settle_memory()
+    call release_claim()
     traps = leader_traps()
     !$omp parallel default(none) shared(osc, rpm, options, found, traps) num_threads(team(options%threads, size(rpm)))
     call share_traps(traps, 1)
@@ -56,7 +56,7 @@ contains
       call attractors_at(osc, mesh_period(osc%mesh%teeth(1), rpm(i)), options, found(i))
     end do
     !$omp end do
-    call settle_memory()
+    call release_claim()
     call share_traps(traps, 0)
     !$omp end parallel
   end subroutine find_attractors

@@ -70,13 +70,13 @@ contains
     speed = rpm(1)
     state = start
     do k = 2, size(rpm)
-      call follow_stretch(osc, rpm(k - 1:k), levels, options, speed, state, ramp%factor(k), ramp, goes_on)
+      call follow_segment(osc, rpm(k - 1:k), levels, options, speed, state, ramp%factor(k), ramp, goes_on)
       if (.not. goes_on) return
     end do
   end subroutine follow_ramp
 
   !> From one speed to the next.
-  subroutine follow_stretch(osc, rpm, levels, options, speed, state, largest, ramp, goes_on)
+  subroutine follow_segment(osc, rpm, levels, options, speed, state, largest, ramp, goes_on)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: rpm(2)
     type(level_t), intent(in) :: levels(:)
@@ -117,7 +117,7 @@ contains
       speed = speed + sense*options%rate*duration
     end do
     if (factor > 0) largest = factor
-  end subroutine follow_stretch
+  end subroutine follow_segment
 
   !> Notes the speed for all levels that this mesh period is the first to pass.
   pure subroutine pass_levels(levels, sense, speed, factor, passed)

@@ -14,7 +14,7 @@ module gearsweep_sweep
   use gearsweep_sweep_state, only: begin_state, both, counter_t, down, each, find_final, fits, most_points, &
                                    progress_of_sweep, sweep_options_t, sweep_state_t, units_done, up
   use gearsweep_sweep_work, only: continue_sweep, return_from_above, solve_block, solve_family_block
-  use gearsweep_memory, only: claim_memory, settle_memory, team
+  use gearsweep_memory, only: claim_memory, release_claim, team
   use gearsweep_text, only: str
   use gearsweep_traps, only: leader_traps, share_traps
   implicit none
@@ -98,7 +98,7 @@ contains
     if (options%is_counted .and. present(progress)) counter%progress => progress
     missing = [(count(state%blocks%relief == i), i=1, size(osc))]
     if (size(rpm) > 1 .or. options%full_contact_only) call find_family(osc, options%accuracy, family)
-    call settle_memory()
+    call release_claim()
     lacks = .false.
     traps = leader_traps()
     !$omp parallel default(none) shared(osc, rpm, options, sweep, state, family, missing, counter, lacks, traps) &
@@ -135,7 +135,7 @@ contains
       lacks = lacks .or. levels%lacks
       !$omp end critical (gearsweep_lack)
     end if
-    call settle_memory()
+    call release_claim()
     call share_traps(traps, 0)
     !$omp end parallel
     if (options%full_contact_only) then

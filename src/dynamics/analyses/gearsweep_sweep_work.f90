@@ -57,7 +57,7 @@ contains
     end do
   end subroutine solve_family_block
 
-  !> Each speed of a block by itself. Where a branch is to be followed, only those that one of a batch settles, as full
+  !> Each speed of a block by itself. Where a branch is to be followed, only those for which a batch converges, as full
   !> contact decides them.
   subroutine solve_block(osc, rpm, options, block, counter, levels, points, solved)
     type(oscillator_t), intent(in) :: osc            !< of the block's relief

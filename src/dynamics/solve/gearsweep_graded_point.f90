@@ -8,9 +8,9 @@ module gearsweep_graded_point
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t, resolving_steps, split_by_load
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: distance, near, settled, steady_t
+  use gearsweep_periodic_orbit, only: distance, near, has_converged, steady_t
   use gearsweep_refinement, only: first_guess, levels_t, root
-  use gearsweep_steady, only: find_batch, find_settled
+  use gearsweep_steady, only: find_batch, find_converged
   use gearsweep_transient, only: by_shooting
   implicit none
   private
@@ -67,14 +67,14 @@ contains
       if (levels%lacks) return
       call find_motions(fine, duration, options, full)
       points%steady = full
-      solved = settled(full)
+      solved = has_converged(full)
       if (.not. any(solved)) return
       call discretise(split, resolution_t(resolution%base, 1, resolution%graded_for), coarse)
       levels%lacks = coarse%table%steps == 0
       if (levels%lacks) solved = .false.
       if (levels%lacks) return
       call find_motions(coarse, duration, options, half)
-      solved = solved .and. settled(half)
+      solved = solved .and. has_converged(half)
       points%steps = fine%table%steps
       points%work = points%work + 2*(fine%table%steps + coarse%table%steps)
       points%resolution = resolution
@@ -100,7 +100,7 @@ contains
     if (size(duration) == batch_size) then
       call find_batch(map, options%steady%tolerance, steady)
     else
-      call find_settled(map, options%steady%tolerance, steady(1))
+      call find_converged(map, options%steady%tolerance, steady(1))
     end if
   end subroutine find_motions
 

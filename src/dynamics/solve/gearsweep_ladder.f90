@@ -12,7 +12,7 @@ module gearsweep_ladder
   use gearsweep_contact_set, only: period_t
   use gearsweep_kinds, only: dp
   use gearsweep_period_map, only: period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: adopt, distance, most_negative_direction, most_work, run_periods, settled, shoot, &
+  use gearsweep_periodic_orbit, only: adopt, distance, most_negative_direction, most_work, run_periods, has_converged, shoot, &
                                       solve_full_contact, steady_t
   use gearsweep_spread_starts, only: try_starts
   use gearsweep_status, only: has_result, status_chatter, status_unstable
@@ -50,7 +50,7 @@ contains
       case (2)
         call double(map, options, steady, found)
       case (3)
-        call settle(map, options, from_rest, rest, found)
+        call run_transient(map, options, from_rest, rest, found)
       case (4)
         call lower_damping(map, options, found)
       case (5)
@@ -151,7 +151,7 @@ contains
     factor = stride
     call set_damping(map, at)
     call solve_full_contact(map, state, here)
-    if (.not. settled(here)) call shoot(map, options%tolerance, 1, state, here)
+    if (.not. has_converged(here)) call shoot(map, options%tolerance, 1, state, here)
     work = 0
     do solve = 1, most_solves
       if (.not. has_result(here%status) .or. .not. at > damping .or. work > most_work) exit
@@ -168,7 +168,7 @@ contains
           cycle
         end if
       else if (.not. has_result(there%status)) then
-        call settle(map, options, beyond_end, here%state, there)
+        call run_transient(map, options, beyond_end, here%state, there)
         work = work + there%work
       end if
       here = there
@@ -200,7 +200,7 @@ contains
   end subroutine leave_repelling
 
   !> What a short transient leads to.
-  pure subroutine settle(map, options, cycles, start, motion)
+  pure subroutine run_transient(map, options, cycles, start, motion)
     type(period_map_t), intent(inout) :: map
     type(steady_options_t), intent(in) :: options
     integer, intent(in) :: cycles                    ! mesh periods
@@ -211,7 +211,7 @@ contains
     brief = options
     brief%most_cycles = min(cycles, options%most_cycles)
     call march(map, brief, start, motion)
-  end subroutine settle
+  end subroutine run_transient
 
   pure subroutine set_damping(map, damping_ratio)
     type(period_map_t), intent(inout) :: map

@@ -8,11 +8,11 @@ module gearsweep_operating_point
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t, resolving_steps
   use gearsweep_period_map, only: period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: distance, near, settled, shoot, solve_full_contact, steady_t
+  use gearsweep_periodic_orbit, only: distance, near, has_converged, shoot, solve_full_contact, steady_t
   use gearsweep_refinement, only: first_level, given_resolution, given_steps, last_level, level_steps, levels_t, need_given, &
                                   need_batch_level, need_level, next_level, per_doubling, resolution_of, search_level
   use gearsweep_status, only: has_result, status_unresolved
-  use gearsweep_steady, only: find_batch, find_beside, find_settled, find_steady, is_one_branch
+  use gearsweep_steady, only: find_batch, find_beside, find_converged, find_steady, is_one_branch
   use gearsweep_superposition, only: superpose
   use gearsweep_transient, only: by_shooting, steady_options_t
   implicit none
@@ -115,8 +115,8 @@ contains
       call find_beside(map, options%steady, start, point%steady)
       found = has_result(point%steady%status)
     else
-      call find_settled(map, options%steady%tolerance, point%steady)
-      found = settled(point%steady) .and. (.not. point%steady%departs .or. is_one_branch(map%osc, point%steady%partial))
+      call find_converged(map, options%steady%tolerance, point%steady)
+      found = has_converged(point%steady) .and. (.not. point%steady%departs .or. is_one_branch(map%osc, point%steady%partial))
     end if
     point%work = point%work + point%steady%work
   end subroutine try_at_once
@@ -159,7 +159,7 @@ contains
     found = has_result(point%steady%status) .and. distance(map%osc, duration, point%steady%state - motion%state) < near
   end subroutine go_on
 
-  !> The operating points at all speeds of a batch, as far as Newton's method settles. The number of steps is chosen.
+  !> The operating points at all speeds of a batch, as far as Newton's method converges. The number of steps is chosen.
   pure subroutine solve_batch(osc, duration, options, levels, points, solved)
     type(oscillator_t), intent(in) :: osc
     real(dp), intent(in) :: duration(batch_size)     !< of the mesh period at each speed, s
@@ -227,7 +227,7 @@ contains
         else
           call superpose(coarse, part, options%with_dte, half)
         end if
-        if (.not. any(settled(half))) return
+        if (.not. any(has_converged(half))) return
         call set_durations(fine, duration)
         if (size(part) == 1) then
           call find_batch(fine, options%steady%tolerance, full(:, 1), half(:, 1))
@@ -237,7 +237,7 @@ contains
         points%steps = fine%table%steps
       end associate
       points%steady = full
-      solved = settled(half) .and. settled(full)
+      solved = has_converged(half) .and. has_converged(full)
       if (.not. any(solved)) return
       points%resolution = resolution_of(level)
       call compare(osc, spread(duration, 2, size(part)), half, points)
@@ -289,10 +289,10 @@ contains
     call set_durations(coarse, [duration])
     if (.not. point%steady%departs) call solve_full_contact(coarse, linear, half)
     work = half%work
-    if (.not. settled(half)) then
+    if (.not. has_converged(half)) then
       call shoot(coarse, options%steady%tolerance, point%steady%periods, point%steady%state, half)
       work = work + half%work
-      ! Where changes of contact are not located the map has jumps, so that Newton's method may not settle.
+      ! Where changes of contact are not located the map has jumps, so that Newton's method may not converge.
       if (options%scheme /= scheme_collocation .and. .not. has_result(half%status)) then
         alike = options%steady
         alike%method = by_shooting

@@ -11,7 +11,7 @@ module gearsweep_periodic_orbit
   use gearsweep_steady_motion, only: steady_t
   implicit none
   private
-  public :: steady_t, settled, adopt, solve_full_contact
+  public :: steady_t, has_converged, adopt, solve_full_contact
   public :: shoot, is_closed, closure_of, newton_step, run_periods, judge, distance, is_bounded, largest_multiplier
   public :: most_negative_direction
 
@@ -31,11 +31,11 @@ module gearsweep_periodic_orbit
 contains
 
   !> Has the search ended with a motion that repeats with the mesh?
-  elemental logical function settled(steady)
+  elemental logical function has_converged(steady)
     type(steady_t), intent(in) :: steady
 
-    settled = steady%status == status_ok .or. steady%status == status_marginal
-  end function settled
+    has_converged = steady%status == status_ok .or. steady%status == status_marginal
+  end function has_converged
 
   !> Takes over a result; the computing times add up.
   pure subroutine adopt(found, steady)

@@ -32,7 +32,7 @@ module gearsweep_status
     'the speed is too low for the steps given or allowed', &
     'contact changes without end', &
     'no periodic motion was found, and disturbances keep growing', &
-    'the motion had not settled when the march ended', &
+    'the transient had not died away when the march ended', &
     'the deflection passed 1e4 static ones; no bound was seen', &
     'not computed, as the run was interrupted']
 

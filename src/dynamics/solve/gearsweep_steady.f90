@@ -7,13 +7,13 @@ module gearsweep_steady
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_batch
   use gearsweep_period_map, only: period_map_t, run_full_contact
-  use gearsweep_periodic_orbit, only: adopt, closure_of, distance, is_closed, judge, near, newton_step, settled, shoot, &
+  use gearsweep_periodic_orbit, only: adopt, closure_of, distance, is_closed, judge, near, newton_step, has_converged, shoot, &
                                       solve_full_contact, steady_t
   use gearsweep_status, only: has_result, status_unstable
   use gearsweep_transient, only: march, steady_options_t, by_shooting
   implicit none
   private
-  public :: find_steady, find_batch, find_beside, find_settled, is_one_branch
+  public :: find_steady, find_batch, find_beside, find_converged, is_one_branch
 
 contains
 
@@ -31,7 +31,7 @@ contains
       if (.not. has_result(steady%status)) call march(map, options, start, steady)
     else if (options%method == by_shooting) then
       call solve_full_contact(map, linear, steady)
-      if (.not. settled(steady)) call try_in_turn(map, options, linear, steady)
+      if (.not. has_converged(steady)) call try_in_turn(map, options, linear, steady)
     else
       call march(map, options, [map%osc%mean_deflection, 0.0_dp], steady)
     end if
@@ -69,18 +69,18 @@ contains
 
   !> The steady motion that Newton's method finds from that in full contact, without marching, at one speed: that motion
   !> itself or, where steps end by the static load too, one in which pairs come and go near there.
-  pure subroutine find_settled(map, tolerance, steady)
+  pure subroutine find_converged(map, tolerance, steady)
     type(period_map_t), intent(inout) :: map         !< with the duration of one speed
     real(dp), intent(in) :: tolerance                !< of the dynamic factor
     type(steady_t), intent(out) :: steady            !< without a result where there is none
     real(dp) :: state(2), work
 
     call solve_full_contact(map, state, steady)
-    if (settled(steady) .or. .not. map%osc%by_load) return
+    if (has_converged(steady) .or. .not. map%osc%by_load) return
     work = steady%work
     call shoot(map, tolerance, 1, state, steady)
     steady%work = steady%work + work
-  end subroutine find_settled
+  end subroutine find_converged
 
   !> Is there one motion only, wherever it starts? So it is taken to be while all pairs between A and E stay in contact,
   !> though pairs beyond come and go.
@@ -105,8 +105,8 @@ contains
     guided = .false.
     active = .true.
     if (present(guide)) then
-      guided = guide%departs .or. .not. settled(guide)
-      active = settled(guide)
+      guided = guide%departs .or. .not. has_converged(guide)
+      active = has_converged(guide)
       do l = 1, batch_size
         start(:, l) = guide(l)%state
       end do

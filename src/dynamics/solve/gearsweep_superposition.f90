@@ -68,7 +68,7 @@ contains
         if (.not. (search(r)%carries(l) .and. motions%solved(l))) cycle
         do i = 1, search(r)%count(l)
           if (search(r)%bound(i, l) > search(r)%peak(l)) &
-            call settle(map, motions, l, part(r), search(r)%step(i, l), search(r)%pair(i, l), search(r)%peak(l))
+            call refine_peak(map, motions, l, part(r), search(r)%step(i, l), search(r)%pair(i, l), search(r)%peak(l))
         end do
         call conclude(map, motions, l, part(r), search(r)%peak(l), dte_of(search(r)%range, l), steady(l, r))
       end do
@@ -283,7 +283,7 @@ contains
       search%count(l) = n
     end if
     if (n == most_candidates) then
-      call settle(map, motions, l, part, step, j, search%peak(l))
+      call refine_peak(map, motions, l, part, step, j, search%peak(l))
     else
       search%count(l) = n + 1
       search%bound(n + 1, l) = bound
@@ -293,7 +293,7 @@ contains
   end subroutine add_candidate
 
   !> Raises the largest load by that of a pair within a step.
-  pure subroutine settle(map, motions, l, part, step, j, peak)
+  pure subroutine refine_peak(map, motions, l, part, step, j, peak)
     type(period_map_t), intent(in) :: map
     type(motions_t), intent(in) :: motions
     integer, intent(in) :: l, step, j
@@ -315,7 +315,7 @@ contains
     place = maximum_of(quintic(load(:, 1), load(:, 2)))
     peak = max(peak, load_within(map%osc, map%table, step, map%table%full(step), j, place, &
                                  value_of(quintic(x(:, 1), x(:, 2)), place), part))
-  end subroutine settle
+  end subroutine refine_peak
 
   !> The deflection at an end of a step, and what of it the pairs work on, with their derivatives over the phase (m).
   pure subroutine motion_at_end(map, motions, l, part, step, end, x, w)

@@ -37,7 +37,7 @@ contains
     type(period_map_t), intent(inout) :: map     !< with the duration of one speed
     type(steady_options_t), intent(in) :: options
     real(dp), intent(in) :: start(2)             !< state, m
-    !> Where nothing settles, an unstable motion found before stays the result, unless the motion is chaotic.
+    !> Where no transient dies away, an unstable motion found before stays the result, unless the motion is chaotic.
     type(steady_t), intent(inout) :: steady
     type(history_t) :: history
     type(period_t) :: run
@@ -46,7 +46,7 @@ contains
     real(dp) :: before
 
     if (steady%status /= status_unstable) steady = steady_t(work=steady%work)
-    ! Without damping nothing settles.
+    ! Without damping no transient dies away.
     if (.not. map%osc%damping_ratio > 0) then
       if (steady%status /= status_unstable) steady%status = status_aperiodic
       return
@@ -77,7 +77,7 @@ contains
         if (periods > 0) next_shot = history%length + 5 + history%length/5
       end if
       if (history%length < enough) cycle
-      ! Chaos, or so little damping that no period to come will settle.
+      ! Chaos, or so little damping that the transient never dies away.
       if (history%growth > sure_growth .or. history%decay*most_cycles < 8*history%length) exit
     end do
     if (.not. history%growth > sure_growth) return
@@ -125,7 +125,7 @@ contains
   end function determinant
 
   !> Tries to end the transient: `periods` is after how many the motion nearly repeats, 0 where it does not; `found` has
-  !> a result where it settled.
+  !> a result where the transient died away.
   pure subroutine try_to_end(map, options, history, periods, found)
     type(period_map_t), intent(inout) :: map
     type(steady_options_t), intent(in) :: options

@@ -147,7 +147,7 @@ contains
       do k = 0, 5
         overlap(:, k) = overlap(:, k) - sense*touch(k)
       end do
-      call find_crossings(overlap, change%alike, change%place)
+      call find_events(overlap, change%alike, change%place)
       call evaluate(change%first, change%place, change%x, change%v)
       call evaluate_curvature(change%first, change%place, acceleration)
       call evaluate(second(:, :, by_place), change%place, b11, b21)
@@ -273,7 +273,7 @@ contains
   end subroutine find_touching
 
   !> Where overlaps fall below zero in a step: Newton's method within brackets, for all speeds side by side.
-  pure subroutine find_crossings(c, wanted, place)
+  pure subroutine find_events(c, wanted, place)
     real(dp), intent(in) :: c(batch_size, 0:7)   ! coefficients; below 0 at 1 where wanted
     logical, intent(in) :: wanted(batch_size)
     real(dp), intent(out) :: place(batch_size)
@@ -300,5 +300,5 @@ contains
       end do
       if (.not. any(f > tight .and. wanted)) exit
     end do
-  end subroutine find_crossings
+  end subroutine find_events
 end module gearsweep_event_crossing

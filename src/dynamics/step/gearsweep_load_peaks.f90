@@ -13,7 +13,7 @@ module gearsweep_load_peaks
   use gearsweep_step_ends, only: deflection_at_end, end_acceleration
   implicit none
   private
-  public :: candidate_t, candidates_t, add_candidate, settle_candidates, may_exceed, raise_to_maximum, load_within, &
+  public :: candidate_t, candidates_t, add_candidate, evaluate_candidates, may_exceed, raise_to_maximum, load_within, &
             cubic_curvature, turns_too_far
 
   !> A step within which the load of a pair has a maximum.
@@ -32,7 +32,7 @@ module gearsweep_load_peaks
 contains
 
   !> Adds a candidate. Where there is no room, those that the largest load has passed meanwhile are dropped, or all
-  !> are settled.
+  !> are evaluated.
   pure subroutine add_candidate(osc, table, duration, candidate, candidates, peak)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
@@ -50,14 +50,14 @@ contains
         candidates%candidate(kept) = candidates%candidate(k)
       end do
       candidates%count = kept
-      if (kept == most_candidates) call settle_candidates(osc, table, duration, candidates, peak)
+      if (kept == most_candidates) call evaluate_candidates(osc, table, duration, candidates, peak)
     end if
     candidates%count = candidates%count + 1
     candidates%candidate(candidates%count) = candidate
   end subroutine add_candidate
 
   !> Raises the largest load by all candidates; the one with the highest bound first, which spares most others.
-  pure subroutine settle_candidates(osc, table, duration, candidates, peak)
+  pure subroutine evaluate_candidates(osc, table, duration, candidates, peak)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     real(dp), intent(in) :: duration               !< of the mesh period, s
@@ -67,14 +67,14 @@ contains
 
     do while (candidates%count > 0)
       k = maxloc(candidates%candidate(:candidates%count)%bound, 1)
-      if (candidates%candidate(k)%bound > peak) call settle(osc, table, duration, candidates%candidate(k), peak)
+      if (candidates%candidate(k)%bound > peak) call refine_maximum(osc, table, duration, candidates%candidate(k), peak)
       candidates%candidate(k) = candidates%candidate(candidates%count)
       candidates%count = candidates%count - 1
     end do
-  end subroutine settle_candidates
+  end subroutine evaluate_candidates
 
   !> Raises the largest load by that within the step of a candidate.
-  pure subroutine settle(osc, table, duration, candidate, peak)
+  pure subroutine refine_maximum(osc, table, duration, candidate, peak)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     real(dp), intent(in) :: duration
@@ -111,7 +111,7 @@ contains
         peak = max(peak, load_within(osc, table, i, set, j, place, value_of(quintic(x(:, 1), x(:, 2)), place), 1.0_dp))
       end associate
     end associate
-  end subroutine settle
+  end subroutine refine_maximum
 
   !> Load (N) of a pair in contact at a place within a step, by the motion there and by what all pairs have at that very place: a
   !> stiffness through many knots is no polynomial from one end of the step to the other.

@@ -12,7 +12,7 @@ module gearsweep_period
   use gearsweep_integrator, only: integrator_t, watch_dte
   use gearsweep_kinds, only: dp
   use gearsweep_literature_period, only: run_literature_period
-  use gearsweep_load_peaks, only: add_candidate, candidate_t, settle_candidates
+  use gearsweep_load_peaks, only: add_candidate, candidate_t, evaluate_candidates
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_overlap_watch, only: watch_step
   use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
@@ -84,7 +84,7 @@ contains
     if (state%all_full) state%monodromy = map%monodromy
     if (state%all_full) state%shrunk = map%shrunk
     do l = 1, map%speeds
-      call settle_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
+      call evaluate_candidates(map%osc, map%table, map%duration(l), state%candidates(l), state%peak(l))
     end do
     do i = 1, state%noted
       call raise_peaks(map, state%change(i), state%peak)

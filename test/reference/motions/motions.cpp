@@ -240,8 +240,8 @@ private:
             series.solve(w, damping, dampings, &force, r.state.x, r.state.v);
             int who = -1;
             double t = h;
-            for (int j = 0; j < pairs; ++j) crossing(series, e[j], closed[j], j, t, who);
-            if (row.backlash >= 0) crossing(series, line(-row.backlash, 0), !back, 7, t, who);
+            for (int j = 0; j < pairs; ++j) find_event(series, e[j], closed[j], j, t, who);
+            if (row.backlash >= 0) find_event(series, line(-row.backlash, 0), !back, 7, t, who);
             r.loss = std::max(r.loss, back ? 3 : shut == 0 ? 2 : shut < pairs ? 1 : 0);
             if (peaks)
                 for (int j = 0; j < pairs; ++j)
@@ -286,7 +286,7 @@ private:
     }
 
     // The first time before t at which x leaves its side of a level.
-    void crossing(const Series& s, const Poly& level, bool above, int j, double& t, int& who) const {
+    void find_event(const Series& s, const Poly& level, bool above, int j, double& t, int& who) const {
         constexpr int parts = 3;
         double side = above ? 1 : -1, left = 0, end = t, tiny = 1e-13 * row.deflection;
         double swing = 0;                        // it cannot go farther

@@ -101,12 +101,12 @@ const NEW = `&case tasks = 'mesh', 'sweep', 'optimum' /
 async function show(answer, name) {
   state.opened = answer.text;
   put({ text: answer.text, place: answer.place ?? '', name: name ?? answer.name });
-  settle(answer);
+  adopt(answer);
   await results();
   view.pickPicture();
 }
 
-function settle(answer) {
+function adopt(answer) {
   document.activeElement?.blur();
   state.isStale = true;
   take(answer);
@@ -124,7 +124,7 @@ async function results() {
 const check = () => call('check', { text: state.text, place: state.place });
 
 async function undo(from, to) {
-  await inLine(async () => { if (step(from, to)) settle(await check()); });
+  await inLine(async () => { if (step(from, to)) adopt(await check()); });
   await results();
 }
 
@@ -240,11 +240,11 @@ async function start() {
   });
   onReturn(() => (unsent ? typed(...unsent) : check().then(take).then(results).catch(told)));
   view.begin(about, { change, calculate: work.calculate, show: (text, place, name) => call('check', { text, place }).then((answer) => show({ ...answer, place }, name)), told });
-  if (recall()) settle(await check());
+  if (recall()) adopt(await check());
   else {
     const answer = await call('open', about.start);
     Object.assign(state, { text: answer.text, opened: answer.text, place: answer.place, name: answer.name });
-    settle(answer);
+    adopt(answer);
   }
   await results();
   performance.mark('answer');
