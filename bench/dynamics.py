@@ -315,7 +315,7 @@ def add_cost(report, problem):
                'damping, the more periods until nothing changes. Shooting needs two periods whatever the damping; what still grows:\n'
                'steps, as sharper resonances (to the left) or a decay faster than the mesh period (to the right) take more of them for the\n'
                'same tolerance; and light damping makes more motions change contact, repeat only after several mesh periods or never\n'
-               '(*others*), where Newton\'s method often does not settle and the transient is marched after all.\n')
+               '(*others*), where Newton\'s method often does not converge and the transient is marched after all.\n')
     report.table(('damping ratio', 'all', 'in full contact', 'points', 'steps of these', 'contact changes', 'points', 'others', 'points',
                   'in full contact, marched', 'without an answer'),
                  [(f'{z:g}', micro(every, sum(count)), micro(full, count[0]), str(int(count[0])), f'{steps:.0f}', micro(changing, count[1]),

@@ -224,7 +224,7 @@ def main():
     result.same('exit code', (one / f'{case}.code').read_text(), (other / f'{case}.code').read_text())
     print(f'{case:<10}{result.values:>9}{result.differ:>9}{result.worst:>12.1e}   {result.place}')
     if count := undecided(one, case):
-        print(f'  {count} points are chaotic or do not settle: rounding decides where they are, so only the word is compared')
+        print(f'  {count} points are chaotic or have a transient that stays: rounding decides where they are, so only the word is compared')
     for place, examples in result.broken.items():
         print(f'  FAILED {place}: {len(examples)} differ, as {examples[0]}')
     if result.values < 100:

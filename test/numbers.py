@@ -83,7 +83,7 @@ def static():
     for one in ste:
         rows = rows_of(mesh, one, 'relief_um')
         near('largest static share', one['largest_load_share'], max(row['load_share'] for row in rows), 1e-12)
-        # A tenth less of a corner's stiffness: as the loads add up to the whole, the gears yield by a tenth of the corner's load
+        # A tenth less of a corner's stiffness: as the loads add up to the whole, the gears deflect by a tenth of the corner's load
         # over the stiffness of all pairs.
         beyond = [row for row in rows if not 0 <= row['s'] <= ratio]
         softer = max(0.1 * row['load_share'] * LOAD / row['mesh_stiffness_n_um'] for row in beyond)

@@ -62,8 +62,8 @@ contains
     if (size(values) == 1) one = values(1)
   end function one
 
-  !> Geometry: radii (6, member) of the tip, reference, drive base, coast base and root circle and where the drive involute
-  !> begins; path coordinates of A, B, P, D, E and the radii (5, member) there; the working angles of both sides.
+  !> Geometry: radii (6, gear) of the tip, reference, drive base, coast base and root circle and where the drive involute
+  !> begins; path coordinates of A, B, P, D, E and the radii (5, gear) there; the working angles of both sides.
   subroutine ask_geometry(t, text, radius_mm, point, point_radius_mm, distance_mm, working_angle_deg, contact_ratio, &
                           base_pitch_mm, backlash_um)
     type(tally_t), intent(inout) :: t

@@ -13,7 +13,7 @@ module random_extremes
 contains
 
   !> Masses 1e-6 to 1e6 apart, stiffness at the ends down to 1e-6 of that in the middle, contact ratio
-  !> 1 + 1e-6 to 3, damping 1e-4 to 1000, 10 to 1e8 rpm, relief none to 100 mm on either member, coast sides
+  !> 1 + 1e-6 to 3, damping 1e-4 to 1000, 10 to 1e8 rpm, relief none to 100 mm on either gear, coast sides
   !> that may touch, a load of 7 kN.
   type(row_t) function random_row(number) result(row)
     integer, intent(in) :: number

@@ -1,5 +1,5 @@
 !> Prescribed meshes drawn at random, the same in every run: contact ratio,
-!> stiffness, short linear relief on both members, masses, load, damping.
+!> stiffness, short linear relief on both gears, masses, load, damping.
 module random_meshes
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_error, only: error_t

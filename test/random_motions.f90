@@ -59,7 +59,7 @@ contains
   end function has_corners
 
   !> A prescribed mesh. Its contact ratio is 1.05 to 2.9 or, in half of them, 0.005 to 0.15 above 1 or 2. None or up to 1.6 mean
-  !> deflections of relief: short, linear and the same on both members or, in half of them, from anywhere, of either shape.
+  !> deflections of relief: short, linear and the same on both gears or, in half of them, from anywhere, of either shape.
   subroutine prescribed(random, osc)
     type(random_t), intent(inout) :: random
     type(oscillator_t), intent(inout) :: osc

@@ -155,7 +155,7 @@ contains
     curve%coef(:ubound(right%coef, 1), n + 1:) = right%coef
   end function joined
 
-  !> Constant stiffness and no relief: the next pair closes where its gap, a square, is what one pair yields, and with both
+  !> Constant stiffness and no relief: the next pair closes where its gap, a square, is how far one pair deflects, and with both
   !> in contact x = F/2K + gap/2. So x is piecewise quadratic, with a kink where contact begins and ends, and its
   !> harmonics follow from the jumps of its derivatives by partial integration.
   subroutine quadratic_gap(t)

@@ -294,7 +294,7 @@ contains
   end subroutine delays
 
   !> Every branch goes on until it leaves the range, closes or meets the motion whose period doubles, over corners and nearly
-  !> grazing stretches too; neighbouring points are close, and between folds the stability only changes at doublings.
+  !> grazing parts too; neighbouring points are close, and between folds the stability only changes at doublings.
   subroutine whole_branches(t)
     type(tally_t), intent(inout) :: t
     type(answer_t) :: answer

@@ -78,7 +78,7 @@ contains
 
   !> Of three curves of stiffness and a pair that parts shortly: the estimate is never 0 where the transmission error is curved,
   !> nor beyond what the integration is asked for, 1e-12 of the mean; so good is the mean, which has a closed form where
-  !> the stiffness is constant and the relief e = e_0 - c (s - s_0)**2 parts a pair over a stretch of 2 w.
+  !> the stiffness is constant and the relief e = e_0 - c (s - s_0)**2 parts a pair over a length of 2 w.
   subroutine harmonics(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: load = 6000, single = 15e-6_dp
@@ -98,7 +98,7 @@ contains
       osc%mesh%profile_error%breaks = [0.0_dp, 0.6_dp, 1.6_dp]
       osc%mesh%profile_error%coef = reshape([relief%coef(:, 1), 0.0_dp, 0.0_dp, 0.0_dp], [3, 2])
       call find_harmonics(osc%mesh, load, 4, ste)
-      ! Two pairs yield (F/K + e)/2, one F/K: what the parting takes off is half a parabola's area.
+      ! Two pairs deflect (F/K + e)/2, one F/K: what the parting takes off is half a parabola's area.
       mean = single*0.4_dp + (single*0.6_dp + top*0.6_dp - c*((0.6_dp - at)**3 + at**3)/3)/2 - 2*w/3*(top - single)
       call check_close(t, 'mean with a parting', ste%mean, mean, 1e-12_dp)
       call check_estimate('a pair that parts')

@@ -26,7 +26,7 @@ contains
   end subroutine run
 
   !> Relief that begins at stated roll angles grows in proportion to them up to the tip (Dogan et al. 2021,
-  !> section 2.2), on both members at once, each by its own; a parabola by their square.
+  !> section 2.2), on both gears at once, each by its own; a parabola by their square.
   subroutine relief_by_roll_angle(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: amount = 12, share(2) = [1.0_dp, 0.5_dp]
@@ -154,7 +154,7 @@ contains
       mass = [answer%all_of('motion.pinion_mass_kg'), answer%all_of('motion.gear_mass_kg')]
       call check_equal(t, name//': how many', size(mass), 2)
       do i = 1, size(mass)
-        call check_close(t, name//', member '//str(i), mass(i), expected(i), relative=1e-12_dp)
+        call check_close(t, name//', gear '//str(i), mass(i), expected(i), relative=1e-12_dp)
       end do
     end subroutine check_masses
   end subroutine masses_and_loads

@@ -208,13 +208,13 @@ contains
     end function c_gamma
   end subroutine two_materials
 
-  !> Adds what one tooth of `member` yields under a unit line load, times E, where the flank has this radius of curvature (mm);
+  !> Adds what one tooth of `member` deflects under a unit line load, times E, where the flank has this radius of curvature (mm);
   !> `depth` is the way from there to the tooth's axis along the load.
-  subroutine bend_tooth(pair, member, rho, c, yield, depth)
+  subroutine bend_tooth(pair, member, rho, c, deflect, depth)
     type(stated_t), intent(in) :: pair
     integer, intent(in) :: member
     real(dp), intent(in) :: rho, c(6)
-    real(dp), intent(inout) :: yield
+    real(dp), intent(inout) :: deflect
     real(dp), intent(out) :: depth
     integer, parameter :: steps = 400
     type(gear_t) :: gear
@@ -242,7 +242,7 @@ contains
       i3 = i3 + (apex - root)/steps*(apex - y)**2/z**3
     end do
     associate (t2 => tan(angle)**2, slender => (apex - root)/width)
-      yield = yield + cos(angle)**2*(c(1)*i3 + c(2)*(1 + c(3)*t2)*i1 + c(4)*slender**2 + c(5)*slender + c(6)*(1 + c(3)*t2))
+      deflect = deflect + cos(angle)**2*(c(1)*i3 + c(2)*(1 + c(3)*t2)*i1 + c(4)*slender**2 + c(5)*slender + c(6)*(1 + c(3)*t2))
     end associate
 
   contains
@@ -412,7 +412,7 @@ contains
       one = curve(pinion, gear)
       other = curve(gear, pinion)
       call check_true(t, 'as many rows', size(one) == size(other) .and. size(one) > 100)
-      call check_close(t, 'exchanged members mirror, '//trim(differing(i)), maxval(abs(other(size(other):1:-1)/one - 1)), 0.0_dp, &
+      call check_close(t, 'exchanged gears mirror, '//trim(differing(i)), maxval(abs(other(size(other):1:-1)/one - 1)), 0.0_dp, &
                        absolute=1e-8_dp)
       call check_true(t, 'they are not equal, '//trim(differing(i)), abs(one(size(one)/2)/equal(size(equal)/2) - 1) > 1e-4_dp, &
                       str(one(size(one)/2)/equal(size(equal)/2)))

@@ -110,7 +110,7 @@ contains
     end function pulled
   end subroutine constant_strain
 
-  !> One tooth of a member, sampled: coast fillet, coast involute, tip, drive involute, drive fillet.
+  !> One tooth of a gear, sampled: coast fillet, coast involute, tip, drive involute, drive fillet.
   function sampled(pair, member, steps) result(points)
     type(stated_t), intent(in) :: pair
     integer, intent(in) :: member, steps
@@ -378,7 +378,7 @@ contains
   end subroutine peaks_and_tangents
 
   !> Positions of the load: equal steps of the path, and equal arcs of the flank, whose length from the base circle is
-  !> rho**2/(2 r_b); shares as stated, equal, and by the mesh; on both members.
+  !> rho**2/(2 r_b); shares as stated, equal, and by the mesh; on both gears.
   subroutine positions_and_shares(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: stated = '0.4,0.7,1,0.9,0.3'
@@ -459,7 +459,7 @@ contains
       end associate
     end function arc
 
-    !> The position at the member's tip among those on the path.
+    !> The position at the gear's tip among those on the path.
     pure integer function nearest_tip(member)
       integer, intent(in) :: member
 

@@ -183,7 +183,7 @@ contains
     cross = a(1)*b(2) - a(2)*b(1)
   end function cross
 
-  !> How far a member is turned (rad) at s: positive angles lead from the line of centres to where the pinion pushes, and for the
+  !> How far a gear is turned (rad) at s: positive angles lead from the line of centres to where the pinion pushes, and for the
   !> gear against it.
   pure real(dp) function turn_of(pair, s, member) result(turn)
     type(pair_t), intent(in) :: pair
@@ -198,7 +198,7 @@ contains
     end associate
   end function turn_of
 
-  !> `tooth` is the member whose corner it is. Each gear may be turned by half of a deflection x along the line of action.
+  !> `tooth` is the gear whose corner it is. Each gear may be turned by half of a deflection x along the line of action.
   real(dp) function rolled_gap(pair, s, tooth, x) result(gap)
     type(pair_t), intent(in) :: pair
     real(dp), intent(in) :: s
@@ -372,7 +372,7 @@ contains
     end do
   end subroutine closes
 
-  !> Teeth that yield along the mate's normal as at the path's end: their stiffness there, times the square of how much of a
+  !> Teeth that deflect along the mate's normal as at the path's end: their stiffness there, times the square of how much of a
   !> deflection closes the gap, which brute force has from both gears turned. Up to where the gap is four static deflections of the
   !> softest place, and inside as it was. Under a load that next to nothing deflects the curve ends at A and E.
   subroutine end_stiffness(t)

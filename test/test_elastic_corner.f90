@@ -140,8 +140,8 @@ contains
   end subroutine self_similar
 
   !> Within the path the corners change nothing under a load that hardly bends the teeth. Under more, each contact moves down the
-  !> flank of the tooth that yields more: to the place u = -F R C'(u)/2, found step by step along both teeth's compliances, where
-  !> the pair yields F C(u) + u**2/(2 R); F is 0.3 of the load.
+  !> flank of the tooth that deflects more: to the place u = -F R C'(u)/2, found step by step along both teeth's compliances, where
+  !> the pair deflects F C(u) + u**2/(2 R); F is 0.3 of the load.
   subroutine moved_down(t)
     type(tally_t), intent(inout) :: t
     type(fe_options_t) :: options
@@ -184,7 +184,7 @@ contains
 
   contains
 
-    !> What both teeth yield (m2/N) with the contact u farther up the pinion's flank, m.
+    !> How far both teeth deflect (m2/N) with the contact u farther up the pinion's flank, m.
     real(dp) function yield_at(u)
       real(dp), intent(in) :: u
 
@@ -228,8 +228,8 @@ contains
   end subroutine beyond_the_path
 
   !> A tooth far stiffer than its mate has a stiff corner: at A, where the gear's touches, and at E, where the pinion's does, the
-  !> contact is that of a punch with an edge on the mate alone. What it yields beside Hertz's contact, cut nowhere, is the
-  !> difference of two logarithms (see `punch`). The other way round the corner yields and the mate does not, which is another.
+  !> contact is that of a punch with an edge on the mate alone. What it deflects beside Hertz's contact, cut nowhere, is the
+  !> difference of two logarithms (see `punch`). The other way round the corner deflects and the mate does not, which is another.
   subroutine stiff_corner(t)
     type(tally_t), intent(inout) :: t
     type(material_t), parameter :: diamond = material_t(young=206e15_dp)
@@ -256,7 +256,7 @@ contains
       call fe_stiffness(pair, both, options, light, plain, disc, error)
       options%corner_contact = .true.
       call fe_stiffness(pair, both, options, light, curve, disc, error)
-      call check_no_error(t, 'a stiff member', error)
+      call check_no_error(t, 'a stiff gear', error)
       associate (sum_of => 1/pair%curvature(1, s) + 1/pair%curvature(2, s))
         a = sqrt(4*light/(pi*modulus*sum_of))
         c = sqrt(16*light/(3*pi*modulus*sum_of))
@@ -406,7 +406,7 @@ contains
     call check_true(t, 'load on the tip', minval(share, mask=s < 1e-6_dp) > 0.05_dp, str(minval(share, mask=s < 1e-6_dp)))
   end subroutine root_share
 
-  !> A pair yields by its own load beyond A and E too: the compliance that its contact problem has under a smaller load is that
+  !> A pair deflects by its own load beyond A and E too: the compliance that its contact problem has under a smaller load is that
   !> under the nominal one and what the load's logarithm adds, from half of the load to a thirtieth.
   subroutine own_load(t)
     type(tally_t), intent(inout) :: t
@@ -437,7 +437,7 @@ contains
           end associate
         end do
       end do
-      call check_true(t, 'an edge yields more to a small load', all(flattening%at_end > 1.3_dp*flattening%within) .and. &
+      call check_true(t, 'an edge deflects more to a small load', all(flattening%at_end > 1.3_dp*flattening%within) .and. &
                       all(flattening%beyond > 2*flattening%within))
     end do
 

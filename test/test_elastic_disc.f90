@@ -1,4 +1,4 @@
-!> What a body yields under all its teeth: closed forms of an annulus,
+!> How far a body deflects under all its teeth: closed forms of an annulus,
 !> two teeth loaded at once, on whole gears and on sections, and that no share of the load changes it.
 module test_elastic_disc
   use dogan_gears, only: dogan_gear
@@ -128,7 +128,7 @@ contains
   end subroutine whole_gear
 
   !> Two neighbours loaded at once, all along their common path: what one moves the other by is the disc's turning and a
-  !> parabola, within a five-hundredth of what the tooth yields alone; without the disc it is 28 to 97 %.
+  !> parabola, within a five-hundredth of how far the tooth deflects alone; without the disc it is 28 to 97 %.
   subroutine two_teeth(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: bore(3) = [0.002_dp, 0.010_dp, 0.020_dp], module = 0.00318_dp
@@ -221,7 +221,7 @@ contains
   end subroutine shrinking_bore
 
   !> On a section held at its sides too, a tooth's load moves the next one: as a solution in full has it, along the path,
-  !> within a thousandth of what the tooth yields alone. The two pairs' common deflection follows within a tenth of a per cent of
+  !> within a thousandth of how far the tooth deflects alone. The two pairs' common deflection follows within a thousandth of
   !> what the transmission error varies by, where both gears' parts are one.
   subroutine sections_share(t)
     type(tally_t), intent(inout) :: t
@@ -250,7 +250,7 @@ contains
       call fe_stiffness(pair, [material_t(), material_t()], options, line_load, curve, both, error)
       call check_no_error(t, 'section of '//str(teeth(n))//' teeth', error)
       call check_close(t, 'a section does not turn', disc%turn, 0.0_dp)
-      call check_close(t, 'both members share', both%shared*0.0254_dp, 2*disc%shared, relative=1e-9_dp)
+      call check_close(t, 'both gears share', both%shared*0.0254_dp, 2*disc%shared, relative=1e-9_dp)
       most = 1/(curve%value(pair%contact_ratio/2)/0.0254_dp)/2
       do k = 0, places - 1
         s = (pair%contact_ratio - 1)*k/(places - 1)
@@ -274,7 +274,7 @@ contains
   end subroutine sections_share
 
   !> Above a contact ratio of 2 the first of three pairs moves the third by less than the second: as a solution in full has it,
-  !> along the path, within a two-hundredth of what a tooth yields alone; nothing where there is no such tooth on the section.
+  !> along the path, within a two-hundredth of how far a tooth deflects alone; nothing where there is no such tooth on the section.
   subroutine third_tooth(t)
     type(tally_t), intent(inout) :: t
     integer, parameter :: teeth(3) = [0, 7, 3], places = 5

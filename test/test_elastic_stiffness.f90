@@ -181,7 +181,7 @@ contains
     end do
   end subroutine supports
 
-  !> Exchanging unequal members mirrors the curve; flanks of unequal angle work.
+  !> Exchanging unequal gears mirrors the curve; flanks of unequal angle work.
   subroutine exchange(t)
     type(tally_t), intent(inout) :: t
     type(pair_t) :: pair
@@ -208,7 +208,7 @@ contains
     call check_true(t, 'a steeper coast flank stiffens', one%integral(0.0_dp, 1.0_dp) > 1.02_dp*other%integral(0.0_dp, 1.0_dp))
   end subroutine exchange
 
-  !> Equal gears of two materials that differ in E only: what a tooth yields goes with 1/E, so that the compliance of two of
+  !> Equal gears of two materials that differ in E only: how far a tooth deflects goes with 1/E, so that the compliance of two of
   !> steel, less Hertz's part, gives that of steel on brass, and as the mate grows stiff, half of it is left. Hertz's part is a
   !> closed form in each material's own E on the half width of both.
   subroutine two_materials(t)
@@ -258,8 +258,8 @@ contains
     end function flat
   end subroutine two_materials
 
-  !> What both teeth of a pair yield at one place adds up to what the pair does, which the stiffness has; at the pitch point of
-  !> equal gears each has half of it; and a tooth of brass yields as many times more as its modulus is less, but for Hertz's part.
+  !> What both teeth of a pair deflect at one place adds up to what the pair does, which the stiffness has; at the pitch point of
+  !> equal gears each has half of it; and a tooth of brass deflects as many times more as its modulus is less, but for Hertz's part.
   subroutine each_tooth(t)
     type(tally_t), intent(inout) :: t
     type(material_t), parameter :: steel = material_t(), brass = material_t(young=100e9_dp)

@@ -41,7 +41,7 @@ contains
     if (t%wants('film')) call film(t)
     if (t%wants('loss_factors')) call loss_factors(t)
     if (t%wants('friction')) call friction(t)
-    if (t%wants('swapped_members')) call swapped_members(t)
+    if (t%wants('swapped_gears')) call swapped_gears(t)
     if (t%wants('one_task')) call one_task(t)
     if (t%wants('dynamic_loads')) call dynamic_loads(t)
     if (t%wants('energy')) call energy(t)
@@ -353,7 +353,7 @@ contains
   end subroutine friction
 
   !> With the gear driving at its own speed, the path is passed the other way, and all is as before.
-  subroutine swapped_members(t)
+  subroutine swapped_gears(t)
     type(tally_t), intent(inout) :: t
     type(pair_t) :: pair, other
     type(surfaces_t) :: surfaces, exchanged
@@ -386,7 +386,7 @@ contains
       call check_close(t, 'loss factor, integrated', static_loss_factor(pair, even_mesh(pair), load), &
                        static_loss_factor(other, even_mesh(other), load), 1e-12_dp)
     end do
-  end subroutine swapped_members
+  end subroutine swapped_gears
 
   subroutine study_of(t, keys, study)
     type(tally_t), intent(inout) :: t

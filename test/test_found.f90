@@ -36,7 +36,7 @@ contains
     if (t%wants('unbounded')) call unbounded(t)
   end subroutine run
 
-  !> Two equal members of 1 kg under 3000 N, pairs of 300 N/um all along the path, without relief.
+  !> Two equal gears of 1 kg under 3000 N, pairs of 300 N/um all along the path, without relief.
   type(oscillator_t) function mesh_of(ratio, zeta, backlash) result(osc)
     real(dp), intent(in) :: ratio, zeta
     real(dp), intent(in), optional :: backlash   ! m

@@ -214,7 +214,7 @@ contains
     call check_close(t, 'free of backlash on both sides', pair%backlash, 0.0_dp, absolute=1e-15_dp)
   end subroutine asymmetric_teeth
 
-  !> rho1 + rho2 = a sin alpha_w; swapping the members mirrors the path.
+  !> rho1 + rho2 = a sin alpha_w; swapping the gears mirrors the path.
   subroutine path_identities(t)
     type(tally_t), intent(inout) :: t
     type(gear_spec_t) :: spec(2), swapped(2)
@@ -447,7 +447,7 @@ contains
     call profile_error(relief, 1.6_dp, e, error)
     call check_close(t, 'parabola half way', e%value(1.3_dp), 2.5e-6_dp)
     call check_close(t, 'parabola leaves level', e%slope(1.0_dp), 0.0_dp, absolute=1e-18_dp)
-    ! Long reliefs of both members overlap and add up.
+    ! Long reliefs of both gears overlap and add up.
     relief%start = [0.5_dp, 1.1_dp]
     call profile_error(relief, 1.6_dp, e, error)
     call check_close(t, 'overlap', e%value(0.8_dp), 10e-6_dp*(0.3_dp/1.1_dp)**2 + 4e-6_dp*(0.3_dp/1.1_dp)**2)

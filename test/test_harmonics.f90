@@ -13,7 +13,7 @@ module test_harmonics
   private
   public :: run
 
-  !> Constant pair stiffness of 400 N/um under 6000 N: one pair yields 15 um.
+  !> Constant pair stiffness of 400 N/um under 6000 N: one pair deflects 15 um.
   real(dp), parameter :: load = 6000, single = 15e-6_dp, ratio = 1.6_dp, double = ratio - 1
 
 contains
@@ -92,7 +92,7 @@ contains
     call check_close(t, 'rms', harmonics%rms, single/2*sqrt(double*(1 - double)), 1e-12_dp)
   end subroutine rectangle
 
-  !> The pinion alone relieved, by more than one pair yields: the pair that leaves separates where its
+  !> The pinion alone relieved, by more than one pair deflects: the pair that leaves separates where its
   !> relief, 24 um times phase/double, reaches that.
   subroutine ramp_with_separation(t)
     type(tally_t), intent(inout) :: t
@@ -111,7 +111,7 @@ contains
     call check_close(t, 'peak to peak of the ramp', harmonics%peak_to_peak(), single/2, 1e-13_dp)
   end subroutine ramp_with_separation
 
-  !> Both relieved by more than one pair yields: x is continuous, with four kinks.
+  !> Both relieved by more than one pair deflects: x is continuous, with four kinks.
   subroutine trapezium(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t) :: osc
@@ -254,8 +254,8 @@ contains
     end function transformed
   end subroutine smooth_meshes
 
-  !> Extremes within a segment: with K = 400 - 110 u**2 two pairs yield least midway between A and B,
-  !> one pair most at B and D; with K = 400 + 300 u**2 one pair yields most at u = 0.
+  !> Extremes within a segment: with K = 400 - 110 u**2 two pairs deflect least midway between A and B,
+  !> one pair most at B and D; with K = 400 + 300 u**2 one pair deflects most at u = 0.
   subroutine summits(t)
     type(tally_t), intent(inout) :: t
     type(oscillator_t) :: osc

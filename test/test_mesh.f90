@@ -215,7 +215,7 @@ contains
                      1.5_dp)
   end subroutine deflection
 
-  !> Hertz at each pair's own load: a pair yields F (1/K - c log(F/nominal)), with c from Weber and Banaschek's formula at two
+  !> Hertz at each pair's own load: a pair deflects F (1/K - c log(F/nominal)), with c from Weber and Banaschek's formula at two
   !> loads; pairs that are alike carry alike; the loads balance whatever the gaps; at its nominal load a pair is as it was.
   subroutine own_flattening(t)
     type(tally_t), intent(inout) :: t
@@ -296,7 +296,7 @@ contains
 
   !> Three pairs of which neighbours share more than the first and the third, with relief so deep that pairs part: under the
   !> loads found, what all of them move a pair by, and its profile error, is the transmission error for each pair that carries,
-  !> and no less for those that do not. With flattening a pair yields by its own load.
+  !> and no less for those that do not. With flattening a pair deflects by its own load.
   subroutine three_pairs(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: load = 9000, flattening(2) = [0.0_dp, 6e-11_dp]

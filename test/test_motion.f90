@@ -137,7 +137,7 @@ contains
     end do
   end subroutine tight_tolerance
 
-  !> Slow: the deflection settles in each smooth interval, and where the second pair leaves
+  !> Slow: the deflection comes to rest in each smooth interval, and where the second pair leaves
   !> it overshoots from F_s/(K_A + K_D) to F_s/K: DF = 1 + K_A/(K_A + K_D) exp(-pi zeta/sqrt(1 - zeta^2)),
   !> exact for constant stiffness (K_A = K_D). Fast: the inertia holds the
   !> deflection at F_s/mean K: DF = largest K/mean K.
@@ -319,7 +319,7 @@ contains
     call check_true(t, 'open', .not. has_result(point%steady%status) .or. point%steady%departs)
   end subroutine meissner_closing
 
-  !> In the main parametric tongue the motion settles over two mesh periods with
+  !> In the main parametric tongue the motion repeats after two mesh periods with
   !> loss of contact: independent value by test/reference/make_subharmonic.py.
   !> Beside the tongue it is periodic with the mesh.
   subroutine subharmonic(t)

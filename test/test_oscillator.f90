@@ -64,7 +64,7 @@ contains
     osc = stated()
     osc%friction = 0.1_dp
     osc%mesh%tan_angle = 0
-    call refused('friction = 0.1: needs the teeth of both members and the pressure angle')
+    call refused('friction = 0.1: needs the teeth of both gears and the pressure angle')
     osc = stated()
     osc%friction = 0.1_dp
     osc%mesh%teeth(2) = 0
@@ -121,7 +121,7 @@ contains
     osc%has_backlash = .true.
     osc%backlash = 1e-4_dp
     call make_oscillator(osc, error)
-    call check_equal(t, 'the coast side is a member', osc%contacts, 3)
+    call check_equal(t, 'the coast side is a contact', osc%contacts, 3)
     osc = mesh_of(ratio, [400.0_dp, 30.0_dp, -110.0_dp], [14.0_dp, 9.0_dp], 0.1_dp)
     mean = 0
     do i = 1, samples

@@ -465,7 +465,7 @@ sed 's/^  addendum = 1$//; s/^  dedendum = 1.25$//; s/teeth = 30$/teeth = 40 add
 run three.nml --out static
 check 'static: contact ratio above 2' says stdout 'contact ratio 2.2'
 check 'static: two or three pairs' test "$(rows static/three.static.csv | awk -F, '{ printf "%.4f\n", $4 }' | sort -u | tr '\n' ' ')" = '0.3333 0.5000 '
-# Sections from one tooth to the whole gear, either member, down to the bore, with asymmetric teeth.
+# Sections from one tooth to the whole gear, either gear, down to the bore, with asymmetric teeth.
 for change in 's/teeth = 3$/teeth = 1/' 's/teeth = 3$/teeth = 2/' 's/teeth = 3$/teeth = 30/' "s/'pinion'/'gear'/" \
   "s/'sides', 'rim'/'sides'/" "s/'sides', 'rim'/'rim'/" "s/'stress'/'strain'/" 's/across = 6/across = 3/' \
   's/teeth = 30$/teeth = 30 bore_mm = 500/; /rim_mm/d' 's/pressure_angle_deg = 20/& coast_angle_deg = 25/' \
@@ -647,7 +647,7 @@ for change in 's/damping_ratio = 0.1/damping_ratio = 2/' 's/&dynamics/\&numerics
   run case.nml --out stable
   check "every point has an answer: $change" exits 0
 done
-# A stretch of two pairs as short as rounding errors.
+# An interval of two pairs as short as rounding errors.
 for ratio in 1.00000001 1.000000001 1.0000000001 1.00000000002 1.00000000001 1.000000000009 1.000000000001 1.9999999999 1.99999999999 2.0000000001 2.00000000001; do
   edit "s/contact_ratio = .*/contact_ratio = $ratio/"
   run case.nml --out ratio --quiet
@@ -834,11 +834,11 @@ refuses '&relief amount_um: missing; must be at least 0' 1 's/amount_um = .*/amo
 refuses '&relief amount_um: missing; must be at least 0' 1 '/amount_um/d'
 refuses '&relief amount_um = 5, -1: must be at least 0' 1 's/amount_um = .*/amount_um = 5, -1/'
 refuses '&relief amount_um = 300: deeper than the tooth' 1 's/amount_um = .*/amount_um = 0, 300/; s/gear_fraction = .*/gear_fraction = 10/'
-refuses 'no member is relieved' 1 's/_fraction = 1/_fraction = 0/'
+refuses 'no gear is relieved' 1 's/_fraction = 1/_fraction = 0/'
 refuses '&relief length_mm' 1 "s/start = .*/start = 'length'/"
 refuses '&relief length_mm' 1 "s/start = .*/start = 'pitch' length_mm = 3/"
 refuses 'off the path of contact' 1 "s/start = .*/length_mm = 300/"
-refuses 'one for each relieved member' 1 "s/start = .*/pinion_roll_deg = 20/"
+refuses 'one for each relieved gear' 1 "s/start = .*/pinion_roll_deg = 20/"
 refuses 'off the path of contact' 1 "s/start = .*/pinion_roll_deg = 1 gear_roll_deg = 1/"
 refuses 'at most 10000 numbers' 1 's/amount_um = .*/amount_um = 10001*5/'
 refuses 'repeat count' 1 's/amount_um = .*/amount_um = 1000000000*5/'

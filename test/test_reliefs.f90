@@ -205,7 +205,7 @@ contains
     call check_true(t, 'some reliefs take a few speeds only', bounds > 0, str(bounds))
   end subroutine optimum_by_brute_force
 
-  !> Linear relief on both members, from where one pair begins to carry alone, so deep (m).
+  !> Linear relief on both gears, from where one pair begins to carry alone, so deep (m).
   subroutine relieve_both(osc, deepest)
     type(oscillator_t), intent(inout) :: osc
     real(dp), intent(in) :: deepest

@@ -265,7 +265,7 @@ contains
     call check_true(t, 'no coast side: the same bits', same_bits(numbers_of(lean, 'sweep'), numbers_of(full, 'sweep')))
     call make_table(lean, 'sweep', table, error)
     call check_true(t, 'with separation among them', any(table%columns(table%position('contact'))%words /= 'full'))
-    call check_equal(t, 'no coast side: no member for it', lean%motion(1)%contacts, full%motion(1)%contacts - 1)
+    call check_equal(t, 'no coast side: no contact for it', lean%motion(1)%contacts, full%motion(1)%contacts - 1)
   end subroutine no_coast
 
   !> A friction too small for any digit has its break, at the pitch point, all the same.

@@ -96,14 +96,14 @@ class ContactPointsTable(Table):
     """mm: radius at which the gear touches"""
 
 class SectionTable(Table):
-    """section of one member and its grid"""
+    """section of one gear and its grid"""
 
     member: str
     """pinion or gear"""
     teeth: int
     """teeth of the section"""
     gear_teeth: int
-    """teeth of the whole member"""
+    """teeth of the whole gear"""
     half_angle_deg: float
     """deg: half of the sector's angle"""
     inner_radius_mm: float
@@ -193,7 +193,7 @@ class StaticTable(Table):
     s: NDArray[float64]
     """path coordinate of the load, in base pitches from A"""
     radius_mm: NDArray[float64]
-    """mm: radius at which it acts on this member"""
+    """mm: radius at which it acts on this gear"""
     load_share: NDArray[float64]
     """load of this pair over the whole load"""
     side: NDArray[str_]
@@ -261,7 +261,7 @@ class StressLoadTable(Table):
     s: float
     """path coordinate of the load, in base pitches from A"""
     radius_mm: float
-    """mm: radius at which it acts on this member"""
+    """mm: radius at which it acts on this gear"""
     load_share: float
     """load of this pair over the whole load"""
 

@@ -1,7 +1,7 @@
 !> The periodic motions of a family of oscillators as a curve: x(nT) = x(0) over state and parameter, and with a third equation
 !> the places where the motion changes its kind, over a second parameter.
 !>
-!> The unknowns are x over the static deflection, its rate over that and the natural frequency, both of the first member of
+!> The unknowns are x over the static deflection, its rate over that and the natural frequency, both of the first oscillator of
 !> the family, and the parameters over their ranges, each of which is `width` long.
 module gearsweep_motion_equations
   use gearsweep_arclength, only: equations_t

@@ -32,7 +32,7 @@ contains
                       'section, static, modal, transient, harmonic or a stiffness by elements')
     support = unless(case%needs(stage%body) .or. case%needs_elements(), &
                      'static, modal, precision, transient, harmonic or a stiffness by elements')
-    ! Printed values may be a tooth's of this member.
+    ! Printed values may be a tooth's of this gear.
     looks = unless(case%needs(stage%section) .or. case%needs(stage%solid) .or. allocated(case%published), &
                    'section, static, modal, precision, transient, harmonic or body_modes')
     associate (section => case%section)

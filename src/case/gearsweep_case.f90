@@ -138,7 +138,7 @@ contains
                   trim(case%tasks_for(which))//' or a stiffness by iso6336')
   end function for_iso
 
-  !> Does a task need both members' stiffness by finite elements?
+  !> Does a task need both gears' stiffness by finite elements?
   pure logical function needs_elements(self)
     class(case_t), intent(in) :: self
 
@@ -159,7 +159,7 @@ contains
     touches_beyond = self%corner_contact .and. self%models_teeth()
   end function touches_beyond
 
-  !> Is a member's mass taken from its body, as neither mass nor inertia is given?
+  !> Is a gear's mass taken from its body, as neither mass nor inertia is given?
   pure logical function weighs(self, member)
     class(case_t), intent(in) :: self
     integer, intent(in) :: member

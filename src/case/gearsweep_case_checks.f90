@@ -81,11 +81,11 @@ contains
     type(error_t), allocatable, intent(inout) :: error
 
     if (all(case%fraction <= 0)) call fail(error, code_input, &
-      '&relief gear_fraction = 0: with pinion_fraction = 0 no member is relieved')
+      '&relief gear_fraction = 0: with pinion_fraction = 0 no gear is relieved')
     if (case%length > 0 .neqv. case%start == 'length') call fail(error, code_input, &
       '&relief length_mm: goes with start = ''length'' and only with it')
     if (any(case%roll > 0 .neqv. (case%start == 'roll' .and. case%fraction > 0))) call fail(error, code_input, &
-      '&relief pinion_roll_deg, gear_roll_deg: go with start = ''roll'', one for each relieved member')
+      '&relief pinion_roll_deg, gear_roll_deg: go with start = ''roll'', one for each relieved gear')
   end subroutine check_relief
 
   !> Lengths that no gear has, as they come about where a number is in another unit than its key.

@@ -138,7 +138,7 @@ contains
                     meaning='radius of the rack''s tip that cuts the fillets of the coast flanks, for asymmetric teeth')
   end subroutine read_rack_tips
 
-  !> After the members: which of two unlike flanks carries the load. Drive flanks are those that carry it, so that with the load
+  !> After the gears: which of two unlike flanks carries the load. Drive flanks are those that carry it, so that with the load
   !> on the others the two sides change places.
   subroutine read_direction(reader, case, error)
     type(reader_t), intent(inout) :: reader

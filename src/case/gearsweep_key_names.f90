@@ -47,7 +47,7 @@ module gearsweep_key_names
     & key_name_t('hub diameter (mm)', '&body_modes hub_diameter_mm'), &
     & key_name_t('elements across a tooth of the body', '&body_modes elements_across')]
 
-  !> The same of a member, which stands before its quantity, as in `pinion profile shift`.
+  !> The same of a gear, which stands before its quantity, as in `pinion profile shift`.
   type(key_name_t), parameter :: member_key_names(*) = [ &
     & key_name_t('addendum', 'addendum'), &
     & key_name_t('dedendum', 'dedendum'), &

@@ -54,7 +54,7 @@ contains
     end do
   end subroutine read_materials
 
-  !> Does a result depend on the member's modulus, Poisson's ratio and density?
+  !> Does a result depend on the gear's modulus, Poisson's ratio and density?
   pure function uses_of(case, member) result(uses)
     type(case_t), intent(in) :: case
     integer, intent(in) :: member

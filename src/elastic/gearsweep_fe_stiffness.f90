@@ -143,7 +143,7 @@ contains
     end associate
   end subroutine flatten_beyond
 
-  !> What each member's tooth deflects along the line of action under `line_load` (N/m) at its path coordinate in `s` (m): bending
+  !> What each gear's tooth deflects along the line of action under `line_load` (N/m) at its path coordinate in `s` (m): bending
   !> with its body, and its flattening for this half width of the contact (m), without the turning of whole gears about their
   !> bores.
   subroutine fe_deflection(pair, material, options, line_load, half_width, s, deflection, error)
@@ -211,7 +211,7 @@ contains
       str(s(findloc(.not. alone > 0, .true., 1)))//'; the line load is too large')
   end subroutine check_compliance
 
-  !> Teeth of both members; equal gears have equal ones.
+  !> Teeth of both gears; equal gears have equal ones.
   subroutine both_teeth(pair, material, options, tooth, error)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)
@@ -240,7 +240,7 @@ contains
     end do
   end subroutine both_teeth
 
-  !> Do both members deflect alike?
+  !> Do both gears deflect alike?
   pure logical function are_equal(pair, material, options)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)

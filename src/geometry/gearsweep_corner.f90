@@ -1,8 +1,8 @@
 !> Contact of a tooth's tip corner before the path of contact and behind it.
 !>
 !> Under load the pairs in contact deflect, so that the next pair closes before its nominal start A, and the leaving
-!> one opens behind its end E. There the corner at the end of one member's involute, the gear's before A and the
-!> pinion's behind E, touches the other member's flank, the mate's, off the line of action.
+!> one opens behind its end E. There the corner at the end of an involute, the gear's before A and the pinion's
+!> behind E, touches the mate's flank off the line of action.
 !>
 !> The corner moves on its tip circle. Its distance from the mate's centre is least on the line of centres, so that it
 !> meets the mate's involute above the place of A or E, never below: the fillet is out of its reach.
@@ -74,7 +74,7 @@ contains
     end associate
   end function corner_contact
 
-  !> The member whose corner it is: the gear (2) before the path's middle, the pinion (1) behind.
+  !> Whose corner it is: the gear's (2) before the path's middle, the pinion's (1) behind.
   elemental integer function corner_of(pair, s)
     type(pair_t), intent(in) :: pair
     real(dp), intent(in) :: s
@@ -82,7 +82,7 @@ contains
     corner_of = merge(2, 1, s < pair%contact_ratio/2)
   end function corner_of
 
-  !> Radius of curvature (m) of a member's drive flank where it touches at path coordinate `s`: on the path of contact or, beyond
+  !> Radius of curvature (m) of a gear's drive flank where it touches at path coordinate `s`: on the path of contact or, beyond
   !> it, at the tip corner and where that meets the mate.
   elemental real(dp) function touching_curvature(pair, member, s) result(curvature)
     type(pair_t), intent(in) :: pair
@@ -97,7 +97,7 @@ contains
     curvature = corner%curvature
   end function touching_curvature
 
-  !> By how much the lever arm of friction about a member's centre, over its base radius, changes per base pitch before A
+  !> By how much the lever arm of friction about a gear's centre, over its base radius, changes per base pitch before A
   !> (`end` 1) or behind E (2), off the line of action: the secant up to path coordinate `s`, where the corner touches.
   pure real(dp) function arm_change(pair, member, end, s) result(change)
     type(pair_t), intent(in) :: pair

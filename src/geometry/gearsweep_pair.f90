@@ -1,7 +1,7 @@
 !> Two gears in mesh: centre distance, working pressure angle and path of contact.
 !>
 !> The path coordinate s runs from the start of contact A (0) to its end E
-!> (the contact ratio), in base pitches. Member 1 is the pinion, which drives.
+!> (the contact ratio), in base pitches. Gear 1 is the pinion, which drives.
 module gearsweep_pair
   use gearsweep_kinds, only: dp, pi
   use gearsweep_error, only: error_t, fail, code_input
@@ -193,7 +193,7 @@ contains
     tangent = pair%centre_distance*sin(pair%working_angle(side))
   end function tangent
 
-  !> Radius of curvature (m) of a side's flank of member `i` down to which the mate's tip reaches.
+  !> Radius of curvature (m) of a side's flank of gear `i` down to which the mate's tip reaches.
   pure real(dp) function mate_reach(pair, i, side)
     type(pair_t), intent(in) :: pair
     integer, intent(in) :: i, side
@@ -203,7 +203,7 @@ contains
     end associate
   end function mate_reach
 
-  !> How much longer than the involute of a side of member `i` the path of contact between the tips is at its root (m), below 0
+  !> How much longer than the involute of a side of gear `i` the path of contact between the tips is at its root (m), below 0
   !> where it fits.
   pure real(dp) function lacking(pair, i, side)
     type(pair_t), intent(in) :: pair
@@ -250,7 +250,7 @@ contains
     end if
   end subroutine check_path
 
-  !> The mate's tip must not reach below the involute of member `i` on this side. Undercut leaves room for the tip; on the coast
+  !> The mate's tip must not reach below the involute of gear `i` on this side. Undercut leaves room for the tip; on the coast
   !> side, which does not carry, that is enough.
   pure subroutine check_flank(pair, i, side, error)
     type(pair_t), intent(in) :: pair
@@ -279,7 +279,7 @@ contains
     end if
   end subroutine check_flank
 
-  !> Radius of curvature (m) of a member's drive flank at path coordinate s.
+  !> Radius of curvature (m) of a gear's drive flank at path coordinate s.
   elemental real(dp) function curvature(pair, member, s)
     class(pair_t), intent(in) :: pair
     integer, intent(in) :: member
@@ -289,7 +289,7 @@ contains
     if (member == 2) curvature = pair%centre_distance*sin(pair%working_angle(drive)) - curvature
   end function curvature
 
-  !> Radius (m) at which a member touches at path coordinate s.
+  !> Radius (m) at which a gear touches at path coordinate s.
   elemental real(dp) function radius(pair, member, s)
     class(pair_t), intent(in) :: pair
     integer, intent(in) :: member
@@ -311,7 +311,7 @@ contains
   end function sliding_speed
 
   !> Path coordinates of A, B, P, D, E. Beyond a contact ratio of 2, B ends the
-  !> first and D begins the last zone in which the larger number of pairs touches.
+  !> first and D begins the last interval in which the larger number of pairs touches.
   pure function points(pair) result(s)
     class(pair_t), intent(in) :: pair
     real(dp) :: s(5)

@@ -10,7 +10,7 @@ module gearsweep_relief
 
   integer, parameter, public :: linear = 1, parabolic = 2
 
-  !> Tip relief of both members: it grows from `start` to the tip.
+  !> Tip relief of both gears: it grows from `start` to the tip.
   type :: relief_t
     real(dp) :: amount(2) = 0                    !< at the tips of pinion and gear, m
     !> Path coordinate where each begins: the pinion's acts from there to E,
@@ -49,7 +49,7 @@ contains
     if (relief%amount(2) > 0) call add(curve, relief%start(2), 0.0_dp, relief%amount(2), relief%shape)
   end subroutine profile_error
 
-  !> Relief (m) of one member's flank at the place that touches at path coordinate `s`; beyond its tip, that of the tip.
+  !> Relief (m) of a gear's flank at the place that touches at path coordinate `s`; beyond its tip, that of the tip.
   elemental real(dp) function tip_relief(relief, contact_ratio, member, s)
     type(relief_t), intent(in) :: relief
     real(dp), intent(in) :: contact_ratio, s
@@ -79,7 +79,7 @@ contains
     kept = [sorted(1), pack(sorted(2:), sorted(2:) - sorted(:size(sorted) - 1) > 0)]
   end function distinct
 
-  !> Adds one member's relief to the pieces between `start` and its `tip`.
+  !> Adds one gear's relief to the pieces between `start` and its `tip`.
   pure subroutine add(curve, start, tip, amount, shape)
     type(piecewise_t), intent(inout) :: curve
     real(dp), intent(in) :: start, tip, amount

@@ -22,7 +22,7 @@ module gearsweep_mesh
   type :: mesh_t
     real(dp) :: contact_ratio = 0
     !> Path coordinates between which a pair may be in contact: the first at most 0 (A), the second at least the contact
-    !> ratio (E). Both curves cover all of it. Beyond A and E the tip corner of one member touches.
+    !> ratio (E). Both curves cover all of it. Beyond A and E the tip corner of one gear touches.
     real(dp) :: reach(2) = 0
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
     type(disc_t) :: disc                         !< what the discs deflect under all pairs together
@@ -30,13 +30,13 @@ module gearsweep_mesh
     !> How the compliance of a pair falls as its load grows, beside that at the nominal load, which the stiffness has. Known to
     !> the static load sharing alone.
     type(flattening_t) :: flattening
-    !> For friction alone: teeth of both members, path coordinate of the pitch
+    !> For friction alone: teeth of both gears, path coordinate of the pitch
     !> point, tangent of the working pressure angle.
     integer :: teeth(2) = 0
     real(dp) :: pitch_point = 0
     real(dp) :: tan_angle = 0
     !> What the lever arms of friction over the base radii change by per base pitch beyond A and E, off the line of action, more
-    !> than they do on it: of a load at a tip corner; (member, before A or behind E).
+    !> than they do on it: of a load at a tip corner; (gear, before A or behind E).
     real(dp) :: arm_change(2, 2) = 0
   contains
     procedure :: mean_stiffness
@@ -229,7 +229,7 @@ contains
     c(2, :) = 2*interval%shared(2, :)
   end function shared_with_slopes
 
-  !> Radius of curvature over base radius of a member at s; beyond A and E the lever arm of friction over the base radius.
+  !> Radius of curvature over base radius of a gear at s; beyond A and E the lever arm of friction over the base radius.
   elemental real(dp) function curvature_ratio(mesh, member, s) result(ratio)
     class(mesh_t), intent(in) :: mesh
     integer, intent(in) :: member

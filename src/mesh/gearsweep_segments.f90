@@ -1,4 +1,4 @@
-!> The stretches of the mesh period on which the static state is smooth: between the
+!> The intervals of the mesh period on which the static state is smooth: between the
 !> places where a pair enters, leaves, separates or comes back, where a relief begins,
 !> and where the stiffness passes from one polynomial to the next.
 module gearsweep_segments

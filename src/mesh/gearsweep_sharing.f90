@@ -9,7 +9,8 @@ module gearsweep_sharing
   use gearsweep_small_system, only: solve_small
   implicit none
   private
-  public :: sharing_t, share_load, load_share, pairs_at, solve_equilibrium, solve_equilibrium_at, static_deflection, pair_load, transmission_error
+  public :: sharing_t, share_load, load_share, pairs_at, solve_equilibrium, solve_equilibrium_at, static_deflection, pair_load, &
+            transmission_error
 
   !> The static state along the mesh period; one-sided at every break.
   type :: sharing_t

@@ -75,7 +75,7 @@ contains
 
     b(1) = of%single_stiffness*of%pitch_deviation/of%line_load
     b(2) = of%single_stiffness*of%profile_deviation/of%line_load
-    ! Relief that fits the load takes the excitation away; the member whose relief fits less counts.
+    ! Relief that fits the load takes the excitation away; the gear whose relief fits less counts.
     b(3) = maxval(abs(1 - of%single_stiffness*of%relief/of%line_load))
     c = coefficients(of%contact_ratio)
     ratio = resonance_ratio(of, rpm)

@@ -114,7 +114,7 @@ contains
   end function plane
 
   !> Distance (m) along the common normal of the flanks from the contact at `s` to the foot of the perpendicular from a
-  !> member's centre: times its speed of rotation, it is the speed at which its flank rolls through the contact. On the path of
+  !> gear's centre: times its speed of rotation, it is the speed at which its flank rolls through the contact. On the path of
   !> contact it is the radius of curvature.
   elemental real(dp) function rolling_arm(pair, member, s) result(arm)
     type(pair_t), intent(in) :: pair

@@ -128,7 +128,7 @@ contains
   end function nominal_root_stress
 
   !> Radius (m) at which ISO 6336-3 takes the load: as many base pitches below the outer end of the path of contact as the contact
-  !> ratio is above 1. Up to a contact ratio of 2 that is where a member carries the whole load farthest out, point D on the
+  !> ratio is above 1. Up to a contact ratio of 2 that is where a gear carries the whole load farthest out, point D on the
   !> pinion, B on the gear.
   !> Source: ISO 6336-3:2006, clause 6, d_en.
   pure real(dp) function outer_single_contact(pair, member) result(radius)

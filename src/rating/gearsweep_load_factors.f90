@@ -38,7 +38,7 @@ contains
     if (rim > 0 .and. rim < 1.2_dp*height) factor = max(1.0_dp, 1.6_dp*log(2.242_dp*height/rim))
   end function rim_factor
 
-  !> Contact stress sigma_H (Pa) of a member.
+  !> Contact stress sigma_H (Pa) of a gear.
   !> Source: ISO 6336-2:2006, clause 5.
   elemental real(dp) function contact_stress(nominal, single_pair, factors, dynamic) result(stress)
     real(dp), intent(in) :: nominal              !< sigma_H0, Pa

@@ -45,7 +45,7 @@ contains
     end if
   end function load_places
 
-  !> Where these are on the member (m).
+  !> Where these are on the gear (m).
   pure function place_radius(pair, options, s) result(radius)
     type(pair_t), intent(in) :: pair
     type(passage_options_t), intent(in) :: options

@@ -1,4 +1,4 @@
-!> Fatigue of one member's tooth root under the loads of a pair over its path of contact.
+!> Fatigue of one gear's tooth root under the loads of a pair over its path of contact.
 module gearsweep_root_life
   use gearsweep_fatigue, only: curve_t, cycle_t, count_cycles, damage_of, equivalent_amplitude, strength_t
   use gearsweep_form, only: iso_form, nominal_root_stress

@@ -31,7 +31,7 @@ module gearsweep_root_rating
 
   type :: root_rating_t
     real(dp), allocatable :: s(:)                !< path coordinate of the load, base pitches
-    real(dp), allocatable :: radius(:)           !< where it acts on the member, m
+    real(dp), allocatable :: radius(:)           !< where it acts on the gear, m
     real(dp), allocatable :: share(:)            !< of the static load
     !> Stress at the fillet tangent, along the surface, drive and coast side, Pa (2, positions).
     real(dp), allocatable :: along(:, :)
@@ -46,7 +46,7 @@ module gearsweep_root_rating
 
 contains
 
-  !> Rates the root of one member under `load` (N) on the line of action, for
+  !> Rates the root of one gear under `load` (N) on the line of action, for
   !> each of the meshes, which differ in their relief: one solution for unit loads
   !> serves all. `unit` is that of `root_stress`, for a line load of 1 N/m at each of the
   !> positions `load_positions`.
@@ -116,7 +116,7 @@ contains
     end associate
   end subroutine compare
 
-  !> Outermost radius (m) at which the member carries with the fewest pairs.
+  !> Outermost radius (m) at which the gear carries with the fewest pairs.
   pure real(dp) function outer_point(pair, member)
     type(pair_t), intent(in) :: pair
     integer, intent(in) :: member
@@ -166,7 +166,7 @@ contains
     end if
   end function load_positions
 
-  !> Where the load acts on the member at the positions `s` (m).
+  !> Where the load acts on the gear at the positions `s` (m).
   pure function load_radius(pair, options, s) result(radius)
     type(pair_t), intent(in) :: pair
     type(root_options_t), intent(in) :: options

@@ -170,7 +170,7 @@ contains
     if (key == 'torque_nm') call lines%add(left('', 19)//'if N mm is meant, write '//str(given/1000))
   end subroutine tell_pressure
 
-  !> Where a member's effective mass comes from.
+  !> Where a gear's effective mass comes from.
   pure function origin(study, member) result(words)
     type(study_t), intent(in) :: study
     integer, intent(in) :: member
@@ -182,7 +182,7 @@ contains
     if (is_webbed(study, member)) words = of_web
   end function origin
 
-  !> Does the case describe a web behind the teeth of this member?
+  !> Does the case describe a web behind the teeth of this gear?
   pure logical function is_webbed(study, member)
     type(study_t), intent(in) :: study
     integer, intent(in) :: member

@@ -27,14 +27,14 @@ module gearsweep_inputs
     real(dp) :: line_load = 0                    !< N/m
   end type elements_inputs_t
 
-  !> Of one member's section: its two grids, and their factored bodies.
+  !> Of one gear's section: its two grids, and their factored bodies.
   type :: body_inputs_t
     type(gear_t) :: gear
     type(material_t) :: material
     type(section_options_t) :: options
   end type body_inputs_t
 
-  !> Of one member's body in three dimensions.
+  !> Of one gear's body in three dimensions.
   type :: solid_inputs_t
     type(gear_t) :: gear
     type(material_t) :: material

@@ -1,4 +1,4 @@
-!> The section of one member while a study is made: held and factored, and with its modes, once for all tasks that need it.
+!> The section of one gear while a study is made: held and factored, and with its modes, once for all tasks that need it.
 module gearsweep_member_section
   use gearsweep_error, only: error_t
   use gearsweep_inputs, only: body_inputs_t
@@ -27,7 +27,7 @@ contains
     self%log = self%log//line//new_line('a')
   end subroutine note
 
-  !> The member's body, factored on two grids, for all tasks that need it; nothing is done where it is there.
+  !> The gear's body, factored on two grids, for all tasks that need it; nothing is done where it is there.
   subroutine need_bodies(self, inputs, error)
     class(member_section_t), intent(inout) :: self
     type(body_inputs_t), intent(in) :: inputs
@@ -39,7 +39,7 @@ contains
     call self%note('section: two grids made and factored')
   end subroutine need_bodies
 
-  !> The lowest `count` modes of the member's section on two grids; nothing is done where just these are there.
+  !> The lowest `count` modes of the gear's section on two grids; nothing is done where just these are there.
   subroutine need_modes(self, inputs, count, error)
     class(member_section_t), intent(inout) :: self
     type(body_inputs_t), intent(in) :: inputs

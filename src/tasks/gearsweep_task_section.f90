@@ -56,12 +56,12 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
 
-    call table%begin('section of one member and its grid', 1, error)
+    call table%begin('section of one gear and its grid', 1, error)
     if (allocated(error)) return
     associate (grid => section%grid)
       call table%add_words('member', 'pinion or gear', [member])
       call table%add('teeth', '', 'teeth of the section', [section%options%teeth])
-      call table%add('gear_teeth', '', 'teeth of the whole member', [section%gear%spec%teeth])
+      call table%add('gear_teeth', '', 'teeth of the whole gear', [section%gear%spec%teeth])
       call table%add('half_angle_deg', 'deg', 'half of the sector''s angle', [section%half_angle/degree])
       call table%add('inner_radius_mm', 'mm', 'where the section ends inwards', [milli*section%inner_radius])
       call table%add('elements', '', 'of eight nodes', [size(grid%element, 2)])

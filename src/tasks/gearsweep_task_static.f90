@@ -187,7 +187,7 @@ contains
     if (allocated(error)) return
     call table%add_index(axis('relief_um', 'um', of_relief, each(in_um(amount), 2*n)))
     call table%add_index(axis('s', '', 'path coordinate of the load, in base pitches from A', [(each(root(i)%s, 2), i=1, m)]))
-    call table%add('radius_mm', 'mm', 'radius at which it acts on this member', [(each(milli*root(i)%radius, 2), i=1, m)])
+    call table%add('radius_mm', 'mm', 'radius at which it acts on this gear', [(each(milli*root(i)%radius, 2), i=1, m)])
     call table%add('load_share', '', 'load of this pair over the whole load', [(each(root(i)%share, 2), i=1, m)])
     call table%add_index(axis('side', '', 'drive (the loaded side: tension) or coast', sides([(drive, coast, i=1, n*m)])))
     call table%add('sigma_mpa', 'MPa', 'stress along the surface', [(mega*root(i)%along, i=1, m)])
@@ -260,7 +260,7 @@ contains
       call table%add('relief_um', 'um', 'amount of relief: the one with the largest tension', in_um([amount]))
       call table%add('position', '', 'of the load, counted from 1 in the table static', [k])
       call table%add('s', '', 'path coordinate of the load, in base pitches from A', root%s(k:k))
-      call table%add('radius_mm', 'mm', 'radius at which it acts on this member', milli*root%radius(k:k))
+      call table%add('radius_mm', 'mm', 'radius at which it acts on this gear', milli*root%radius(k:k))
       call table%add('load_share', '', 'load of this pair over the whole load', root%share(k:k))
     end associate
   end subroutine fill_load

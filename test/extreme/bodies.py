@@ -29,7 +29,7 @@ def number(case, key, default=None):
 
 
 class Gear:
-    """One member in modules: teeth, profile shift, addendum, dedendum, tip radius of the rack."""
+    """One gear in modules: teeth, profile shift, addendum, dedendum, tip radius of the rack."""
 
     def __init__(self, case, member):
         self.z = int(case[f"{member} teeth"])

@@ -1,7 +1,7 @@
 """Small bugs made from source text: what `test/mutate.sh` puts into the library.
 
 A mutant is one change in one statement: an operator, a comparison, a constant, a sign, an index, a
-swapped member, a dropped term, factor, condition or statement, swapped arguments, a negated
+swapped component, a dropped term, factor, condition or statement, swapped arguments, a negated
 condition. Comments, texts, declarations of kinds and shapes, imports and headings stay as they are.
 
 Which statement is changed and how follows from hashes of its text, so that the choice is the same on
@@ -151,7 +151,7 @@ def mutable_tokens(statement, is_fortran):
         if '=' not in words[words.index('::') :]:
             return ()
         after = words.index('=', words.index('::'))
-        # Members that are nothing until they are computed.
+        # Components that are nothing until they are computed.
         nothing = () if 'parameter' in words else ('0', '0.0_dp', '.false.')
         return tuple(token for token in statement.tokens[after + 1 :] if token[0] not in nothing)
     # Headings with a prefix: `logical function f(x)`.

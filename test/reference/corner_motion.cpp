@@ -21,7 +21,7 @@ struct Row {
   real gap2, gap3;           // profile error beyond: that at the end and gap2 d^2 + gap3 d^3, um
   real before, behind;       // how far contact reaches beyond A and E, base pitches
   real cp, cg;               // relief of pinion and gear at E and A, um, linear from D and B
-  real shared;               // compliance that neighbouring pairs share, mean over the stretch where two touch, um/N
+  real shared;               // compliance that neighbouring pairs share, mean over the interval where two touch, um/N
   real slope, bow;           // and how it changes there: slope v + bow (3 v^2 - 1)/2, v from -1 to 1, um/N; constant beyond
   real decline;              // how much less pairs share that are no neighbours, um/N
   real m1, m2, F, zeta, mu, angle;
@@ -260,7 +260,7 @@ int main(int argc, char** argv) {
         real before[2] = {y[0], y[1]};
         m.run(y, n, false);
         if (fabsl(y[0] - before[0]) < 1e-14L * fabsl(y[0]) + 1e-15L && fabsl(y[1] - before[1]) < 1e-13L * fabsl(y[0])) break;
-        if (k == 3999) fprintf(stderr, "row %zu does not settle: %Lg\n", i + 1 + before, y[0] - before[0]);
+        if (k == 3999) fprintf(stderr, "row %zu does not converge: %Lg\n", i + 1 + before, y[0] - before[0]);
       }
       state[0] = y[0]; state[1] = y[1];
       m.run(y, n, true);

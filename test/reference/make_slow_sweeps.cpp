@@ -16,7 +16,7 @@ const double mass = 0.8, force = 7000, pair_stiffness = 400e6, teeth = 25;
 
 struct Motion { double x, v, zeta, peak; };
 
-// A stretch of time with n pairs, x > 0 at its begin or about to be.
+// An interval of time with n pairs, x > 0 at its begin or about to be.
 struct Closed {
     double rest, decay, omega, a, b;
     Closed(const Motion &m, int n) {

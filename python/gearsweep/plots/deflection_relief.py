@@ -85,7 +85,7 @@ def plot_relief_flank(flank: Study | Table, ax: Axes | None = None, *, member: s
     Raises
     ------
     ValueError
-        There is no such member.
+        There is no such gear.
     """
     if member not in ('pinion', 'gear'):
         raise ValueError(f'member = {member!r}: must be pinion or gear')

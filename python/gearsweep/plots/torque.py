@@ -37,7 +37,7 @@ def plot_torque(
     Raises
     ------
     ValueError
-        The case has no such speed, there is no such member, or `periods` is below 1.
+        The case has no such speed, there is no such gear, or `periods` is below 1.
     """
     torque = table_of(torque, 'torque')
     rpm = one_of(torque.rpm, rpm, 'rpm')

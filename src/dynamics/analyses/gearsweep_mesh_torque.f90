@@ -1,6 +1,6 @@
 !> The torque that the mesh takes from the pinion and gives to the gear, over the time after which a motion repeats.
 !>
-!> On member i act F_i = sum_j F_j f_ij + D: the elastic loads F_j of the pairs, less that of the coast sides, with the friction
+!> On gear i act F_i = sum_j F_j f_ij + D: the elastic loads F_j of the pairs, less that of the coast sides, with the friction
 !> factors f_ij = 1 -/+ mu rho_ij/r_bi (before and behind the pitch point), and what damping carries, D; the torque is r_bi F_i.
 !> D follows from the equation of motion, D/m_e = F_s/m_e - sum_j F_j (f_1j/m_1 + f_2j/m_2) - x", with 1/m_e = 1/m_1 + 1/m_2.
 !> With what friction adds, R_i = sum_j F_j (f_ij - 1), this is F_i = F_s - m_e x" + R_i - m_e (R_1/m_1 + R_2/m_2).
@@ -16,14 +16,14 @@ module gearsweep_mesh_torque
   private
   public :: mesh_torque_t, find_torque
 
-  !> Forces on the line of action; times the base radius of a member, they are its torques.
+  !> Forces on the line of action; times the base radius of a gear, they are its torques.
   type :: mesh_torque_t
     real(dp), allocatable :: tau(:)              !< time in mesh periods, ascending, in twos: both ends of a step; (row)
     real(dp), allocatable :: error(:)            !< dynamic transmission error, m; (row)
     real(dp), allocatable :: elastic(:)          !< loads of the pairs less that of the coast sides, N; (row)
     real(dp), allocatable :: damping(:)          !< what damping carries, N; (row)
-    real(dp), allocatable :: friction(:, :)      !< what friction adds on pinion and gear, N; (member, row)
-    type(spectrum_t) :: force(2)                 !< of the whole force on each member, N
+    real(dp), allocatable :: friction(:, :)      !< what friction adds on pinion and gear, N; (gear, row)
+    type(spectrum_t) :: force(2)                 !< of the whole force on each gear, N
     real(dp) :: mean_friction(2) = 0             !< of its mean, friction's share, N
   end type mesh_torque_t
 
@@ -114,13 +114,13 @@ contains
     c = c/time**2
   end function acceleration
 
-  !> Loads at both ends of a step and what friction adds to them on each member (N), with first and second derivative over it.
+  !> Loads at both ends of a step and what friction adds to them on each gear (N), with first and second derivative over it.
   pure subroutine add_up(osc, trace, k, load, added)
     type(oscillator_t), intent(in) :: osc
     type(trace_t), intent(in) :: trace
     integer, intent(in) :: k                     ! first row of the step
     real(dp), intent(out) :: load(0:2, 2)        ! (derivative, end)
-    real(dp), intent(out) :: added(0:2, 2, 2)    ! (derivative, member, end)
+    real(dp), intent(out) :: added(0:2, 2, 2)    ! (derivative, gear, end)
     real(dp) :: s(2), f(0:2), arm(0:1), sense
     integer :: end, j, member
 

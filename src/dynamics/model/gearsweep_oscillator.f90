@@ -64,7 +64,7 @@ contains
     call demand(osc%backlash >= 0, 'backlash', osc%backlash, 'must be at least 0')
     call demand(osc%mesh%teeth(1) > 0, 'teeth', real(osc%mesh%teeth(1), dp), 'the pinion''s teeth give the mesh period')
     if (osc%friction > 0) call demand(all(osc%mesh%teeth > 0) .and. osc%mesh%tan_angle > 0, 'friction', &
-      osc%friction, 'needs the teeth of both members and the pressure angle')
+      osc%friction, 'needs the teeth of both gears and the pressure angle')
     if (allocated(error)) return
     osc%shared = osc%mesh%disc%shared
     osc%by_load = osc%mesh%reaches_beyond()

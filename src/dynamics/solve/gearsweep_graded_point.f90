@@ -8,7 +8,7 @@ module gearsweep_graded_point
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t, resolving_steps, split_by_load
   use gearsweep_period_map, only: discretise, period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: distance, near, has_converged, steady_t
+  use gearsweep_periodic_orbit, only: distance, has_converged, near, steady_t
   use gearsweep_refinement, only: first_guess, levels_t, root
   use gearsweep_steady, only: find_batch, find_converged
   use gearsweep_transient, only: by_shooting

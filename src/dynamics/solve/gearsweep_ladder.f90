@@ -12,7 +12,7 @@ module gearsweep_ladder
   use gearsweep_contact_set, only: period_t
   use gearsweep_kinds, only: dp
   use gearsweep_period_map, only: period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: adopt, distance, most_negative_direction, most_work, run_periods, has_converged, shoot, &
+  use gearsweep_periodic_orbit, only: adopt, distance, has_converged, most_negative_direction, most_work, run_periods, shoot, &
                                       solve_full_contact, steady_t
   use gearsweep_spread_starts, only: try_starts
   use gearsweep_status, only: has_result, status_chatter, status_unstable

@@ -8,7 +8,7 @@ module gearsweep_operating_point
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t, resolving_steps
   use gearsweep_period_map, only: period_map_t, set_durations
-  use gearsweep_periodic_orbit, only: distance, near, has_converged, shoot, solve_full_contact, steady_t
+  use gearsweep_periodic_orbit, only: distance, has_converged, near, shoot, solve_full_contact, steady_t
   use gearsweep_refinement, only: first_level, given_resolution, given_steps, last_level, level_steps, levels_t, need_given, &
                                   need_batch_level, need_level, next_level, per_doubling, resolution_of, search_level
   use gearsweep_status, only: has_result, status_unresolved

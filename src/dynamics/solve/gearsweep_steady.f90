@@ -7,7 +7,7 @@ module gearsweep_steady
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_batch
   use gearsweep_period_map, only: period_map_t, run_full_contact
-  use gearsweep_periodic_orbit, only: adopt, closure_of, distance, is_closed, judge, near, newton_step, has_converged, shoot, &
+  use gearsweep_periodic_orbit, only: adopt, closure_of, distance, is_closed, has_converged, judge, near, newton_step, shoot, &
                                       solve_full_contact, steady_t
   use gearsweep_status, only: has_result, status_unstable
   use gearsweep_transient, only: march, steady_options_t, by_shooting

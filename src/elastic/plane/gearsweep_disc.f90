@@ -13,7 +13,7 @@ module gearsweep_disc
     !> makes the motion feel (gearsweep_hub), which is not in `turn` then.
     real(dp) :: shared = 0
     !> How that changes along the path, over which `shared` is the mean: coefficients of Legendre's polynomials of first and
-    !> second degree over the stretch where two teeth touch, from -1 to 1.
+    !> second degree over the interval where two teeth touch, from -1 to 1.
     real(dp) :: change(2) = 0
     real(dp) :: decline = 0                      !< how much less than `shared` the tooth after the next one shares
     real(dp) :: twist(2) = 0                     !< of a mesh: all the turning of pinion and gear, each by itself

@@ -21,7 +21,7 @@ module gearsweep_disc_compliance
 contains
 
   !> `disc` of a section of two teeth or more under a unit line load (m2/N), over radii of curvature of the drive
-  !> flank from `first` to `last` (m): over the stretch where two teeth touch, by Gauss's rule. A section of
+  !> flank from `first` to `last` (m): over the interval where two teeth touch, by Gauss's rule. A section of
   !> one tooth has no neighbour and shares nothing; one that is no whole gear is held at its sides and does not turn. What the
   !> tooth after the next one shares hardly changes along the path: it is taken at one place, and is nothing beyond a section.
   subroutine disc_compliance(section, body, first, last, disc, error)

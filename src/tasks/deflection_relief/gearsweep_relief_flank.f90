@@ -69,7 +69,7 @@ contains
                    'Eq. 1 of Thamba et al. 2020', [micro*straight])
   end subroutine fill_flank
 
-  !> The diameters (m), and of which member each is: those of the case, which must lie on the involute.
+  !> The diameters (m), and of which gear each is: those of the case, which must lie on the involute.
   subroutine find_places(stages, flank, diameter, member, error)
     type(stages_t), intent(in) :: stages
     type(flank_t), intent(in) :: flank(2)
@@ -100,7 +100,7 @@ contains
     end do
   end subroutine find_places
 
-  !> Path coordinate at which a member touches with this radius of curvature (m).
+  !> Path coordinate at which a gear touches with this radius of curvature (m).
   pure real(dp) function path_place(pair, member, curvature) result(s)
     type(pair_t), intent(in) :: pair
     integer, intent(in) :: member

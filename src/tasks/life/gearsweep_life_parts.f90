@@ -29,7 +29,7 @@ module gearsweep_life_parts
     integer :: status = status_ok                !< of the motion
     integer :: motions = 0                       !< how many there are; 0: not known, or no motion
     real(dp) :: dynamic_factor = 0               !< NaN for the static load
-    real(dp) :: engagements(2) = 0               !< of a tooth of each member
+    real(dp) :: engagements(2) = 0               !< of a tooth of each gear
     type(root_life_t) :: root(2)
   end type part_t
 

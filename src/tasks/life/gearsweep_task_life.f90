@@ -233,7 +233,7 @@ contains
     call move_alloc(found, parts)
   end subroutine follow
 
-  !> A row for each relief, part and member.
+  !> A row for each relief, part and gear.
   subroutine fill_parts(self, amount, parts, table, error)
     class(life_task_t), intent(in) :: self
     real(dp), intent(in) :: amount(:)
@@ -269,7 +269,7 @@ contains
     call table%add('damage', '', 'Miner''s sum of this part in one pass', [root%damage]*engagements)
   end subroutine fill_parts
 
-  !> A row for each relief and member.
+  !> A row for each relief and gear.
   subroutine fill_life(self, amount, parts, table, error)
     class(life_task_t), intent(in) :: self
     real(dp), intent(in) :: amount(:)
@@ -296,7 +296,7 @@ contains
     call table%add('worst_part', '', 'part that does most harm; 0 where none does', worst)
   end subroutine fill_life
 
-  !> One member over all parts of the spectrum with one relief.
+  !> One gear over all parts of the spectrum with one relief.
   pure subroutine sum_up(parts, member, damage, largest, worst, word)
     type(part_t), intent(in) :: parts(:)
     integer, intent(in) :: member

@@ -80,7 +80,7 @@ contains
     limits%root = test_gear_correction*limits%root_number
   end subroutine read_limits
 
-  !> Their columns, a row for each member.
+  !> Their columns, a row for each gear.
   pure subroutine add_limits(limits, table)
     type(limits_t), intent(in) :: limits
     type(table_t), intent(inout) :: table
@@ -130,7 +130,7 @@ contains
   !> What one gear bears.
   pure function of_member(factors, i) result(words)
     type(table_t), intent(in) :: factors
-    integer, intent(in) :: i                     ! row of the member
+    integer, intent(in) :: i                     ! row of the gear
     integer, parameter :: length = 120
     character(length) :: words
     character(:), allocatable :: material

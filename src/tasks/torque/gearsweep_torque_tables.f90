@@ -157,7 +157,7 @@ contains
     call table%add(name//'_friction_mean_nm', 'N*m', 'friction''s share of the mean torque', values(:, 5))
   end subroutine add_member
 
-  !> Mean, least and largest force on a member, the estimated error of these, and friction's mean share (N).
+  !> Mean, least and largest force on a gear, the estimated error of these, and friction's mean share (N).
   pure function figures(run, member)
     type(torque_run_t), intent(in) :: run
     integer, intent(in) :: member

@@ -8,7 +8,7 @@
 // A row has the columns of ../model.py, from id to rpm. Each start is marched for at most LONGEST mesh periods. A line for
 // each attracting motion: id, mesh periods until it repeats, DF, largest Floquet modulus, x [um] and v [m/s] at phase 0,
 // loss (as in ../model.py), how many starts lead to it; Newton's method alone, from the first starts, finds some to which
-// none does. And a line "id 0 ..." with how many starts settle nowhere, and how many there are.
+// none does. And a line "id 0 ..." with how many starts lead to no motion, and how many there are.
 //
 // With 0 0, each row also has mesh periods, x and v of a motion that is said to be periodic: then its line tells what it is,
 // and by how many static deflections Newton's method moved x and v.

@@ -9,7 +9,7 @@ class Case:
     teeth: tuple
     module: float
     load: float                          # on the line of action, N/mm
-    reliefs: tuple = (0.0, 10.0)         # of both members, from B and D on, um
+    reliefs: tuple = (0.0, 10.0)         # of both gears, from B and D on, um
     angle: tuple = (20.0, 20.0)          # pressure angle of the rack on drive and coast flanks, deg
     shift: tuple = (0.0, 0.0)
     addendum: float = 1.0

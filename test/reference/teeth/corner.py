@@ -1,6 +1,6 @@
 """Contact beside a tip corner: two elastic bodies of true shape, unilateral, found to its own load distribution.
 
-The tooth with the corner yields as its finite elements say (`corner_bed`), the mate's smooth flank as a half-plane with
+The tooth with the corner deflects as its finite elements say (`corner_bed`), the mate's smooth flank as a half-plane with
 the mate's elements behind it.  Pressures are linear between the vertices of the grid on the flank, which come closer
 and closer towards the corner, and act along the mate's normal.
 """

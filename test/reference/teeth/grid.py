@@ -15,7 +15,7 @@ from .gears import Gear
 
 @dataclass
 class Piece:
-    """A stretch of the outline, from parameter 0 to 1, clockwise around the tooth's material left to right."""
+    """A part of the outline, from parameter 0 to 1, clockwise around the tooth's material left to right."""
     name: str
     point: Callable[[float], np.ndarray]
     nodes: np.ndarray = field(default_factory=lambda: np.zeros(0))    # parameters of the vertices

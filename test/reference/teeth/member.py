@@ -1,4 +1,4 @@
-"""One gear of a pair: what loads on the flanks of its teeth move, and how its tip corner yields.
+"""One gear of a pair: what loads on the flanks of its teeth move, and how its tip corner deflects.
 
 A place on the working flank is known by its roll length (of the tangent to the base circle); the tip corner by the
 longest one.  Loads press into the tooth, displacements are counted along the load.
@@ -105,7 +105,7 @@ class Member:
         return self.moves(tooth, one, two) if tooth > 0 else self.moves(-tooth, two, one)
 
     def corner_bed(self, depth):
-        """How the flank beside the tip corner yields: vertices up to `depth` (mm) from the corner with their arc lengths,
+        """How the flank beside the tip corner deflects: vertices up to `depth` (mm) from the corner with their arc lengths,
         roll lengths, loads of tractions of hat shape and height 1 N/mm^2, and displacements (vertex, 2, vertex, 2) by
         these tractions in x and y."""
         body = self.body

@@ -1,7 +1,7 @@
 """Load distribution over the pairs of teeth in contact: all loads of both gears as one system.
 
 At each phase the pairs within reach are known, with what each load moves each other contact by (both gears' elastic
-bodies) and how each contact yields under its own load: Hertz's flattening in closed form in the middle of a flank, and
+bodies) and how each contact deflects under its own load: Hertz's flattening in closed form in the middle of a flank, and
 beside a tip corner a contact problem of its own.  Loads press only: they and the rotation are found together.
 Their rotation is counted along the line of action; half of it is either gear's.
 """
@@ -17,7 +17,7 @@ from .corner import Corner
 
 @dataclass
 class Relief:
-    """Linear tip relief of both members (mm at the tip), from D and B on.
+    """Linear tip relief of both gears (mm at the tip), from D and B on.
 
     It is what the flank lacks where the contact would be without it.  A relieved flank is also tilted, and so the contact moves
     by slope/curvature along the flank, where the gap is less by slope^2/(2 curvature): left out.
@@ -48,7 +48,7 @@ class Switches:
 
 
 class Mesh:
-    """Both members of a pair with their elastic bodies; `force` is the load on the line of action, N/mm."""
+    """Both gears of a pair with their elastic bodies; `force` is the load on the line of action, N/mm."""
 
     def __init__(self, pair, members, force, before=0.25):
         self.pair, self.members, self.force, self.before = pair, members, force, before
@@ -105,7 +105,7 @@ class Mesh:
         return gap, lambda load: float(own(log(min(1.3, max(1e-5, load / self.force)) * self.force)))
 
     def spots(self, s):
-        """The contact's spot on either member, and by how much of their rotation along the line of action they approach there.
+        """The contact's spot on either gear, and by how much of their rotation along the line of action they approach there.
 
         At a corner the normal passes its own gear's centre at less than the base radius.  Half of the rotation is either
         gear's: otherwise the phase would be that of the one which stands still, and not the mean.
@@ -159,7 +159,7 @@ class Mesh:
             if np.abs(new - load).max() < 1e-9 * self.force:
                 return moved, s, new
             load = new if step < 10 else (load + new) / 2     # a pair about to part may come and go
-        raise ValueError('loads do not settle')
+        raise ValueError('loads do not converge')
 
 
 def press(matrix, arm, gap, force):
