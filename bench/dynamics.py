@@ -167,7 +167,7 @@ def add_references(report, problems):
 
 
 def add_sweep(report, problem):
-    report.add('**The five curves of case 1** (327 speeds, 5 reliefs), one thread unless said: the cheapest setting of each contender whose error\n'
+    report.add('**The five curves of case 1** (327 speeds, 5 reliefs), on one thread unless stated. Each row is the cheapest setting of a contender whose error\n'
                'is at most 1e-6, or its most exact one. Error: largest over all points. Ratio: time over that of gearsweep, portable\n'
                'and native build, both times at an error of 1e-6 (between two settings, where they straddle it).\n')
     own = [time_at(1e-6, *problem.curve(method)) for method in METHODS[:2]]
@@ -217,8 +217,8 @@ def rounded(number):
 
 
 def add_parts(report, problem):
-    report.add('**Where that time goes**, at a tolerance of 1e-6. Tables: those of the points, made again. Collocation: the calls that the\n'
-               'points need at least, times what one takes. Peak: multiplications and additions on registers, in the same build.\n')
+    report.add('**Where that time goes**, at a tolerance of 1e-6. Tables: the time to make those of the points again. Collocation: the least number\n'
+               'of calls that the points need, times the time of one. Peak: multiplications and additions on registers, in the same build.\n')
     rows = []
     for label, program in (('portable', 'dynamics'), ('native', 'dynamics-native')):
         *parts, (call, rate, peak) = numbers(run(programs / program, 'parts', problem.case, 1e-6))
@@ -236,12 +236,12 @@ def add_parts(report, problem):
     report.tell(told)
     report.table(('build', 'all, ms', 'us a point of a relief in full contact', 'us a point of one where contact changes', 'tables', 'collocation',
                   'its Gflop/s', 'peak', 'of peak'), rows)
-    report.add(f'{told} Unbound, some virtual machines leave both on one core for a while.\n')
+    report.add(f'{told} Unbound, some virtual machines leave both on one core for some time.\n')
 
 
 def add_points(report, problems):
     report.add('**Single operating points**, tables and start included: us to an error of 1e-3, 1e-6 and 1e-9. A dash: no setting tried\n'
-               'came as far.\n')
+               'reached that error.\n')
     rows = []
     for method in METHODS:
         if not is_asked(method, problems[0]):
@@ -269,18 +269,18 @@ def faster(problems):
                     best = (method.label, taken)
             if best[1] < own:
                 found.append(f'*{problem.name}* to {aim:.0e} {best[0]}, {own / best[1]:.1f} times')
-    return f'Another is faster: {"; ".join(found) or "nowhere"}.\n'
+    return f'A contender is faster: {"; ".join(found) or "nowhere"}.\n'
 
 
 def add_corners(report):
     """With contact beyond A and E and without."""
     rows = []
     for label, (points, plain, steps, seconds, more) in zip(
-            ('each pair by itself', 'with what neighbouring teeth share'),
+            ('each pair by itself', 'with the compliance that neighbouring teeth share'),
             numbers(run(programs / 'dynamics', 'corners', BENCH / 'problems' / 'corners.nml', 1e-6))):
         rows.append((label, micro(plain, points), f'{steps:.0f}', micro(seconds, points), f'{more:.0f}', f'{seconds / plain:.2f}'))
     report.add('**Contact beyond A and E.** The same sweep with the pair stiffness from finite elements, the path from A to E and then with the\n'
-               'contact of the tip corners, which begins and ends under load in every period, so that every point has events; us a point.\n')
+               'contact of the tip corners, which begins and ends under load in every period. So every point has events; us a point.\n')
     report.table(('', 'from A to E', 'steps', 'with corners', 'steps', 'times as long'), rows)
 
 
@@ -303,21 +303,21 @@ def add_cost(report, problem):
     reliefs = len(problem.numbers.relief)
     speeds = numbers(run(programs / 'dynamics', 'speeds', problem.case, 1e-6, *COUNTS))
     report.add('**One more speed.** The same sweep with other numbers of speeds over the same range, at a tolerance of 1e-6; us a point.\n'
-               'Eight neighbours share a table and run side by side: where there are few, far apart, the most demanding of the\n'
+               'Eight neighbours share a table and run side by side. If there are few, far apart, the most demanding of the\n'
                'eight costs all of them more steps, and fewer points pay for the tables.\n')
     held = int(speeds[0][3])
     report.table(('speeds', f'{reliefs} reliefs', f'the {held} in full contact', 'ms in all', 'of that tables', 'steps a point'),
                  [(str(int(n)), micro(every, reliefs * n), micro(full, held * n), f'{1e3 * every:.3g}', f'{100 * tables / every:.0f} %',
                    f'{steps:.0f}') for n, every, full, _, tables, steps in speeds])
     damping = numbers(run(programs / 'dynamics', 'damping', problem.case, 1e-6, *RATIOS))
-    report.add(f'**More or less damping.** The same sweep, {len(problem.numbers.rpm)} speeds and {reliefs} reliefs, as it is and then kind by kind, each point by itself; us a\n'
-               'point. A march until periodic, from rest, by the same steps, at every eighth of the points in full contact: the lighter the\n'
-               'damping, the more periods until nothing changes. Shooting needs two periods whatever the damping; what still grows:\n'
-               'steps, as sharper resonances (to the left) or a decay faster than the mesh period (to the right) take more of them for the\n'
-               'same tolerance; and light damping makes more motions change contact, repeat only after several mesh periods or never\n'
-               '(*others*), where Newton\'s method often does not converge and the transient is marched after all.\n')
+    report.add(f'**More or less damping.** The same sweep, {len(problem.numbers.rpm)} speeds and {reliefs} reliefs, first as a whole and then by kinds of points, each solved by itself; us a\n'
+               'point. For comparison, a march from rest until periodic by the same steps, at every eighth point in full contact: the lighter the\n'
+               'damping, the more periods it takes. Shooting needs two periods whatever the damping. Two things still grow:\n'
+               'the number of steps, as sharper resonances (upper rows) or a decay faster than the mesh period (lower rows) take more for the\n'
+               'same tolerance; and with light damping more motions change contact, repeat only after several mesh periods or never\n'
+               '(*others*), where Newton\'s method often does not converge and the library marches the transient.\n')
     report.table(('damping ratio', 'all', 'in full contact', 'points', 'steps of these', 'contact changes', 'points', 'others', 'points',
-                  'in full contact, marched', 'without an answer'),
+                  'in full contact, marched', 'without a result'),
                  [(f'{z:g}', micro(every, sum(count)), micro(full, count[0]), str(int(count[0])), f'{steps:.0f}', micro(changing, count[1]),
                    str(int(count[1])), micro(other, count[2]), str(int(count[2])), micro(march, marched), f'{lost:.0f} of {marched:.0f}')
                   for z, *count, steps, every, full, changing, other, marched, lost, march in damping])

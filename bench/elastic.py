@@ -153,9 +153,9 @@ def study(report, folder):
     table = {key: np.median(runs, 0) for key, runs in answers.items()}
     errors = {key: np.abs(row[:3] / exact - 1) for key, row in table.items()}
     report.add('**Hassan\'s section, one load.** First frequency, largest root tension, and deflection at a depth below a load near the\n'
-               'tip: seconds from the grid on of the coarsest grid from which on all keep the error. Relative errors against the limit\n'
+               'tip: seconds, from the grid on, on the coarsest grid from which all finer ones keep the error. Errors are relative to the limit\n'
                f'that grids of {", ".join(map(str, STUDY_FINEST))} elements across show, from which the finest is '
-               + ', '.join(f'{value:.1e}' for value in left) + ' away.\nGraded: the library\'s grid, which the peers are given too; '
+               + ', '.join(f'{value:.1e}' for value in left) + ' away.\nGraded: the library\'s grid, which the peers get too; '
                f'uniform: the same outline in elements of equal size; {", ".join(map(str, STUDY))}\nacross. Stress: the peers\' largest '
                'principal stress at the nodes of the fillet, projected (scikit-fem) or extrapolated (CalculiX).\n')
     names = list(dict.fromkeys(name for name, _ in table))

@@ -98,15 +98,15 @@ def main():
     report.add(f'{machine()}.\n{MESHES} random prescribed meshes (contact ratio 1.05 to 2.9, damping ratio 1e-3 to 1, relief none to '
                f'1.6 mean\ndeflections, 0.05 to 3 times the main resonance) at {SPEEDS} speeds each, tolerance 1e-8 to 1e-3. Reference: '
                'marching in\nextended precision, from the motion found, until it repeats; true errors below '
-               f'{ROUNDING:g} are left to rounding.\nWithout ' + ', '.join(f'{np.sum(points["status"] == i)} {STATUS[i]}' for i in range(len(STATUS)) if i in
-                                      points['status'] and (i > 3 or i == 2)) + f', and {lost} that were not found a second time.\n')
+               f'{ROUNDING:g} count as rounding errors.\nWithout ' + ', '.join(f'{np.sum(points["status"] == i)} {STATUS[i]}' for i in range(len(STATUS)) if i in
+                                      points['status'] and (i > 3 or i == 2)) + f', and {lost} that the reference did not find again.\n')
     heads = ('', 'points', 'true error above the estimate', 'above twice', 'above the tolerance', 'median ratio', 'largest')
     rows = [(name, *summary(points, error, mask)) for name, mask in classes(points, chosen) if mask.any()]
     for kind in (1, 2):
         others, compared, errors = measure(kind)
         rows.append((KINDS[kind], *summary(others, errors, compared)))
     report.table(heads, rows)
-    report.add('The last two rows are meshes of their own, as many: contact ratios 0.005 to 0.15 above a whole number, with\n'
+    report.add('The last two rows are as many other meshes: contact ratios 0.005 to 0.15 above a whole number, with\n'
                'relief, and damping ratios of 0.5 to 50 at 0.1 to 2.6 times the main resonance.\n')
     worst = [i for i in np.argsort(-np.where(chosen & (error > ROUNDING), error / points['estimate'], 0))[:10]
              if error[i] > 2 * points['estimate'][i]]
@@ -128,10 +128,11 @@ def main():
     report.add(f'{DRAWS} random draws at eight speeds each (test/random_motions.f90): damping ratio 1e-4 to 50, contact ratio\n'
                '1.05 to 2.9 or, in half of them, 0.005 to 0.15 above 1 or 2, relief, backlash, friction, 0.05 to 3 times the main\n'
                'resonance, tolerance 1e-10 to 1e-3; every eighth a pair like case 1 whose tip corners touch. Reference: four times\n'
-               'as many steps and more, cut otherwise.\n')
+               'as many steps and more, divided in another way.
+')
     report.table(heads, rows)
     largest = np.argmax(np.where(found['error'] > ROUNDING, found['error'] / found['estimate'], 0))
-    report.add(f'The largest ratio belongs to an error of {found["error"][largest]:.1g} where {found["tolerance"][largest]:.1g} is allowed.\n')
+    report.add(f'The largest ratio belongs to an error of {found["error"][largest]:.1g}; the tolerance there is {found["tolerance"][largest]:.1g}.\n')
     report.csv('honesty_motions', MOTION, np.column_stack([*found.values()]))
     report.csv('honesty', (*COLUMNS, 'true_error'), np.column_stack([*points.values(), error]))
     draw('honesty')

@@ -48,7 +48,7 @@ def compare(report, programs):
     bodies, mode_ratio, stress, modes = measure(programs)
     header = ('values', 'true error above the estimate', 'above twice', 'median ratio', 'largest', 'median error')
     report.add(f'**Finite elements.** {BODIES} random gear bodies, every second one a whole gear held at its bore; bores from 3 % of the root\n'
-               'radius to thin rims, 3 to 10 elements across a tooth; what is true comes from a grid three to four times as fine.\n'
+               'radius to thin rims, 3 to 10 elements across a tooth; the true values come from a grid three to four times as fine.\n'
                f'The first {MODES} natural frequencies of each:\n')
     report.table(('', *header), [row(name, mode_ratio[mask], modes[mask]) for name, mask in classes(bodies) if mask.any()])
     across, stress_ratio, error = measure_stress(programs)

@@ -121,8 +121,8 @@ def packages(report):
             taken = [(seconds(program), seconds(burdened)) for _ in range(ROUNDS)]
             lean, full = map(median, zip(*taken))
             table.append((title, ', '.join(spared) or 'none', duration(lean), duration(full) if spared else '', str(len(loaded))))
-    report.add('**Packages.** What Python does not load (`sys.modules`), the time of the whole process as it is and with these loaded\n'
-               'first, and the number of modules it loads as it is.\n')
+    report.add('**Packages.** The packages that Python does not load (`sys.modules`), the time of the whole process without and with them\n'
+               'loaded first, and the number of modules that it loads without them.\n')
     report.table(('process', 'not loaded', 'as it is', 'with them', 'modules'), table)
 
 
@@ -144,18 +144,18 @@ def tasks(report):
     rows = [('transient, modes included', '50 modes, 110 times, 5 speeds of `data/hassan_transient.nml`', 'modal', transient, modal, 1.1),
             ('flank', '`data/fzg_c40.nml`, stiffness by finite elements', 'mesh', flank, mesh, 1),
             ('rating', 'the same', 'mesh', rating, mesh, 1)]
-    report.add('**Tasks that build on others.** Stress over time beside the modes of its section, flanks and rating beside the stiffness of\n'
-               'the pair, which is not counted for them; the least processor time of some runs.\n')
+    report.add('**Tasks that build on others.** The time of stress over time against that of the modes of its section, and of flanks and rating against the stiffness of\n'
+               'the pair, which does not count for them; the least processor time of some runs.\n')
     report.table(('task', 'of', 'builds on', 'takes', 'that takes', 'ratio', 'aim'), [
         (name, of, base, duration(own), duration(whole), f'{own / whole:.2g}', f'{aim:g}')
         for name, of, base, own, whole, aim in rows])
 
 
 def main():
-    report = Report('scenes', 'What is left out')
-    report.add(f'{machine()}, one thread, medians. Both ways in turn in one process. The prescribed mesh of\n'
+    report = Report('scenes', 'Cost of each part')
+    report.add(f'{machine()}, one thread, medians. Both cases run in turn in one process. The prescribed mesh of\n'
                '`bench/problems/case1.nml` (327 speeds, five reliefs), `data/case1.nml` for geometry, passed-in stiffness and equal\n'
-               'gears, `data/hassan.nml` for modes and stress. Differences are relative; the run fails where they are larger than said.\n')
+               'gears, `data/hassan.nml` for modes and stress. Differences are relative; the run fails where they are larger than the table says.\n')
     scenes(report)
     packages(report)
     once(report)
