@@ -1,7 +1,7 @@
 """The words that the table of CONTRIBUTING.md rules out: python3 test/words.py
 A word in bold in its last column is wrong wherever it stands. Each place is named with the word to say instead, and the exit code is 1.
 The other words of that column are right for something else, which a search cannot tell.
-With --count, how often each stands."""
+With --count, how often each stands. With FILE..., in these files only."""
 import io
 import re
 import subprocess
@@ -28,6 +28,7 @@ EXCEPTED = (
     (r'strobe\.svg|plot_strobe|[\'"`]strobe[\'"`]', 'the name of a picture'),
     (r'(waits|Waits) (for|until)|[Nn]obody waits|who waits|thread waits|With `waits`', 'a program that waits'),
     (r'[\'`]stretch *[\'`]|stretches by 1e-4|Stretches, shear', 'the name of a mode, and strain'),
+    (r'^test/lint\.sh: printf .*', 'what the check of this check is made of'),
     (r'level_crossings', 'of a stress, by which cycles are counted'),
 )
 #: Words that may stand as names in code, and why.
@@ -81,9 +82,15 @@ def code_of(path, text):
     return [line if path.suffix in ('.js', '.c', '.cpp') and not re.match(r'\s*(//|/?\*)', line) else '' for line in text.splitlines()]
 
 
-def files():
+def files(named):
+    if named:
+        return [Path(name).resolve() for name in named]
     listed = subprocess.run(['git', 'ls-files', '--', *PLACES], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     return [ROOT / name for name in listed.splitlines() if Path(name).suffix in SUFFIXES and ROOT / name != Path(__file__).resolve()]
+
+
+def shown(path):
+    return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else path.name
 
 
 def newest(path, text):
@@ -94,7 +101,7 @@ def newest(path, text):
 def found_in(path, words):
     """Line and word of each place."""
     text = newest(path, path.read_text())
-    name = path.relative_to(ROOT).as_posix() + ': '
+    name = f'{shown(path)}: '
     for number, (line, code) in enumerate(zip(text.splitlines(), code_of(path, text), strict=True), 1):
         line, code = name + line, ' '*len(name) + code
         for excepted, _ in EXCEPTED:
@@ -111,11 +118,11 @@ def main():
         sys.exit('CONTRIBUTING.md: its table of words has none in bold')
     words = {word: pattern(word) for word in say}
     counts = Counter()
-    for path in files():
+    for path in files([word for word in sys.argv[1:] if word != '--count']):
         for number, word, form in found_in(path, words):
             counts[word] += 1
             if '--count' not in sys.argv:
-                print(f'{path.relative_to(ROOT)}:{number}: {form}: say {say[word]}')
+                print(f'{shown(path)}:{number}: {form}: say {say[word]}')
     if '--count' in sys.argv:
         for word in say:
             print(f'{counts[word]:5} {word}')
