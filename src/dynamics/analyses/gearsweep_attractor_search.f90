@@ -26,8 +26,8 @@ module gearsweep_attractor_search
     integer :: threads = 0                       !< 0: as many as the machine has
   end type attractor_options_t
 
-  !> One of the motions that run side by side.
-  type :: lane_t
+  !> One of the trajectories that run side by side.
+  type :: trajectory_t
     integer :: start = 0                         !< which start it comes from; 0: none
     integer :: length = 0                        !< mesh periods followed
     integer :: next_try = 0                      !< length at which Newton's method is tried next from anywhere
@@ -36,7 +36,7 @@ module gearsweep_attractor_search
     type(approach_t) :: approach
     real(dp), allocatable :: state(:, :)         !< last states, the newest first, m; (2, 0:periods)
     real(dp), allocatable :: monodromy(:, :, :)  !< of the last 1, 2, ... periods; (2, 2, periods)
-  end type lane_t
+  end type trajectory_t
 
   !> The search at one speed.
   type :: search_t
@@ -47,7 +47,7 @@ module gearsweep_attractor_search
     integer :: in_full_contact = 0               !< which of them is that in full contact; 0: none attracts
     integer, allocatable :: to(:)                !< of each start, which of them captured it; 0: none
     integer :: most_cycles = 0                   !< mesh periods that a start is followed at most
-    type(lane_t) :: lane(batch_size)
+    type(trajectory_t) :: trajectory(batch_size)
   end type search_t
 
   !> A step of this angle (rad) of the natural motion makes errors of some 1e-7.
@@ -88,17 +88,17 @@ contains
     next = 1
     do while (status == status_ok)
       do l = 1, batch_size
-        if (search%lane(l)%start == 0 .and. next <= size(start, 2)) then
-          call enter(next, start(:, next), options%most_periods, search%lane(l))
+        if (search%trajectory(l)%start == 0 .and. next <= size(start, 2)) then
+          call enter(next, start(:, next), options%most_periods, search%trajectory(l))
           next = next + 1
         end if
         state(:, l) = [osc%mean_deflection, 0.0_dp]
-        if (search%lane(l)%start > 0) state(:, l) = search%lane(l)%state(:, 0)
+        if (search%trajectory(l)%start > 0) state(:, l) = search%trajectory(l)%state(:, 0)
       end do
-      if (all(search%lane%start == 0)) exit
-      call run_batch(search%batch, state, search%lane%start > 0, .false., run)
+      if (all(search%trajectory%start == 0)) exit
+      call run_batch(search%batch, state, search%trajectory%start > 0, .false., run)
       do l = 1, batch_size
-        if (search%lane(l)%start > 0) call take_period(run(l), search, search%lane(l))
+        if (search%trajectory(l)%start > 0) call take_period(run(l), search, search%trajectory(l))
       end do
       if (wants_stop(options%accuracy%steady%stop)) status = status_stopped
     end do
@@ -162,123 +162,123 @@ contains
     search%scale = scale_of(osc, duration)
     call solve_full_contact(search%single, state, steady)
     if (has_result(steady%status)) then
-      call learn(steady, search)
+      call add_known(steady, search)
       search%in_full_contact = size(search%known)
     else
       call shoot(search%single, shot_tolerance, 1, state, steady)
-      call learn(steady, search)
+      call add_known(steady, search)
     end if
   end subroutine begin_search
 
-  !> A start takes a lane.
-  pure subroutine enter(start, state, periods, lane)
+  !> A start takes a trajectory.
+  pure subroutine enter(start, state, periods, trajectory)
     integer, intent(in) :: start                 ! which
     real(dp), intent(in) :: state(2)
     integer, intent(in) :: periods               ! remembered
-    type(lane_t), intent(inout) :: lane
+    type(trajectory_t), intent(inout) :: trajectory
 
-    lane%start = start
-    lane%length = 0
-    lane%next_try = 1
-    lane%next_shot = 1
-    lane%in_full_contact = 0
-    lane%approach = approach_t()
-    if (.not. allocated(lane%state)) allocate (lane%state(2, 0:periods), lane%monodromy(2, 2, periods))
-    lane%state(:, 0) = state
+    trajectory%start = start
+    trajectory%length = 0
+    trajectory%next_try = 1
+    trajectory%next_shot = 1
+    trajectory%in_full_contact = 0
+    trajectory%approach = approach_t()
+    if (.not. allocated(trajectory%state)) allocate (trajectory%state(2, 0:periods), trajectory%monodromy(2, 2, periods))
+    trajectory%state(:, 0) = state
   end subroutine enter
 
-  !> A lane after one mesh period more: captured, at its end, or to be followed further.
-  pure subroutine take_period(run, search, lane)
+  !> A trajectory after one mesh period more: captured, at its end, or to be followed further.
+  pure subroutine take_period(run, search, trajectory)
     type(period_t), intent(in) :: run
     type(search_t), intent(inout) :: search
-    type(lane_t), intent(inout) :: lane
+    type(trajectory_t), intent(inout) :: trajectory
     !> Periods in a row in full contact after which a motion stays there: as many phases of its oscillation have been seen.
     integer, parameter :: enough = 12
-    integer :: captor
+    integer :: attractor
 
     if (run%failed .or. .not. distance(search%single%osc, search%duration, run%state) < huge(1.0_dp)) then
-      lane%start = 0
+      trajectory%start = 0
       return
     end if
-    call remember(run, lane)
-    lane%in_full_contact = merge(0, lane%in_full_contact + 1, run%departs)
-    captor = 0
-    if (lane%in_full_contact >= enough) captor = search%in_full_contact
-    if (captor == 0) call watch(search, lane, captor)
-    if (captor == 0) call try_newton(search, lane)
-    search%to(lane%start) = captor
-    if (captor > 0 .or. lane%length >= search%most_cycles) lane%start = 0
+    call remember(run, trajectory)
+    trajectory%in_full_contact = merge(0, trajectory%in_full_contact + 1, run%departs)
+    attractor = 0
+    if (trajectory%in_full_contact >= enough) attractor = search%in_full_contact
+    if (attractor == 0) call watch(search, trajectory, attractor)
+    if (attractor == 0) call try_newton(search, trajectory)
+    search%to(trajectory%start) = attractor
+    if (attractor > 0 .or. trajectory%length >= search%most_cycles) trajectory%start = 0
   end subroutine take_period
 
-  !> Adds a period to what is remembered of a lane.
-  pure subroutine remember(run, lane)
+  !> Adds a period to what is remembered of a trajectory.
+  pure subroutine remember(run, trajectory)
     type(period_t), intent(in) :: run
-    type(lane_t), intent(inout) :: lane
+    type(trajectory_t), intent(inout) :: trajectory
     integer :: k
 
-    do k = min(lane%length + 1, size(lane%monodromy, 3)), 2, -1
-      lane%state(:, k) = lane%state(:, k - 1)
-      lane%monodromy(:, :, k) = matmul(run%monodromy, lane%monodromy(:, :, k - 1))
+    do k = min(trajectory%length + 1, size(trajectory%monodromy, 3)), 2, -1
+      trajectory%state(:, k) = trajectory%state(:, k - 1)
+      trajectory%monodromy(:, :, k) = matmul(run%monodromy, trajectory%monodromy(:, :, k - 1))
     end do
-    lane%state(:, 1) = lane%state(:, 0)
-    lane%monodromy(:, :, 1) = run%monodromy
-    lane%state(:, 0) = run%state
-    lane%length = lane%length + 1
+    trajectory%state(:, 1) = trajectory%state(:, 0)
+    trajectory%monodromy(:, :, 1) = run%monodromy
+    trajectory%state(:, 0) = run%state
+    trajectory%length = trajectory%length + 1
   end subroutine remember
 
-  !> Has a known motion captured that of a lane?
-  pure subroutine watch(search, lane, captor)
+  !> Has a known motion captured that of a trajectory?
+  pure subroutine watch(search, trajectory, attractor)
     type(search_t), intent(in) :: search
-    type(lane_t), intent(inout) :: lane
-    integer, intent(out) :: captor               ! 0: none so far
+    type(trajectory_t), intent(inout) :: trajectory
+    integer, intent(out) :: attractor               ! 0: none so far
     real(dp) :: difference(2)
     integer :: motion, which
     logical :: captured
 
-    captor = 0
-    if (lane%approach%motion > 0) then
-      call go_on(search%known, lane%state(:, 0), search%scale, lane%approach, captured)
-      if (captured) captor = lane%approach%motion
-      if (lane%approach%motion > 0) return
+    attractor = 0
+    if (trajectory%approach%motion > 0) then
+      call go_on(search%known, trajectory%state(:, 0), search%scale, trajectory%approach, captured)
+      if (captured) attractor = trajectory%approach%motion
+      if (trajectory%approach%motion > 0) return
     end if
-    call find_nearest(search%known, lane%state(:, 0), search%scale, motion, which, difference)
+    call find_nearest(search%known, trajectory%state(:, 0), search%scale, motion, which, difference)
     if (motion == 0 .or. maxval(abs(difference)) > reach) return
-    if (search%known(motion)%attracts) call begin_approach(search%known, motion, which, difference, lane%approach)
+    if (search%known(motion)%attracts) call begin_approach(search%known, motion, which, difference, trajectory%approach)
   end subroutine watch
 
   !> Newton's method from where the linear maps of the last 1, 2, ... mesh periods promise a periodic motion, unless one is
   !> known there: nearby, where the motion nearly repeats and what is left of its transient decays; now and then, wherever.
-  pure subroutine try_newton(search, lane)
+  pure subroutine try_newton(search, trajectory)
     type(search_t), intent(inout) :: search
-    type(lane_t), intent(inout) :: lane
+    type(trajectory_t), intent(inout) :: trajectory
     real(dp), parameter :: promising = 2, nearby = 0.25_dp    ! static deflections
     type(steady_t) :: steady
     real(dp) :: defect(2), step(2), difference(2)
     integer :: periods, motion, which
     logical :: solved, anywhere, repeats
 
-    anywhere = lane%length >= lane%next_try
-    if (.not. (anywhere .or. lane%length >= lane%next_shot)) return
-    do periods = 1, min(size(lane%monodromy, 3), lane%length)
-      defect = lane%state(:, 0) - lane%state(:, periods)
+    anywhere = trajectory%length >= trajectory%next_try
+    if (.not. (anywhere .or. trajectory%length >= trajectory%next_shot)) return
+    do periods = 1, min(size(trajectory%monodromy, 3), trajectory%length)
+      defect = trajectory%state(:, 0) - trajectory%state(:, periods)
       repeats = all(abs(defect) < nearby*search%scale)
       if (.not. (repeats .or. anywhere)) cycle
-      call newton_step(lane%monodromy(:, :, periods), defect, step, solved)
-      if (repeats) repeats = largest_multiplier(lane%monodromy(:, :, periods)) < 1
+      call newton_step(trajectory%monodromy(:, :, periods), defect, step, solved)
+      if (repeats) repeats = largest_multiplier(trajectory%monodromy(:, :, periods)) < 1
       if (.not. solved .or. any(abs(step) > merge(nearby, promising, repeats .and. .not. anywhere)*search%scale)) cycle
       if (.not. (repeats .or. anywhere)) cycle
-      call find_nearest(search%known, lane%state(:, periods) + step, search%scale, motion, which, difference)
+      call find_nearest(search%known, trajectory%state(:, periods) + step, search%scale, motion, which, difference)
       if (maxval(abs(difference)) < 0.1_dp*min(1.0_dp, maxval(abs(step)/search%scale))) cycle
-      call hurry(search%single, periods, lane%state(:, periods) + step, steady)
-      call learn(steady, search)
-      lane%next_shot = lane%length + 5 + lane%length/5
+      call try_shooting(search%single, periods, trajectory%state(:, periods) + step, steady)
+      call add_known(steady, search)
+      trajectory%next_shot = trajectory%length + 5 + trajectory%length/5
       exit
     end do
-    if (anywhere) lane%next_try = 2*lane%length
+    if (anywhere) trajectory%next_try = 2*trajectory%length
   end subroutine try_newton
 
   !> Newton's method in full steps, given up as soon as these do not shrink: most tries lead nowhere.
-  pure subroutine hurry(map, periods, start, steady)
+  pure subroutine try_shooting(map, periods, start, steady)
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: periods               ! mesh periods after which the motion is to repeat
     real(dp), intent(in) :: start(2)             ! m
@@ -304,10 +304,10 @@ contains
       call shoot(map, shot_tolerance, periods, state, steady)
       return
     end do
-  end subroutine hurry
+  end subroutine try_shooting
 
   !> A motion that Newton's method found is known from now on.
-  pure subroutine learn(steady, search)
+  pure subroutine add_known(steady, search)
     type(steady_t), intent(in) :: steady
     type(search_t), intent(inout) :: search
     type(known_t) :: new
@@ -319,5 +319,5 @@ contains
       if (are_same(search%known(k), new, search%scale)) return
     end do
     search%known = [search%known, new]
-  end subroutine learn
+  end subroutine add_known
 end module gearsweep_attractor_search

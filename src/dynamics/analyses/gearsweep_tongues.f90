@@ -90,7 +90,7 @@ contains
       call disturb(hill, 0.0_dp, duration, trace(1:), determinant)
       do i = 0, batch_size - 1
         if ((-1)**n*(trace(i) - trace(i - 1)) < 0 .or. (-1)**n*(trace(i) - trace(i + 1)) < 0) cycle
-        call climb(hill, 0.0_dp, search_t(step*(k + i - 1), step*(k + i + 1), (-1)**n), middle(n), top)
+        call find_maximum(hill, 0.0_dp, search_t(step*(k + i - 1), step*(k + i + 1), (-1)**n), middle(n), top)
         n = n + 1
         found = n == size(middle)
         if (found) return
@@ -111,9 +111,9 @@ contains
     excess = sign*trace - 1 - determinant
   end subroutine exceed
 
-  !> Where the excess is largest. It has one maximum in the range; all speeds of a batch share in looking for it, and
+  !> Where the excess is largest. It has one maximum in the range; all speeds of a batch share in the search, and
   !> a parabola ends it.
-  subroutine climb(hill, damping, search, place, top)
+  subroutine find_maximum(hill, damping, search, place, top)
     type(hill_t), intent(inout) :: hill
     real(dp), intent(in) :: damping
     type(search_t), intent(in) :: search
@@ -141,7 +141,7 @@ contains
     if (.not. bend < 0) return
     place = place - step*rise/bend
     top = top - rise**2/bend/2
-  end subroutine climb
+  end subroutine find_maximum
 
   !> The damping at which the largest excess vanishes (regula falsi, Illinois).
   subroutine close_tongue(hill, search, tongue)
@@ -153,7 +153,7 @@ contains
 
     damping = [0, 1]
     do side = 1, 2
-      call climb(hill, damping(side), search, place, top(side))
+      call find_maximum(hill, damping(side), search, place, top(side))
       if (side == 1) tongue%closing_rpm = rpm_of(hill, place)
       if (side == 1 .and. top(1) <= nothing) return
     end do
@@ -163,7 +163,7 @@ contains
     side_before = 0
     do iteration = 1, 100
       next = (damping(1)*top(2) - damping(2)*top(1))/(top(2) - top(1))
-      call climb(hill, next, search, place, excess)
+      call find_maximum(hill, next, search, place, excess)
       if (abs(next - last) <= 1e-15_dp) exit
       side = merge(1, 2, excess > 0)
       if (side == side_before) top(3 - side) = top(3 - side)/2
@@ -189,7 +189,7 @@ contains
     do k = 1, size(damping)
       if (wants_stop(hill%stop)) return
       if (damping(k) >= tongue%closing_damping) cycle
-      call climb(hill, damping(k), search, place, top)
+      call find_maximum(hill, damping(k), search, place, top)
       if (.not. top > nothing) cycle
       call descend(hill, damping(k), search%sign, place, search%high, high)
       call descend(hill, damping(k), search%sign, place, search%low, low)

@@ -79,7 +79,7 @@ contains
       points%work = points%work + 2*(fine%table%steps + coarse%table%steps)
       points%resolution = resolution
       call compare(osc, duration, half, points)
-      ! In coarse steps a pair may seem to part.
+      ! A pair may seem to part in coarse steps: then finer ones follow, as for ten times the allowed error.
       excess = 10
       if (any(solved)) excess = maxval(points%step_error, mask=solved)/options%steady%tolerance
       if (excess <= 1) exit

@@ -1,5 +1,5 @@
 !> A steady motion of a speed at which pairs part: ways to one, from the likeliest to the longest, each tried where those
-!> before it led to none. Which motion is told where several attract follows from this order alone.
+!> before it led to none. Where several motions attract, this order alone decides the result.
 !>
 !> 1. Newton's method from the motion that full contact would have.
 !> 2. Where it ends on a motion that repels through a multiplier below -1: the motion of twice as many periods beside it,

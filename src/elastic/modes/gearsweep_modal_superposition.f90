@@ -108,7 +108,7 @@ contains
 
   contains
 
-    !> Of look number `k`, from 0.
+    !> Time of sample number `k`, from 0.
     pure real(dp) function time_of(k)
       integer, intent(in) :: k
       integer :: last

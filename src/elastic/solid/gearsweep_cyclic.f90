@@ -69,7 +69,7 @@ contains
     call factor_inner(cyclic%inner + 2*cyclic%cut, first, at, values, what, cyclic%factor, cyclic%border, error)
   end subroutine make_cyclic
 
-  !> Of what it held before nothing is left.
+  !> Releases its memory.
   subroutine free(cyclic)
     type(cyclic_t), intent(inout) :: cyclic
 

@@ -21,7 +21,7 @@ module gearsweep_transient_tables
     type(tooth_transient_t) :: tooth             !< empty without a result
   end type tooth_run_t
 
-  !> What is told of a row over time; the error is that of the stress.
+  !> Columns of a row over time; the error is that of the stress.
   integer, parameter :: highest = 1, when_highest = 2, lowest = 3, when_lowest = 4, largest = 5, largest_at_rest = 6, &
     estimate = 7
   real(dp), parameter :: degree = pi/180, milli = 1e3_dp, micro = 1e6_dp, mega = 1e-6_dp
