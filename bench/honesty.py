@@ -128,8 +128,7 @@ def main():
     report.add(f'{DRAWS} random draws at eight speeds each (test/random_motions.f90): damping ratio 1e-4 to 50, contact ratio\n'
                '1.05 to 2.9 or, in half of them, 0.005 to 0.15 above 1 or 2, relief, backlash, friction, 0.05 to 3 times the main\n'
                'resonance, tolerance 1e-10 to 1e-3; every eighth a pair like case 1 whose tip corners touch. Reference: four times\n'
-               'as many steps and more, divided in another way.
-')
+               'as many steps and more, divided in another way.\n')
     report.table(heads, rows)
     largest = np.argmax(np.where(found['error'] > ROUNDING, found['error'] / found['estimate'], 0))
     report.add(f'The largest ratio belongs to an error of {found["error"][largest]:.1g}; the tolerance there is {found["tolerance"][largest]:.1g}.\n')

@@ -195,9 +195,9 @@ def torque():
             true('a phase where the amplitude is known', math.isnan(row[f'{member}_phase_deg']) != known)
 
 
-def half_width(load, member, radius):
-    """Of the contact (um) at `radius` (mm) of the pinion (member 0) or the gear (1): Hertz, both flanks in plane strain."""
-    first = math.sqrt(radius**2 - BASES[member] ** 2)
+def half_width(load, gear, radius):
+    """Of the contact (um) at `radius` (mm) of the pinion (0) or the gear (1): Hertz, both flanks in plane strain."""
+    first = math.sqrt(radius**2 - BASES[gear] ** 2)
     second = math.sqrt(table('geometry')[0]['centre_distance_mm'] ** 2 - sum(BASES) ** 2) - first
     modulus = 206e3 / (2 * (1 - NU**2))
     return 1e3 * math.sqrt(4 * load / WIDTH * first * second / (first + second) / (math.pi * modulus))

@@ -1,13 +1,12 @@
 """The words that the table of CONTRIBUTING.md rules out: python3 test/words.py
 A word in bold in its last column is wrong wherever it stands. Each place is named with the word to say instead, and the exit code is 1.
 The other words of that column are right for something else, which a search cannot tell.
-With --count, how often each stands. With FILE..., in these files only."""
+With FILE..., in these files only."""
 import io
 import re
 import subprocess
 import sys
 import tokenize
-from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -117,16 +116,9 @@ def main():
     if not say:
         sys.exit('CONTRIBUTING.md: its table of words has none in bold')
     words = {word: pattern(word) for word in say}
-    counts = Counter()
-    for path in files([word for word in sys.argv[1:] if word != '--count']):
-        for number, word, form in found_in(path, words):
-            counts[word] += 1
-            if '--count' not in sys.argv:
-                print(f'{shown(path)}:{number}: {form}: say {say[word]}')
-    if '--count' in sys.argv:
-        for word in say:
-            print(f'{counts[word]:5} {word}')
-    sys.exit(1 if counts else 0)
+    wrong = [f'{shown(path)}:{number}: {form}: say {say[word]}' for path in files(sys.argv[1:]) for number, word, form in found_in(path, words)]
+    print(*wrong, sep='\n')
+    sys.exit(1 if wrong else 0)
 
 
 if __name__ == '__main__':
