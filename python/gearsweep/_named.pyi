@@ -23,7 +23,7 @@ class GeometryTable(Table):
     coast_working_angle_deg: float
     """deg: working pressure angle of the coast flanks"""
     backlash_um: float
-    """um: along the line of action: as backlash_um of &pair states it for the motion, else what centre distance and tooth thickness leave"""
+    """um: along the line of action: as backlash_um of &pair states it, else what centre distance and tooth thickness leave"""
     rounding_um: float
     """um: how far the centre distance lies below the one without backlash, by rounding of the inputs"""
     shorten_path: int
