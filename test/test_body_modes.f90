@@ -402,11 +402,11 @@ contains
       if (way == 2) options%support = free
       if (way == 3) options%blank = blank_t(0.03_dp, 0.02_dp, 0.05_dp)
       call modes_of(t, gear, options, coarse)
-      options%across = 8
+      options%across = 6
       call modes_of(t, gear, options, fine)
       do i = 1, size(coarse%modes)
         off = abs(coarse%modes(i)%frequency/(fine%modes(i)%frequency*(1 - fine%error_estimate(i))) - 1)
-        call check_true(t, 'estimate, way '//str(way)//', mode '//str(i), off <= 2*coarse%error_estimate(i), &
+        call check_true(t, 'estimate, way '//str(way)//', mode '//str(i), off <= 1.6_dp*coarse%error_estimate(i), &
                         str(off)//' and '//str(coarse%error_estimate(i)))
       end do
     end do

@@ -787,17 +787,18 @@ def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
              'branches', 'branch_curves', 'sensitivity',
              'precision', 'flank',
              'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes', 'body_campbell')  # fmt: skip
-    found = plots.draw_all(everything, tmp_path / 'new', 'pair')
-    assert found == [str(tmp_path / 'new' / f'pair.{name}.{ending}') for name in names for ending in ('png', 'svg')]
+    found = plots.draw_all(everything, tmp_path / 'new', 'pair', formats=['svg'])
+    assert found == [str(tmp_path / 'new' / f'pair.{name}.svg') for name in names]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)
-    few = plots.draw_all(prescribed, tmp_path, formats=['pdf'])
-    assert few == [str(tmp_path / f'gearsweep.{name}.pdf') for name in ('mesh', 'harmonics', 'load', 'motion_harmonics', 'sweep', 'dte_sweep', 'optimum_curve')]
+    few = plots.draw_all(prescribed, tmp_path)
+    assert few == [str(tmp_path / f'gearsweep.{name}.{ending}') for name in ('mesh', 'harmonics', 'load', 'motion_harmonics', 'sweep', 'dte_sweep', 'optimum_curve')
+                   for ending in ('png', 'svg')]  # fmt: skip
 
 
 def test_the_same_picture_has_the_same_bytes(prescribed, tmp_path):
     endings = ('png', 'svg', 'pdf')
     first, second = (plots.draw_all(prescribed, tmp_path / folder, formats=endings) for folder in 'ab')
-    for one, other in zip(first, second):
+    for one, other in zip(first, second, strict=True):
         assert pathlib.Path(one).read_bytes() == pathlib.Path(other).read_bytes()
 
 

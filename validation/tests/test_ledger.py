@@ -126,8 +126,16 @@ def test_every_paper_has_its_picture():
 def test_a_row_out_of_its_tolerance_fails_the_run(row, tmp_path, capsys, monkeypatch):
     wrong = dataclasses.replace(row, printed='2.16')
     monkeypatch.setattr(check, 'run', lambda papers: [check.check(wrong)])
-    assert runner.main(['--out', str(tmp_path)]) == 1
+    assert runner.main(['karpat2012', '--out', str(tmp_path)]) == 1
     assert 'karpat2012:hertz_width' in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_the_report_has_the_pictures_of_all_papers(row, tmp_path, monkeypatch):
+    monkeypatch.setattr(check, 'run', lambda papers: [check.check(row)])
+    assert runner.main(['--out', str(tmp_path)]) == 0
+    page = (tmp_path / 'report.html').read_text(encoding='utf-8')
+    assert len(re.findall('<svg|<img', page)) == len(pictures.PICTURES)
 
 
 @pytest.mark.parametrize('arguments', [['nobody2020'], ['--pages', 'karpat2012'], ['--no-such']])
