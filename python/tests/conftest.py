@@ -48,14 +48,16 @@ ROUNDING = 1e-8
 
 
 def alike(text, other):
-    """Texts that are the same but for one unit of the last digit of any number, which may round otherwise on another processor."""
+    """Texts that are the same but for one unit of the last digit of any number, which may round otherwise on another processor,
+    and for the width of columns, which follows from that.
+    """
 
     def digit(number):
         mantissa, _, power = number.partition('e')
         return 10.0 ** (int(power or 0) - len(mantissa.partition('.')[2]))
 
     pairs = zip(NUMBER.findall(text), NUMBER.findall(other))
-    return NUMBER.sub('#', text) == NUMBER.sub('#', other) and all(
+    return re.sub(' +', ' ', NUMBER.sub('#', text)) == re.sub(' +', ' ', NUMBER.sub('#', other)) and all(
         abs(float(a) - float(b)) <= max(1.001 * digit(a), 1.001 * digit(b), ROUNDING) for a, b in pairs
     )
 
