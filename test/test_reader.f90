@@ -359,7 +359,7 @@ contains
     call check_refused(t, 'x = nan', '&p x = nan: must be a number')
     call check_refused(t, 'x = 1e999', '&p x = 1e999: must be a number')
     call check_refused(t, 'x = (1,2)', '&p x = (1, 2): must be a single number')
-    call check_refused(t, '', '&p x: missing; must be above 0 and at most 1000000')
+    call check_refused(t, '', '&p x: missing; must be above 0')
     call check_refused(t, 'x=1 big = 1e307', '&p big = 1e307: is too large')
     call check_refused(t, 'x=1 i = 2.5', '&p i = 2.5: must be an integer')
     call check_refused(t, 'x=1 i = ''abc''', '&p i = ''abc'': must be an integer')

@@ -49,6 +49,12 @@ class Case:
             raise TypeError(f'text: must be str, not {type(self.text).__name__}')
         object.__setattr__(self, 'folder', os.fspath(self.folder))
 
+    def __repr__(self):
+        """The text as it is, its first twenty lines."""
+        lines = self.text.strip().splitlines()
+        shown = lines[:20] + ([f'... ({len(lines) - 20} more lines)'] if len(lines) > 20 else [])
+        return '\n'.join([f'Case with files of {self.folder}:' if self.folder else 'Case:', *shown])
+
     @classmethod
     def read(cls, path: str | os.PathLike) -> Case:
         """Reads a case from a file; the files that it names lie beside it.

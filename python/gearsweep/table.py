@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import html
+import importlib
 import os
 from collections.abc import Callable, Iterator
 from operator import itemgetter
@@ -20,6 +21,14 @@ if TYPE_CHECKING:
 #: Rows of a table that is no grid of its index columns.
 ROW = 'row'
 _MOST = 5  # values that a line shows
+
+
+def _installed(package):
+    """The optional package."""
+    try:
+        return importlib.import_module(package)
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(f"{package} is not installed: pip install 'gearsweep[tables]' has it", name=package) from None
 
 
 class Table:
@@ -170,16 +179,14 @@ class Table:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The rows with all columns; units, case and version are in its `attrs`."""
-        import pandas
-
+        pandas = _installed('pandas')
         frame = pandas.DataFrame({name: self._read(name) for name in self._columns})
         frame.attrs = self._attributes() | {'units': self.units}
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
         """All columns with named dimensions and units, the index columns as coordinates."""
-        import xarray
-
+        xarray = _installed('xarray')
         dims = self.dims
         arrays = {
             name: (dims[name], getattr(self, name), {'units': column['unit'], 'long_name': column['meaning']})

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import GEARED, PARTIAL
+from conftest import GEARED, PARTIAL, ROOT
 
 import gearsweep
 from gearsweep import Case
@@ -85,3 +85,30 @@ def test_points_without_an_answer_are_told():
         sweep = gearsweep.run(Case(PARTIAL), 'sweep').sweep
     missing = int(np.isnan(sweep.dynamic_factor).sum())
     assert missing and f', {missing} without  ' in repr(sweep) and f'{missing} unresolved' in repr(sweep)
+
+
+def test_case_shows_its_text():
+    """Twenty lines, as they stand in the file."""
+    text = '&pair module_mm = 3\n  face_width_mm = 20 /'
+    assert repr(gearsweep.Case(text)) == 'Case:\n' + text
+    assert repr(gearsweep.Case(text, '/gears')).splitlines()[0] == 'Case with files of /gears:'
+    long = repr(gearsweep.Case('\n'.join(f'! {line}' for line in range(1, 31)))).splitlines()
+    assert long[20] == '! 20' and long[21:] == ['... (10 more lines)']
+
+
+@pytest.mark.parametrize('package', ['pandas', 'xarray'])
+def test_optional_package_is_named(study, package, monkeypatch):
+    """What is not installed is asked for by the name of the extra that has it."""
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ModuleNotFoundError, match=rf"^{package} is not installed: pip install 'gearsweep\[tables\]' has it$"):
+        getattr(study.sweep, f'to_{package}')()
+
+
+def test_rating_shows_a_status():
+    """A motion that is not known to the accuracy asked for is marked on the screen, as its row of `rating` is."""
+    case = gearsweep.Case.read(ROOT / 'examples/first.nml').changed(
+        case={'tasks': 'rating'}, rating={'rpm': [9000, 6000]}, numerics={'steps_per_period': 20}, sweep=dict.fromkeys(('rpm_first', 'rpm_last', 'rpm_step'))
+    )
+    study = gearsweep.run(case)
+    shown = [line for line in study.report().splitlines() if line.strip().endswith('inexact')]
+    assert len(shown) == 2 * (study.dynamic_factors.status == 'inexact').sum() > 0

@@ -84,22 +84,33 @@ contains
 
   contains
 
-    !> Does it have these words as a whole? Its underscores may stand for blanks.
+    !> Does it have these words as a whole? Its underscores may stand for blanks, and those of symbols may be left out (K_Hbeta).
     logical function has(text)
       character(*), intent(in) :: text
-      character(len(text)) :: plain
-      integer :: k
 
-      plain = lower(text)
-      has = holds(' '//plain//' ')
-      do k = 1, len(plain)
-        if (plain(k:k) == '_') plain(k:k) = ' '
-      end do
-      has = has .or. holds(' '//plain//' ')
+      has = holds(' '//lower(text)//' ', words)
+      has = has .or. holds(' '//replaced(lower(text), ' ')//' ', words)
+      has = has .or. (index(words, '_') > 0 .and. holds(' '//replaced(lower(text), '')//' ', replaced(words, '')))
     end function has
 
-    logical function holds(text)
-      character(*), intent(in) :: text
+    !> The text with something else for its underscores.
+    function replaced(text, by) result(other)
+      character(*), intent(in) :: text, by
+      character(:), allocatable :: other
+      integer :: k
+
+      other = ''
+      do k = 1, len(text)
+        if (text(k:k) == '_') then
+          other = other//by
+        else
+          other = other//text(k:k)
+        end if
+      end do
+    end function replaced
+
+    logical function holds(text, words)
+      character(*), intent(in) :: text, words
       character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz_0123456789'
       integer :: at, next
 

@@ -51,13 +51,17 @@ contains
   end function allow
 
   !> As in `above 0 and at most 1000`; without bounds, the kind of number.
-  pure subroutine describe(self, words)
+  pure subroutine describe(self, words, farthest)
     class(bounds_t), intent(in) :: self
     character(:), allocatable, intent(out) :: words
+    real(dp), intent(in), optional :: farthest   !< of the bounds that are told; without it, all
+    real(dp) :: most
 
+    most = huge(most)
+    if (present(farthest)) most = farthest
     words = ''
-    if (self%low > -huge(self%low)) words = trim(merge('above   ', 'at least', self%low_is_out))//' '//str(self%low, 12)
-    if (self%high < huge(self%high)) then
+    if (self%low > -most) words = trim(merge('above   ', 'at least', self%low_is_out))//' '//str(self%low, 12)
+    if (self%high < most) then
       if (len(words) > 0) words = words//' and '
       words = words//trim(merge('below  ', 'at most', self%high_is_out))//' '//str(self%high, 12)
     end if

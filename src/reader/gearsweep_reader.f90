@@ -368,6 +368,8 @@ contains
   pure subroutine miss(self, key)
     class(reader_t), intent(inout) :: self
     type(key_t), intent(in) :: key
+    ! A bound that only keeps computation within its range helps nobody who has yet to give a number.
+    real(dp), parameter :: farthest = 1e6_dp
     character(:), allocatable :: rule
 
     select case (key%kind)
@@ -377,7 +379,7 @@ contains
       if (allocated(key%words)) call describe_texts(rule, key%words)
       if (.not. allocated(key%words)) call describe_texts(rule)
     case default
-      call key%bounds%describe(rule)
+      call key%bounds%describe(rule, farthest)
     end select
     if (allocated(self%missing)) self%missing_too = self%missing_too//', &'//trim(key%group)//' '//trim(key%name)
     call fail(self%missing, code_input, '&'//trim(key%group)//' '//trim(key%name)//': missing; must be '//rule)

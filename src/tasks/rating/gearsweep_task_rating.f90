@@ -325,7 +325,9 @@ contains
                        shown(dynamic%number('dynamic_factor_b', (i + 1)/2)))
         call lines%put(right(str(rating%number('contact_stress_mpa', i), 5), 14)// &
                        shown(rating%number('contact_safety', i)))
-        call lines%add(right(str(rating%number('root_stress_mpa', i), 5), 14)//shown(rating%number('root_safety', i)))
+        call lines%put(right(str(rating%number('root_stress_mpa', i), 5), 14)//shown(rating%number('root_safety', i)))
+        if (dynamic%word('status', (i + 1)/2) /= 'ok') call lines%put('   motion '//trim(dynamic%word('status', (i + 1)/2)))
+        call lines%add('')
       end do
       call add_several(dynamic, lines)
     end associate
