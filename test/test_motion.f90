@@ -6,7 +6,8 @@ module test_motion
   use gearsweep_contact_set, only: period_t
   use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_oscillator, only: mesh_period, oscillator_t, make_oscillator
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
+  use gearsweep_full_contact, only: run_full_contact
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_periodic_orbit, only: largest_multiplier
   use gearsweep_response, only: response_t, find_response
   use gearsweep_transient, only: by_marching

@@ -6,7 +6,8 @@ module test_scenes
   use gearsweep_gauss, only: batch_size
   use gearsweep_oscillator, only: mesh_period, oscillator_t
   use gearsweep_period, only: run_batch
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
+  use gearsweep_full_contact, only: run_full_contact
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_periodic_orbit, only: newton_step
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case

@@ -9,13 +9,14 @@ module gearsweep_stability
   use gearsweep_coefficients, only: coefficients_t, resolution_t
   use gearsweep_contact_set, only: period_t
   use gearsweep_error, only: error_t
+  use gearsweep_full_contact, only: run_full_contact
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
   use gearsweep_memory, only: has_memory
   use gearsweep_oscillator, only: damping, make_oscillator, mesh_period, oscillator_t
-  use gearsweep_period_map, only: discretise, period_map_t, run_full_contact, set_durations
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_piecewise, only: constant
   use gearsweep_stop, only: wants_stop
   implicit none
@@ -193,6 +194,6 @@ contains
     type(coefficients_t), intent(in) :: table
     real(dp), parameter :: weight(3) = [5, 8, 5]/18.0_dp
 
-    mean_frequency = sum(table%width*matmul(weight, table%omega))
+    mean_frequency = sum(table%width*matmul(weight, table%omega(:, :table%steps)))
   end function mean_frequency
 end module gearsweep_stability

@@ -34,7 +34,8 @@ module gearsweep_coefficient_table
     logical :: stiff = .false.         !< too long to follow the natural motion: integrated at Radau's points
   end type kind_t
 
-  !> The coefficients at the three nodes of the integration and at both ends of each step, one-sided at breaks.
+  !> The coefficients at the three nodes of the integration and at both ends of each step, one-sided at breaks: what the pairs are,
+  !> and the contact laws (gearsweep_contact_law) that follow. Derivatives are over the mesh phase.
   type :: coefficients_t
     integer :: steps = 0               !< of the period; 0: the memory does not hold them
     integer :: contacts = 0            !< pairs at most, and the coast sides
@@ -42,28 +43,28 @@ module gearsweep_coefficient_table
     integer, allocatable :: pairs(:)       !< that may be in contact; (step)
     integer, allocatable :: full(:)        !< contact set of full contact: bit j - 1 for pair j; (step)
     integer, allocatable :: between(:)     !< the pairs between A and E, in the same way; (step)
-    !> Three pairs or more share different compliances: `rate` and stiffness are those of a pair that carries alone; (step)
-    logical, allocatable :: coupled(:)
+    logical, allocatable :: coupled(:)     !< three pairs or more share different compliances; (step)
     type(kind_t), allocatable :: kind(:)   !< (step)
     real(dp), allocatable :: left(:), width(:)     !< begin and length of a step, mesh phase 0 to 1; (step)
-    real(dp), allocatable :: rate(:, :, :)         !< k_j, 1/s^2; (contact, node, step)
-    real(dp), allocatable :: profile_error(:, :, :)    !< e_j, m; (contact, node, step)
-    real(dp), allocatable :: end_rate(:, :, :)     !< k_j, 1/s^2; (pair, end, step)
-    !> Own stiffness K_j (N/m) with its first and second derivative over the phase; (0:2, pair, end, step)
-    real(dp), allocatable :: end_stiffness(:, :, :, :)
-    !> e_j (m) with its first and second derivative over the phase; (0:2, contact, end, step)
-    real(dp), allocatable :: end_profile_error(:, :, :, :)
-    !> Bounds (m) of the profile errors: a motion whose tangents at the ends of the step stay above the upper one keeps the
-    !> pairs of full contact in contact, and below the lower one the others apart; (step)
+    !> K_j (N/m), as springs_t has it, e_j (m) and what a load makes of the acceleration (1/kg); (node, pair, step)
+    real(dp), allocatable, dimension(:, :, :) :: stiffness, profile_error, mobility
+    !> The same at the ends, with derivatives; (0:2, pair, end, step) and, as it is linear, (pair, end, step)
+    real(dp), allocatable, dimension(:, :, :, :) :: end_stiffness, end_profile_error
+    real(dp), allocatable :: end_mobility(:, :, :)
+    !> What neighbours share (m/N); (node, pair but the last, step) and (0:2, pair but the last, end, step).
+    real(dp), allocatable :: shared(:, :, :), end_shared(:, :, :, :)
+    !> Bounds (m) of the touching deflections in full contact: a motion whose tangents at the ends of the step stay above the upper
+    !> one keeps the pairs of full contact in contact, and below the lower one the others apart; (step)
     real(dp), allocatable :: upper_bound(:), lower_bound(:)
-    !> Sums over the pairs of full contact: omega^2 (1/s^2), k e (m/s^2), omega (rad/s); (node, step)
-    real(dp), allocatable :: omega_squared(:, :), forcing(:, :), omega(:, :)
-    !> Where pairs share a compliance, also their own stiffness at the nodes (N/m), (pair, node, step), and `sum_pairs` of full
-    !> contact at the ends: sums of K (N/m) and K e (N), with derivatives over the phase, (0:2, of K or K e, end, step).
-    real(dp), allocatable :: node_stiffness(:, :, :), end_sums(:, :, :, :)
-    !> And what neighbours share (m/N): at the nodes, (pair but the last, node, step), and at the ends with its derivatives over
-    !> the phase, (0:2, pair but the last, end, step).
-    real(dp), allocatable :: node_shared(:, :, :), end_shared(:, :, :, :)
+    !> The laws. That of full contact in step i is law i; the others of a step follow from there by `next`, as far as they were
+    !> asked for. A law of pairs that a smooth interval does not have stays undefined.
+    integer :: laws = 0                          !< how many there are
+    integer, allocatable :: contact_set(:), next(:)    !< next: 0 where there is none; (law)
+    !> Sums over the contacts at the nodes: omega^2 (1/s^2), omega (rad/s), k e (m/s^2); (node, law)
+    real(dp), allocatable, dimension(:, :) :: omega_squared, omega, forcing
+    real(dp), allocatable, dimension(:, :, :) :: end_omega_squared, end_forcing    !< at the ends; (0:2, end, law)
+    !> Effective stiffness (N/m; 0 where a contact is apart) and touching deflection (m); (0:2, contact, end, law)
+    real(dp), allocatable, dimension(:, :, :, :) :: effective, touching
   end type coefficients_t
 contains
 
@@ -78,31 +79,38 @@ contains
     logical :: fits
 
     if (allocated(table%interval)) then
-      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2) .and. &
-          (osc%shared > 0 .eqv. allocated(table%node_stiffness))) return
+      if (steps == table%steps .and. osc%contacts == table%contacts .and. osc%pairs == size(table%end_stiffness, 2)) return
       table = coefficients_t()
     end if
     fits = .true.
-    if (steps*step_bytes(osc) > small) call has_memory(steps*step_bytes(osc), fits)
+    if (table_bytes(osc, steps) > small) call has_memory(table_bytes(osc, steps), fits)
     if (.not. fits) return
     table%steps = steps
     table%contacts = osc%contacts
-    associate (m => table%contacts, p => osc%pairs)
+    associate (m => table%contacts, p => osc%pairs, q => max(1, osc%pairs - 1), n => steps + further_laws(steps))
       allocate (table%interval(steps), table%pairs(steps), table%left(steps), table%width(steps), table%upper_bound(steps))
       allocate (table%kind(steps), table%full(steps), table%between(steps), table%lower_bound(steps), table%coupled(steps))
-      allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%end_rate(p, 2, steps))
-      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, m, 2, steps))
-      allocate (table%omega_squared(3, steps), table%forcing(3, steps), table%omega(3, steps))
-      if (osc%shared > 0) allocate (table%node_stiffness(p, 3, steps), table%end_sums(0:2, 2, 2, steps), &
-                                    table%node_shared(max(1, p - 1), 3, steps), table%end_shared(0:2, max(1, p - 1), 2, steps))
+      allocate (table%stiffness(3, p, steps), table%profile_error(3, p, steps), table%mobility(3, p, steps))
+      allocate (table%end_stiffness(0:2, p, 2, steps), table%end_profile_error(0:2, p, 2, steps), table%end_mobility(p, 2, steps))
+      allocate (table%shared(3, q, steps), table%end_shared(0:2, q, 2, steps))
+      allocate (table%contact_set(n), table%next(n), table%omega_squared(3, n), table%omega(3, n), table%forcing(3, n))
+      allocate (table%end_omega_squared(0:2, 2, n), table%end_forcing(0:2, 2, n))
+      allocate (table%effective(0:2, m, 2, n), table%touching(0:2, m, 2, n))
     end associate
   end subroutine allocate_table
 
-  !> Memory of a step (bytes): its rows of the table, and what filling them takes meanwhile.
-  pure real(dp) function step_bytes(osc)
-    type(oscillator_t), intent(in) :: osc
+  !> Laws beside those of full contact: a motion meets few.
+  pure integer function further_laws(steps)
+    integer, intent(in) :: steps
 
-    step_bytes = 8*(60 + 14*osc%contacts + 6*osc%pairs)
-    if (osc%shared > 0) step_bytes = step_bytes + 8*(12*osc%pairs + 12)
-  end function step_bytes
+    further_laws = 32 + min(steps, 1024)
+  end function further_laws
+
+  !> Memory of a table (bytes): its steps and laws, and what filling them takes meanwhile.
+  pure real(dp) function table_bytes(osc, steps)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: steps
+
+    table_bytes = 8*(real(steps, dp)*(50 + 32*osc%pairs) + real(steps + further_laws(steps), dp)*(23 + 12*osc%contacts))
+  end function table_bytes
 end module gearsweep_coefficient_table

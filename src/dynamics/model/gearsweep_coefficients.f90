@@ -8,16 +8,15 @@
 module gearsweep_coefficients
   use gearsweep_coefficient_table, only: allocate_table, coefficients_t, kind_t, resolution_t, scheme_collocation, &
                                          scheme_constant, scheme_rk4, scheme_rk4_equal
+  use gearsweep_contact_law, only: find_law, find_law_values, make_own
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
   use gearsweep_mesh, only: interval_t
   use gearsweep_nodes, only: nodes, stiff_nodes
   use gearsweep_oscillator, only: oscillator_t, mobility
-  use gearsweep_shared_coefficients, only: couple_coast, fill_shared, share_compliance, touching_at_end
-  use gearsweep_shared_compliance, only: own_derivatives, sum_pairs, touching_deflection
   implicit none
   private
-  public :: resolution_t, coefficients_t, tabulate, graded_steps
+  public :: resolution_t, coefficients_t, tabulate, need_law, forget_laws, contact_sets_at_begin, graded_steps
   public :: scheme_collocation, scheme_rk4, scheme_rk4_equal, scheme_constant
 
 contains
@@ -38,8 +37,6 @@ contains
     end if
     call allocate_table(osc, sum(counts), table)
     if (table%steps == 0) return
-    table%omega_squared(:, :) = 0
-    table%forcing(:, :) = 0
     last = 0
     do i = 1, size(osc%intervals)
       first = last + 1
@@ -58,16 +55,18 @@ contains
           table%width(first:last) = (interval%last - interval%first)/counts(i)
           table%left(first:last) = interval%first + [(j, j=0, counts(i) - 1)]*table%width(first)
         end if
-        if (osc%shared > 0) call fill_shared(interval, first, last, table)
+        call fill_shared(interval, first, last, table)
         do j = 1, interval%pairs
           call fill_pair(osc, interval, j, first, last, table)
         end do
       end associate
     end do
-    if (osc%shared > 0) call share_compliance(osc, table)
-    if (osc%has_backlash) call fill_coast(osc, table)
+    table%laws = table%steps
+    do i = 1, table%steps
+      call fill_law(osc, i, table%full(i), i, table)
+      table%next(i) = 0
+    end do
     call find_bounds(osc, table)
-    table%omega(:, :) = sqrt(table%omega_squared)
   end subroutine tabulate
 
   !> How many steps a smooth interval of this length (mesh phase) has: `times` for each of its shares of `base` steps, and for one
@@ -140,7 +139,7 @@ contains
   pure subroutine find_bounds(osc, table)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(inout) :: table
-    real(dp) :: highest, lowest, steepness(2), touching(0:2)
+    real(dp) :: highest, lowest, steepness(2)
     integer :: end, i, j
 
     do i = 1, table%steps
@@ -148,31 +147,48 @@ contains
       lowest = huge(lowest)
       steepness = 0
       do end = 1, 2
-        associate (p => table%pairs(i), k => table%end_stiffness(:, :, end, i), e => table%end_profile_error(:, :, end, i))
-          if (osc%shared > 0) call sum_pairs(table%full(i), k(:, :p), e(:, :p), table%end_sums(:, 1, end, i), &
-                                             table%end_sums(:, 2, end, i))
-          do j = 1, p
-            touching = e(:, j)
-            if (table%coupled(i)) then
-              touching = touching_at_end(osc, table, i, end, table%full(i), j)
-            else if (osc%shared > 0) then
-              touching = touching_deflection(table%end_shared(:, 1, end, i), table%end_sums(:, 1, end, i), &
-                                             table%end_sums(:, 2, end, i), e(:, j))
-            end if
+        do j = 1, table%pairs(i)
+          associate (touching => table%touching(:1, j, end, i))
             if (btest(table%full(i), j - 1)) then
-              highest = max(highest, touching(0))
-              steepness(1) = max(steepness(1), abs(touching(1)))
+              highest = max(highest, touching(1))
+              steepness(1) = max(steepness(1), abs(touching(2)))
             else
-              lowest = min(lowest, touching(0))
-              steepness(2) = max(steepness(2), abs(touching(1)))
+              lowest = min(lowest, touching(1))
+              steepness(2) = max(steepness(2), abs(touching(2)))
             end if
-          end do
-        end associate
+          end associate
+        end do
       end do
       table%upper_bound(i) = highest + steepness(1)*table%width(i)/2
       table%lower_bound(i) = lowest - steepness(2)*table%width(i)/2
     end do
   end subroutine find_bounds
+
+  !> What neighbours share over the steps first to last, those of one smooth interval.
+  pure subroutine fill_shared(interval, first, last, table)
+    type(interval_t), intent(in) :: interval
+    integer, intent(in) :: first, last
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: phase
+    integer :: i, j, k
+
+    do i = first, last
+      do j = 1, size(interval%shared, 2)
+        associate (c0 => interval%shared(0, j), c1 => interval%shared(1, j), c2 => interval%shared(2, j))
+          do k = 1, 3
+            phase = table%left(i) + table%width(i)*merge(stiff_nodes(k), nodes(k), table%kind(i)%stiff)
+            table%shared(k, j, i) = c0 + phase*(c1 + phase*c2)
+          end do
+          do k = 1, 2
+            phase = table%left(i) + (k - 1)*table%width(i)
+            table%end_shared(0, j, k, i) = c0 + phase*(c1 + phase*c2)
+            table%end_shared(1, j, k, i) = c1 + 2*phase*c2
+            table%end_shared(2, j, k, i) = 2*c2
+          end do
+        end associate
+      end do
+    end do
+  end subroutine fill_shared
 
   !> Pair j over the steps first to last, those of one smooth interval.
   pure subroutine fill_pair(osc, interval, j, first, last, table)
@@ -180,8 +196,8 @@ contains
     type(interval_t), intent(in) :: interval
     integer, intent(in) :: j, first, last
     type(coefficients_t), intent(inout) :: table
-    real(dp), dimension(3*(last - first + 1)) :: s, rate, error
-    real(dp), dimension(0:last - first + 1) :: ends, end_rate
+    real(dp), dimension(3*(last - first + 1)) :: s, at_node, error
+    real(dp), dimension(0:last - first + 1) :: ends
     real(dp), dimension(0:last - first + 1, 0:2) :: stiffness, deviation
     integer :: i, k, n
 
@@ -195,90 +211,173 @@ contains
         end if
       end associate
     end do
-    call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), rate)
-    if (osc%shared > 0) then
-      if (.not. table%coupled(first)) rate = rate/(1 - reshape(table%node_shared(1, :, first:last), [3*n])*rate)
-      table%node_stiffness(j, :, first:last) = reshape(rate, [3, n])
-    end if
-    call weigh(osc, s, interval%recess(j), rate)
+    call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), at_node)
     call osc%mesh%profile_error%sample(s, interval%piece(:, j), error)
     ends(:n - 1) = interval%place(table%left(first:last), j)
     ends(n) = ends(n - 1) + table%width(last)
     call osc%mesh%stiffness%sample(ends, interval%stiffness_piece(:, j), stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
     call osc%mesh%profile_error%sample(ends, interval%piece(:, j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
     if (osc%shared > 0 .and. .not. table%coupled(first)) then
+      at_node = at_node/(1 - reshape(table%shared(:, 1, first:last), [3*n])*at_node)
       associate (phase => [table%left(first:last), table%left(last) + table%width(last)], c => interval%shared)
-        call own_derivatives(interval%shared_by_two(phase), c(1, 1) + 2*phase*c(2, 1), 2*c(2, 1), stiffness(:, 0), &
-                             stiffness(:, 1), stiffness(:, 2))
+        call make_own(interval%shared_by_two(phase), c(1, 1) + 2*phase*c(2, 1), 2*c(2, 1), stiffness(:, 0), &
+                      stiffness(:, 1), stiffness(:, 2))
       end associate
     end if
-    end_rate = stiffness(:, 0)
-    call weigh(osc, ends, interval%recess(j), end_rate)
     do i = 1, n
       associate (step => first + i - 1)
         do k = 1, 3
-          table%rate(j, k, step) = rate(3*i - 3 + k)
-          table%profile_error(j, k, step) = error(3*i - 3 + k)
-          if (.not. interval%carries(j)) cycle
-          table%omega_squared(k, step) = table%omega_squared(k, step) + rate(3*i - 3 + k)
-          table%forcing(k, step) = table%forcing(k, step) + rate(3*i - 3 + k)*error(3*i - 3 + k)
+          table%stiffness(k, j, step) = at_node(3*i - 3 + k)
+          table%profile_error(k, j, step) = error(3*i - 3 + k)
+          table%mobility(k, j, step) = mobility(osc, s(3*i - 3 + k), interval%recess(j))
         end do
         do k = 1, 2
           table%end_stiffness(:, j, k, step) = stiffness(i + k - 2, :)
           table%end_profile_error(:, j, k, step) = deviation(i + k - 2, :)
-          table%end_rate(j, k, step) = end_rate(i + k - 2)
+          table%end_mobility(j, k, step) = mobility(osc, ends(i + k - 2), interval%recess(j))
         end do
       end associate
     end do
   end subroutine fill_pair
 
-  !> Turns stiffness (N/m) into k_j (1/s^2) at the path coordinates s.
-  pure subroutine weigh(osc, s, recess, rate)
+  !> The law of a contact set over a step, by its number. Laws are few, so that there is room for all of them but rarely; then
+  !> those that are not of full contact are forgotten.
+  pure subroutine need_law(osc, step, contact_set, table, law)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: s(:)
-    logical, intent(in) :: recess
-    real(dp), intent(inout) :: rate(:)
-
-    if (osc%friction > 0) then
-      rate = rate*mobility(osc, s, recess)
-    else
-      rate = rate*(1/osc%mass(1) + 1/osc%mass(2))
-    end if
-  end subroutine weigh
-
-  !> The coast sides as one more contact, backed by the stiffness of all pairs.
-  pure subroutine fill_coast(osc, table)
-    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, contact_set
     type(coefficients_t), intent(inout) :: table
-    real(dp) :: s(3)
-    integer :: i, j, k
+    integer, intent(out) :: law
 
-    associate (coast => osc%contacts)
-      table%rate(coast, :, :) = 0
-      table%profile_error(coast, :, :) = -osc%backlash
-      table%end_profile_error(:, coast, :, :) = 0
-      table%end_profile_error(0, coast, :, :) = -osc%backlash
-      do i = 1, table%steps
-        associate (interval => osc%intervals(table%interval(i)))
-          s = table%left(i) + table%width(i)*merge(stiff_nodes, nodes, table%kind(i)%stiff)
-          do j = 1, interval%pairs
-            if (.not. interval%between(j)) cycle
-            do k = 1, size(nodes)
-              table%rate(coast, k, i) = table%rate(coast, k, i) + table%rate(j, k, i)*sum(1/osc%mass) &
-                /mobility(osc, interval%place(s(k), j), interval%recess(j))
-            end do
-          end do
-        end associate
+    law = step
+    do while (table%contact_set(law) /= contact_set)
+      if (table%next(law) == 0) then
+        if (table%laws == size(table%next)) call forget_laws(table)
+        table%laws = table%laws + 1
+        call fill_law(osc, step, contact_set, table%laws, table)
+        table%next(table%laws) = table%next(step)
+        table%next(step) = table%laws
+        law = table%laws
+        return
+      end if
+      law = table%next(law)
+    end do
+  end subroutine need_law
+
+  !> Forgets the laws that are not of full contact.
+  pure subroutine forget_laws(table)
+    type(coefficients_t), intent(inout) :: table
+
+    table%laws = table%steps
+    table%next(:table%steps) = 0
+  end subroutine forget_laws
+
+  !> Fills a law.
+  pure subroutine fill_law(osc, step, contact_set, law, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, contact_set, law
+    type(coefficients_t), intent(inout) :: table
+    real(dp), dimension(3, osc%pairs) :: effective, touching
+    real(dp) :: k(0:2), slope
+    logical :: coast
+    integer :: end, j
+
+    associate (p => table%pairs(step), shares => osc%shared > 0, coupled => table%coupled(step), &
+               beyond => osc%mesh%disc%shared_beyond())
+      table%contact_set(law) = contact_set
+      coast = osc%has_backlash
+      if (coast) coast = btest(contact_set, osc%contacts - 1)
+      call find_law_values(contact_set, shares, coupled, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
+                           table%shared(:, :, step), beyond, effective(:, :p), touching(:, :p))
+      table%omega_squared(:, law) = 0
+      table%forcing(:, law) = 0
+      do j = 1, p
+        effective(:, j) = effective(:, j)*table%mobility(:, j, step)
+        table%omega_squared(:, law) = table%omega_squared(:, law) + effective(:, j)
+        table%forcing(:, law) = table%forcing(:, law) + effective(:, j)*touching(:, j)
       end do
-      if (.not. osc%shared > 0) return
-      do i = 1, table%steps
-        if (table%coupled(i)) then
-          call couple_coast(osc, table, i)
-        else
-          table%rate(coast, :, i) = table%rate(coast, :, i)/(1 + table%node_shared(1, :, i)*table%rate(coast, :, i)/sum(1/osc%mass))
-        end if
+      do end = 1, 2
+        call find_law(contact_set, shares, coupled, table%end_stiffness(:, :p, end, step), &
+                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), beyond, &
+                      table%effective(:, :p, end, law), table%touching(:, :p, end, law))
+        table%end_omega_squared(:, end, law) = 0
+        table%end_forcing(:, end, law) = 0
+        ! Products with derivatives; the mobility is linear over the step.
+        do j = 1, p
+          associate (g => table%effective(:, j, end, law), t => table%touching(:, j, end, law), &
+                     m => table%end_mobility(j, end, step))
+            slope = (table%end_mobility(j, 2, step) - table%end_mobility(j, 1, step))/table%width(step)
+            k(0) = g(1)*m
+            k(1) = g(2)*m + g(1)*slope
+            k(2) = g(3)*m + 2*g(2)*slope
+            table%end_omega_squared(:, end, law) = table%end_omega_squared(:, end, law) + k
+            table%end_forcing(0, end, law) = table%end_forcing(0, end, law) + k(0)*t(1)
+            table%end_forcing(1, end, law) = table%end_forcing(1, end, law) + k(1)*t(1) + k(0)*t(2)
+            table%end_forcing(2, end, law) = table%end_forcing(2, end, law) + k(2)*t(1) + 2*k(1)*t(2) + k(0)*t(3)
+          end associate
+        end do
       end do
     end associate
-  end subroutine fill_coast
+    if (osc%has_backlash) call add_coast(osc, step, coast, law, table)
+    table%omega(:, law) = sqrt(table%omega_squared(:, law))
+  end subroutine fill_law
 
+  !> Adds the coast sides to a law: they touch at x = -backlash, backed by the stiffness of all pairs between A and E.
+  pure subroutine add_coast(osc, step, closed, law, table)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step, law
+    logical, intent(in) :: closed                ! they are in contact
+    type(coefficients_t), intent(inout) :: table
+    real(dp), dimension(3, table%pairs(step)) :: at_node, node_touching
+    real(dp), dimension(0:2, table%pairs(step)) :: at_end, touching
+    real(dp) :: k(3)
+    integer :: end
+
+    associate (p => table%pairs(step), shares => osc%shared > 0, coupled => table%coupled(step), coast => osc%contacts, &
+               beyond => osc%mesh%disc%shared_beyond(), between => table%between(step))
+      table%effective(:, coast, :, law) = 0
+      table%touching(:, coast, :, law) = 0
+      table%touching(0, coast, :, law) = -osc%backlash
+      if (.not. closed) return
+      call find_law_values(between, shares, coupled, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
+                           table%shared(:, :, step), beyond, at_node, node_touching)
+      k = sum(at_node, 2)*sum(1/osc%mass)
+      table%omega_squared(:, law) = table%omega_squared(:, law) + k
+      table%forcing(:, law) = table%forcing(:, law) - k*osc%backlash
+      do end = 1, 2
+        call find_law(between, shares, coupled, table%end_stiffness(:, :p, end, step), &
+                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), beyond, at_end, touching)
+        table%effective(:, coast, end, law) = sum(at_end, 2)
+        table%end_omega_squared(:, end, law) = table%end_omega_squared(:, end, law) + sum(at_end, 2)*sum(1/osc%mass)
+        table%end_forcing(:, end, law) = table%end_forcing(:, end, law) - sum(at_end, 2)*sum(1/osc%mass)*osc%backlash
+      end do
+    end associate
+  end subroutine add_coast
+
+  !> The contact sets of a batch at the begin of a step; where they are held, that of full contact. The first contact that touches
+  !> on the wrong side changes until there is none (`closed_set` of gearsweep_contact_law).
+  pure subroutine contact_sets_at_begin(osc, step, x, held, table, contact_set)
+    type(oscillator_t), intent(in) :: osc
+    integer, intent(in) :: step                !< which
+    real(dp), intent(in) :: x(:)               !< m; (speed)
+    logical, intent(in) :: held(:)             !< (speed)
+    type(coefficients_t), intent(inout) :: table
+    integer, intent(out) :: contact_set(:)     !< (speed)
+    integer :: i, j, l, law, coast
+
+    do l = 1, size(x)
+      contact_set(l) = table%full(step)
+      if (held(l)) cycle
+      coast = 0
+      if (osc%has_backlash) coast = merge(ibset(0, osc%contacts - 1), 0, x(l) < -osc%backlash)
+      do i = 1, 4*2**min(table%pairs(step), 10)
+        call need_law(osc, step, contact_set(l), table, law)
+        do j = 1, table%pairs(step)
+          if (btest(contact_set(l), j - 1) .neqv. x(l) > table%touching(0, j, 1, law)) exit
+        end do
+        if (j > table%pairs(step)) exit
+        contact_set(l) = ieor(contact_set(l), ibset(0, j - 1))
+      end do
+      contact_set(l) = ior(contact_set(l), coast)
+    end do
+  end subroutine contact_sets_at_begin
 end module gearsweep_coefficients

@@ -4,16 +4,15 @@
 !> Steps that end at the breaks have one-sided coefficients there. Equal steps know nothing of breaks: which pairs may be
 !> in contact is asked at each of the three places by itself.
 module gearsweep_literature_table
-  use gearsweep_coefficients, only: resolution_t, scheme_rk4
+  use gearsweep_coefficient_table, only: resolution_t, scheme_rk4
+  use gearsweep_contact_law, only: find_law, make_own
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
-  use gearsweep_coupled_pairs, only: sum_response
-  use gearsweep_mesh, only: coupling, interval_t
+  use gearsweep_mesh, only: interval_t
   use gearsweep_oscillator, only: oscillator_t, mobility
-  use gearsweep_shared_compliance, only: own_derivatives
   implicit none
   private
-  public :: literature_table_t, exact_step_t, tabulate_literature, sum_at_place
+  public :: literature_table_t, exact_step_t, tabulate_literature
 
   !> The exact motion over a step with constant coefficients, for the contact set that it was last needed for.
   type :: exact_step_t
@@ -30,14 +29,14 @@ module gearsweep_literature_table
     integer, allocatable :: pairs(:)             !< that may be in contact at any of its places; (step)
     integer, allocatable :: offset(:, :)         !< path coordinate of the first of them less the phase; (place, step)
     integer, allocatable :: between(:, :)        !< those between A and E, as a contact set; (place, step)
-    !> k_j (1/s^2), 0 for a pair that cannot be in contact, and e_j (m); (contact, place, step)
-    real(dp), allocatable :: rate(:, :, :), profile_error(:, :, :)
-    !> Own stiffness K_j (N/m), 0 like k_j, and its derivative over the phase; (0:1, pair, place, step)
-    real(dp), allocatable :: stiffness(:, :, :, :)
-    real(dp), allocatable :: profile_error_slope(:, :, :)    !< derivative of e_j over the phase, m; (pair, place, step)
+    !> K_j (N/m), as springs_t of gearsweep_contact_law has it, 0 for a pair that cannot be in contact, and e_j (m), with first
+    !> derivatives over the phase; the second ones, which no method asks for, are 0. (0:2, pair, place, step)
+    real(dp), allocatable, dimension(:, :, :, :) :: stiffness, profile_error
+    real(dp), allocatable :: mobility(:, :, :)   !< what a load makes of the acceleration, 1/kg; (pair, place, step)
     !> What neighbours share (m/N) with its derivatives over the phase; (0:2, pair but the last, place, step).
     real(dp), allocatable :: shared(:, :, :, :)
-    logical :: coupled = .false.                 !< three pairs or more share different compliances: stiffness is that of each alone
+    real(dp), allocatable :: coast(:, :)         !< stiffness of the coast sides, N/m; (place, step)
+    logical :: coupled = .false.                 !< three pairs or more share different compliances
     type(exact_step_t), allocatable :: exact(:)  !< with constant coefficients; (step)
   end type literature_table_t
 
@@ -87,15 +86,15 @@ contains
     real(dp) :: bytes
     logical :: fits
 
-    associate (m => osc%contacts, p => osc%pairs)
-      bytes = 8.0_dp*steps*(14 + 6*m + 18*p)
+    associate (p => osc%pairs)
+      bytes = 8.0_dp*steps*(20 + 30*p)
       fits = .true.
       if (bytes > small) call has_memory(bytes, fits)
       if (.not. fits) return
       table%steps = steps
       allocate (table%left(steps), table%width(steps), table%pairs(steps), table%exact(steps))
-      allocate (table%rate(m, 3, steps), table%profile_error(m, 3, steps), table%stiffness(0:1, p, 3, steps), &
-                table%profile_error_slope(p, 3, steps), table%shared(0:2, max(1, p - 1), 3, steps), source=0.0_dp)
+      allocate (table%stiffness(0:2, p, 3, steps), table%profile_error(0:2, p, 3, steps), table%mobility(p, 3, steps), &
+                table%shared(0:2, max(1, p - 1), 3, steps), table%coast(3, steps), source=0.0_dp)
       allocate (table%offset(3, steps), table%between(3, steps), source=0)
     end associate
   end subroutine allocate_table
@@ -173,13 +172,12 @@ contains
     k = osc%mesh%stiffness%value(s, i)
     slope = osc%mesh%stiffness%slope(s, i)
     none = 0
-    if (osc%shared > 0 .and. .not. table%coupled) call own_derivatives(table%shared(0, 1, place, step), &
-      table%shared(1, 1, place, step), table%shared(2, 1, place, step), k, slope, none)
-    table%stiffness(:, j, place, step) = [k, slope]
-    table%rate(j, place, step) = k*mobility(osc, s, recess)
+    if (osc%shared > 0 .and. .not. table%coupled) call make_own(table%shared(0, 1, place, step), table%shared(1, 1, place, step), &
+                                                                table%shared(2, 1, place, step), k, slope, none)
+    table%stiffness(:, j, place, step) = [k, slope, 0.0_dp]
+    table%mobility(j, place, step) = mobility(osc, s, recess)
     i = osc%mesh%profile_error%locate(s, piece)
-    table%profile_error(j, place, step) = osc%mesh%profile_error%value(s, i)
-    table%profile_error_slope(j, place, step) = osc%mesh%profile_error%slope(s, i)
+    table%profile_error(:, j, place, step) = [osc%mesh%profile_error%value(s, i), osc%mesh%profile_error%slope(s, i), 0.0_dp]
   end subroutine fill_pair
 
   !> The coast sides, backed by the stiffness of all pairs between A and E.
@@ -187,34 +185,12 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: place, step
     type(literature_table_t), intent(inout) :: table
-
-    real(dp), dimension(osc%pairs) :: slack, mobilities
-    real(dp) :: k, pull
-    integer :: j
+    real(dp), dimension(0:2, osc%pairs) :: effective, touching
 
     if (.not. osc%has_backlash) return
-    table%profile_error(osc%contacts, place, step) = -osc%backlash
-    if (table%coupled) then
-      slack = 0
-      mobilities = sum(1/osc%mass)
-      call sum_at_place(osc, table, place, step, table%between(place, step), slack, mobilities, &
-                        table%rate(osc%contacts, place, step), pull)
-      return
-    end if
-    k = sum(table%stiffness(0, :, place, step), mask=btest(table%between(place, step), [(j, j=0, osc%pairs - 1)]))
-    table%rate(osc%contacts, place, step) = k/(1 + table%shared(0, 1, place, step)*k)*sum(1/osc%mass)
+    call find_law(table%between(place, step), osc%shared > 0, table%coupled, table%stiffness(:, :, place, step), &
+                  table%profile_error(:, :, place, step), table%shared(:, :, place, step), osc%mesh%disc%shared_beyond(), &
+                  effective, touching)
+    table%coast(place, step) = sum(effective(0, :))
   end subroutine fill_coast
-
-  !> omega^2 (1/s^2) and sum of k e (m/s^2) of a contact set of coupled pairs with these profile errors (m), each times its
-  !> mobility (1/kg).
-  pure subroutine sum_at_place(osc, table, place, step, contact_set, error, mobilities, omega_squared, forcing)
-    type(oscillator_t), intent(in) :: osc
-    type(literature_table_t), intent(in) :: table
-    integer, intent(in) :: place, step, contact_set
-    real(dp), intent(in) :: error(:), mobilities(:)
-    real(dp), intent(out) :: omega_squared, forcing
-
-    call sum_response(contact_set, coupling(osc%mesh, table%stiffness(0, :, place, step), table%shared(0, :, place, step)), &
-                      error, mobilities, omega_squared, forcing)
-  end subroutine sum_at_place
 end module gearsweep_literature_table

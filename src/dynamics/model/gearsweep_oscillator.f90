@@ -3,19 +3,17 @@
 !> x = x1 - x2 is the dynamic transmission error; with the pairs in contact C and f = 1 -/+ mu rho/r_b,
 !>   x" + 2 zeta omega x' + omega^2 x = (1/m1 + 1/m2) F_s + sum_C k_j e_j,
 !>   k_j = K_j (f_1j/m1 + f_2j/m2),  omega^2 = sum_C k_j.
-!> Pairs that share a compliance have the effective stiffness and profile error of gearsweep_shared_compliance for K_j and
-!> e_j. Where the coast sides are in contact (x < -backlash), all pairs between A and E push back with their
+!> Pairs that share a compliance have the effective stiffness and touching deflection of gearsweep_contact_law for K_j and e_j.
+!> Where the coast sides are in contact (x < -backlash), all pairs between A and E push back with their
 !> stiffness, without profile error and friction.
 !> Source: Dogan et al. 2021, Eqs. 9 to 20, misprints corrected.
 module gearsweep_oscillator
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_coupled_pairs, only: closed_set, compliances, sum_response
+  use gearsweep_contact_law, only: find_closed, find_law_values, springs_at, springs_t
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
   use gearsweep_own_flattening, only: flattening_t
   use gearsweep_segments, only: balance_t, contact_intervals
-  use gearsweep_shared_compliance, only: closed_pairs, reduce_sums
-  use gearsweep_sharing, only: pairs_at
   use gearsweep_text, only: str
   implicit none
   private
@@ -79,11 +77,7 @@ contains
     osc%natural_frequency = sqrt(mean_stiffness*sum(1/osc%mass))
     osc%highest_frequency = sqrt(osc%pairs*stiffest*sum(1/osc%mass)*(1 + osc%friction))
     osc%static_deflection = osc%load/mean_stiffness
-    if (osc%shared > 0) then
-      osc%mean_deflection = mean_deflection_in_series(osc)
-    else
-      osc%mean_deflection = mean_deflection(osc)
-    end if
+    osc%mean_deflection = mean_deflection(osc)
     osc%frequency = interval_frequencies(osc)
 
   contains
@@ -125,116 +119,58 @@ contains
   pure real(dp) function mean_deflection(osc) result(x)
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: samples = 32, most = 100
-    real(dp), dimension(osc%pairs, samples, size(osc%intervals)) :: stiffness, profile_error
-    real(dp) :: excess, s
-    integer :: i, j, k
+    type(springs_t) :: springs(size(osc%intervals))
+    real(dp), dimension(1, osc%pairs) :: effective, touching
+    real(dp) :: load, slope
+    integer :: contact_set, i, k, n
 
-    stiffness = 0
-    profile_error = 0
     do i = 1, size(osc%intervals)
       associate (interval => osc%intervals(i))
-        do k = 1, samples
-          do j = 1, interval%pairs
-            s = interval%place(interval%first + (interval%last - interval%first)*(k - 0.5_dp)/samples, j)
-            stiffness(j, k, i) = osc%mesh%stiffness%value(s)*(interval%last - interval%first)/samples
-            profile_error(j, k, i) = osc%mesh%profile_error%value(s)
-          end do
-        end do
+        call springs_at(osc%mesh, interval, interval%first + (interval%last - interval%first)* &
+                        [(k - 0.5_dp, k=1, samples)]/samples, springs(i))
       end associate
     end do
-    x = osc%load/sum(stiffness) + maxval(profile_error)
-    do i = 1, most
-      excess = sum(stiffness*max(0.0_dp, x - profile_error)) - osc%load
-      if (excess <= 1e-12_dp*osc%load) exit
-      x = x - excess/sum(stiffness, mask=x > profile_error)
-    end do
-  end function mean_deflection
-
-  !> The same for pairs that share a compliance: Newton's method on the mean of the loads under one deflection.
-  pure real(dp) function mean_deflection_in_series(osc) result(x)
-    type(oscillator_t), intent(in) :: osc
-    integer, parameter :: samples = 32, most = 100
-    real(dp), dimension(osc%pairs) :: stiffness, error
-    real(dp) :: load, slope, phase, part, pull
-    integer :: i, k, n
-
     x = 2*osc%static_deflection + osc%mesh%profile_error%maximum()
     do n = 1, most
       load = 0
       slope = 0
       do i = 1, size(osc%intervals)
-        associate (interval => osc%intervals(i), p => osc%intervals(i)%pairs)
+        associate (p => osc%intervals(i)%pairs, weight => (osc%intervals(i)%last - osc%intervals(i)%first)/samples, &
+                   shares => springs(i)%shares, coupled => springs(i)%coupled, beyond => springs(i)%beyond)
           do k = 1, samples
-            phase = interval%first + (interval%last - interval%first)*(k - 0.5_dp)/samples
-            call pairs_at(osc%mesh, interval, phase, stiffness(:p), error(:p))
-            call load_at(osc, interval, phase, stiffness(:p), error(:p), x, part, pull)
-            associate (weight => (interval%last - interval%first)/samples)
-              load = load + weight*(part*x - pull)
-              slope = slope + weight*part
-            end associate
+            call find_closed(shares, coupled, springs(i)%stiffness(k:k, :), springs(i)%profile_error(k:k, :), &
+                             springs(i)%shared(k:k, :), beyond, x, contact_set, effective(:, :p), touching(:, :p))
+            load = load + weight*sum(effective(1, :p)*(x - touching(1, :p)))
+            slope = slope + weight*sum(effective(1, :p))
           end do
         end associate
       end do
       if (load - osc%load <= 1e-12_dp*osc%load) exit
       x = x - (load - osc%load)/slope
     end do
-  end function mean_deflection_in_series
-
-  !> The load of the pairs at a phase of an interval while they are deflected by x (m), as part*x - pull (N).
-  pure subroutine load_at(osc, interval, phase, stiffness, error, x, part, pull)
-    type(oscillator_t), intent(in) :: osc
-    type(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: phase, stiffness(:), error(:), x
-    real(dp), intent(out) :: part, pull          ! N/m, N
-    real(dp), dimension(size(error)) :: own, one
-    real(dp), dimension(0:2, size(error)) :: stiffnesses, errors
-    real(dp) :: c(0:2, size(error), size(error)), shared(size(interval%shared, 2))
-    integer :: set, j
-
-    shared = interval%shared_at(phase)
-    if (osc%mesh%is_coupled(interval%pairs)) then
-      one = 1
-      stiffnesses = 0
-      stiffnesses(0, :) = stiffness
-      errors = 0
-      errors(0, :) = error
-      c = compliances(stiffnesses, interval%shared_with_slopes(phase), osc%mesh%disc%shared_beyond())
-      set = closed_set(c, errors, x)
-      call sum_response(set, c(0, :, :), error, one, part, pull)
-    else
-      own = stiffness/(1 - shared(1)*stiffness)
-      set = closed_pairs(shared(1), own, error, x)
-      part = sum(own, mask=btest(set, [(j, j=0, size(own) - 1)]))
-      pull = sum(own*error, mask=btest(set, [(j, j=0, size(own) - 1)]))/(1 + shared(1)*part)
-      part = part/(1 + shared(1)*part)
-    end if
-  end subroutine load_at
+  end function mean_deflection
 
   !> Lowest and highest omega (rad/s) of each smooth interval while the pairs of the reference contact are, (2, interval).
   pure function interval_frequencies(osc) result(frequency)
     type(oscillator_t), intent(in) :: osc
     integer, parameter :: samples = 17
-    real(dp), dimension(samples) :: omega_squared, s, rate, own, none, shared
     real(dp) :: frequency(2, size(osc%intervals))
-    integer :: i, j, k
+    type(springs_t) :: springs
+    real(dp), dimension(samples) :: omega_squared, phase
+    real(dp), dimension(samples, osc%pairs) :: effective, touching
+    integer :: carrying, i, j, k
 
     do i = 1, size(osc%intervals)
-      associate (interval => osc%intervals(i), from => osc%intervals(i)%first, length => osc%intervals(i)%last - &
-                 osc%intervals(i)%first)
+      associate (interval => osc%intervals(i), p => osc%intervals(i)%pairs)
+        carrying = sum([(merge(ibset(0, j - 1), 0, interval%carries(j)), j=1, p)])
+        phase = interval%first + (interval%last - interval%first)*[(k, k=0, samples - 1)]/(samples - 1)
+        call springs_at(osc%mesh, interval, phase, springs)
+        call find_law_values(carrying, springs%shares, springs%coupled, springs%stiffness, springs%profile_error, springs%shared, &
+                             springs%beyond, effective(:, :p), touching(:, :p))
         omega_squared = 0
-        own = 0
-        none = 0
-        ! Of more than two pairs about what they share: this is for the choice of steps.
-        shared = interval%shared_by_two(from + length*[(k, k=0, samples - 1)]/(samples - 1))
-        do j = 1, interval%pairs
-          if (.not. interval%carries(j)) cycle
-          s = interval%place(from + length*[(k, k=0, samples - 1)]/(samples - 1), j)
-          call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), rate)
-          rate = rate/(1 - shared*rate)
-          own = own + rate
-          omega_squared = omega_squared + rate*mobility(osc, s, interval%recess(j))
+        do j = 1, p
+          omega_squared = omega_squared + effective(:, j)*mobility(osc, interval%place(phase, j), interval%recess(j))
         end do
-        call reduce_sums(shared, own, 0.0_dp, omega_squared, none)
       end associate
       frequency(:, i) = sqrt([minval(omega_squared), maxval(omega_squared)])
     end do

@@ -3,10 +3,11 @@
 module gearsweep_periodic_orbit
   use gearsweep_contact_set, only: period_t
   use gearsweep_dte, only: join, range_of, rms_of
+  use gearsweep_full_contact, only: run_full_contact
   use gearsweep_kinds, only: dp
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_period
-  use gearsweep_period_map, only: period_map_t, run_full_contact
+  use gearsweep_period_map, only: period_map_t
   use gearsweep_status, only: status_chatter, status_marginal, status_ok, status_subharmonic, status_unstable
   use gearsweep_steady_motion, only: steady_t
   implicit none

@@ -1,12 +1,13 @@
 !> Steady motion at one speed, or at all speeds of a batch, by Newton's method on the period map or by marching.
 module gearsweep_steady
   use gearsweep_contact_set, only: period_t
+  use gearsweep_full_contact, only: run_full_contact
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_ladder, only: try_in_turn, double
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_period, only: run_batch
-  use gearsweep_period_map, only: period_map_t, run_full_contact
+  use gearsweep_period_map, only: period_map_t
   use gearsweep_periodic_orbit, only: adopt, closure_of, distance, is_closed, has_converged, judge, near, newton_step, shoot, &
                                       solve_full_contact, steady_t
   use gearsweep_status, only: has_result, status_unstable

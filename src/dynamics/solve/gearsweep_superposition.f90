@@ -9,12 +9,10 @@ module gearsweep_superposition
   use gearsweep_dte, only: dte_batch_t, dte_of, dte_t, raise_range, some_turn, weights_of_end
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
-  use gearsweep_load_peaks, only: load_within, may_exceed
+  use gearsweep_load_peaks, only: largest_within, load_over_step, may_exceed
   use gearsweep_oscillator, only: acceleration
   use gearsweep_period_map, only: compose, flush_to_zero, period_map_t, propagate_alike, take_step
   use gearsweep_periodic_orbit, only: closure_of, judge, newton_step, steady_t
-  use gearsweep_quintic, only: maximum_of, quintic, value_of
-  use gearsweep_shared_compliance, only: reduce_sums, working_deflection
   implicit none
   private
   public :: superpose
@@ -94,8 +92,8 @@ contains
       motions%monodromy(:, 1) = 1
       motions%monodromy(:, 4) = 1
       do i = 1, n
-        call propagate_alike(map%osc, table, i, map%duration(:map%speeds), forced(:, 1), propagator(:, :6, i))
-        call propagate_alike(map%osc, table, i, map%duration(:map%speeds), forced(:, 2), other)
+        call propagate_alike(map%osc, table, i, map%duration(:map%speeds), i, forced(:, 1), propagator(:, :6, i))
+        call propagate_alike(map%osc, table, i, map%duration(:map%speeds), i, forced(:, 2), other)
         propagator(:, 7:8, i) = other(:, 5:6)
         call compose(propagator(:, :6, i), motions%monodromy)
         if (modulo(i, 64) == 0) call flush_to_zero(motions%monodromy)
@@ -197,30 +195,20 @@ contains
     type(motions_t), intent(in) :: motions
     integer, intent(in) :: step, j
     type(ends_t), intent(inout) :: ends
-    real(dp) :: k(0:1), e(0:1), a(0:1), b(0:1), c(0:1), w, slope, soft
+    real(dp) :: g(0:1), t(0:1), w, slope
     integer :: end, m, l
 
     associate (table => map%table, width => map%table%width(step))
       do end = 1, 2
-        k = table%end_stiffness(:1, j, end, step)
+        g = table%effective(:1, j, end, step)
         do m = by_load, by_relief
-          e = 0
-          a = 0
-          b = 0
-          c = 0
-          if (m == by_relief) e = table%end_profile_error(:1, j, end, step)
-          if (map%osc%shared > 0) then
-            a = table%end_sums(:1, 1, end, step)
-            if (m == by_relief) b = table%end_sums(:1, 2, end, step)
-            c = table%end_shared(:1, 1, end, step)
-          end if
-          soft = 1/(1 + c(0)*a(0))
+          t = 0
+          if (m == by_relief) t = table%touching(:1, j, end, step)
           do l = 1, batch_size
-            w = soft*(motions%x(l, 1, m, step + end - 2) + c(0)*b(0))
-            slope = soft*(motions%x(l, 2, m, step + end - 2) + c(0)*(b(1) - a(1)*w) + c(1)*(b(0) - a(0)*w)) - e(1)
-            w = w - e(0)
-            ends%load(l, 0, end, m) = k(0)*w
-            ends%load(l, 1, end, m) = width*(k(1)*w + k(0)*slope)
+            w = motions%x(l, 1, m, step + end - 2) - t(0)
+            slope = motions%x(l, 2, m, step + end - 2) - t(1)
+            ends%load(l, 0, end, m) = g(0)*w
+            ends%load(l, 1, end, m) = width*(g(1)*w + g(0)*slope)
           end do
         end do
       end do
@@ -299,45 +287,32 @@ contains
     integer, intent(in) :: l, step, j
     real(dp), intent(in) :: part
     real(dp), intent(inout) :: peak
-    real(dp) :: x(0:2, 2), load(0:2, 2), gap(0:2), scale(0:2), place
-    integer :: end
+    real(dp) :: x(0:2, 2), load(0:2, 2)
 
-    scale = [1.0_dp, map%table%width(step), map%table%width(step)**2]
-    do end = 1, 2
-      call motion_at_end(map, motions, l, part, step, end, x(:, end), gap)
-      x(:, end) = scale*x(:, end)
-      gap = gap - part*map%table%end_profile_error(:, j, end, step)
-      associate (k => map%table%end_stiffness(:, j, end, step))
-        load(:, end) = scale*[k(1)*gap(0), k(2)*gap(0) + k(1)*gap(1), k(3)*gap(0) + 2*k(2)*gap(1) + k(1)*gap(2)]
-      end associate
-    end do
-    if (.not. may_exceed(load, peak)) return
-    place = maximum_of(quintic(load(:, 1), load(:, 2)))
-    peak = max(peak, load_within(map%osc, map%table, step, map%table%full(step), j, place, &
-                                 value_of(quintic(x(:, 1), x(:, 2)), place), part))
+    x = motion_over(map, motions, l, part, step)
+    call load_over_step(map%table, step, step, j, x, load, part)
+    if (may_exceed(load, peak)) peak = max(peak, largest_within(map%osc, map%table, step, step, j, x, load, part))
   end subroutine refine_peak
 
-  !> The deflection at an end of a step, and what of it the pairs work on, with their derivatives over the phase (m).
-  pure subroutine motion_at_end(map, motions, l, part, step, end, x, w)
+  !> The deflection at both ends of a step with its derivatives over it, m; (derivative, end).
+  pure function motion_over(map, motions, l, part, step) result(x)
     type(period_map_t), intent(in) :: map
     type(motions_t), intent(in) :: motions
-    integer, intent(in) :: l, step, end
+    integer, intent(in) :: l, step
     real(dp), intent(in) :: part
-    real(dp), intent(out) :: x(0:2), w(0:2)
-    real(dp) :: omega_squared, forcing
+    real(dp) :: x(0:2, 2)
+    integer :: end
 
-    associate (table => map%table, osc => map%osc, p => map%table%pairs(step))
-      x(:1) = motions%x(l, :, by_load, step + end - 2) + part*motions%x(l, :, by_relief, step + end - 2)
-      omega_squared = sum(table%end_rate(:p, end, step))
-      forcing = sum(table%end_rate(:p, end, step)*table%end_profile_error(0, :p, end, step))
-      if (osc%shared > 0) call reduce_sums(table%end_shared(0, 1, end, step), table%end_sums(0, 1, end, step), &
-                                           table%end_sums(0, 2, end, step), omega_squared, forcing)
-      x(2) = acceleration(osc, omega_squared, part*forcing, map%duration(l), x(0), x(1))
-      w = x
-      if (osc%shared > 0) w = working_deflection(table%end_shared(:, 1, end, step), table%end_sums(:, 1, end, step), &
-                                                 part*table%end_sums(:, 2, end, step), x)
+    associate (table => map%table, width => map%table%width(step))
+      do end = 1, 2
+        x(:1, end) = motions%x(l, :, by_load, step + end - 2) + part*motions%x(l, :, by_relief, step + end - 2)
+        x(2, end) = acceleration(map%osc, table%end_omega_squared(0, end, step), part*table%end_forcing(0, end, step), &
+                                 map%duration(l), x(0, end), x(1, end))
+      end do
+      x(1, :) = width*x(1, :)
+      x(2, :) = width**2*x(2, :)
     end associate
-  end subroutine motion_at_end
+  end function motion_over
 
   !> The steady motion of one speed and amount.
   pure subroutine conclude(map, motions, l, part, peak, range, steady)

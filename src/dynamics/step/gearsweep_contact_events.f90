@@ -6,16 +6,14 @@ module gearsweep_contact_events
   use gearsweep_gauss, only: batch_size
   use gearsweep_integrator, only: integrator_t
   use gearsweep_kinds, only: dp
-  use gearsweep_load_peaks, only: may_exceed, raise_to_maximum
+  use gearsweep_law_curves, only: derivatives, may_have_more, raise_peak
   use gearsweep_oscillator, only: damping, resolving_steps
   use gearsweep_overlap_watch, only: watch_sub_step
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, may_cross_zero, quintic
   use gearsweep_step_loads, only: loads_over_sub_step, raise_coast_over_sub_step
-  use gearsweep_sub_step, only: take_sub_step, move_end, range_of_motion, derivatives, second_derivatives, &
-                                second_derivatives_of_motion, need_error, own_at_ends, working_at_ends
-  use gearsweep_sub_step_sums, only: sum_contacts
-  use gearsweep_sub_steps, only: event_t, sub_steps_t, make_sub_steps, enter_step, last
+  use gearsweep_sub_step, only: event_t, sub_steps_t, enter_step, last, motion_over_sub_step, move_end, need_curves, &
+                                range_of_motion, sum_contacts, take_sub_step
   use gearsweep_trace, only: trace_t, record
   implicit none
   private
@@ -37,7 +35,7 @@ contains
   !> Takes the motions whose contact may change (`state%changes`) through a step. Where it does change, their end,
   !> propagator, contacts and largest loads become what they are then; elsewhere `state%changes` becomes false.
   pure subroutine locate_events(map, step, state, propagator, period, trace)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state   !< the end of the step is that without events
     real(dp), intent(inout) :: propagator(batch_size, 6)
@@ -45,7 +43,7 @@ contains
     type(trace_t), intent(inout), optional :: trace    !< of the first motion
     integer :: l
 
-    if (.not. allocated(state%sub_steps)) call make_sub_steps(map%osc, state%sub_steps)
+    if (.not. allocated(state%sub_steps)) allocate (state%sub_steps)
     call begin_step(map, step, state)
     do
       do l = 1, map%speeds
@@ -57,7 +55,7 @@ contains
         end if
       end do
       if (.not. any(state%sub_steps%event%active)) exit
-      call take_sub_step(map, state%contacts, state%sub_steps)
+      call take_sub_step(map, state%sub_steps)
     end do
     associate (c => state%sub_steps)
       state%changes = c%event%found
@@ -72,28 +70,32 @@ contains
 
   !> The whole step is the first sub-step.
   pure subroutine begin_step(map, step, state)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
+    integer :: l
 
     associate (c => state%sub_steps)
       call enter_step(map, step, c)
       c%event = event_t()
       c%event%active = state%changes
+      do l = 1, map%speeds
+        if (state%changes(l)) call need_curves(map, l, state%contact_set(l), c)
+      end do
       c%left = 0
       c%width = 1
       c%x(:, 1) = state%x(:, state%from)
       c%y(:, 1) = state%y(:, state%from)
       c%x(:, 2) = state%x(:, state%to)
       c%y(:, 2) = state%y(:, state%to)
-      call sum_contacts(map, state%contacts, 1, c)
-      call sum_contacts(map, state%contacts, last, c)
+      call sum_contacts(map%speeds, 1, c)
+      call sum_contacts(map%speeds, last, c)
     end associate
   end subroutine begin_step
 
   !> Looks for the first event in the sub-step of motion l: brackets it, or accepts the sub-step.
   pure subroutine detect(map, l, state, period, trace)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: l
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period
@@ -153,27 +155,25 @@ contains
     type(integrator_t), intent(inout) :: state
     real(dp), intent(out) :: part
     integer, intent(out) :: which
-    real(dp) :: motion(0:1, 2), overlap(0:2, 2), range(2), zero
+    real(dp), dimension(0:2, 2) :: motion, overlap
+    real(dp) :: range(2), zero
     logical :: found
     integer :: j
 
     part = 1
     which = 0
-    associate (c => state%sub_steps, osc => map%osc, table => map%table)
+    associate (c => state%sub_steps, osc => map%osc, curves => state%sub_steps%curves(state%sub_steps%curve(l)))
       if (.not. c%width(l) > 0) return
-      motion(0, :) = c%x(l, :)
-      motion(1, :) = c%width(l)*table%width(c%step)*c%y(l, :)
+      motion = motion_over_sub_step(map, l, c)
       range = range_of_motion(map, l, c)
       do j = 1, osc%contacts
-        if (j > table%pairs(c%step) .and. j <= osc%pairs) cycle
+        if (j > curves%pairs .and. j <= osc%pairs) cycle
         associate (sense => state%contacts(j)%sense(l))
-          call need_error(map, state%contact_set(l), j, state%sub_steps)
           ! Most contacts are far from a change.
-          if (sense > 0 .and. range(1) > c%error_bounds(2, j)) cycle
-          if (sense < 0 .and. range(2) < c%error_bounds(1, j)) cycle
-          overlap(:1, :) = sense*(motion - derivatives(c, l, c%error(:, j)))
+          if (sense > 0 .and. range(1) > curves%touching_bounds(2, j)) cycle
+          if (sense < 0 .and. range(2) < curves%touching_bounds(1, j)) cycle
+          overlap = sense*(motion - derivatives(curves%touching(:, j), c%left(l) + [0.0_dp, c%width(l)]))
           if (.not. may_cross_zero(overlap(0, 1), overlap(0, 2), overlap(1, 1), overlap(1, 2))) cycle
-          overlap(2, :) = sense*(second_derivatives_of_motion(map, l, c) - second_derivatives(c, l, c%error(:, j)))
         end associate
         call first_zero(quintic(overlap(:, 1), overlap(:, 2)), zero, found)
         if (.not. found .or. zero >= part) cycle
@@ -186,7 +186,7 @@ contains
   !> The sub-step of motion l ends near an event: accepts it where the overlap has just changed its sign, or moves the
   !> end of the sub-step.
   pure subroutine bracket(map, l, state, period, trace)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: l
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period
@@ -195,14 +195,13 @@ contains
     ! leaves out grows with its square.
     real(dp), parameter :: close = 1e-5_dp
     integer, parameter :: most_trials = 50
-    real(dp) :: error, error_slope, overlap, slope, miss
+    real(dp) :: touching, touching_slope, overlap, slope, miss
 
     associate (c => state%sub_steps, event => state%sub_steps%event(l))
       associate (sense => state%contacts(event%contact)%sense(l))
-        call need_error(map, state%contact_set(l), event%contact, state%sub_steps)
-        call evaluate(c%error(:, event%contact), c%left(l) + c%width(l), error, error_slope)
-        overlap = sense*(c%x(l, 2) - error)
-        slope = sense*event%length*(map%table%width(c%step)*c%y(l, 2) - error_slope)
+        call evaluate(c%curves(c%curve(l))%touching(:, event%contact), c%left(l) + c%width(l), touching, touching_slope)
+        overlap = sense*(c%x(l, 2) - touching)
+        slope = sense*event%length*(map%table%width(c%step)*c%y(l, 2) - touching_slope)
       end associate
       miss = huge(miss)
       if (slope < 0) miss = tolerance - overlap/slope
@@ -229,7 +228,7 @@ contains
 
   !> Opens or closes the contact whose event motion l has reached.
   pure subroutine change_contact(map, l, state, period)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: l
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period
@@ -237,12 +236,12 @@ contains
 
     associate (c => state%sub_steps, event => state%sub_steps%event(l))
       associate (j => event%contact)
-        call need_error(map, state%contact_set(l), j, state%sub_steps)
-        approach = c%y(l, 1) - derivative_of(c%error(:, j), c%left(l))/map%table%width(c%step)
+        approach = c%y(l, 1) - derivative_of(c%curves(c%curve(l))%touching(:, j), c%left(l))/map%table%width(c%step)
         event%jumps = abs(approach) > 0
         if (event%jumps) event%ratio = c%y(l, 1)/approach
         event%before = c%omega_squared(l, last)
         call set_contact(map%osc, l, j, .not. in_contact(state%contact_set(l), j), state%contact_set(l), state%contacts(j))
+        call need_curves(map, l, state%contact_set(l), c)
         call record_contact(map%osc, state%contact_set(l), map%table%full(c%step), map%table%between(c%step), period)
         event%events = event%events + 1
       end associate
@@ -276,7 +275,7 @@ contains
     type(trace_t), intent(inout), optional :: trace
 
     if (state%peaks) then
-      call raise_peak(map, l, state%contact_set(l), state%sub_steps, state%peak(l))
+      call raise_over_sub_step(map, l, state%sub_steps, state%peak(l))
       call raise_coast_over_sub_step(map, l, state%sub_steps, state%contact_set(l), state%coast_peak(l))
     end if
     if (present(trace)) call record_sub_step(map, l, state%contact_set(l), state%sub_steps, trace)
@@ -290,56 +289,19 @@ contains
   end subroutine accept
 
   !> Raises the largest load of motion l by those over its sub-step.
-  pure subroutine raise_peak(map, l, contact_set, c, peak)
+  pure subroutine raise_over_sub_step(map, l, c, peak)
     type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l, contact_set
+    integer, intent(in) :: l
     type(sub_steps_t), intent(in) :: c
     real(dp), intent(inout) :: peak
-    real(dp), dimension(0:2, 2) :: gap, load
-    real(dp), dimension(0:2, map%osc%pairs, 2) :: k, e, w
-    logical :: bent
-    integer :: j
-
-    if (.not. may_have_more(map, l, contact_set, c, peak)) return
-    call own_at_ends(map, l, c, contact_set, .false., k, e)
-    w = working_at_ends(map, l, c, contact_set, k, e, .false.)
-    bent = .false.
-    do j = 1, map%table%pairs(c%step)
-      if (.not. in_contact(contact_set, j)) cycle
-      gap = w(:, j, :) - e(:, j, :)
-      load(0, :) = k(0, j, :)*gap(0, :)
-      load(1, :) = k(1, j, :)*gap(0, :) + k(0, j, :)*gap(1, :)
-      peak = max(peak, load(0, 1), load(0, 2))
-      if (.not. may_exceed(load, peak)) cycle
-      if (.not. bent) then
-        bent = .true.
-        call own_at_ends(map, l, c, contact_set, bent, k, e)
-        w = working_at_ends(map, l, c, contact_set, k, e, bent)
-      end if
-      gap = w(:, j, :) - e(:, j, :)
-      load(2, :) = k(2, j, :)*gap(0, :) + 2*k(1, j, :)*gap(1, :) + k(0, j, :)*gap(2, :)
-      call raise_to_maximum(load, peak)
-    end do
-  end subroutine raise_peak
-
-  !> May a pair have a larger load than the largest so far in the sub-step of motion l? Where pairs share a compliance it takes more
-  !> to tell that it has not.
-  pure logical function may_have_more(map, l, contact_set, c, peak)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l, contact_set
-    type(sub_steps_t), intent(in) :: c
-    real(dp), intent(in) :: peak
     real(dp) :: range(2)
-    integer :: j
 
-    may_have_more = map%osc%shared > 0
-    if (may_have_more) return
     range = range_of_motion(map, l, c)
-    do j = 1, map%table%pairs(c%step)
-      if (.not. in_contact(contact_set, j)) cycle
-      may_have_more = may_have_more .or. c%most_stiffness(j)*(range(2) - c%error_bounds(1, j)) > peak
-    end do
-  end function may_have_more
+    associate (curves => c%curves(c%curve(l)))
+      if (may_have_more(curves, range(2), peak)) &
+        call raise_peak(curves, c%left(l) + [0.0_dp, c%width(l)], motion_over_sub_step(map, l, c), peak)
+    end associate
+  end subroutine raise_over_sub_step
 
   !> The propagator of a sub-step after that of what was before; columns one after the other.
   pure function composed(propagator, before) result(c)
@@ -364,6 +326,6 @@ contains
       call record(trace, table%pairs(i), spread(map%osc%intervals(table%interval(i))%offset, 1, 2), &
                   table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)]), spread(contact_set, 1, 2), x, load)
     end associate
-    if (allocated(trace%overlaps)) call watch_sub_step(map, l, contact_set, c, trace%overlaps)
+    if (allocated(trace%overlaps)) call watch_sub_step(map, l, c, trace%overlaps)
   end subroutine record_sub_step
 end module gearsweep_contact_events

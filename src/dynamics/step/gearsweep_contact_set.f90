@@ -34,7 +34,6 @@ module gearsweep_contact_set
 
   !> One contact in all motions of a batch; the load is that where the last step ended.
   type :: contact_t
-    real(dp), dimension(batch_size) :: weight = 0      !< 1 closed, 0 open
     real(dp), dimension(batch_size) :: sense = 1       !< sign that makes the overlap positive until the contact changes
     real(dp), dimension(batch_size) :: load = 0        !< N
     real(dp), dimension(batch_size) :: load_slope = 0  !< its derivative over the step, N
@@ -71,7 +70,6 @@ contains
     type(contact_t), intent(inout) :: contact  !< contact j
 
     contact_set = merge(ibset(contact_set, j - 1), ibclr(contact_set, j - 1), closed)
-    contact%weight(l) = merge(1, 0, closed)
     contact%sense(l) = merge(1, -1, closed .eqv. j <= osc%pairs)
   end subroutine set_contact
 
@@ -84,10 +82,8 @@ contains
     integer :: l
 
     do l = 1, batch_size
-      contact%weight(l) = merge(1.0_dp, 0.0_dp, in_contact(contact_set(l), j))
+      contact%sense(l) = merge(1, -1, in_contact(contact_set(l), j) .eqv. j <= osc%pairs)
     end do
-    contact%sense = 2*contact%weight - 1
-    if (j > osc%pairs) contact%sense = -contact%sense
   end subroutine set_contacts
 
   !> Records in a period what contact there is.

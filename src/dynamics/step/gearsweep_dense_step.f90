@@ -4,12 +4,11 @@
 !>
 !> Places count from 0 to 1 over the step, and the state is x and v, its derivative over the step (both m).
 module gearsweep_dense_step
-  use gearsweep_coefficients, only: coefficients_t
+  use gearsweep_coefficients, only: need_law
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: damping, oscillator_t
+  use gearsweep_oscillator, only: damping
   use gearsweep_period_map, only: dense_step_t, period_map_t, propagate_alike, whole
-  use gearsweep_shared_compliance, only: sum_pairs
   implicit none
   private
   public :: find_dense_step, motions_from, evaluate, evaluate_curvature
@@ -25,11 +24,12 @@ module gearsweep_dense_step
 contains
 
   !> Where the map keeps propagator and polynomials of a step, which are made unless they are there. The contact set is the same
-  !> at all speeds, of pairs that are not coupled.
+  !> at all speeds.
   pure subroutine find_dense_step(map, step, contact_set, which)
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step, contact_set
     integer, intent(out) :: which                !< of map%dense
+    integer :: law
 
     do which = 1, min(map%denses, size(map%dense))
       if (map%dense(which)%step == step .and. map%dense(which)%contact_set == contact_set) return
@@ -40,15 +40,16 @@ contains
     associate (dense => map%dense(which))
       dense%step = step
       dense%contact_set = contact_set
-      call propagate_alike(map%osc, map%table, step, map%duration, whole, dense%propagator, contact_set)
-      call describe_step(map, step, contact_set, dense%propagator, dense%c)
+      call need_law(map%osc, step, contact_set, map%table, law)
+      call propagate_alike(map%osc, map%table, step, map%duration, law, whole, dense%propagator)
+      call describe_step(map, step, law, dense%propagator, dense%c)
     end associate
   end subroutine find_dense_step
 
   !> The polynomials of a step at all speeds of a map.
-  pure subroutine describe_step(map, step, contact_set, propagator, c)
+  pure subroutine describe_step(map, step, law, propagator, c)
     type(period_map_t), intent(in) :: map
-    integer, intent(in) :: step, contact_set
+    integer, intent(in) :: step, law
     real(dp), intent(in) :: propagator(batch_size, 6)    ! of this contact set
     real(dp), intent(out) :: c(batch_size, 0:7, 3)       ! coefficients in ascending powers; (speed, power, by what)
     real(dp), dimension(0:1, 2) :: omega_squared, forcing
@@ -57,8 +58,11 @@ contains
     real(dp) :: time, load, width
     integer :: end, l
 
-    call sum_at_ends(map%osc, map%table, step, contact_set, omega_squared, forcing)
     width = map%table%width(step)
+    omega_squared = map%table%end_omega_squared(:1, :, law)
+    forcing = map%table%end_forcing(:1, :, law)
+    omega_squared(1, :) = width*omega_squared(1, :)
+    forcing(1, :) = width*forcing(1, :)
     load = map%osc%load*sum(1/map%osc%mass)
     do end = 1, 2
       do l = 1, batch_size
@@ -118,46 +122,6 @@ contains
       end do
     end associate
   end subroutine interpolate
-
-  !> omega^2 (1/s^2) and the sum of k e (m/s^2) over the pairs of a contact set at both ends of a step, with their derivatives over
-  !> it; (derivative, end).
-  pure subroutine sum_at_ends(osc, table, step, contact_set, omega_squared, forcing)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step, contact_set
-    real(dp), intent(out), dimension(0:1, 2) :: omega_squared, forcing
-    real(dp) :: mobility(2), rate(0:1), a(0:2), b(0:2), soft(0:1)
-    integer :: end, j
-
-    omega_squared = 0
-    forcing = 0
-    associate (width => table%width(step))
-      do j = 1, table%pairs(step)
-        if (.not. btest(contact_set, j - 1)) cycle
-        mobility = table%end_rate(j, :, step)/table%end_stiffness(0, j, :, step)
-        do end = 1, 2
-          associate (k => table%end_stiffness(:1, j, end, step), e => table%end_profile_error(:1, j, end, step))
-            ! The mobility is linear over the step.
-            rate = [k(1)*mobility(end), width*k(2)*mobility(end) + k(1)*(mobility(2) - mobility(1))]
-            omega_squared(:, end) = omega_squared(:, end) + rate
-            forcing(:, end) = forcing(:, end) + [rate(0)*e(1), rate(1)*e(1) + rate(0)*width*e(2)]
-          end associate
-        end do
-      end do
-      if (.not. osc%shared > 0) return
-      do end = 1, 2
-        associate (p => table%pairs(step), c => table%end_shared(:1, 1, end, step))
-          call sum_pairs(contact_set, table%end_stiffness(:, :p, end, step), table%end_profile_error(:, :p, end, step), a, b)
-          soft = [1 + c(1)*a(0), width*(c(2)*a(0) + c(1)*a(1))]
-          omega_squared(0, end) = omega_squared(0, end)/soft(0)
-          omega_squared(1, end) = (omega_squared(1, end) - omega_squared(0, end)*soft(1))/soft(0)
-          forcing(0, end) = forcing(0, end) - c(1)*b(0)*omega_squared(0, end)
-          forcing(1, end) = forcing(1, end) - width*(c(2)*b(0) + c(1)*b(1))*omega_squared(0, end) &
-                            - c(1)*b(0)*omega_squared(1, end)
-        end associate
-      end do
-    end associate
-  end subroutine sum_at_ends
 
   !> The polynomials of the motions from these states at the begin of the step.
   pure subroutine motions_from(dense, x, v, c)

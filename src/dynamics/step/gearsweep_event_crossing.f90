@@ -6,6 +6,7 @@
 !> else is for gearsweep_contact_events.
 module gearsweep_event_crossing
   use gearsweep_change_loads, only: change_t, raise_peaks
+  use gearsweep_coefficients, only: need_law
   use gearsweep_contact_set, only: in_contact, period_t, record_contact, set_contact
   use gearsweep_dense_step, only: by_force, by_place, by_speed, evaluate, evaluate_curvature, find_dense_step, motions_from
   use gearsweep_gauss, only: batch_size
@@ -13,7 +14,6 @@ module gearsweep_event_crossing
   use gearsweep_kinds, only: dp
   use gearsweep_period_map, only: period_map_t
   use gearsweep_quintic, only: derivative_of, may_cross_zero, quintic, value_of
-  use gearsweep_shared_compliance, only: sum_pairs, touching_deflection
   implicit none
   private
   public :: cross_events, has_simple_steps
@@ -28,7 +28,7 @@ contains
     type(period_map_t), intent(in) :: map
 
     has_simple_steps = map%speeds == batch_size .and. map%osc%mesh%reaches_beyond() .and. .not. map%osc%damping_ratio > 1
-    if (has_simple_steps) has_simple_steps = .not. (any(map%table%kind%stiff) .or. any(map%table%coupled))
+    if (has_simple_steps) has_simple_steps = .not. any(map%table%kind%stiff)
   end function has_simple_steps
 
   !> Takes motions whose contact may change (`state%changes`) through a step, as far as one pair closes or opens in it. The
@@ -65,7 +65,7 @@ contains
 
   !> The loads of a change wait for the end of the period, when most are known to be too low to matter.
   pure subroutine note_loads(map, change, state)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     type(change_t), intent(in) :: change
     type(integrator_t), intent(inout) :: state
 
@@ -79,7 +79,7 @@ contains
 
   !> The pair that alone closes or opens in the step, as its ends show.
   pure subroutine find_changing_pairs(map, step, state, pair)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(in) :: state
     integer, intent(out) :: pair(batch_size)
@@ -195,7 +195,7 @@ contains
 
   !> Keeps the speeds at which the contact set stays as it is behind the change, until the step ends.
   pure subroutine check_rest(map, state, change)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     type(integrator_t), intent(in) :: state
     type(change_t), intent(inout) :: change
     real(dp) :: touch(0:2, 2), curve(0:5), overlap(2), slope(2), sense
@@ -252,24 +252,15 @@ contains
   !> The deflection (m) at which a pair touches while the others of a contact set do, at both ends of a step, with its derivatives
   !> over the step; (derivative, end).
   pure subroutine find_touching(map, step, contact_set, j, touch)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step, contact_set, j
     real(dp), intent(out) :: touch(0:2, 2)
-    real(dp) :: a(0:2), b(0:2)
-    integer :: end
+    integer :: law
 
-    associate (table => map%table, p => map%table%pairs(step), width => map%table%width(step))
-      do end = 1, 2
-        touch(:, end) = table%end_profile_error(:, j, end, step)
-        if (map%osc%shared > 0) then
-          call sum_pairs(ibclr(contact_set, j - 1), table%end_stiffness(:, :p, end, step), &
-                         table%end_profile_error(:, :p, end, step), a, b)
-          touch(:, end) = touching_deflection(table%end_shared(:, 1, end, step), a, b, table%end_profile_error(:, j, end, step))
-        end if
-      end do
-      touch(1, :) = touch(1, :)*width
-      touch(2, :) = touch(2, :)*width**2
-    end associate
+    call need_law(map%osc, step, contact_set, map%table, law)
+    touch = map%table%touching(:, j, :, law)
+    touch(1, :) = touch(1, :)*map%table%width(step)
+    touch(2, :) = touch(2, :)*map%table%width(step)**2
   end subroutine find_touching
 
   !> Where overlaps fall below zero in a step: Newton's method within brackets, for all speeds side by side.

@@ -7,7 +7,7 @@ module gearsweep_integrator
   use gearsweep_gauss, only: batch_size
   use gearsweep_kinds, only: dp
   use gearsweep_load_peaks, only: candidates_t
-  use gearsweep_sub_steps, only: sub_steps_t
+  use gearsweep_sub_step, only: sub_steps_t
   implicit none
   private
   public :: integrator_t, watch_dte
@@ -21,6 +21,7 @@ module gearsweep_integrator
     real(dp) :: held(batch_size)                 !< 0 where contact may change, else a height above all profile errors, m
     type(contact_t), allocatable :: contacts(:)
     integer :: contact_set(batch_size)
+    integer :: law(batch_size)                   !< of these in the step, by number
     logical :: full_contact                      !< there is full contact at every speed
     logical :: all_full                          !< so it was in all steps so far, whose propagators are cached
     logical :: changes(batch_size)               !< contact may change, and then does change, within the step

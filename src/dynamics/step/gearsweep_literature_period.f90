@@ -7,15 +7,14 @@
 !>
 !> The monodromy matrix is the derivative of what the steps make of the state, with the contact that they found.
 module gearsweep_literature_period
-  use gearsweep_coefficients, only: scheme_constant, scheme_rk4
+  use gearsweep_coefficient_table, only: scheme_constant, scheme_rk4
   use gearsweep_contact_set, only: period_t, in_contact, record_contact
-  use gearsweep_coupled_pairs, only: closed_set, compliances, left_for, respond
+  use gearsweep_contact_law, only: find_closed, find_law, find_law_values
   use gearsweep_dte, only: add_to_dte
   use gearsweep_kinds, only: dp
-  use gearsweep_literature_table, only: exact_step_t, literature_table_t, sum_at_place
+  use gearsweep_literature_table, only: exact_step_t, literature_table_t
   use gearsweep_load_peaks, only: cubic_curvature
   use gearsweep_oscillator, only: oscillator_t, acceleration, damping
-  use gearsweep_shared_compliance, only: closed_pairs, reduce_sums, sum_pairs, working_deflection
   use gearsweep_trace, only: record, trace_t
   implicit none
   private
@@ -25,9 +24,6 @@ module gearsweep_literature_period
   integer, parameter :: begins = 1, middle = 2, ends = 3
   !> No motion goes so far (m).
   real(dp), parameter :: lost = 1e60_dp
-
-  !> A height (m) that no motion reaches.
-  real(dp), parameter :: far = 1e30_dp
 
 contains
 
@@ -72,36 +68,39 @@ contains
     period%work = table%steps
   end subroutine run_literature_period
 
-  !> The contact set at a place of a step; where it is held, that of all pairs between A and E.
+  !> The contact set at a place of a step and its law; where it is held, that of all pairs between A and E.
+  pure subroutine find_contacts(osc, table, place, step, x, held, contact_set, effective, touching)
+    type(oscillator_t), intent(in) :: osc
+    type(literature_table_t), intent(in) :: table
+    integer, intent(in) :: place, step
+    real(dp), intent(in) :: x
+    logical, intent(in) :: held
+    integer, intent(out) :: contact_set
+    real(dp), intent(out), dimension(1, osc%pairs) :: effective, touching
+
+    associate (stiffness => table%stiffness(0:0, :, place, step), error => table%profile_error(0:0, :, place, step), &
+               shared => table%shared(0:0, :, place, step), beyond => osc%mesh%disc%shared_beyond(), shares => osc%shared > 0)
+      if (held) then
+        contact_set = table%between(place, step)
+        call find_law_values(contact_set, shares, table%coupled, stiffness, error, shared, beyond, effective, touching)
+        return
+      end if
+      call find_closed(shares, table%coupled, stiffness, error, shared, beyond, x, contact_set, effective, touching)
+    end associate
+    if (osc%has_backlash) then
+      if (x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
+    end if
+  end subroutine find_contacts
+
   pure integer function contacts_at(osc, table, place, step, x, held) result(contact_set)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: place, step
     real(dp), intent(in) :: x
     logical, intent(in) :: held
-    real(dp) :: errors(0:2, osc%pairs)
-    integer :: j
+    real(dp), dimension(1, osc%pairs) :: effective, touching
 
-    contact_set = table%between(place, step)
-    if (held) return
-    associate (rate => table%rate(:osc%pairs, place, step), error => table%profile_error(:osc%pairs, place, step))
-      if (table%coupled) then
-        errors = 0
-        errors(0, :) = merge(error, far, rate > 0)
-        contact_set = closed_set(matrix_at(osc, table, place, step), errors, x)
-      else if (osc%shared > 0) then
-        contact_set = closed_pairs(table%shared(0, 1, place, step), table%stiffness(0, :, place, step), &
-                                   merge(error, far, rate > 0), x)
-      else
-        contact_set = 0
-        do j = 1, osc%pairs
-          if (rate(j) > 0 .and. x > error(j)) contact_set = ibset(contact_set, j - 1)
-        end do
-      end if
-    end associate
-    if (osc%has_backlash) then
-      if (x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
-    end if
+    call find_contacts(osc, table, place, step, x, held, contact_set, effective, touching)
   end function contacts_at
 
   !> The motion over a step is a cubic, and the loads are straight lines.
@@ -136,7 +135,7 @@ contains
     integer, intent(in) :: place, step
     real(dp), intent(in) :: x                    ! m
 
-    load = table%rate(osc%contacts, place, step)/sum(1/osc%mass)*max(0.0_dp, -osc%backlash - x)
+    load = table%coast(place, step)*max(0.0_dp, -osc%backlash - x)
   end function coast_at
 
   !> Loads (N) of the pairs at a place of a step; (pair).
@@ -145,108 +144,46 @@ contains
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: place, step, contact_set
     real(dp), intent(in) :: x
-    real(dp) :: load(osc%pairs), gap(0:1, osc%pairs)
-    integer :: j
+    real(dp) :: load(osc%pairs)
+    real(dp), dimension(0:2, osc%pairs) :: effective, touching
 
-    gap = gaps_at(osc, table, place, step, contact_set, [x, 0.0_dp])
-    load = 0
-    do j = 1, osc%pairs
-      if (in_contact(contact_set, j)) load(j) = table%stiffness(0, j, place, step)*max(0.0_dp, gap(0, j))
-    end do
+    call law_at(osc, table, place, step, contact_set, effective, touching)
+    load = max(0.0_dp, effective(0, :)*(x - touching(0, :)))
   end function loads_at
 
-  !> How far the pairs are pressed together at a place of a step, with its derivative over the phase; (0:1, pair).
-  pure function gaps_at(osc, table, place, step, contact_set, x) result(gap)
+  !> The law of a contact set at a place of a step.
+  pure subroutine law_at(osc, table, place, step, contact_set, effective, touching)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: place, step, contact_set
-    real(dp), intent(in) :: x(0:1)               ! with its derivative over the phase, m
-    real(dp) :: gap(0:1, osc%pairs)
-    real(dp), dimension(0:2, osc%pairs) :: k, e, g, h
-    real(dp) :: c(0:2, osc%pairs, osc%pairs)
-    real(dp), dimension(0:2) :: a, b, w
-    integer :: j
+    real(dp), intent(out), dimension(0:2, osc%pairs) :: effective, touching
 
-    k(:1, :) = table%stiffness(:, :, place, step)
-    k(2, :) = 0
-    e(0, :) = table%profile_error(:osc%pairs, place, step)
-    e(1, :) = table%profile_error_slope(:, place, step)
-    e(2, :) = 0
-    if (table%coupled) then
-      c = matrix_at(osc, table, place, step)
-      call respond(ibits(contact_set, 0, osc%pairs), c, e, g, h)
-      do j = 1, osc%pairs
-        w = left_for(j, c, g, h, [x, 0.0_dp])
-        gap(:, j) = w(:1) - e(:1, j)
-      end do
-      return
-    end if
-    call sum_pairs(contact_set, k, e, a, b)
-    w = working_deflection(table%shared(:, 1, place, step), a, b, [x, 0.0_dp])
-    gap(0, :) = w(0) - e(0, :)
-    gap(1, :) = w(1) - e(1, :)
-  end function gaps_at
+    call find_law(contact_set, osc%shared > 0, table%coupled, table%stiffness(:, :, place, step), &
+                  table%profile_error(:, :, place, step), table%shared(:, :, place, step), osc%mesh%disc%shared_beyond(), &
+                  effective, touching)
+  end subroutine law_at
 
-  !> The matrix of coupled pairs at a place of a step, with its first derivative over the phase; (0:2, pair, pair).
-  pure function matrix_at(osc, table, place, step) result(c)
+  !> The contact set that x has with the coefficients of a place, with its omega^2 and sum of k e.
+  pure subroutine sum_contacts(osc, table, place, step, x, held, contact_set, omega_squared, forcing)
     type(oscillator_t), intent(in) :: osc
     type(literature_table_t), intent(in) :: table
     integer, intent(in) :: place, step
-    real(dp) :: c(0:2, osc%pairs, osc%pairs), k(0:2, osc%pairs)
-
-    k(:1, :) = table%stiffness(:, :, place, step)
-    k(2, :) = 0
-    c = compliances(k, table%shared(:, :, place, step), osc%mesh%disc%shared_beyond())
-  end function matrix_at
-
-  !> omega^2 and sum of k e of a contact set, with the coefficients of a place.
-  pure subroutine sum_contacts(osc, table, place, step, contact_set, omega_squared, forcing)
-    type(oscillator_t), intent(in) :: osc
-    type(literature_table_t), intent(in) :: table
-    integer, intent(in) :: place, step, contact_set
+    real(dp), intent(in) :: x
+    logical, intent(in) :: held
+    integer, intent(out) :: contact_set
     real(dp), intent(out) :: omega_squared, forcing
-    real(dp) :: a, b
-    integer :: j
+    real(dp), dimension(1, osc%pairs) :: effective, touching
+    real(dp) :: coast
 
-    omega_squared = 0
-    forcing = 0
-    a = 0
-    b = 0
-    if (table%coupled) then
-      call sum_coupled(osc, table, place, step, contact_set, omega_squared, forcing)
-      return
-    end if
-    do j = 1, osc%contacts
-      if (j > osc%pairs) call reduce_sums(table%shared(0, 1, place, step), a, b, omega_squared, forcing)
-      if (.not. in_contact(contact_set, j)) cycle
-      omega_squared = omega_squared + table%rate(j, place, step)
-      forcing = forcing + table%rate(j, place, step)*table%profile_error(j, place, step)
-      if (j > osc%pairs) cycle
-      a = a + table%stiffness(0, j, place, step)
-      b = b + table%stiffness(0, j, place, step)*table%profile_error(j, place, step)
-    end do
-    if (osc%contacts == osc%pairs) call reduce_sums(table%shared(0, 1, place, step), a, b, omega_squared, forcing)
-  end subroutine sum_contacts
-
-  !> The same of coupled pairs.
-  pure subroutine sum_coupled(osc, table, place, step, contact_set, omega_squared, forcing)
-    type(oscillator_t), intent(in) :: osc
-    type(literature_table_t), intent(in) :: table
-    integer, intent(in) :: place, step, contact_set
-    real(dp), intent(out) :: omega_squared, forcing
-    real(dp) :: mobilities(osc%pairs)
-
-    associate (p => osc%pairs, k => table%stiffness(0, :, place, step))
-      mobilities = 0
-      where (k > 0) mobilities = table%rate(:p, place, step)/k
-      call sum_at_place(osc, table, place, step, ibits(contact_set, 0, p), table%profile_error(:p, place, step), mobilities, &
-                        omega_squared, forcing)
-    end associate
-    if (osc%contacts == osc%pairs) return
+    call find_contacts(osc, table, place, step, x, held, contact_set, effective, touching)
+    omega_squared = sum(table%mobility(:, place, step)*effective(1, :))
+    forcing = sum(table%mobility(:, place, step)*effective(1, :)*touching(1, :))
+    if (.not. osc%has_backlash) return
     if (.not. in_contact(contact_set, osc%contacts)) return
-    omega_squared = omega_squared + table%rate(osc%contacts, place, step)
-    forcing = forcing + table%rate(osc%contacts, place, step)*table%profile_error(osc%contacts, place, step)
-  end subroutine sum_coupled
+    coast = table%coast(place, step)*sum(1/osc%mass)
+    omega_squared = omega_squared + coast
+    forcing = forcing - coast*osc%backlash
+  end subroutine sum_contacts
 
   !> Where it is held, contact is that of all pairs between A and E.
   pure subroutine step_rk4(osc, table, step, duration, held, state, columns)
@@ -267,8 +204,7 @@ contains
         z(:, 1) = state
         z(:, 2:) = columns
         if (k > 1) z = z + part(k)*h*slope(:, :, k - 1)
-        contact_set = contacts_at(osc, table, place(k), step, z(1, 1), held)
-        call sum_contacts(osc, table, place(k), step, contact_set, omega_squared, forcing)
+        call sum_contacts(osc, table, place(k), step, z(1, 1), held, contact_set, omega_squared, forcing)
         damped = damping(osc, duration)*sqrt(omega_squared)
         slope(1, :, k) = z(2, :)
         slope(2, 1, k) = acceleration(osc, omega_squared, forcing, duration, z(1, 1), z(2, 1))
@@ -291,9 +227,8 @@ contains
     real(dp) :: omega_squared, forcing
     integer :: contact_set
 
-    contact_set = contacts_at(osc, table, middle, step, state(1), held)
+    call sum_contacts(osc, table, middle, step, state(1), held, contact_set, omega_squared, forcing)
     if (contact_set /= table%exact(step)%contact_set) then
-      call sum_contacts(osc, table, middle, step, contact_set, omega_squared, forcing)
       call make_exact(osc, omega_squared*duration**2, (forcing + osc%load*sum(1/osc%mass))*duration**2, table%width(step), &
                       table%exact(step))
       table%exact(step)%contact_set = contact_set
@@ -341,19 +276,18 @@ contains
     integer, intent(in) :: contact_set(2)        ! at both ends
     real(dp), intent(in) :: before(2), state(2)
     real(dp), intent(inout) :: peak
-    real(dp) :: gap(0:1, osc%pairs, 2)
-    real(dp), dimension(0:1, 2) :: k, load
+    real(dp), dimension(0:2, osc%pairs, 2) :: effective, touching
+    real(dp), dimension(0:1, 2) :: gap, load
     integer :: j
 
-    gap(:, :, 1) = gaps_at(osc, table, begins, step, contact_set(1), before)
-    gap(:, :, 2) = gaps_at(osc, table, ends, step, contact_set(2), state)
+    call law_at(osc, table, begins, step, contact_set(1), effective(:, :, 1), touching(:, :, 1))
+    call law_at(osc, table, ends, step, contact_set(2), effective(:, :, 2), touching(:, :, 2))
     do j = 1, osc%pairs
-      k(:, 1) = table%stiffness(:, j, begins, step)
-      k(:, 2) = table%stiffness(:, j, ends, step)
-      load(0, :) = k(0, :)*gap(0, j, :)
+      gap = reshape([before, state], [2, 2]) - touching(:1, j, :)
+      load(0, :) = effective(0, j, :)*gap(0, :)
       peak = max(peak, load(0, 1), load(0, 2))
       if (table%scheme /= scheme_rk4) cycle
-      load(1, :) = table%width(step)*(k(1, :)*gap(0, j, :) + k(0, :)*gap(1, j, :))
+      load(1, :) = table%width(step)*(effective(1, j, :)*gap(0, :) + effective(0, j, :)*gap(1, :))
       if (load(1, 1) > 0 .and. load(1, 2) < 0) peak = max(peak, maximum_of_cubic(load))
     end do
   end subroutine raise_peak

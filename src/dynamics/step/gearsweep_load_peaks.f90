@@ -3,18 +3,15 @@
 !> Most maxima within steps are too low to matter. So the steps only note candidates with an upper bound, and the
 !> maxima are computed in the end, where the bound is still above the largest load found.
 module gearsweep_load_peaks
-  use gearsweep_coefficients, only: coefficients_t
-  use gearsweep_coupled_pairs, only: compliances, respond
+  use gearsweep_coefficients, only: coefficients_t, need_law
+  use gearsweep_contact_law, only: find_law_of_pair
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: interval_t
-  use gearsweep_oscillator, only: oscillator_t
+  use gearsweep_oscillator, only: acceleration, oscillator_t
   use gearsweep_quintic, only: quintic, maximum_of, value_of
-  use gearsweep_sharing, only: pairs_at
-  use gearsweep_step_ends, only: deflection_at_end, end_acceleration
   implicit none
   private
-  public :: candidate_t, candidates_t, add_candidate, evaluate_candidates, may_exceed, raise_to_maximum, load_within, &
-            cubic_curvature, turns_too_far
+  public :: candidate_t, candidates_t, add_candidate, evaluate_candidates, may_exceed, raise_to_maximum, cubic_curvature, &
+            motion_over_step, load_over_step, largest_within
 
   !> A step within which the load of a pair has a maximum.
   type :: candidate_t
@@ -35,7 +32,7 @@ contains
   !> are evaluated.
   pure subroutine add_candidate(osc, table, duration, candidate, candidates, peak)
     type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
+    type(coefficients_t), intent(inout) :: table   !< its laws
     real(dp), intent(in) :: duration               !< of the mesh period, s
     type(candidate_t), intent(in) :: candidate
     type(candidates_t), intent(inout) :: candidates
@@ -59,7 +56,7 @@ contains
   !> Raises the largest load by all candidates; the one with the highest bound first, which spares most others.
   pure subroutine evaluate_candidates(osc, table, duration, candidates, peak)
     type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
+    type(coefficients_t), intent(inout) :: table
     real(dp), intent(in) :: duration               !< of the mesh period, s
     type(candidates_t), intent(inout) :: candidates    !< empty afterwards
     real(dp), intent(inout) :: peak                !< largest load so far, N
@@ -76,95 +73,89 @@ contains
   !> Raises the largest load by that within the step of a candidate.
   pure subroutine refine_maximum(osc, table, duration, candidate, peak)
     type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
+    type(coefficients_t), intent(inout) :: table
     real(dp), intent(in) :: duration
     type(candidate_t), intent(in) :: candidate
     real(dp), intent(inout) :: peak
-    real(dp), dimension(0:2, 2) :: x, gap, load
-    real(dp) :: place
-    logical :: bent
-    integer :: k, pass
+    real(dp), dimension(0:2, 2) :: x, load
+    integer :: law
 
-    associate (stiffness => table%end_stiffness(:, candidate%pair, :, candidate%step), set => candidate%contact_set, &
-               error => table%end_profile_error(:, candidate%pair, :, candidate%step), i => candidate%step, j => candidate%pair)
-      associate (width => table%width(i))
-        bent = .not. turns_too_far(table, i, duration)
-        ! Most need no second derivative.
-        do pass = 1, 2
-          do k = 1, 2
-            x(:, k) = [candidate%x(k), candidate%y(k), 0.0_dp]
-            if (pass == 2 .and. bent) x(2, k) = end_acceleration(osc, table, i, k, set, duration, x(:1, k))
-            gap(:, k) = deflection_at_end(osc, table, i, k, set, j, x(:, k)) - error(:, k)
-          end do
-          if (pass == 2 .and. .not. bent) then
-            x(2, :) = cubic_curvature(x(0, :), width*x(1, :))/width**2
-            gap(2, :) = cubic_curvature(gap(0, :), width*gap(1, :))/width**2
-          end if
-          load(0, :) = stiffness(1, :)*gap(0, :)
-          load(1, :) = width*(stiffness(2, :)*gap(0, :) + stiffness(1, :)*gap(1, :))
-          load(2, :) = width**2*(stiffness(3, :)*gap(0, :) + 2*stiffness(2, :)*gap(1, :) + stiffness(1, :)*gap(2, :))
-          if (.not. may_exceed(load, peak)) return
-        end do
-        place = maximum_of(quintic(load(:, 1), load(:, 2)))
-        x(1, :) = width*x(1, :)
-        x(2, :) = width**2*x(2, :)
-        peak = max(peak, load_within(osc, table, i, set, j, place, value_of(quintic(x(:, 1), x(:, 2)), place), 1.0_dp))
-      end associate
+    associate (j => candidate%pair, step => candidate%step)
+      call need_law(osc, step, candidate%contact_set, table, law)
+      call motion_over_step(osc, table, step, law, duration, transpose(reshape([candidate%x, candidate%y], [2, 2])), x)
+      call load_over_step(table, step, law, j, x, load)
+      if (may_exceed(load, peak)) peak = max(peak, largest_within(osc, table, step, law, j, x, load, 1.0_dp))
     end associate
   end subroutine refine_maximum
 
-  !> Load (N) of a pair in contact at a place within a step, by the motion there and by what all pairs have at that very place: a
-  !> stiffness through many knots is no polynomial from one end of the step to the other.
-  pure real(dp) function load_within(osc, table, step, contact_set, pair, place, x, part) result(load)
+  !> The deflection at both ends of a step with its derivatives over it, m; (derivative, end).
+  pure subroutine motion_over_step(osc, table, step, law, duration, state, motion)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step, contact_set, pair
-    real(dp), intent(in) :: place                  !< 0 to 1
-    real(dp), intent(in) :: x                      !< the deflection there, m
-    real(dp), intent(in) :: part                   !< of the profile error that the pairs have
-    real(dp) :: phase
+    integer, intent(in) :: step
+    integer, intent(in) :: law                     !< of its contact set
+    real(dp), intent(in) :: duration               !< of the mesh period, s
+    real(dp), intent(in) :: state(2, 2)            !< x and its derivative over the phase (m) at both ends; (x or y, end)
+    real(dp), intent(out) :: motion(0:2, 2)
+    integer :: end
 
-    phase = table%left(step) + place*table%width(step)
-    associate (interval => osc%intervals(table%interval(step)))
-      if (osc%shared > 0) then
-        load = load_of_shared(osc, interval, phase, contact_set, pair, x, part)
+    associate (width => table%width(step))
+      motion(0, :) = state(1, :)
+      motion(1, :) = width*state(2, :)
+      if (turns_too_far(table, step, duration)) then
+        motion(2, :) = cubic_curvature(state(1, :), width*state(2, :))
       else
-        load = osc%mesh%stiffness%value(interval%place(phase, pair))* &
-               (x - part*osc%mesh%profile_error%value(interval%place(phase, pair)))
+        do end = 1, 2
+          motion(2, end) = width**2*acceleration(osc, table%end_omega_squared(0, end, law), table%end_forcing(0, end, law), &
+                                                 duration, state(1, end), state(2, end))
+        end do
       end if
     end associate
-  end function load_within
+  end subroutine motion_over_step
 
-  !> The same where pairs share a compliance.
-  pure real(dp) function load_of_shared(osc, interval, phase, contact_set, pair, x, part) result(load)
+  !> The load of a contact at both ends of a step with its derivatives over it, N; (derivative, end). That of the coast sides is
+  !> negative.
+  pure subroutine load_over_step(table, step, law, j, motion, load, part)
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    integer, intent(in) :: law                     !< of its contact set
+    integer, intent(in) :: j                       !< which contact
+    real(dp), intent(in) :: motion(0:2, 2)         !< of `motion_over_step`
+    real(dp), intent(out) :: load(0:2, 2)
+    real(dp), intent(in), optional :: part         !< of the profile error that the pairs have; without it, 1
+    real(dp) :: gap(0:2), of_error
+    integer :: end
+
+    of_error = 1
+    if (present(part)) of_error = part
+    do end = 1, 2
+      associate (g => table%effective(:, j, end, law), t => table%touching(:, j, end, law), width => table%width(step))
+        gap = [motion(0, end) - of_error*t(1), motion(1, end) - of_error*width*t(2), motion(2, end) - of_error*width**2*t(3)]
+        load(0, end) = g(1)*gap(0)
+        load(1, end) = width*g(2)*gap(0) + g(1)*gap(1)
+        load(2, end) = width**2*g(3)*gap(0) + 2*width*g(2)*gap(1) + g(1)*gap(2)
+      end associate
+    end do
+  end subroutine load_over_step
+
+  !> Load (N) of a pair in contact where it is largest within a step, by the motion there and by what all pairs are at that very
+  !> place: a stiffness through many knots is no polynomial from one end of the step to the other.
+  pure real(dp) function largest_within(osc, table, step, law, pair, motion, load, part) result(largest)
     type(oscillator_t), intent(in) :: osc
-    type(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: phase, x, part
-    integer, intent(in) :: contact_set, pair
-    real(dp), dimension(interval%pairs) :: stiffness, error
-    real(dp), dimension(0:2, interval%pairs) :: stiffnesses, errors, g, h
-    real(dp) :: shared
-    logical :: closed(interval%pairs)
-    integer :: j
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+    integer, intent(in) :: law                     !< of its contact set
+    integer, intent(in) :: pair
+    real(dp), intent(in) :: motion(0:2, 2)         !< of `motion_over_step`
+    real(dp), intent(in) :: load(0:2, 2)           !< of `load_over_step`
+    real(dp), intent(in) :: part                   !< of the profile error that the pairs have
+    real(dp) :: place, effective, touching
 
-    call pairs_at(osc%mesh, interval, phase, stiffness, error)
-    error = part*error
-    if (osc%mesh%is_coupled(interval%pairs)) then
-      stiffnesses = 0
-      stiffnesses(0, :) = stiffness
-      errors = 0
-      errors(0, :) = error
-      call respond(contact_set, compliances(stiffnesses, interval%shared_with_slopes(phase), osc%mesh%disc%shared_beyond()), &
-                   errors, g, h)
-      load = g(0, pair)*x - h(0, pair)
-    else
-      closed = btest(contact_set, [(j, j=0, size(closed) - 1)])
-      shared = interval%shared_by_two(phase)
-      stiffness = stiffness/(1 - shared*stiffness)
-      load = stiffness(pair)*((x + shared*sum(stiffness*error, mask=closed))/(1 + shared*sum(stiffness, mask=closed)) &
-                              - error(pair))
-    end if
-  end function load_of_shared
+    place = maximum_of(quintic(load(:, 1), load(:, 2)))
+    call find_law_of_pair(osc%mesh, osc%intervals(table%interval(step)), table%left(step) + place*table%width(step), &
+                          table%contact_set(law), pair, effective, touching)
+    largest = effective*(value_of(quintic(motion(:, 1), motion(:, 2)), place) - part*touching)
+  end function largest_within
 
   !> In steps of more rad of the natural motion the acceleration is a small difference of large forces.
   pure logical function turns_too_far(table, step, duration)
@@ -173,7 +164,10 @@ contains
     real(dp), intent(in) :: duration               !< of the mesh period, s
     real(dp), parameter :: most = 3e3_dp
 
-    turns_too_far = .not. duration*table%width(step)*sqrt(maxval(sum(table%end_rate(:table%pairs(step), :, step), 1))) < most
+    associate (p => table%pairs(step))
+      turns_too_far = .not. duration*table%width(step)* &
+                      sqrt(maxval(sum(table%end_stiffness(0, :p, :, step)*table%end_mobility(:p, :, step), 1))) < most
+    end associate
   end function turns_too_far
 
   !> May a load exceed `peak` between two places? A concave one stays below its tangents.

@@ -2,10 +2,9 @@
 !> phase in steps that end at every break. Within a step the contact set stays as it is, unless an event is located.
 module gearsweep_period
   use gearsweep_change_loads, only: raise_peaks
-  use gearsweep_coefficients, only: coefficients_t
+  use gearsweep_coefficients, only: coefficients_t, contact_sets_at_begin
   use gearsweep_contact_events, only: locate_events
   use gearsweep_contact_set, only: contact_t, in_contact, keep_derivative, period_t, record_contact, set_contacts
-  use gearsweep_deflections, only: find_deflections, find_deflections_of
   use gearsweep_dte, only: dte_batch_t, dte_of, dte_t
   use gearsweep_event_crossing, only: cross_events, has_simple_steps
   use gearsweep_gauss, only: batch_size
@@ -13,10 +12,8 @@ module gearsweep_period
   use gearsweep_kinds, only: dp
   use gearsweep_literature_period, only: run_literature_period
   use gearsweep_load_peaks, only: add_candidate, candidate_t, evaluate_candidates
-  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_overlap_watch, only: watch_step
-  use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_propagator, period_map_t, take_step
-  use gearsweep_step_ends, only: contact_sets_at_begin
+  use gearsweep_period_map, only: compose, flush_to_zero, leave_full_contact, need_laws, need_propagator, period_map_t, take_step
   use gearsweep_step_loads, only: loads_over_step, raise_coast_over_step
   use gearsweep_trace, only: record, trace_t
   implicit none
@@ -69,7 +66,7 @@ contains
     state%crosses = has_simple_steps(map)
     do i = 1, map%table%steps
       if (map%table%kind(i)%begins) call enter_interval(map, i, state, period)
-      if (peaks .and. map%table%kind(i)%widens) call begin_loads(map%osc, map%table, i, state)
+      if (peaks .and. map%table%kind(i)%widens) call begin_loads(map, i, state)
       call advance(map, i, state, period, trace)
       if (all(period(:map%speeds)%failed)) return
       if (peaks) then
@@ -129,14 +126,14 @@ contains
 
   !> The contact sets where a smooth interval begins.
   pure subroutine enter_interval(map, step, state, period)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
     type(period_t), intent(inout) :: period(batch_size)
     integer :: j, l
 
     associate (osc => map%osc, table => map%table)
-      call contact_sets_at_begin(osc, table, step, state%x(:, state%from) + state%held, state%held > 0, state%contact_set)
+      call contact_sets_at_begin(osc, step, state%x(:, state%from), state%held > 0, table, state%contact_set)
       do j = 1, osc%contacts
         call set_contacts(osc, j, state%contact_set, state%contacts(j))
       end do
@@ -149,20 +146,31 @@ contains
   end subroutine enter_interval
 
   !> The loads where a step begins, after a break or a step of another width.
-  pure subroutine begin_loads(osc, table, step, state)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
+  pure subroutine begin_loads(map, step, state)
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp), dimension(batch_size) :: w, slope, bound
+    real(dp) :: bound(batch_size)
     integer :: j
 
-    call find_deflections(osc, table, step, 1, state, w, slope)
-    do j = 1, table%pairs(step)
-      if (table%coupled(step)) call find_deflections_of(j, osc, table, step, 1, state, w, slope)
-      call move_load(table, step, 1, j, w, slope, state, bound)
+    call take_laws(map, step, state)
+    do j = 1, map%table%pairs(step)
+      call move_load(map%table, step, 1, j, state, bound)
     end do
   end subroutine begin_loads
+
+  !> The laws of the contact sets in a step.
+  pure subroutine take_laws(map, step, state)
+    type(period_map_t), intent(inout) :: map
+    integer, intent(in) :: step
+    type(integrator_t), intent(inout) :: state
+
+    if (state%full_contact) then
+      state%law = step
+    else
+      call need_laws(map, step, state%contact_set, state%law)
+    end if
+  end subroutine take_laws
 
   !> The state at the end of a step, with the events in it, and the monodromy matrix so far.
   pure subroutine advance(map, step, state, period, trace)
@@ -177,7 +185,7 @@ contains
 
     if (state%all_full .and. .not. state%full_contact) call leave(map, step, state)
     place = step
-    if (.not. state%all_full) call need_propagator(map, step, state%contact_set, state%contacts, place)
+    if (.not. state%all_full) call need_propagator(map, step, state%contact_set, place)
     call take_step(map%propagator(:, :, place), state%x(:, state%from), state%y(:, state%from), state%x(:, state%to), &
                    state%y(:, state%to))
     state%changes = .false.
@@ -235,55 +243,46 @@ contains
 
   !> The motions in which a contact may change during a step.
   pure subroutine find_changes(map, step, state)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp) :: lowest(batch_size), error(0:1, 2)
-    real(dp), dimension(batch_size) :: w, slope, w_next, slope_next
+    real(dp) :: lowest(batch_size)
     integer :: j, l
 
     lowest = huge(lowest)
-    call find_deflections(map%osc, map%table, step, 1, state, w, slope)
-    call find_deflections(map%osc, map%table, step, 2, state, w_next, slope_next)
-    do j = 1, map%osc%contacts
-      if (j > map%table%pairs(step) .and. j <= map%osc%pairs) cycle
-      if (j > map%osc%pairs) then                ! the coast sides share nothing with the pairs
-        w = state%x(:, state%from)
-        slope = state%y(:, state%from)
-        w_next = state%x(:, state%to)
-        slope_next = state%y(:, state%to)
-      else if (map%table%coupled(step)) then
-        call find_deflections_of(j, map%osc, map%table, step, 1, state, w, slope)
-        call find_deflections_of(j, map%osc, map%table, step, 2, state, w_next, slope_next)
-      end if
-      error = map%table%end_profile_error(:1, j, :, step)
-      associate (sense => state%contacts(j)%sense, width => map%table%width(step))
-        do l = 1, batch_size
-          lowest(l) = min(lowest(l), least_overlap(sense(l)*(w(l) - error(0, 1)), sense(l)*(w_next(l) - error(0, 2)), &
-                                                   sense(l)*(slope(l) - error(1, 1))*width, &
-                                                   sense(l)*(slope_next(l) - error(1, 2))*width))
-        end do
-      end associate
-    end do
+    call take_laws(map, step, state)
+    associate (touching => map%table%touching, width => map%table%width(step), from => state%from, to => state%to)
+      do j = 1, map%osc%contacts
+        if (j > map%table%pairs(step) .and. j <= map%osc%pairs) cycle
+        associate (sense => state%contacts(j)%sense)
+          do l = 1, batch_size
+            lowest(l) = min(lowest(l), least_overlap(sense(l)*(state%x(l, from) - touching(0, j, 1, state%law(l))), &
+                                                     sense(l)*(state%x(l, to) - touching(0, j, 2, state%law(l))), &
+                                                     sense(l)*(state%y(l, from) - touching(1, j, 1, state%law(l)))*width, &
+                                                     sense(l)*(state%y(l, to) - touching(1, j, 2, state%law(l)))*width))
+          end do
+        end associate
+      end do
+    end associate
     state%changes = lowest < 0 .and. .not. state%held > 0
   end subroutine find_changes
 
   !> The motions in which a contact is another one at the end of a step: enough on the way to a periodic motion, which the last
   !> run looks at more closely.
   pure subroutine find_changes_at_end(map, step, state)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp), dimension(batch_size) :: w, slope, lowest
+    real(dp) :: lowest(batch_size)
     integer :: j, l
 
-    lowest = state%x(:, state%to) + map%osc%backlash
-    if (.not. map%osc%has_backlash) lowest = 0
-    call find_deflections(map%osc, map%table, step, 2, state, w, slope)
-    do j = 1, map%table%pairs(step)
-      associate (error => map%table%end_profile_error(0, j, 2, step), sense => state%contacts(j)%sense)
+    lowest = huge(lowest)
+    call take_laws(map, step, state)
+    do j = 1, map%osc%contacts
+      if (j > map%table%pairs(step) .and. j <= map%osc%pairs) cycle
+      associate (sense => state%contacts(j)%sense)
         do l = 1, batch_size
-          lowest(l) = min(lowest(l), sense(l)*(w(l) - error))
+          lowest(l) = min(lowest(l), sense(l)*(state%x(l, state%to) - map%table%touching(0, j, 2, state%law(l))))
         end do
       end associate
     end do
@@ -304,18 +303,17 @@ contains
 
   !> The loads over a step: raises the largest, and notes candidates for larger ones within the step.
   pure subroutine watch_loads(map, step, state)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(inout) :: state
-    real(dp), dimension(batch_size) :: w, slope, bound
+    real(dp) :: bound(batch_size)
     integer :: ends(2), j, l
 
     ends = [state%from, state%to]
+    call take_laws(map, step, state)
     associate (table => map%table)
-      call find_deflections(map%osc, table, step, 2, state, w, slope)
       do j = 1, table%pairs(step)
-        if (table%coupled(step)) call find_deflections_of(j, map%osc, table, step, 2, state, w, slope)
-        call move_load(table, step, 2, j, w, slope, state, bound)
+        call move_load(table, step, 2, j, state, bound)
         if (.not. any(bound > state%peak)) cycle
         do l = 1, map%speeds
           if (state%changes(l) .or. bound(l) <= state%peak(l)) cycle
@@ -326,31 +324,29 @@ contains
       if (.not. map%osc%has_backlash) return
       do l = 1, map%speeds
         if (state%changes(l) .or. .not. in_contact(state%contact_set(l), map%osc%contacts)) cycle
-        call raise_coast_over_step(map%osc, table, step, state%contact_set(l), map%duration(l), states_of(state, l), &
-                                   state%coast_peak(l))
+        call raise_coast_over_step(map, step, state%contact_set(l), map%duration(l), states_of(state, l), state%coast_peak(l))
       end do
     end associate
   end subroutine watch_loads
 
   !> Moves the load of pair j to an end of a step: raises the largest, and tells the bound that the load stays below on the
   !> way, as a concave curve stays below its tangents.
-  pure subroutine move_load(table, step, end, j, w, slope, state, bound)
+  pure subroutine move_load(table, step, end, j, state, bound)
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step, end, j
-    real(dp), intent(in), dimension(batch_size) :: w, slope        ! of `find_deflections` at that end
     type(integrator_t), intent(inout) :: state
     real(dp), intent(out) :: bound(batch_size)
     real(dp), dimension(batch_size) :: load, load_slope
-    real(dp) :: k(0:2), e(0:2), gap, rise, fall
-    integer :: l
+    real(dp) :: gap, rise, fall
+    integer :: at, l
 
-    k = table%end_stiffness(:, j, end, step)
-    e = table%end_profile_error(:, j, end, step)
-    associate (pair => state%contacts(j), peak => state%peak, width => table%width(step))
+    at = merge(state%from, state%to, end == 1)
+    associate (pair => state%contacts(j), peak => state%peak, width => table%width(step), law => state%law)
       do l = 1, batch_size
-        gap = w(l) - e(0)
-        load(l) = pair%weight(l)*k(0)*gap
-        load_slope(l) = pair%weight(l)*width*(k(1)*gap + k(0)*(slope(l) - e(1)))
+        gap = state%x(l, at) - table%touching(0, j, end, law(l))
+        load(l) = table%effective(0, j, end, law(l))*gap
+        load_slope(l) = width*(table%effective(1, j, end, law(l))*gap + &
+                               table%effective(0, j, end, law(l))*(state%y(l, at) - table%touching(1, j, end, law(l))))
       end do
       do l = 1, batch_size
         rise = max(0.0_dp, pair%load_slope(l))
@@ -364,14 +360,14 @@ contains
   end subroutine move_load
 
   pure subroutine record_step(map, step, state, trace)
-    type(period_map_t), intent(in) :: map
+    type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     type(integrator_t), intent(in) :: state
     type(trace_t), intent(inout) :: trace
     real(dp) :: x(0:2, 2), load(0:2, map%osc%contacts, 2)
 
     associate (table => map%table, contact_set => state%contact_set(1))
-      call loads_over_step(map%osc, table, step, contact_set, map%duration(1), states_of(state, 1), x, load)
+      call loads_over_step(map, step, contact_set, map%duration(1), states_of(state, 1), x, load)
       call record(trace, table%pairs(step), spread(map%osc%intervals(table%interval(step))%offset, 1, 2), &
                   table%left(step) + [0.0_dp, table%width(step)], spread(contact_set, 1, 2), x, load)
       if (allocated(trace%overlaps)) call watch_step(map, step, states_of(state, 1), contact_set, trace%overlaps)

@@ -5,20 +5,16 @@
 !> the step's propagator. It depends on the contact set alone, so it is cached for the next motion through the
 !> period. All speeds of a batch share the coefficients, which are read once for all.
 module gearsweep_period_map
-  use gearsweep_coefficients, only: coefficients_t, resolution_t, scheme_collocation, tabulate
-  use gearsweep_contact_set, only: contact_t, keep_derivative, period_t
+  use gearsweep_coefficients, only: coefficients_t, forget_laws, need_law, resolution_t, scheme_collocation, tabulate
   use gearsweep_gauss, only: batch_size, collocate
   use gearsweep_kinds, only: dp
-  use gearsweep_literature_period, only: run_literature_period
   use gearsweep_literature_table, only: exact_step_t, literature_table_t, tabulate_literature
   use gearsweep_oscillator, only: oscillator_t, damping, split_by_load
   use gearsweep_radau, only: collocate_stiffly
-  use gearsweep_shared_coefficients, only: sum_at_node
-  use gearsweep_shared_compliance, only: reduce_sums
   implicit none
   private
-  public :: dense_step_t, period_map_t, discretise, set_durations, need_propagator, take_step, compose, flush_to_zero
-  public :: leave_full_contact, run_full_contact, propagate_alike, whole
+  public :: dense_step_t, period_map_t, discretise, set_durations, need_laws, need_propagator, take_step, compose, flush_to_zero
+  public :: leave_full_contact, propagate_alike, whole
 
   !> A step in which contact changes, before the change or behind it: also the motion within (gearsweep_dense_step).
   type :: dense_step_t
@@ -103,22 +99,37 @@ contains
     map%denses = 0
   end subroutine set_durations
 
-  !> Makes the propagator of a step unless it is cached.
-  pure subroutine need_propagator(map, step, contact_set, contacts, place)
+  !> The laws of a batch of contact sets in a step.
+  pure subroutine need_laws(map, step, contact_set, law)
     type(period_map_t), intent(inout) :: map
     integer, intent(in) :: step
     integer, intent(in) :: contact_set(batch_size)         !< of each speed
-    type(contact_t), intent(in) :: contacts(:)             !< the same, contact by contact
+    integer, intent(out) :: law(batch_size)                !< by number, until the next are needed
+    integer :: l
+
+    if (map%table%laws + batch_size > size(map%table%next)) call forget_laws(map%table)
+    call need_law(map%osc, step, contact_set(1), map%table, law(1))
+    do l = 2, batch_size
+      law(l) = law(l - 1)
+      if (contact_set(l) /= contact_set(l - 1)) call need_law(map%osc, step, contact_set(l), map%table, law(l))
+    end do
+  end subroutine need_laws
+
+  !> Makes the propagator of a step unless it is cached.
+  pure subroutine need_propagator(map, step, contact_set, place)
+    type(period_map_t), intent(inout) :: map
+    integer, intent(in) :: step
+    integer, intent(in) :: contact_set(batch_size)         !< of each speed
     integer, intent(out) :: place                          !< of the propagator in the cache
-    integer :: full(batch_size)
+    integer :: law(batch_size)
 
     place = merge(step, 1, map%cached)
     if (map%cached .and. are_same(contact_set, map%contact_set(:, place))) return
-    full = map%table%full(step)
-    if (are_same(contact_set, full)) then
-      call propagate_alike(map%osc, map%table, step, map%duration(:map%speeds), whole, map%propagator(:, :, place))
+    call need_laws(map, step, contact_set, law)
+    if (all(law == law(1))) then
+      call propagate_alike(map%osc, map%table, step, map%duration(:map%speeds), law(1), whole, map%propagator(:, :, place))
     else
-      call propagate(map%osc, map%table, step, map%duration(:map%speeds), contacts, map%propagator(:, :, place))
+      call propagate(map%osc, map%table, step, map%duration(:map%speeds), law, map%propagator(:, :, place))
     end if
     map%contact_set(:, place) = contact_set
   end subroutine need_propagator
@@ -134,38 +145,30 @@ contains
     are_same = other == 0
   end function are_same
 
-  !> The propagator of a contact set that is the same at all speeds: of full contact, whose sums the table has, or of another one.
-  pure subroutine propagate_alike(osc, table, step, duration, parts, propagator, contact_set)
+  !> The propagator of one law at all speeds.
+  pure subroutine propagate_alike(osc, table, step, duration, law, parts, propagator)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step
+    integer, intent(in) :: step, law
     real(dp), intent(in) :: duration(:)                    !< of the mesh period at each speed, s
     real(dp), intent(in) :: parts(2)                       !< of the load and of the profile error that force the motion
     real(dp), intent(inout) :: propagator(batch_size, 6)   !< (speed, element)
-    integer, intent(in), optional :: contact_set           !< of pairs that are not coupled
     real(dp), dimension(batch_size, 3) :: omega_squared, damped, forcing
-    real(dp), dimension(3) :: omegas_squared, dampings, forcings
+    real(dp), dimension(3) :: dampings, forcings
     real(dp) :: time
     integer :: l
 
-    if (present(contact_set)) then
-      call sum_at_nodes(osc, table, step, contact_set, omegas_squared, forcings)
-      dampings = damping(osc, 1.0_dp)*sqrt(omegas_squared)
-      forcings = parts(2)*forcings + parts(1)*(osc%load*sum(1/osc%mass))
-    else
-      omegas_squared = table%omega_squared(:, step)
-      dampings = damping(osc, 1.0_dp)*table%omega(:, step)
-      forcings = parts(2)*table%forcing(:, step) + parts(1)*(osc%load*sum(1/osc%mass))
-    end if
+    dampings = damping(osc, 1.0_dp)*table%omega(:, law)
+    forcings = parts(2)*table%forcing(:, law) + parts(1)*(osc%load*sum(1/osc%mass))
     do l = 1, size(duration)
       time = duration(l)*table%width(step)
       damped(l, 1) = dampings(1)*time
       damped(l, 2) = dampings(2)*time
       damped(l, 3) = dampings(3)*time
       time = time**2
-      omega_squared(l, 1) = omegas_squared(1)*time
-      omega_squared(l, 2) = omegas_squared(2)*time
-      omega_squared(l, 3) = omegas_squared(3)*time
+      omega_squared(l, 1) = table%omega_squared(1, law)*time
+      omega_squared(l, 2) = table%omega_squared(2, law)*time
+      omega_squared(l, 3) = table%omega_squared(3, law)*time
       forcing(l, 1) = forcings(1)*time
       forcing(l, 2) = forcings(2)*time
       forcing(l, 3) = forcings(3)*time
@@ -173,103 +176,31 @@ contains
     call collocate_step(size(duration), table%width(step), table%kind(step)%stiff, omega_squared, damped, forcing, propagator)
   end subroutine propagate_alike
 
-  !> Sums of omega^2 (1/s^2) and k e (m/s^2) at the nodes of a step.
-  pure subroutine sum_at_nodes(osc, table, step, contact_set, omega_squared, forcing)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step, contact_set
-    real(dp), intent(out), dimension(3) :: omega_squared, forcing
-    real(dp), dimension(3) :: a, b
-    integer :: j
-
-    omega_squared = 0
-    forcing = 0
-    a = 0
-    b = 0
-    do j = 1, table%pairs(step)
-      if (.not. btest(contact_set, j - 1)) cycle
-      omega_squared = omega_squared + table%rate(j, :, step)
-      forcing = forcing + table%rate(j, :, step)*table%profile_error(j, :, step)
-      if (.not. osc%shared > 0) cycle
-      a = a + table%node_stiffness(j, :, step)
-      b = b + table%node_stiffness(j, :, step)*table%profile_error(j, :, step)
-    end do
-    if (osc%shared > 0) call reduce_sums(table%node_shared(1, :, step), a, b, omega_squared, forcing)
-  end subroutine sum_at_nodes
-
-  !> The propagator where each speed has contacts of its own.
-  pure subroutine propagate(osc, table, step, duration, contacts, propagator)
+  !> The propagator where each speed has a law of its own.
+  pure subroutine propagate(osc, table, step, duration, law, propagator)
     type(oscillator_t), intent(in) :: osc
     type(coefficients_t), intent(in) :: table
     integer, intent(in) :: step
     real(dp), intent(in) :: duration(:)
-    type(contact_t), intent(in) :: contacts(:)
+    integer, intent(in) :: law(batch_size)
     real(dp), intent(inout) :: propagator(batch_size, 6)
     real(dp), dimension(batch_size, 3) :: omega_squared, damped, forcing
-    real(dp) :: time, rate, pull, factor
-    integer :: j, k, l
+    real(dp) :: time, factor, load
+    integer :: k, l
 
-    omega_squared = 0
-    forcing = 0
-    do j = 1, osc%contacts
-      if (j > table%pairs(step) .and. j <= osc%pairs) cycle
-      if (j > osc%pairs .and. osc%shared > 0) call share_compliance(osc, table, step, contacts, omega_squared, forcing)
-      if (j <= osc%pairs .and. table%coupled(step)) cycle
-      do k = 1, 3
-        rate = table%rate(j, k, step)
-        pull = rate*table%profile_error(j, k, step)
-        do l = 1, size(duration)
-          omega_squared(l, k) = omega_squared(l, k) + contacts(j)%weight(l)*rate
-          forcing(l, k) = forcing(l, k) + contacts(j)%weight(l)*pull
-        end do
-      end do
-    end do
-    if (osc%shared > 0 .and. .not. osc%has_backlash) call share_compliance(osc, table, step, contacts, omega_squared, forcing)
     factor = damping(osc, 1.0_dp)
+    load = osc%load*sum(1/osc%mass)
     do k = 1, 3
       do l = 1, size(duration)
         time = duration(l)*table%width(step)
-        damped(l, k) = factor*sqrt(omega_squared(l, k))*time
+        damped(l, k) = factor*table%omega(k, law(l))*time
         time = time**2
-        omega_squared(l, k) = omega_squared(l, k)*time
-        forcing(l, k) = (forcing(l, k) + osc%load*sum(1/osc%mass))*time
+        omega_squared(l, k) = table%omega_squared(k, law(l))*time
+        forcing(l, k) = (table%forcing(k, law(l)) + load)*time
       end do
     end do
     call collocate_step(size(duration), table%width(step), table%kind(step)%stiff, omega_squared, damped, forcing, propagator)
   end subroutine propagate
-
-  !> Turns the sums over the pairs in contact into those of pairs that share a compliance.
-  pure subroutine share_compliance(osc, table, step, contacts, omega_squared, forcing)
-    type(oscillator_t), intent(in) :: osc
-    type(coefficients_t), intent(in) :: table
-    integer, intent(in) :: step
-    type(contact_t), intent(in) :: contacts(:)
-    real(dp), intent(inout), dimension(batch_size, 3) :: omega_squared, forcing
-    real(dp), dimension(batch_size) :: a, b
-    integer :: set, j, k, l
-
-    if (table%coupled(step)) then
-      do l = 1, batch_size
-        set = 0
-        do j = 1, table%pairs(step)
-          if (contacts(j)%weight(l) > 0) set = ibset(set, j - 1)
-        end do
-        do k = 1, 3
-          call sum_at_node(osc, table, step, k, set, omega_squared(l, k), forcing(l, k))
-        end do
-      end do
-      return
-    end if
-    do k = 1, 3
-      a = 0
-      b = 0
-      do j = 1, table%pairs(step)
-        a = a + contacts(j)%weight*table%node_stiffness(j, k, step)
-        b = b + contacts(j)%weight*(table%node_stiffness(j, k, step)*table%profile_error(j, k, step))
-      end do
-      call reduce_sums(table%node_shared(1, k, step), a, b, omega_squared(:, k), forcing(:, k))
-    end do
-  end subroutine share_compliance
 
   !> Collocation over a step, from displacements over the step to derivatives over the phase. It divides by the
   !> width, as the rounding of a factor 1/width would be the same in each of many steps.
@@ -355,46 +286,4 @@ contains
       end if
     end do
   end subroutine flush_to_zero
-
-  !> One period in which full contact stays, whether a pair pushes or pulls: the state after it and the monodromy matrix,
-  !> but no loads.
-  pure subroutine run_full_contact(map, start, period)
-    type(period_map_t), intent(inout) :: map
-    real(dp), intent(in) :: start(:, :)                    !< x, y (m) at the begin; (2, speed)
-    type(period_t), intent(inout) :: period(:)             !< of each speed
-    real(dp) :: monodromy(batch_size, 4), shrunk(batch_size), x(batch_size, 2), y(batch_size, 2)
-    integer :: place, from, to, i, l
-
-    if (allocated(map%literature)) then
-      call run_literature_period(map%osc, map%literature, map%duration(1), start(:, 1), .true., period(1))
-      return
-    end if
-    from = 1
-    to = 2
-    x(:, from) = 0
-    y(:, from) = 0
-    x(:map%speeds, from) = start(1, :)
-    y(:map%speeds, from) = start(2, :)
-    monodromy = 0
-    monodromy(:, 1) = 1
-    monodromy(:, 4) = 1
-    shrunk = 0
-    do i = 1, map%table%steps
-      place = merge(i, 1, map%cached)
-      call propagate_alike(map%osc, map%table, i, map%duration(:map%speeds), whole, map%propagator(:, :, place))
-      map%contact_set(:, place) = map%table%full(i)
-      call compose(map%propagator(:, :, place), monodromy)
-      if (modulo(i, 64) == 0) call flush_to_zero(monodromy, shrunk)
-      call take_step(map%propagator(:, :, place), x(:, from), y(:, from), x(:, to), y(:, to))
-      from = to
-      to = 3 - from
-    end do
-    map%all_full = map%cached
-    map%monodromy = monodromy
-    map%shrunk = shrunk
-    do l = 1, map%speeds
-      call keep_derivative(monodromy(l, :), shrunk(l), period(l))
-      period(l)%state = [x(l, from), y(l, from)]
-    end do
-  end subroutine run_full_contact
 end module gearsweep_period_map

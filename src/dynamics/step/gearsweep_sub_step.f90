@@ -1,29 +1,102 @@
 !> Sub-steps of one step, from one change of contact to the next. Each speed of a batch has its own; their arithmetic
 !> is done side by side.
 module gearsweep_sub_step
-  use gearsweep_contact_set, only: contact_t
-  use gearsweep_coupled_pairs, only: compliances, left_for, respond
-  use gearsweep_gauss, only: collocate, batch_size
+  use gearsweep_gauss, only: batch_size, collocate
   use gearsweep_kinds, only: dp
+  use gearsweep_law_curves, only: find_curves, law_curves_t, make_curves
   use gearsweep_nodes, only: nodes
-  use gearsweep_oscillator, only: acceleration, damping
+  use gearsweep_oscillator, only: acceleration, damping, oscillator_t
   use gearsweep_period_map, only: period_map_t
-  use gearsweep_quintic, only: bounds_of, quintic
-  use gearsweep_shared_coefficients, only: touching_at_end
-  use gearsweep_shared_compliance, only: sum_pairs, touching_deflection, working_deflection
-  use gearsweep_sub_step_sums, only: sum_contacts
-  use gearsweep_sub_steps, only: event_t, last, sub_steps_t
+  use gearsweep_quintic, only: value_of
   implicit none
   private
-  public :: take_sub_step, move_end, range_of_motion, derivatives, second_derivatives, second_derivatives_of_motion, need_error, &
-            own_at_ends, working_at_ends
+  public :: sub_steps_t, event_t, enter_step, need_curves, take_sub_step, move_end, sum_contacts, range_of_motion, &
+            motion_over_sub_step, last
+
+  !> Places in a sub-step at which its coefficients are known: both ends, and the nodes of the integration between.
+  real(dp), parameter :: places(5) = [0.0_dp, nodes, 1.0_dp]
+  integer, parameter :: last = size(places)
+
+  !> The search for changes of contact (events) of one speed in its step.
+  type :: event_t
+    logical :: active = .false.
+    logical :: found = .false.                   !< the contact does change in this step
+    integer :: contact = 0                       !< whose event is bracketed; 0: none has been detected
+    integer :: trials = 0, events = 0
+    real(dp) :: length = 1                       !< of the sub-step in which it was detected, part of the step
+    real(dp) :: part = 1, low = 0, high = 1      !< estimate and bracket of the event, parts of this length
+    logical :: jumps = .false.                   !< contact has just changed:
+    real(dp) :: before = 0                       !< omega^2 before the change, 1/s^2
+    real(dp) :: ratio = 0                        !< y over the speed of approach
+    real(dp) :: propagator(4) = [1, 0, 0, 1]     !< of the sub-steps so far, columns one after the other
+  end type event_t
+
+  !> Places count from 0 to 1 over the step.
+  type :: sub_steps_t
+    integer :: step = 0
+    !> The laws of the contact sets that were met in the step, and which of them holds for each speed.
+    type(law_curves_t) :: curves(2*batch_size)
+    integer :: curve(batch_size) = 0
+    real(dp), dimension(batch_size) :: longest = 1                     !< sub-step that is allowed, part of the step
+    type(event_t) :: event(batch_size)
+    real(dp), dimension(batch_size) :: left = 0, width = 0             !< begin and length of the sub-step
+    !> omega^2 (1/s^2) and sum of k e (m/s^2) of the contacts; (speed, place)
+    real(dp), dimension(batch_size, last) :: omega_squared = 0, forcing = 0
+    real(dp), dimension(batch_size, 2) :: x = 0, y = 0                 !< state at both ends, m
+    real(dp) :: propagator(batch_size, 6) = 0
+  end type sub_steps_t
 
 contains
 
-  !> The motion over the sub-steps, whose places are set. A sub-step of no length does no harm.
-  pure subroutine take_sub_step(map, contacts, c)
+  !> Begins the sub-steps of a step.
+  pure subroutine enter_step(map, step, c)
     type(period_map_t), intent(in) :: map
-    type(contact_t), intent(in) :: contacts(:)
+    integer, intent(in) :: step
+    type(sub_steps_t), intent(inout) :: c
+
+    c%step = step
+    c%curves%contact_set = -1
+    c%curve = 0
+    if (map%osc%damping_ratio > 1) c%longest = longest_sub_step(map%osc, map%duration*map%table%width(step))
+  end subroutine enter_step
+
+  !> The law of a contact set for motion l; there is room for one more than the others have.
+  pure subroutine need_curves(map, l, contact_set, c)
+    type(period_map_t), intent(inout) :: map
+    integer, intent(in) :: l                     !< which speed of the batch
+    integer, intent(in) :: contact_set           !< of the motion
+    type(sub_steps_t), intent(inout) :: c
+    integer :: i, free
+
+    free = 0
+    do i = size(c%curves), 1, -1
+      if (c%curves(i)%contact_set == contact_set) exit
+      if (c%curves(i)%contact_set == -1) free = i
+      if (free == 0 .and. .not. any(c%curve == i)) free = i
+    end do
+    if (i == 0) then
+      i = free
+      if (.not. allocated(c%curves(i)%effective)) call make_curves(map%osc, c%curves(i))
+      call find_curves(map, c%step, contact_set, c%curves(i))
+    end if
+    c%curve(l) = i
+  end subroutine need_curves
+
+  !> The longest sub-step under strong damping, as a part of a step of this time (s). Changes of contact cut the steps
+  !> of every refinement level at the same places, so that doubling the steps does not show the error of sub-steps:
+  !> where a contact lasts shorter than a step, and damping changes the motion within it, they are made short.
+  elemental real(dp) function longest_sub_step(osc, time)
+    type(oscillator_t), intent(in) :: osc
+    real(dp), intent(in) :: time
+    real(dp), parameter :: decay = 0.05_dp
+
+    longest_sub_step = 1
+    if (time > 0) longest_sub_step = min(1.0_dp, decay/(damping(osc, osc%highest_frequency)*time))
+  end function longest_sub_step
+
+  !> The motion over the sub-steps, whose places are set. A sub-step of no length does no harm.
+  pure subroutine take_sub_step(map, c)
+    type(period_map_t), intent(in) :: map
     type(sub_steps_t), intent(inout) :: c
     real(dp), dimension(batch_size, size(nodes)) :: omega_squared, damped, forcing
     real(dp) :: time, width, load, factor, step_width
@@ -31,7 +104,7 @@ contains
 
     n = map%speeds
     do k = 1, last
-      call sum_contacts(map, contacts, k, c)
+      call sum_contacts(map%speeds, k, c)
     end do
     load = map%osc%load*sum(1/map%osc%mass)
     factor = damping(map%osc, 1.0_dp)
@@ -54,6 +127,22 @@ contains
       c%y(l, 2) = c%propagator(l, 2)*c%x(l, 1) + c%propagator(l, 4)*c%y(l, 1) + c%propagator(l, 6)
     end do
   end subroutine take_sub_step
+
+  !> Sums over the closed contacts at one place of the sub-steps.
+  pure subroutine sum_contacts(speeds, k, c)
+    integer, intent(in) :: speeds                !< of the batch
+    integer, intent(in) :: k                     !< which of the places
+    type(sub_steps_t), intent(inout) :: c
+    real(dp) :: place
+    integer :: l
+
+    do l = 1, speeds
+      if (c%curve(l) == 0) cycle
+      place = c%left(l) + c%width(l)*places(k)
+      c%omega_squared(l, k) = value_of(c%curves(c%curve(l))%omega_squared, place)
+      c%forcing(l, k) = value_of(c%curves(c%curve(l))%forcing, place)
+    end do
+  end subroutine sum_contacts
 
   !> Moves the end of a sub-step by a tiny part of the step, by the Taylor series there.
   pure subroutine move_end(map, l, part, c)
@@ -87,17 +176,19 @@ contains
     acceleration_at = acceleration(map%osc, c%omega_squared(l, k), c%forcing(l, k), map%duration(l), c%x(l, end), c%y(l, end))
   end function acceleration_at
 
-  !> Second derivatives of x over the sub-step (m) at both ends.
-  pure function second_derivatives_of_motion(map, l, c) result(f)
+  !> The deflection at both ends of the sub-step of motion l with its derivatives over it, m; (0:2, end).
+  pure function motion_over_sub_step(map, l, c) result(x)
     type(period_map_t), intent(in) :: map
     integer, intent(in) :: l                     !< which speed of the batch
     type(sub_steps_t), intent(in) :: c
-    real(dp) :: f(2)
+    real(dp) :: x(0:2, 2)
 
-    f(1) = acceleration_at(map, l, 1, c)
-    f(2) = acceleration_at(map, l, last, c)
-    f = (c%width(l)*map%table%width(c%step))**2*f
-  end function second_derivatives_of_motion
+    associate (width => c%width(l)*map%table%width(c%step))
+      x(0, :) = c%x(l, :)
+      x(1, :) = width*c%y(l, :)
+      x(2, :) = width**2*[acceleration_at(map, l, 1, c), acceleration_at(map, l, last, c)]
+    end associate
+  end function motion_over_sub_step
 
   !> What x (m) stays above and below over the sub-step of motion l: a convex curve stays above its tangents, a concave one below.
   pure function range_of_motion(map, l, c) result(range)
@@ -109,169 +200,4 @@ contains
     turn = (abs(c%y(l, 1)) + abs(c%y(l, 2)))*c%width(l)*map%table%width(c%step)/4
     range = [min(c%x(l, 1), c%x(l, 2)) - turn, max(c%x(l, 1), c%x(l, 2)) + turn]
   end function range_of_motion
-
-  !> Value and first derivative over the sub-step, at both ends, of a quintic over the step; (0:1, end).
-  pure function derivatives(c, l, q) result(f)
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: l                     !< which speed of the batch
-    real(dp), intent(in) :: q(0:5)               !< coefficients
-    real(dp) :: f(0:1, 2), t(2)
-
-    ! Written out, as this is asked for every motion at every event.
-    t = c%left(l) + [0.0_dp, c%width(l)]
-    f(0, :) = ((((q(5)*t + q(4))*t + q(3))*t + q(2))*t + q(1))*t + q(0)
-    f(1, :) = (((5*q(5)*t + 4*q(4))*t + 3*q(3))*t + 2*q(2))*t + q(1)
-    f(1, :) = f(1, :)*c%width(l)
-  end function derivatives
-
-  !> Second derivatives over the sub-step, at both ends, of a quintic over the step.
-  pure function second_derivatives(c, l, q) result(f)
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: l                     !< which speed of the batch
-    real(dp), intent(in) :: q(0:5)               !< coefficients
-    real(dp) :: f(2), t(2)
-
-    t = c%left(l) + [0.0_dp, c%width(l)]
-    f = (((20*q(5)*t + 12*q(4))*t + 6*q(3))*t + 2*q(2))*c%width(l)**2
-  end function second_derivatives
-
-  !> Makes `error` of pair j the deflection at which it touches under a contact set, unless it is. Whether the pair itself is in
-  !> contact does not matter.
-  pure subroutine need_error(map, contact_set, j, c)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: contact_set           !< of the motion
-    integer, intent(in) :: j
-    type(sub_steps_t), intent(inout) :: c
-    real(dp), dimension(0:2) :: a, b, scale
-    real(dp) :: error(0:2, 2)
-    integer :: others, end
-
-    if (.not. map%osc%shared > 0 .or. j > map%osc%pairs) return
-    others = ibclr(contact_set, j - 1)
-    if (others == c%others(j)) return
-    c%others(j) = others
-    associate (width => map%table%width(c%step))
-      scale = [1.0_dp, width, width**2]
-    end associate
-    do end = 1, 2
-      associate (p => map%table%pairs(c%step), k => map%table%end_stiffness(:, :, end, c%step), &
-                 e => map%table%end_profile_error(:, :, end, c%step))
-        if (map%table%coupled(c%step)) then
-          error(:, end) = touching_at_end(map%osc, map%table, c%step, end, ibits(others, 0, p), j)
-        else
-          call sum_pairs(others, k(:, :p), e(:, :p), a, b)
-          error(:, end) = touching_deflection(map%table%end_shared(:, 1, end, c%step), a, b, e(:, j))
-        end if
-      end associate
-    end do
-    c%error(:, j) = quintic(scale*error(:, 1), scale*error(:, 2))
-    c%error_bounds(:, j) = bounds_of(c%error(:, j))
-  end subroutine need_error
-
-  !> Own stiffness and profile error of the pairs in contact at both ends of the sub-step of motion l, with their derivatives
-  !> over the sub-step; (0:2, pair, end). The second ones only where the path is wanted `bent`.
-  pure subroutine own_at_ends(map, l, c, contact_set, bent, stiffness, profile_error)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l                     !< which speed of the batch
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: contact_set           !< of the motion
-    logical, intent(in) :: bent
-    real(dp), intent(inout), dimension(0:2, map%osc%pairs, 2) :: stiffness, profile_error    !< N/m, m; of others as they were
-    integer :: j
-
-    do j = 1, map%table%pairs(c%step)
-      if (.not. btest(contact_set, j - 1)) cycle
-      stiffness(:1, j, :) = derivatives(c, l, c%stiffness(:, j))
-      profile_error(:1, j, :) = derivatives(c, l, c%profile_error(:, j))
-      stiffness(2, j, :) = 0
-      profile_error(2, j, :) = 0
-      if (.not. bent) cycle
-      stiffness(2, j, :) = second_derivatives(c, l, c%stiffness(:, j))
-      profile_error(2, j, :) = second_derivatives(c, l, c%profile_error(:, j))
-    end do
-  end subroutine own_at_ends
-
-  !> What each pair works on at both ends of the sub-step of motion l (m), with its derivatives over the sub-step: x, less what
-  !> the pairs share; (0:2, pair, end). The second derivative only where the path is wanted `bent`.
-  pure function working_at_ends(map, l, c, contact_set, own, own_error, bent) result(working)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l                     !< which speed of the batch
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: contact_set           !< of the motion
-    real(dp), intent(in), dimension(0:2, map%osc%pairs, 2) :: own, own_error   !< of `own_at_ends`
-    logical, intent(in) :: bent
-    real(dp) :: working(0:2, map%osc%pairs, 2), w(0:2, 2), shared(0:2, 2), a(0:2), b(0:2)
-    integer :: end, j
-
-    w(0, :) = c%x(l, :)
-    w(1, :) = c%width(l)*map%table%width(c%step)*c%y(l, :)
-    w(2, :) = 0
-    if (bent) w(2, :) = second_derivatives_of_motion(map, l, c)
-    if (map%table%coupled(c%step)) then
-      working = coupled_at_ends(map, l, c, contact_set, own, own_error, w)
-      return
-    end if
-    if (map%osc%shared > 0) then
-      shared = shared_at_ends(c, l, 1)
-      do end = 1, 2
-        associate (p => map%table%pairs(c%step))
-          call sum_pairs(contact_set, own(:, :p, end), own_error(:, :p, end), a, b)
-        end associate
-        w(:, end) = working_deflection(shared(:, end), a, b, w(:, end))
-      end do
-    end if
-    do j = 1, map%table%pairs(c%step)
-      working(:, j, :) = w
-    end do
-  end function working_at_ends
-
-  !> What pair j and the next one share at both ends of the sub-step of motion l (m/N), with its derivatives over the sub-step;
-  !> (0:2, end).
-  pure function shared_at_ends(c, l, j) result(shared)
-    type(sub_steps_t), intent(in) :: c
-    integer, intent(in) :: l, j
-    real(dp) :: shared(0:2, 2), t(2)
-
-    associate (q0 => c%shared(0, j), q1 => c%shared(1, j), q2 => c%shared(2, j), width => c%width(l))
-      t = c%left(l) + [0.0_dp, width]
-      shared(0, :) = (q2*t + q1)*t + q0
-      shared(1, :) = (2*q2*t + q1)*width
-      shared(2, :) = 2*q2*width**2
-    end associate
-  end function shared_at_ends
-
-  !> What each of coupled pairs works on, from the deflection x (m) at both ends.
-  pure function coupled_at_ends(map, l, sub, contact_set, own, own_error, x) result(w)
-    type(period_map_t), intent(in) :: map
-    integer, intent(in) :: l
-    type(sub_steps_t), intent(in) :: sub
-    integer, intent(in) :: contact_set
-    real(dp), intent(in), dimension(0:, :, :) :: own, own_error    !< of `own_at_ends`
-    real(dp), intent(in) :: x(0:2, 2)
-    real(dp) :: w(0:2, size(own, 2), 2)
-    real(dp) :: c(0:2, map%table%pairs(sub%step), map%table%pairs(sub%step))
-    real(dp), dimension(0:2, map%table%pairs(sub%step)) :: k, e, g, h
-    real(dp) :: shared(0:2, map%table%pairs(sub%step) - 1, 2)
-    integer :: end, j, p
-
-    p = map%table%pairs(sub%step)
-    do j = 1, p - 1
-      shared(:, j, :) = shared_at_ends(sub, l, j)
-    end do
-    w = 0
-    k = 0
-    e = 0
-    do end = 1, 2
-      do j = 1, p
-        if (.not. btest(contact_set, j - 1)) cycle
-        k(:, j) = own(:, j, end)
-        e(:, j) = own_error(:, j, end)
-      end do
-      c = compliances(k, shared(:, :, end), map%osc%mesh%disc%shared_beyond())
-      call respond(ibits(contact_set, 0, p), c, e, g, h)
-      do j = 1, p
-        w(:, j, end) = left_for(j, c, g, h, x(:, end))
-      end do
-    end do
-  end function coupled_at_ends
 end module gearsweep_sub_step
