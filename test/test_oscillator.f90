@@ -4,6 +4,7 @@ module test_oscillator
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t
   use gearsweep_coefficients, only: resolution_t, coefficients_t, tabulate
+  use gearsweep_contact_law, only: find_closed, find_law, find_law_values
   use gearsweep_load_peaks, only: may_exceed, add_candidate, raise_to_maximum, candidate_t, candidates_t
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, quintic, value_of
@@ -25,6 +26,7 @@ contains
 
     if (t%wants('refusals')) call refusals(t)
     if (t%wants('derived')) call derived(t)
+    if (t%wants('laws')) call laws(t)
     if (t%wants('quintics')) call quintics(t)
     if (t%wants('turning_points')) call turning_points(t)
     if (t%wants('first_zeros')) call first_zeros(t)
@@ -130,6 +132,114 @@ contains
     end do
     call check_close(t, 'mean load at high speed', mean, 7000.0_dp, 1e-3_dp)
   end subroutine derived
+
+  !> The loads of random pairs and contact sets fulfil C F = x - e, with C written down here; a pair touches where its load, or its
+  !> gap, is 0; the contact set at a deflection is the only one of all whose loads and gaps have the right signs; derivatives are
+  !> those of small differences.
+  subroutine laws(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: pairs = 3, apart = 1, in_series = 2, coupled = 3
+    character(*), parameter :: names(3) = [character(9) :: 'apart', 'in series', 'coupled']
+    real(dp), parameter :: h = 1e-4_dp
+    type(random_t) :: random
+    real(dp) :: k(0:2, pairs), e(0:2, pairs), shared(0:2, pairs - 1), beyond, matrix(pairs, pairs), x
+    real(dp), dimension(0:2, pairs) :: effective, touching
+    real(dp), dimension(1, pairs) :: before, behind, touching_before, touching_behind
+    real(dp), dimension(pairs) :: load, gap
+    integer :: kind, set, found, right, i, j
+
+    do kind = apart, coupled
+      do i = 1, 6
+        k = reshape([(random%between(-30.0_dp, 30.0_dp), j=1, 3*pairs)], [3, pairs])
+        k(0, :) = 300 + k(0, :)
+        e = reshape([(random%between(-10.0_dp, 10.0_dp), j=1, 3*pairs)], [3, pairs])
+        shared = reshape([(random%between(0.0_dp, 4e-4_dp), j=1, 3*(pairs - 1))], [3, pairs - 1])
+        if (kind == in_series) shared(:, 2) = shared(:, 1)
+        beyond = shared(0, 1)
+        if (kind == coupled) beyond = 1e-4_dp
+        x = random%between(-10.0_dp, 20.0_dp)
+        matrix = compliance(kind, 0.0_dp)
+        right = -1
+        do set = 0, 2**pairs - 1
+          call find_law(set, kind > apart, kind == coupled, k, e, shared, beyond, effective, touching)
+          load = effective(0, :)*(x - touching(0, :))
+          gap = e(0, :) + matmul(matrix, load) - x
+          do j = 1, pairs
+            associate (name => names(kind)//' '//str(i)//', set '//str(set)//', pair '//str(j))
+              if (btest(set, j - 1)) then
+                call check_close(t, name//' has no gap', gap(j), 0.0_dp, absolute=1e-12_dp)
+              else
+                call check_close(t, name//' has no load', load(j), 0.0_dp)
+                ! The pair's own gap closes as its touching deflection is reached, while the others' loads grow.
+                associate (others => effective(0, :)*(touching(0, j) - touching(0, :)))
+                  call check_close(t, name//' touches', e(0, j) + dot_product(matrix(j, :), others), touching(0, j), &
+                                   absolute=1e-12_dp)
+                end associate
+              end if
+            end associate
+          end do
+          if (all(merge(load > 0, gap > 0, btest(set, [(j, j=0, pairs - 1)])))) right = set
+          call differences(set)
+        end do
+        call find_closed(kind > apart, kind == coupled, k(0:0, :), e(0:0, :), shared(0:0, :), beyond, x, found, before, behind)
+        call check_equal(t, names(kind)//' '//str(i)//', the contact set', found, right)
+      end do
+    end do
+
+  contains
+
+    !> What a load on each pair moves each pair by at a place near 0, um/N.
+    function compliance(kind, place) result(c)
+      integer, intent(in) :: kind
+      real(dp), intent(in) :: place
+      real(dp) :: c(pairs, pairs), own(pairs), between(pairs - 1)
+
+      own = 1/(k(0, :) + place*(k(1, :) + place/2*k(2, :)))
+      between = shared(0, :) + place*(shared(1, :) + place/2*shared(2, :))
+      c = 0
+      select case (kind)
+      case (in_series)
+        c = between(1)
+        own = own + between(1)
+      case (coupled)
+        c = beyond
+        c(1, 2) = between(1)
+        c(2, 1) = between(1)
+        c(2, 3) = between(2)
+        c(3, 2) = between(2)
+      end select
+      do j = 1, pairs
+        c(j, j) = own(j)
+      end do
+    end function compliance
+
+    subroutine differences(set)
+      integer, intent(in) :: set
+      call at(-h, before, touching_before)
+      call at(h, behind, touching_behind)
+      do j = 1, pairs
+        associate (name => names(kind)//' '//str(i)//', set '//str(set)//', pair '//str(j), g => effective(0:2, j), &
+                   s => touching(0:2, j))
+          call check_close(t, name//': slope of g', (behind(1, j) - before(1, j))/(2*h), g(2), absolute=1e-4_dp)
+          call check_close(t, name//': slope of t', (touching_behind(1, j) - touching_before(1, j))/(2*h), s(2), absolute=1e-5_dp)
+          call check_close(t, name//': bend of g', (behind(1, j) - 2*g(1) + before(1, j))/h**2, g(3), absolute=1e-3_dp)
+          call check_close(t, name//': bend of t', (touching_behind(1, j) - 2*s(1) + touching_before(1, j))/h**2, s(3), &
+                           absolute=1e-3_dp)
+        end associate
+      end do
+    end subroutine differences
+
+    !> The law's values at a place near 0.
+    subroutine at(place, g, s)
+      real(dp), intent(in) :: place
+      real(dp), intent(out), dimension(1, pairs) :: g, s
+      real(dp) :: series(0:2)
+
+      series = [1.0_dp, place, place**2/2]
+      call find_law_values(set, kind > apart, kind == coupled, reshape(matmul(series, k), [1, pairs]), &
+                           reshape(matmul(series, e), [1, pairs]), reshape(matmul(series, shared), [1, pairs - 1]), beyond, g, s)
+    end subroutine at
+  end subroutine laws
 
   !> A quintic has the values, slopes and curvatures at both ends from which it is made; its value is that of
   !> Taylor's series about the middle; its slope is that of small differences.
