@@ -4,7 +4,7 @@ module test_oscillator
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t
   use gearsweep_coefficients, only: resolution_t, coefficients_t, tabulate
-  use gearsweep_contact_law, only: find_closed, find_law, find_law_values
+  use gearsweep_contact_law, only: find_closed, find_law, find_law_values, shared_t
   use gearsweep_load_peaks, only: may_exceed, add_candidate, raise_to_maximum, candidate_t, candidates_t
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, quintic, value_of
@@ -161,7 +161,7 @@ contains
         matrix = compliance(kind, 0.0_dp)
         right = -1
         do set = 0, 2**pairs - 1
-          call find_law(set, kind > apart, kind == coupled, k, e, shared, beyond, effective, touching)
+          call find_law(set, shared_t(kind > apart, kind == coupled, beyond), k, e, shared, effective, touching)
           load = effective(0, :)*(x - touching(0, :))
           gap = e(0, :) + matmul(matrix, load) - x
           do j = 1, pairs
@@ -181,7 +181,8 @@ contains
           if (all(merge(load > 0, gap > 0, btest(set, [(j, j=0, pairs - 1)])))) right = set
           call differences(set)
         end do
-        call find_closed(kind > apart, kind == coupled, k(0:0, :), e(0:0, :), shared(0:0, :), beyond, x, found, before, behind)
+        call find_closed(shared_t(kind > apart, kind == coupled, beyond), k(0:0, :), e(0:0, :), shared(0:0, :), x, found, before, &
+                         behind)
         call check_equal(t, names(kind)//' '//str(i)//', the contact set', found, right)
       end do
     end do
@@ -197,17 +198,16 @@ contains
       own = 1/(k(0, :) + place*(k(1, :) + place/2*k(2, :)))
       between = shared(0, :) + place*(shared(1, :) + place/2*shared(2, :))
       c = 0
-      select case (kind)
-      case (in_series)
+      if (kind == in_series) then
         c = between(1)
         own = own + between(1)
-      case (coupled)
+      else if (kind == coupled) then
         c = beyond
         c(1, 2) = between(1)
         c(2, 1) = between(1)
         c(2, 3) = between(2)
         c(3, 2) = between(2)
-      end select
+      end if
       do j = 1, pairs
         c(j, j) = own(j)
       end do
@@ -236,8 +236,8 @@ contains
       real(dp) :: series(0:2)
 
       series = [1.0_dp, place, place**2/2]
-      call find_law_values(set, kind > apart, kind == coupled, reshape(matmul(series, k), [1, pairs]), &
-                           reshape(matmul(series, e), [1, pairs]), reshape(matmul(series, shared), [1, pairs - 1]), beyond, g, s)
+      call find_law_values(set, shared_t(kind > apart, kind == coupled, beyond), reshape(matmul(series, k), [1, pairs]), &
+                           reshape(matmul(series, e), [1, pairs]), reshape(matmul(series, shared), [1, pairs - 1]), g, s)
     end subroutine at
   end subroutine laws
 

@@ -8,7 +8,7 @@
 module gearsweep_coefficients
   use gearsweep_coefficient_table, only: allocate_table, coefficients_t, kind_t, resolution_t, scheme_collocation, &
                                          scheme_constant, scheme_rk4, scheme_rk4_equal
-  use gearsweep_contact_law, only: find_law, find_law_values, make_own
+  use gearsweep_contact_law, only: find_law, find_law_values, make_own, shared_t
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
   use gearsweep_mesh, only: interval_t
@@ -281,13 +281,12 @@ contains
     logical :: coast
     integer :: end, j
 
-    associate (p => table%pairs(step), shares => osc%shared > 0, coupled => table%coupled(step), &
-               beyond => osc%mesh%disc%shared_beyond())
+    associate (p => table%pairs(step), kind => kind_of(osc, table, step))
       table%contact_set(law) = contact_set
       coast = osc%has_backlash
       if (coast) coast = btest(contact_set, osc%contacts - 1)
-      call find_law_values(contact_set, shares, coupled, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
-                           table%shared(:, :, step), beyond, effective(:, :p), touching(:, :p))
+      call find_law_values(contact_set, kind, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
+                           table%shared(:, :, step), effective(:, :p), touching(:, :p))
       table%omega_squared(:, law) = 0
       table%forcing(:, law) = 0
       do j = 1, p
@@ -296,8 +295,8 @@ contains
         table%forcing(:, law) = table%forcing(:, law) + effective(:, j)*touching(:, j)
       end do
       do end = 1, 2
-        call find_law(contact_set, shares, coupled, table%end_stiffness(:, :p, end, step), &
-                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), beyond, &
+        call find_law(contact_set, kind, table%end_stiffness(:, :p, end, step), &
+                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), &
                       table%effective(:, :p, end, law), table%touching(:, :p, end, law))
         table%end_omega_squared(:, end, law) = 0
         table%end_forcing(:, end, law) = 0
@@ -321,6 +320,15 @@ contains
     table%omega(:, law) = sqrt(table%omega_squared(:, law))
   end subroutine fill_law
 
+  !> How the pairs share compliance in a step.
+  pure type(shared_t) function kind_of(osc, table, step)
+    type(oscillator_t), intent(in) :: osc
+    type(coefficients_t), intent(in) :: table
+    integer, intent(in) :: step
+
+    kind_of = shared_t(osc%shared > 0, table%coupled(step), osc%mesh%disc%shared_beyond())
+  end function kind_of
+
   !> Adds the coast sides to a law: they touch at x = -backlash, backed by the stiffness of all pairs between A and E.
   pure subroutine add_coast(osc, step, closed, law, table)
     type(oscillator_t), intent(in) :: osc
@@ -332,20 +340,19 @@ contains
     real(dp) :: k(3)
     integer :: end
 
-    associate (p => table%pairs(step), shares => osc%shared > 0, coupled => table%coupled(step), coast => osc%contacts, &
-               beyond => osc%mesh%disc%shared_beyond(), between => table%between(step))
+    associate (p => table%pairs(step), kind => kind_of(osc, table, step), coast => osc%contacts, between => table%between(step))
       table%effective(:, coast, :, law) = 0
       table%touching(:, coast, :, law) = 0
       table%touching(0, coast, :, law) = -osc%backlash
       if (.not. closed) return
-      call find_law_values(between, shares, coupled, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
-                           table%shared(:, :, step), beyond, at_node, node_touching)
+      call find_law_values(between, kind, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
+                           table%shared(:, :, step), at_node, node_touching)
       k = sum(at_node, 2)*sum(1/osc%mass)
       table%omega_squared(:, law) = table%omega_squared(:, law) + k
       table%forcing(:, law) = table%forcing(:, law) - k*osc%backlash
       do end = 1, 2
-        call find_law(between, shares, coupled, table%end_stiffness(:, :p, end, step), &
-                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), beyond, at_end, touching)
+        call find_law(between, kind, table%end_stiffness(:, :p, end, step), &
+                      table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), at_end, touching)
         table%effective(:, coast, end, law) = sum(at_end, 2)
         table%end_omega_squared(:, end, law) = table%end_omega_squared(:, end, law) + sum(at_end, 2)*sum(1/osc%mass)
         table%end_forcing(:, end, law) = table%end_forcing(:, end, law) - sum(at_end, 2)*sum(1/osc%mass)*osc%backlash

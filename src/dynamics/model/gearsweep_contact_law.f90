@@ -22,34 +22,39 @@ module gearsweep_contact_law
   use gearsweep_small_system, only: solve_small
   implicit none
   private
-  public :: springs_t, find_law, find_law_values, springs_at, find_law_of_pair, make_own, find_closed, product_of
+  public :: shared_t, springs_t, find_law, find_law_values, springs_at, find_law_of_pair, make_own, find_closed, product_of
+
+  !> How pairs share compliance.
+  type :: shared_t
+    logical :: any = .false.                     !< they share one
+    logical :: coupled = .false.                 !< by the matrix
+    real(dp) :: beyond = 0                       !< what pairs share that are farther apart than neighbours, m/N
+  end type shared_t
 
   !> The pairs at some places of a smooth interval.
   type :: springs_t
-    logical :: shares = .false.                  !< a compliance
-    logical :: coupled = .false.                 !< by the matrix
+    type(shared_t) :: kind
     !> K_j (N/m), of a pair while it carries alone where they are coupled, else its own; (place, pair).
     real(dp), allocatable :: stiffness(:, :)
     real(dp), allocatable :: profile_error(:, :)     !< e_j, m; (place, pair)
     !> What a pair and the next one share (m/N), the first for all pairs that are not coupled; (place, pair but the last).
     real(dp), allocatable :: shared(:, :)
-    real(dp) :: beyond = 0                       !< what pairs share that are farther apart, m/N
   end type springs_t
 
 contains
 
   !> The law of a contact set at one place, with derivatives.
-  pure subroutine find_law(contact_set, shares, coupled, stiffness, profile_error, shared, beyond, effective, touching)
+  pure subroutine find_law(contact_set, kind, stiffness, profile_error, shared, effective, touching)
     integer, intent(in) :: contact_set           !< bit j - 1: pair j is in contact
-    logical, intent(in) :: shares, coupled       !< as in springs_t, and so the next four
-    real(dp), intent(in) :: stiffness(0:, :), profile_error(0:, :), shared(0:, :), beyond      !< (0:2, pair)
+    type(shared_t), intent(in) :: kind
+    real(dp), intent(in) :: stiffness(0:, :), profile_error(0:, :), shared(0:, :)  !< as in springs_t; (0:2, pair)
     real(dp), intent(out) :: effective(0:, :)    !< g_j, N/m; 0 for a pair that is apart; (0:2, pair)
     real(dp), intent(out) :: touching(0:, :)     !< t_j, m; (0:2, pair)
     integer :: j
 
-    if (coupled) then
-      call find_coupled(contact_set, compliances(stiffness, shared, beyond), profile_error, effective, touching)
-    else if (shares) then
+    if (kind%coupled) then
+      call find_coupled(contact_set, compliances(stiffness, shared, kind%beyond), profile_error, effective, touching)
+    else if (kind%any) then
       call find_in_series(contact_set, stiffness, profile_error, shared(:, 1), effective, touching)
     else
       do j = 1, size(stiffness, 2)
@@ -86,26 +91,26 @@ contains
   end subroutine find_in_series
 
   !> The law of a contact set at several places, values alone.
-  pure subroutine find_law_values(contact_set, shares, coupled, stiffness, profile_error, shared, beyond, effective, touching)
+  pure subroutine find_law_values(contact_set, kind, stiffness, profile_error, shared, effective, touching)
     integer, intent(in) :: contact_set           !< bit j - 1: pair j is in contact
-    logical, intent(in) :: shares, coupled       !< as in springs_t, and so the next four
-    real(dp), intent(in) :: stiffness(:, :), profile_error(:, :), shared(:, :), beyond
+    type(shared_t), intent(in) :: kind
+    real(dp), intent(in) :: stiffness(:, :), profile_error(:, :), shared(:, :)     !< as in springs_t
     real(dp), intent(out) :: effective(:, :)     !< g_j, N/m; 0 for a pair that is apart; (place, pair)
     real(dp), intent(out) :: touching(:, :)      !< t_j, m; (place, pair)
     real(dp) :: a, b
     integer :: j, k
 
-    do k = 1, merge(size(stiffness, 1), 0, coupled)
-      call find_coupled(contact_set, compliances(stiffness(k:k, :), shared(k:k, :), beyond), profile_error(k:k, :), &
+    do k = 1, merge(size(stiffness, 1), 0, kind%coupled)
+      call find_coupled(contact_set, compliances(stiffness(k:k, :), shared(k:k, :), kind%beyond), profile_error(k:k, :), &
                         effective(k:k, :), touching(k:k, :))
     end do
-    if (coupled) return
+    if (kind%coupled) return
     do j = 1, size(stiffness, 2)
       effective(:, j) = 0
       if (btest(contact_set, j - 1)) effective(:, j) = stiffness(:, j)
       touching(:, j) = profile_error(:, j)
     end do
-    do k = 1, merge(size(stiffness, 1), 0, shares)
+    do k = 1, merge(size(stiffness, 1), 0, kind%any)
       a = 0
       b = 0
       do j = 1, size(stiffness, 2)
@@ -224,9 +229,9 @@ contains
     real(dp) :: s
     integer :: j, k
 
-    springs%shares = mesh%disc%shared > 0
-    springs%coupled = springs%shares .and. mesh%is_coupled(interval%pairs)
-    springs%beyond = mesh%disc%shared_beyond()
+    springs%kind%any = mesh%disc%shared > 0
+    springs%kind%coupled = springs%kind%any .and. mesh%is_coupled(interval%pairs)
+    springs%kind%beyond = mesh%disc%shared_beyond()
     allocate (springs%stiffness(size(phase), interval%pairs), springs%profile_error(size(phase), interval%pairs))
     allocate (springs%shared(size(phase), size(interval%shared, 2)))
     do j = 1, size(interval%shared, 2)
@@ -238,7 +243,7 @@ contains
         springs%stiffness(k, j) = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, j)))
         springs%profile_error(k, j) = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
       end do
-      if (springs%shares .and. .not. springs%coupled) &
+      if (springs%kind%any .and. .not. springs%kind%coupled) &
         springs%stiffness(:, j) = springs%stiffness(:, j)/(1 - springs%shared(:, 1)*springs%stiffness(:, j))
     end do
   end subroutine springs_at
@@ -250,7 +255,7 @@ contains
     real(dp), intent(in) :: phase                !< 0 to 1
     integer, intent(in) :: contact_set           !< bit j - 1: pair j is in contact
     integer, intent(in) :: pair
-    real(dp), intent(out) :: effective, touching !< N/m, m
+    real(dp), intent(out) :: effective, touching  !< N/m, m
     type(springs_t) :: springs
     real(dp), dimension(1, interval%pairs) :: all_effective, all_touching
     real(dp) :: s
@@ -261,8 +266,8 @@ contains
       touching = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, pair)))
     else
       call springs_at(mesh, interval, [phase], springs)
-      call find_law_values(contact_set, springs%shares, springs%coupled, springs%stiffness, springs%profile_error, &
-                           springs%shared, springs%beyond, all_effective, all_touching)
+      call find_law_values(contact_set, springs%kind, springs%stiffness, springs%profile_error, springs%shared, all_effective, &
+                           all_touching)
       effective = all_effective(1, pair)
       touching = all_touching(1, pair)
     end if
@@ -287,9 +292,9 @@ contains
 
   !> The contact set at a deflection and one place, and its law: the first pair that touches on the wrong side changes until there
   !> is none. Source: Murty 1974, Linear Algebra and its Applications 9, 65-108: it ends where the compliance is positive definite.
-  pure subroutine find_closed(shares, coupled, stiffness, profile_error, shared, beyond, x, contact_set, effective, touching)
-    logical, intent(in) :: shares, coupled       !< as in springs_t, and so the next four
-    real(dp), intent(in) :: stiffness(:, :), profile_error(:, :), shared(:, :), beyond         !< (1, pair)
+  pure subroutine find_closed(kind, stiffness, profile_error, shared, x, contact_set, effective, touching)
+    type(shared_t), intent(in) :: kind
+    real(dp), intent(in) :: stiffness(:, :), profile_error(:, :), shared(:, :)     !< as in springs_t; (1, pair)
     real(dp), intent(in) :: x                    !< m
     integer, intent(out) :: contact_set
     real(dp), intent(out) :: effective(:, :), touching(:, :)       !< (1, pair)
@@ -302,7 +307,7 @@ contains
       if (stiffness(1, j) > 0) contact_set = ibset(contact_set, j - 1)
     end do
     do i = 1, 4*2**min(p, 10)
-      call find_law_values(contact_set, shares, coupled, stiffness, profile_error, shared, beyond, effective, touching)
+      call find_law_values(contact_set, kind, stiffness, profile_error, shared, effective, touching)
       do j = 1, p
         if (stiffness(1, j) > 0 .and. (btest(contact_set, j - 1) .neqv. x > touching(1, j))) exit
       end do

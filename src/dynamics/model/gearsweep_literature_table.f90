@@ -5,7 +5,7 @@
 !> in contact is asked at each of the three places by itself.
 module gearsweep_literature_table
   use gearsweep_coefficient_table, only: resolution_t, scheme_rk4
-  use gearsweep_contact_law, only: find_law, make_own
+  use gearsweep_contact_law, only: find_law, make_own, shared_t
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
   use gearsweep_mesh, only: interval_t
@@ -36,7 +36,7 @@ module gearsweep_literature_table
     !> What neighbours share (m/N) with its derivatives over the phase; (0:2, pair but the last, place, step).
     real(dp), allocatable :: shared(:, :, :, :)
     real(dp), allocatable :: coast(:, :)         !< stiffness of the coast sides, N/m; (place, step)
-    logical :: coupled = .false.                 !< three pairs or more share different compliances
+    type(shared_t) :: kind                       !< how pairs share compliance
     type(exact_step_t), allocatable :: exact(:)  !< with constant coefficients; (step)
   end type literature_table_t
 
@@ -52,7 +52,7 @@ contains
 
     associate (intervals => osc%intervals)
       table%scheme = resolution%scheme
-      table%coupled = osc%shared > 0 .and. osc%mesh%is_coupled(osc%pairs)
+      table%kind = shared_t(osc%shared > 0, osc%shared > 0 .and. osc%mesh%is_coupled(osc%pairs), osc%mesh%disc%shared_beyond())
       if (table%scheme == scheme_rk4) then
         counts = resolution%times*max(1, ceiling(resolution%base*(intervals%last - intervals%first) - 1e-6_dp))
       else
@@ -172,8 +172,9 @@ contains
     k = osc%mesh%stiffness%value(s, i)
     slope = osc%mesh%stiffness%slope(s, i)
     none = 0
-    if (osc%shared > 0 .and. .not. table%coupled) call make_own(table%shared(0, 1, place, step), table%shared(1, 1, place, step), &
-                                                                table%shared(2, 1, place, step), k, slope, none)
+    associate (c => table%shared(:, 1, place, step))
+      if (osc%shared > 0 .and. .not. table%kind%coupled) call make_own(c(1), c(2), c(3), k, slope, none)
+    end associate
     table%stiffness(:, j, place, step) = [k, slope, 0.0_dp]
     table%mobility(j, place, step) = mobility(osc, s, recess)
     i = osc%mesh%profile_error%locate(s, piece)
@@ -188,9 +189,8 @@ contains
     real(dp), dimension(0:2, osc%pairs) :: effective, touching
 
     if (.not. osc%has_backlash) return
-    call find_law(table%between(place, step), osc%shared > 0, table%coupled, table%stiffness(:, :, place, step), &
-                  table%profile_error(:, :, place, step), table%shared(:, :, place, step), osc%mesh%disc%shared_beyond(), &
-                  effective, touching)
+    call find_law(table%between(place, step), table%kind, table%stiffness(:, :, place, step), &
+                  table%profile_error(:, :, place, step), table%shared(:, :, place, step), effective, touching)
     table%coast(place, step) = sum(effective(0, :))
   end subroutine fill_coast
 end module gearsweep_literature_table

@@ -135,11 +135,10 @@ contains
       load = 0
       slope = 0
       do i = 1, size(osc%intervals)
-        associate (p => osc%intervals(i)%pairs, weight => (osc%intervals(i)%last - osc%intervals(i)%first)/samples, &
-                   shares => springs(i)%shares, coupled => springs(i)%coupled, beyond => springs(i)%beyond)
+        associate (p => osc%intervals(i)%pairs, weight => (osc%intervals(i)%last - osc%intervals(i)%first)/samples)
           do k = 1, samples
-            call find_closed(shares, coupled, springs(i)%stiffness(k:k, :), springs(i)%profile_error(k:k, :), &
-                             springs(i)%shared(k:k, :), beyond, x, contact_set, effective(:, :p), touching(:, :p))
+            call find_closed(springs(i)%kind, springs(i)%stiffness(k:k, :), springs(i)%profile_error(k:k, :), &
+                             springs(i)%shared(k:k, :), x, contact_set, effective(:, :p), touching(:, :p))
             load = load + weight*sum(effective(1, :p)*(x - touching(1, :p)))
             slope = slope + weight*sum(effective(1, :p))
           end do
@@ -165,8 +164,8 @@ contains
         carrying = sum([(merge(ibset(0, j - 1), 0, interval%carries(j)), j=1, p)])
         phase = interval%first + (interval%last - interval%first)*[(k, k=0, samples - 1)]/(samples - 1)
         call springs_at(osc%mesh, interval, phase, springs)
-        call find_law_values(carrying, springs%shares, springs%coupled, springs%stiffness, springs%profile_error, springs%shared, &
-                             springs%beyond, effective(:, :p), touching(:, :p))
+        call find_law_values(carrying, springs%kind, springs%stiffness, springs%profile_error, springs%shared, &
+                             effective(:, :p), touching(:, :p))
         omega_squared = 0
         do j = 1, p
           omega_squared = omega_squared + effective(:, j)*mobility(osc, interval%place(phase, j), interval%recess(j))

@@ -79,13 +79,13 @@ contains
     real(dp), intent(out), dimension(1, osc%pairs) :: effective, touching
 
     associate (stiffness => table%stiffness(0:0, :, place, step), error => table%profile_error(0:0, :, place, step), &
-               shared => table%shared(0:0, :, place, step), beyond => osc%mesh%disc%shared_beyond(), shares => osc%shared > 0)
+               shared => table%shared(0:0, :, place, step))
       if (held) then
         contact_set = table%between(place, step)
-        call find_law_values(contact_set, shares, table%coupled, stiffness, error, shared, beyond, effective, touching)
+        call find_law_values(contact_set, table%kind, stiffness, error, shared, effective, touching)
         return
       end if
-      call find_closed(shares, table%coupled, stiffness, error, shared, beyond, x, contact_set, effective, touching)
+      call find_closed(table%kind, stiffness, error, shared, x, contact_set, effective, touching)
     end associate
     if (osc%has_backlash) then
       if (x < -osc%backlash) contact_set = ibset(contact_set, osc%contacts - 1)
@@ -158,9 +158,8 @@ contains
     integer, intent(in) :: place, step, contact_set
     real(dp), intent(out), dimension(0:2, osc%pairs) :: effective, touching
 
-    call find_law(contact_set, osc%shared > 0, table%coupled, table%stiffness(:, :, place, step), &
-                  table%profile_error(:, :, place, step), table%shared(:, :, place, step), osc%mesh%disc%shared_beyond(), &
-                  effective, touching)
+    call find_law(contact_set, table%kind, table%stiffness(:, :, place, step), table%profile_error(:, :, place, step), &
+                  table%shared(:, :, place, step), effective, touching)
   end subroutine law_at
 
   !> The contact set that x has with the coefficients of a place, with its omega^2 and sum of k e.

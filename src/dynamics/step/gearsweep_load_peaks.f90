@@ -77,12 +77,15 @@ contains
     real(dp), intent(in) :: duration
     type(candidate_t), intent(in) :: candidate
     real(dp), intent(inout) :: peak
+    real(dp) :: state(2, 2)
     real(dp), dimension(0:2, 2) :: x, load
     integer :: law
 
     associate (j => candidate%pair, step => candidate%step)
       call need_law(osc, step, candidate%contact_set, table, law)
-      call motion_over_step(osc, table, step, law, duration, transpose(reshape([candidate%x, candidate%y], [2, 2])), x)
+      state(1, :) = candidate%x
+      state(2, :) = candidate%y
+      call motion_over_step(osc, table, step, law, duration, state, x)
       call load_over_step(table, step, law, j, x, load)
       if (may_exceed(load, peak)) peak = max(peak, largest_within(osc, table, step, law, j, x, load, 1.0_dp))
     end associate
