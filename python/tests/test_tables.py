@@ -1,4 +1,4 @@
-"""The program's tables: every number of the screen stands in one of them, and doc/case.md tells of each column."""
+"""The program's tables: every number of the screen stands in one of them, and doc/tables.md tells of each column."""
 
 import csv
 import math
@@ -134,14 +134,14 @@ def test_every_number_of_the_screen_is_in_a_table(run):
 
 
 def test_the_page_tells_of_every_column(run):
-    page = (ROOT / 'doc/case.md').read_text()
+    page = (ROOT / 'doc/tables.md').read_text()
     for name, (told, _) in run[1].items():
         section = re.search(rf'^\*\*{name}\*\*.*?(?=^\*\*|^## )', page, re.MULTILINE | re.DOTALL)
-        assert section, f'doc/case.md lacks the table {name}'
+        assert section, f'doc/tables.md lacks the table {name}'
         rows = re.findall(r'^\| `(\w+)` \| (.*?) ?\| (.*) \|$', section[0], re.MULTILINE)
         written = {column: (unit, meaning) for column, unit, meaning in rows}
         for column, what in told.items():
-            assert written.get(column) == what, f'doc/case.md: {name}'
+            assert written.get(column) == what, f'doc/tables.md: {name}'
 
 
 def test_every_task_has_its_places():
