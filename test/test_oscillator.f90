@@ -195,12 +195,11 @@ contains
       real(dp), intent(in) :: place
       real(dp) :: c(pairs, pairs), own(pairs), between(pairs - 1)
 
-      own = 1/(k(0, :) + place*(k(1, :) + place/2*k(2, :)))
+      own = 1/(k(0, :) + place*(k(1, :) + place/2*k(2, :)))      ! of a pair alone
       between = shared(0, :) + place*(shared(1, :) + place/2*shared(2, :))
       c = 0
       if (kind == in_series) then
         c = between(1)
-        own = own + between(1)
       else if (kind == coupled) then
         c = beyond
         c(1, 2) = between(1)

@@ -46,7 +46,7 @@ module gearsweep_coefficient_table
     logical, allocatable :: coupled(:)     !< three pairs or more share different compliances; (step)
     type(kind_t), allocatable :: kind(:)   !< (step)
     real(dp), allocatable :: left(:), width(:)     !< begin and length of a step, mesh phase 0 to 1; (step)
-    !> K_j (N/m), as springs_t has it, e_j (m) and what a load makes of the acceleration (1/kg); (node, pair, step)
+    !> K_j (N/m) of a pair while it carries alone, e_j (m) and what a load makes of the acceleration (1/kg); (node, pair, step)
     real(dp), allocatable, dimension(:, :, :) :: stiffness, profile_error, mobility
     !> The same at the ends, with derivatives; (0:2, pair, end, step) and, as it is linear, (pair, end, step)
     real(dp), allocatable, dimension(:, :, :, :) :: end_stiffness, end_profile_error

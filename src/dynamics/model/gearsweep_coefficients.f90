@@ -8,7 +8,7 @@
 module gearsweep_coefficients
   use gearsweep_coefficient_table, only: allocate_table, coefficients_t, kind_t, resolution_t, scheme_collocation, &
                                          scheme_constant, scheme_rk4, scheme_rk4_equal
-  use gearsweep_contact_law, only: find_law, find_law_values, make_own, shared_t
+  use gearsweep_contact_law, only: find_law, find_law_values, shared_t
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
   use gearsweep_mesh, only: interval_t
@@ -217,13 +217,6 @@ contains
     ends(n) = ends(n - 1) + table%width(last)
     call osc%mesh%stiffness%sample(ends, interval%stiffness_piece(:, j), stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
     call osc%mesh%profile_error%sample(ends, interval%piece(:, j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
-    if (osc%shared > 0 .and. .not. table%coupled(first)) then
-      at_node = at_node/(1 - reshape(table%shared(:, 1, first:last), [3*n])*at_node)
-      associate (phase => [table%left(first:last), table%left(last) + table%width(last)], c => interval%shared)
-        call make_own(interval%shared_by_two(phase), c(1, 1) + 2*phase*c(2, 1), 2*c(2, 1), stiffness(:, 0), &
-                      stiffness(:, 1), stiffness(:, 2))
-      end associate
-    end if
     do i = 1, n
       associate (step => first + i - 1)
         do k = 1, 3

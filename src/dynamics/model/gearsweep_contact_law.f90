@@ -8,10 +8,10 @@
 !> Three kinds of compliance fill the law, and what follows the motion reads it and knows none of them:
 !>
 !> - pairs that share nothing: g_j is their stiffness K_j and t_j their profile error e_j;
-!> - pairs that share one compliance C, a spring in series with all of them. With their own stiffness K_j, A = sum K_j and
-!>   B = sum K_j e_j over the set: g_j = K_j/(1 + C A), t_j = e_j (1 + C A) - C B;
+!> - pairs that share one compliance C, a spring in series with all of them. With their own stiffness k_j = K_j/(1 - C K_j),
+!>   A = sum k_j and B = sum k_j e_j over the set: g_j = k_j/(1 + C A), t_j = e_j (1 + C A) - C B;
 !> - three pairs and more, of which neighbours share more than others. The matrix C says what a load on a pair moves each pair by;
-!>   its diagonal is what a pair deflects while it carries alone. C F = x - e over the set gives F = g x - h with C g = 1 and
+!>   its diagonal is 1/K_j, what a pair deflects while it carries alone. C F = x - e over the set gives F = g x - h with C g = 1 and
 !>   C h = e, and t_j = (e_j - sum C_ji h_i)/(1 - sum C_ji g_i) over the others.
 !>
 !> `find_law` gives the law at one place with its first and second derivatives over whatever the arguments are derived by,
@@ -22,7 +22,7 @@ module gearsweep_contact_law
   use gearsweep_small_system, only: solve_small
   implicit none
   private
-  public :: shared_t, springs_t, find_law, find_law_values, springs_at, find_law_of_pair, make_own, find_closed, product_of
+  public :: shared_t, springs_t, find_law, find_law_values, springs_at, find_law_of_pair, find_closed, product_of
 
   !> How pairs share compliance.
   type :: shared_t
@@ -34,8 +34,7 @@ module gearsweep_contact_law
   !> The pairs at some places of a smooth interval.
   type :: springs_t
     type(shared_t) :: kind
-    !> K_j (N/m), of a pair while it carries alone where they are coupled, else its own; (place, pair).
-    real(dp), allocatable :: stiffness(:, :)
+    real(dp), allocatable :: stiffness(:, :)     !< K_j, N/m, of a pair while it carries alone; (place, pair)
     real(dp), allocatable :: profile_error(:, :)     !< e_j, m; (place, pair)
     !> What a pair and the next one share (m/N), the first for all pairs that are not coupled; (place, pair but the last).
     real(dp), allocatable :: shared(:, :)
@@ -76,16 +75,17 @@ contains
     a = 0
     b = 0
     do j = 1, size(stiffness, 2)
+      effective(0:2, j) = 0
       if (.not. btest(contact_set, j - 1)) cycle
-      a = a + stiffness(0:2, j)
-      b = b + product_of(stiffness(0:2, j), profile_error(0:2, j))
+      effective(0:2, j) = own_stiffness(shared, stiffness(0:2, j))
+      a = a + effective(0:2, j)
+      b = b + product_of(effective(0:2, j), profile_error(0:2, j))
     end do
     soft = product_of(shared, a)
     soft(0) = 1 + soft(0)
     b = product_of(shared, b)
     do j = 1, size(stiffness, 2)
-      effective(0:2, j) = 0
-      if (btest(contact_set, j - 1)) effective(0:2, j) = quotient_of(stiffness(0:2, j), soft)
+      effective(0:2, j) = quotient_of(effective(0:2, j), soft)
       touching(0:2, j) = product_of(profile_error(0:2, j), soft) - b
     end do
   end subroutine find_in_series
@@ -114,6 +114,7 @@ contains
       a = 0
       b = 0
       do j = 1, size(stiffness, 2)
+        effective(k, j) = effective(k, j)/(1 - shared(k, 1)*effective(k, j))
         a = a + effective(k, j)
         b = b + effective(k, j)*profile_error(k, j)
       end do
@@ -243,8 +244,6 @@ contains
         springs%stiffness(k, j) = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, j)))
         springs%profile_error(k, j) = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
       end do
-      if (springs%kind%any .and. .not. springs%kind%coupled) &
-        springs%stiffness(:, j) = springs%stiffness(:, j)/(1 - springs%shared(:, 1)*springs%stiffness(:, j))
     end do
   end subroutine springs_at
 
@@ -273,22 +272,16 @@ contains
     end if
   end subroutine find_law_of_pair
 
-  !> Turns the stiffness of a pair while it carries alone, which has the shared compliance in it, into its own, with the first and
-  !> second derivative.
-  elemental subroutine make_own(shared, shared_slope, shared_curvature, k, slope, curvature)
-    real(dp), intent(in) :: shared               !< compliance C, m/N
-    real(dp), intent(in) :: shared_slope, shared_curvature     !< its derivatives
-    real(dp), intent(inout) :: k                 !< N/m
-    real(dp), intent(inout) :: slope, curvature  !< its derivatives
-    real(dp) :: part, own
+  !> The own stiffness of a pair (N/m), without the shared compliance, of which it carries the whole while it carries alone.
+  pure function own_stiffness(shared, stiffness) result(own)
+    real(dp), intent(in) :: shared(0:2)          !< compliance C, m/N
+    real(dp), intent(in) :: stiffness(0:2)       !< K, N/m
+    real(dp) :: own(0:2), rest(0:2)
 
-    part = 1/(1 - shared*k)
-    own = part*k
-    curvature = part**2*(curvature + 2*shared*part*slope**2) + 2*own*shared_slope*(2*part**2*slope + own**2*shared_slope) &
-                + own**2*shared_curvature
-    slope = part**2*slope + own**2*shared_slope
-    k = own
-  end subroutine make_own
+    rest = -product_of(shared, stiffness)
+    rest(0) = 1 + rest(0)
+    own = quotient_of(stiffness, rest)
+  end function own_stiffness
 
   !> The contact set at a deflection and one place, and its law: the first pair that touches on the wrong side changes until there
   !> is none. Source: Murty 1974, Linear Algebra and its Applications 9, 65-108: it ends where the compliance is positive definite.

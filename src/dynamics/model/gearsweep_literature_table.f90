@@ -5,7 +5,7 @@
 !> in contact is asked at each of the three places by itself.
 module gearsweep_literature_table
   use gearsweep_coefficient_table, only: resolution_t, scheme_rk4
-  use gearsweep_contact_law, only: find_law, make_own, shared_t
+  use gearsweep_contact_law, only: find_law, shared_t
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
   use gearsweep_mesh, only: interval_t
@@ -29,7 +29,7 @@ module gearsweep_literature_table
     integer, allocatable :: pairs(:)             !< that may be in contact at any of its places; (step)
     integer, allocatable :: offset(:, :)         !< path coordinate of the first of them less the phase; (place, step)
     integer, allocatable :: between(:, :)        !< those between A and E, as a contact set; (place, step)
-    !> K_j (N/m), as springs_t of gearsweep_contact_law has it, 0 for a pair that cannot be in contact, and e_j (m), with first
+    !> K_j (N/m) of a pair while it carries alone, 0 for one that cannot be in contact, and e_j (m), with first
     !> derivatives over the phase; the second ones, which no method asks for, are 0. (0:2, pair, place, step)
     real(dp), allocatable, dimension(:, :, :, :) :: stiffness, profile_error
     real(dp), allocatable :: mobility(:, :, :)   !< what a load makes of the acceleration, 1/kg; (pair, place, step)
@@ -165,16 +165,12 @@ contains
     real(dp), intent(in) :: s
     logical, intent(in) :: recess
     type(literature_table_t), intent(inout) :: table
-    real(dp) :: k, slope, none
+    real(dp) :: k, slope
     integer :: i
 
     i = osc%mesh%stiffness%locate(s, stiffness_piece)
     k = osc%mesh%stiffness%value(s, i)
     slope = osc%mesh%stiffness%slope(s, i)
-    none = 0
-    associate (c => table%shared(:, 1, place, step))
-      if (osc%shared > 0 .and. .not. table%kind%coupled) call make_own(c(1), c(2), c(3), k, slope, none)
-    end associate
     table%stiffness(:, j, place, step) = [k, slope, 0.0_dp]
     table%mobility(j, place, step) = mobility(osc, s, recess)
     i = osc%mesh%profile_error%locate(s, piece)
