@@ -87,27 +87,33 @@ contains
     !> Does it have these words as a whole? Its underscores may stand for blanks, and those of symbols may be left out (K_Hbeta).
     logical function has(text)
       character(*), intent(in) :: text
+      character(len(text)) :: blanks, nothing
+      character(len(words)) :: symbol
 
-      has = holds(' '//lower(text)//' ', words)
-      has = has .or. holds(' '//replaced(lower(text), ' ')//' ', words)
-      has = has .or. (index(words, '_') > 0 .and. holds(' '//replaced(lower(text), '')//' ', replaced(words, '')))
+      call replace_underscores(lower(text), ' ', blanks)
+      call replace_underscores(lower(text), '', nothing)
+      call replace_underscores(words, '', symbol)
+      has = holds(' '//lower(text)//' ', words) .or. holds(' '//blanks//' ', words)
+      if (symbol /= words) has = has .or. holds(' '//nothing//' ', trim(symbol))
     end function has
 
-    !> The text with something else for its underscores.
-    function replaced(text, by) result(other)
+    subroutine replace_underscores(text, by, other)
       character(*), intent(in) :: text, by
-      character(:), allocatable :: other
-      integer :: k
+      character(*), intent(out) :: other
+      integer :: at, k
 
       other = ''
+      at = 0
       do k = 1, len(text)
         if (text(k:k) == '_') then
-          other = other//by
+          other(at + 1:at + len(by)) = by
+          at = at + len(by)
         else
-          other = other//text(k:k)
+          at = at + 1
+          other(at:at) = text(k:k)
         end if
       end do
-    end function replaced
+    end subroutine replace_underscores
 
     logical function holds(text, words)
       character(*), intent(in) :: text, words
