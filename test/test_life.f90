@@ -68,6 +68,8 @@ contains
     cycles = count_cycles([0.0_dp, 0.5_dp, 1.0_dp, 1.0_dp, 0.2_dp, 0.0_dp, 0.0_dp])
     call check_equal(t, 'up and down is one cycle', size(cycles), 1)
     call check_close(t, 'its amplitude', cycles(1)%amplitude, 0.5_dp, 1e-15_dp)
+    cycles = count_cycles([0.0_dp, 0.5_dp, 0.5_dp - 1e-14_dp, 0.5_dp, 1.0_dp, 0.2_dp])
+    call check_equal(t, 'what rounding does to a rise is no cycle', size(cycles), 1)
   end subroutine flat_histories
 
   !> What defines the rainflow method: as many cycles span an interval of stress as the history crosses it upwards

@@ -30,10 +30,11 @@ module gearsweep_fatigue
 contains
 
   !> The cycles of a stress history that repeats without end, by the rainflow method: all of them close, as the count begins at
-  !> the largest stress. Source: ASTM E1049-85, 5.4.5.
+  !> the largest stress. Those of the size of rounding do not count. Source: ASTM E1049-85, 5.4.5.
   pure function count_cycles(stress) result(cycles)
     real(dp), intent(in) :: stress(:)            !< one turn of the history, Pa
     type(cycle_t), allocatable :: cycles(:)
+    real(dp), parameter :: rounding = 1e-9_dp    ! of the largest amplitude
     type(cycle_t) :: found(size(stress))
     real(dp) :: turn(size(stress) + 1)
     integer :: first, i, n, m
@@ -60,7 +61,7 @@ contains
       end do
     end do
     if (m == 3) call add_cycle(turn(1), turn(2), found, n)
-    cycles = found(:n)
+    cycles = pack(found(:n), found(:n)%amplitude > rounding*maxval(found(:n)%amplitude))
   end function count_cycles
 
   pure subroutine add_cycle(a, b, cycles, n)
