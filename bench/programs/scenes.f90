@@ -14,7 +14,8 @@ program scenes
   use gearsweep_gauss, only: batch_size
   use gearsweep_oscillator, only: mesh_period
   use gearsweep_period, only: run_batch
-  use gearsweep_period_map, only: discretise, period_map_t, set_durations, run_full_contact
+  use gearsweep_full_contact, only: run_full_contact
+  use gearsweep_period_map, only: discretise, period_map_t, set_durations
   use gearsweep_periodic_orbit, only: newton_step
   use gearsweep_case, only: speeds
   use gearsweep_edit, only: change_key
