@@ -97,9 +97,10 @@ contains
       if (symbol /= words) has = has .or. holds(' '//nothing//' ', trim(symbol))
     end function has
 
+    !> `other` is as long as the text.
     subroutine replace_underscores(text, by, other)
       character(*), intent(in) :: text, by
-      character(*), intent(out) :: other
+      character(len(text)), intent(out) :: other
       integer :: at, k
 
       other = ''
