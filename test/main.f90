@@ -7,6 +7,7 @@ program check
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
   use extreme_table, only: print_limits
   use test_sparse, only: run_sparse => run
+  use test_as_built, only: run_as_built => run
   use test_attractors, only: run_attractors => run
   use test_beyond, only: run_beyond => run
   use test_bifurcations, only: run_bifurcations => run
@@ -110,6 +111,7 @@ program check
     & suite_t('stability', run_stability), &
     & suite_t('branches', run_branches), &
     & suite_t('attractors', run_attractors), &
+    & suite_t('as_built', run_as_built), &
     & suite_t('bifurcations', run_bifurcations), &
     & suite_t('sensitivity', run_sensitivity), &
     & suite_t('energy', run_energy), &

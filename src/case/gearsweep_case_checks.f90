@@ -23,7 +23,9 @@ contains
     if (.not. case%prescribed) call check_units(case, error)
     call check_speeds(case, error)
     do i = 1, size(case%tasks)
-      if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check(case%amount, error)
+      if (.not. case%tasks(i)%is_wanted) cycle
+      call case%tasks(i)%task%check(case%amount, error)
+      call case%tasks(i)%task%check_gears(case%spec, error)
     end do
   end subroutine check_case
 

@@ -10,6 +10,7 @@ module gearsweep_task
   use gearsweep_grid, only: grid_t
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t
+  use gearsweep_rack, only: gear_spec_t
   use gearsweep_reader, only: reader_t
   use gearsweep_table, only: table_t
   use gearsweep_text, only: str
@@ -76,6 +77,7 @@ module gearsweep_task
     procedure :: read_keys => no_keys
     procedure(report_task), deferred :: add_report
     procedure :: check => check_reliefs
+    procedure :: check_gears => accept_gears
     procedure :: uses => uses_stage
     procedure :: prepare, place, read_speeds, read_reliefs
   end type task_t
@@ -230,6 +232,16 @@ contains
         '&'//trim(info%name)//' relief_um = '//str(in_um(self%own_relief(i)))//': is none of &relief amount_um')
     end do
   end subroutine check_reliefs
+
+  !> Its keys beside the gears of the case; these may be any.
+  subroutine accept_gears(self, spec, error)
+    class(task_t), intent(in) :: self
+    type(gear_spec_t), intent(in) :: spec(2)     !< of pinion and gear; without teeth where a prescribed mesh does not tell them
+    type(error_t), allocatable, intent(inout) :: error
+
+    ! The compiler asks for some use of the arguments.
+    if (any(spec%teeth < 0) .and. self%is_done) call fail(error, code_input, 'teeth: must be above 0')
+  end subroutine accept_gears
 
   !> Does the case at hand name this task, and needs it this stage?
   pure logical function takes(self, which)

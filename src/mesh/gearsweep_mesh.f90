@@ -5,6 +5,7 @@
 !> At mesh phase tau (0 to 1) the pairs stand at the path coordinates s = tau + n, n = 0, 1, ..., as long as s lies
 !> below the contact ratio. Where a pair may be in contact before A or behind E, n begins below 0 or goes on.
 module gearsweep_mesh
+  use gearsweep_deviations, only: deviations_t
   use gearsweep_disc, only: disc_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_own_flattening, only: flattening_t
@@ -27,6 +28,7 @@ module gearsweep_mesh
     type(piecewise_t) :: stiffness               !< K(s) of one pair between the turning discs, N/m
     type(disc_t) :: disc                         !< what the discs deflect under all pairs together
     type(piecewise_t) :: profile_error           !< e(s) of one pair, m
+    type(deviations_t) :: deviations             !< what that is more for each pair of teeth by itself
     !> How the compliance of a pair falls as its load grows, beside that at the nominal load, which the stiffness has. Known to
     !> the static load sharing alone.
     type(flattening_t) :: flattening
@@ -46,10 +48,15 @@ module gearsweep_mesh
     procedure :: mobility
     procedure :: reaches_beyond
     procedure :: with_softer_corners
+    procedure :: largest_error
+    procedure :: error_at
+    procedure :: deviation_at
   end type mesh_t
 
-  !> A smooth interval: a part of the mesh period within which no coefficient has a break.
+  !> A smooth interval: a part of the mesh period within which no coefficient has a break. Where pairs of teeth have errors of
+  !> their own, a part of one of the mesh periods after which these repeat.
   type :: interval_t
+    integer :: period = 0                        !< which, from 0
     real(dp) :: first = 0, last = 0              !< phases
     integer :: pairs = 0                         !< that may be in contact
     integer :: offset = 0                        !< path coordinate of the first of them less the phase
@@ -60,6 +67,9 @@ module gearsweep_mesh
     !> What a pair shares with the next one (m/N), as a polynomial of the phase; (0:2, pair but the last, at least one).
     real(dp), allocatable :: shared(:, :)
     logical, allocatable :: carries(:)           !< in the reference contact: all, or those that carry a static load
+    !> What the profile error of each pair is more by its teeth (m), as a polynomial of s; (0:degree, pair). Not allocated where no
+    !> tooth deviates.
+    real(dp), allocatable :: deviation(:, :)
   contains
     procedure :: place
     procedure :: shared_at
@@ -191,6 +201,45 @@ contains
     end do
   end function with_softer_corners
 
+  !> Bound of the profile error (m), that of single teeth included.
+  pure real(dp) function largest_error(mesh)
+    class(mesh_t), intent(in) :: mesh
+
+    largest_error = mesh%profile_error%maximum() + mesh%deviations%largest(mesh%contact_ratio)
+  end function largest_error
+
+  !> Profile error (m) of pair j at a phase of an interval, one-sided at its ends.
+  pure real(dp) function error_at(mesh, interval, phase, j) result(e)
+    class(mesh_t), intent(in) :: mesh
+    type(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: phase
+    integer, intent(in) :: j
+    real(dp) :: s
+
+    s = interval%place(phase, j)
+    e = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
+    if (allocated(interval%deviation)) e = e + sum([1.0_dp, 0.0_dp, 0.0_dp]*mesh%deviation_at(interval, phase, j))
+  end function error_at
+
+  !> What that is more by the pair's teeth (m), with its first and second derivative over the phase; (0:2).
+  pure function deviation_at(mesh, interval, phase, j) result(d)
+    class(mesh_t), intent(in) :: mesh
+    type(interval_t), intent(in) :: interval     !< with deviations
+    real(dp), intent(in) :: phase
+    integer, intent(in) :: j
+    real(dp) :: d(0:2), s
+    integer :: n
+
+    s = interval%place(phase, j)
+    d = 0
+    do n = ubound(interval%deviation, 1), 0, -1
+      d(2) = d(2)*s + 2*d(1)
+      d(1) = d(1)*s + d(0)
+      d(0) = d(0)*s + interval%deviation(n, j)
+    end do
+    d = d + mesh%deviations%wave_at(interval%period, phase)
+  end function deviation_at
+
   !> Path coordinate of pair j of an interval.
   elemental real(dp) function place(interval, phase, j) result(s)
     class(interval_t), intent(in) :: interval
@@ -285,7 +334,32 @@ contains
       intervals(i)%last = breaks(i + 1)
       call list_pairs(mesh, (breaks(i) + breaks(i + 1))/2, profile_breaks, stiffness_breaks, intervals(i))
     end do
+    if (mesh%deviations%any()) intervals = over_turn(mesh, intervals)
   end function smooth_intervals
+
+  !> The intervals of all mesh periods after which the deviations repeat.
+  pure function over_turn(mesh, intervals) result(all_intervals)
+    type(mesh_t), intent(in) :: mesh
+    type(interval_t), intent(in) :: intervals(:)           !< of one
+    type(interval_t), allocatable :: all_intervals(:)
+    real(dp), allocatable :: c(:)
+    integer :: i, j, k
+
+    allocate (all_intervals(size(intervals)*mesh%deviations%periods))
+    do k = 1, size(all_intervals)
+      i = 1 + modulo(k - 1, size(intervals))
+      associate (interval => all_intervals(k))
+        interval = intervals(i)
+        interval%period = (k - 1)/size(intervals)
+        do j = 1, interval%pairs
+          c = mesh%deviations%of_pair(interval%period - (j + interval%offset - 1), mesh%contact_ratio, &
+                                      interval%place((interval%first + interval%last)/2, j))
+          if (j == 1) allocate (interval%deviation(0:size(c) - 1, interval%pairs))
+          interval%deviation(:, j) = c
+        end do
+      end associate
+    end do
+  end function over_turn
 
   !> The pairs that may be in contact at the middle of an interval, and so in all of it.
   pure subroutine list_pairs(mesh, middle, profile_breaks, stiffness_breaks, interval)

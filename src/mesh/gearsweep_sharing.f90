@@ -169,7 +169,7 @@ contains
     do j = 1, interval%pairs
       associate (s => interval%place(phase, j))
         stiffness(j) = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, j)))
-        error(j) = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
+        error(j) = mesh%error_at(interval, phase, j)
       end associate
     end do
   end subroutine pairs_at

@@ -1,6 +1,7 @@
 !> All tasks. A new one is one line in `list_tasks`.
 module gearsweep_tasks
   use gearsweep_task, only: task_length, task_slot_t, task_t
+  use gearsweep_task_as_built, only: as_built_task_t
   use gearsweep_task_attractors, only: attractors_task_t
   use gearsweep_task_body_modes, only: body_modes_task_t
   use gearsweep_task_branches, only: branches_task_t
@@ -49,6 +50,7 @@ contains
     call add(sweep_task_t())
     call add(optimum_task_t())
     call add(deflection_relief_task_t())
+    call add(as_built_task_t())
     call add(stability_task_t())
     call add(hysteresis_task_t())
     call add(poincare_task_t())

@@ -198,7 +198,7 @@ contains
     type(coefficients_t), intent(inout) :: table
     real(dp), dimension(3*(last - first + 1)) :: s, at_node, error
     real(dp), dimension(0:last - first + 1) :: ends
-    real(dp), dimension(0:last - first + 1, 0:2) :: stiffness, deviation
+    real(dp), dimension(0:last - first + 1, 0:2) :: stiffness, slopes
     integer :: i, k, n
 
     n = last - first + 1
@@ -216,7 +216,7 @@ contains
     ends(:n - 1) = interval%place(table%left(first:last), j)
     ends(n) = ends(n - 1) + table%width(last)
     call osc%mesh%stiffness%sample(ends, interval%stiffness_piece(:, j), stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
-    call osc%mesh%profile_error%sample(ends, interval%piece(:, j), deviation(:, 0), deviation(:, 1), deviation(:, 2))
+    call osc%mesh%profile_error%sample(ends, interval%piece(:, j), slopes(:, 0), slopes(:, 1), slopes(:, 2))
     do i = 1, n
       associate (step => first + i - 1)
         do k = 1, 3
@@ -226,12 +226,33 @@ contains
         end do
         do k = 1, 2
           table%end_stiffness(:, j, k, step) = stiffness(i + k - 2, :)
-          table%end_profile_error(:, j, k, step) = deviation(i + k - 2, :)
+          table%end_profile_error(:, j, k, step) = slopes(i + k - 2, :)
           table%end_mobility(j, k, step) = mobility(osc, ends(i + k - 2), interval%recess(j))
         end do
+        if (allocated(interval%deviation)) call add_deviation(osc, interval, j, step, table)
       end associate
     end do
   end subroutine fill_pair
+
+  !> Adds the errors of pair j's own teeth over a step.
+  pure subroutine add_deviation(osc, interval, j, step, table)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    integer, intent(in) :: j, step
+    type(coefficients_t), intent(inout) :: table
+    real(dp) :: phase(3), d(0:2)
+    integer :: k
+
+    phase = table%left(step) + table%width(step)*merge(stiff_nodes, nodes, table%kind(step)%stiff)
+    do k = 1, 3
+      d = osc%mesh%deviation_at(interval, phase(k), j)
+      table%profile_error(k, j, step) = table%profile_error(k, j, step) + d(0)
+    end do
+    do k = 1, 2
+      d = osc%mesh%deviation_at(interval, table%left(step) + (k - 1)*table%width(step), j)
+      table%end_profile_error(:, j, k, step) = table%end_profile_error(:, j, k, step) + d
+    end do
+  end subroutine add_deviation
 
   !> The law of a contact set over a step, by its number. Laws are few, so that there is room for all of them but rarely; then
   !> those that are not of full contact are forgotten.

@@ -242,7 +242,7 @@ contains
       do k = 1, size(phase)
         s = interval%place(phase(k), j)
         springs%stiffness(k, j) = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, j)))
-        springs%profile_error(k, j) = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
+        springs%profile_error(k, j) = mesh%error_at(interval, phase(k), j)
       end do
     end do
   end subroutine springs_at
@@ -262,7 +262,7 @@ contains
     if (.not. mesh%disc%shared > 0) then
       s = interval%place(phase, pair)
       effective = mesh%stiffness%value(s, mesh%stiffness%locate(s, interval%stiffness_piece(:, pair)))
-      touching = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, pair)))
+      touching = mesh%error_at(interval, phase, pair)
     else
       call springs_at(mesh, interval, [phase], springs)
       call find_law_values(contact_set, springs%kind, springs%stiffness, springs%profile_error, springs%shared, all_effective, &

@@ -130,12 +130,13 @@ contains
                         [(k - 0.5_dp, k=1, samples)]/samples, springs(i))
       end associate
     end do
-    x = 2*osc%static_deflection + osc%mesh%profile_error%maximum()
+    x = 2*osc%static_deflection + osc%mesh%largest_error()
     do n = 1, most
       load = 0
       slope = 0
       do i = 1, size(osc%intervals)
-        associate (p => osc%intervals(i)%pairs, weight => (osc%intervals(i)%last - osc%intervals(i)%first)/samples)
+        associate (p => osc%intervals(i)%pairs, &
+                   weight => (osc%intervals(i)%last - osc%intervals(i)%first)/(samples*osc%mesh%deviations%periods))
           do k = 1, samples
             call find_closed(springs(i)%kind, springs(i)%stiffness(k:k, :), springs(i)%profile_error(k:k, :), &
                              springs(i)%shared(k:k, :), x, contact_set, effective(:, :p), touching(:, :p))

@@ -74,7 +74,7 @@ contains
     else if (osc%damping_ratio > strong) then
       raise = 5
     else if (point%steady%departs) then
-      if (point%steps < 3*resolving_steps(osc, duration)) raise = 3
+      if (point%steps < 3*resolving_steps(osc, duration)*osc%mesh%deviations%periods) raise = 3
     end if
   end function raise_for
 

@@ -34,7 +34,7 @@ contains
 
     shortest = minval(duration)
     longest = maxval(duration)
-    equal = max(2*resolving_steps(osc, longest), first_guess(osc, longest, options, levels))
+    equal = osc%mesh%deviations%periods*max(2*resolving_steps(osc, longest), first_guess(osc, longest, options, levels))
     resolution = resolution_t(dense*max(1.0_dp, 1e-6_dp/options%steady%tolerance)**root*longest/shortest, 2, shortest, &
                               by_load=.true.)
     if (options%steady%method /= by_shooting .or. graded_steps(osc, resolution) > min(equal/2, real(options%most_steps, dp))) &

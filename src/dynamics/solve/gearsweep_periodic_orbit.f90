@@ -212,7 +212,7 @@ contains
 
     bound = 1/max(least, min(most, osc%damping_ratio))
     is_bounded = distance(osc, duration, state) < &
-                 bound*(1 + (osc%backlash + abs(osc%mean_deflection) + osc%mesh%profile_error%maximum())/osc%static_deflection)
+                 bound*(1 + (osc%backlash + abs(osc%mean_deflection) + osc%mesh%largest_error())/osc%static_deflection)
   end function is_bounded
 
   !> Fills in a converged motion, and whether it attracts.
@@ -228,8 +228,8 @@ contains
     steady%state = state
     steady%peak = run%peak
     steady%coast_peak = run%coast_peak
-    steady%checksum = run%checksum/periods
-    steady%dte_rms = rms_of(run%dte, periods)
+    steady%checksum = run%checksum/(periods*osc%mesh%deviations%periods)
+    steady%dte_rms = rms_of(run%dte, periods*osc%mesh%deviations%periods)
     steady%dte_range = range_of(run%dte)
     steady%departs = run%departs
     steady%partial = run%partial

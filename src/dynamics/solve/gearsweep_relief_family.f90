@@ -40,11 +40,14 @@ contains
     family%reference = reference
   end subroutine find_family
 
-  !> Are they the same but for the profile error, is there contact between A and E only, and are pairs not coupled?
+  !> Are they the same but for the profile error, of which no tooth has its own, is there contact between A and E only, and are
+  !> pairs
+  !> not coupled?
   pure logical function are_alike(a, b)
     type(oscillator_t), intent(in) :: a, b
 
-    are_alike = .not. (a%mesh%reaches_beyond() .or. b%mesh%reaches_beyond() .or. &
+    are_alike = .not. (a%mesh%deviations%any() .or. b%mesh%deviations%any() .or. &
+                       a%mesh%reaches_beyond() .or. b%mesh%reaches_beyond() .or. &
                        (a%shared > 0 .and. a%mesh%is_coupled(a%pairs)))
     are_alike = are_alike .and. .not. any(abs([a%mass - b%mass, a%load - b%load, a%damping_ratio - b%damping_ratio, &
                                                a%friction - b%friction, a%shared - b%shared]) > 0)

@@ -323,8 +323,11 @@ contains
 
     call loads_over_sub_step(map, l, c, contact_set, x, load)
     associate (table => map%table, i => c%step)
-      call record(trace, table%pairs(i), spread(map%osc%intervals(table%interval(i))%offset, 1, 2), &
-                  table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)]), spread(contact_set, 1, 2), x, load)
+      associate (interval => map%osc%intervals(table%interval(i)))
+        call record(trace, table%pairs(i), spread(interval%offset - interval%period, 1, 2), &
+                    interval%period + (table%left(i) + table%width(i)*(c%left(l) + [0.0_dp, c%width(l)])), &
+                    spread(contact_set, 1, 2), x, load)
+      end associate
     end associate
     if (allocated(trace%overlaps)) call watch_sub_step(map, l, c, trace%overlaps)
   end subroutine record_sub_step

@@ -368,8 +368,10 @@ contains
 
     associate (table => map%table, contact_set => state%contact_set(1))
       call loads_over_step(map, step, contact_set, map%duration(1), states_of(state, 1), x, load)
-      call record(trace, table%pairs(step), spread(map%osc%intervals(table%interval(step))%offset, 1, 2), &
-                  table%left(step) + [0.0_dp, table%width(step)], spread(contact_set, 1, 2), x, load)
+      associate (interval => map%osc%intervals(table%interval(step)))
+        call record(trace, table%pairs(step), spread(interval%offset - interval%period, 1, 2), &
+                    interval%period + (table%left(step) + [0.0_dp, table%width(step)]), spread(contact_set, 1, 2), x, load)
+      end associate
       if (allocated(trace%overlaps)) call watch_step(map, step, states_of(state, 1), contact_set, trace%overlaps)
     end associate
   end subroutine record_step

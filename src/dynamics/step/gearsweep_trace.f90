@@ -12,7 +12,7 @@ module gearsweep_trace
     integer, allocatable :: pairs(:)             !< that may be in contact; (row)
     integer, allocatable :: offset(:)            !< path coordinate of the first of them less the phase; (row)
     integer, allocatable :: contact_set(:)       !< (row)
-    real(dp), allocatable :: phase(:)            !< mesh phase, 0 to 1; (row)
+    real(dp), allocatable :: phase(:)            !< mesh phase, 0 to 1, or to the periods after which deviations repeat; (row)
     !> Dynamic transmission error (m), and the loads of the pairs and of the coast sides (N), each with its first and second
     !> derivative over the step; (0:2, row) and (0:2, contact, row).
     real(dp), allocatable :: x(:, :), load(:, :, :)

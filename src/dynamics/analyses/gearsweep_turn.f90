@@ -1,0 +1,203 @@
+!> The steady motion of a gear pair whose teeth have errors of their own, over the mesh periods after which these repeat: the
+!> largest load of each pair of teeth, and the dynamic and static transmission error with their orders.
+module gearsweep_turn
+  use gearsweep_error_estimate, only: accuracy_t, point_t
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_mesh, only: interval_t
+  use gearsweep_operating_point, only: solve_point
+  use gearsweep_oscillator, only: mesh_period, oscillator_t
+  use gearsweep_quadrature, only: gauss_legendre
+  use gearsweep_quintic, only: maximum_of, quintic, value_of
+  use gearsweep_refinement, only: levels_t
+  use gearsweep_response, only: trace_motion
+  use gearsweep_segments, only: segment_t, smooth_segments
+  use gearsweep_sharing, only: transmission_error
+  use gearsweep_spectrum, only: find_spectrum, spectrum_t
+  use gearsweep_status, only: has_result
+  use gearsweep_trace, only: trace_t
+  implicit none
+  private
+  public :: curve_t, turn_t, find_turn, find_static_turn, amplitude_of
+
+  !> A transmission error at the nodes of an integration rule over the turn.
+  type :: curve_t
+    real(dp) :: least = 0, largest = 0           !< m
+    integer :: periods = 0                       !< mesh periods that it is of
+    !> Time in mesh periods, weight in the integral over the time, value (m).
+    real(dp), allocatable :: tau(:), weight(:), value(:)
+  end type curve_t
+
+  type :: turn_t
+    real(dp) :: rpm = 0                          !< speed of the pinion, 1/min
+    type(point_t) :: point
+    logical :: lacks = .false.                   !< the memory does not hold it
+    type(curve_t) :: error                       !< dynamic transmission error; with a result alone
+    !> Of the pair that enters with each mesh period: the largest load (N) and where on its path; (period)
+    real(dp), allocatable :: load(:), place(:)
+  end type turn_t
+
+  integer, parameter :: points = 8               !< of Gauss's rule
+
+contains
+
+  !> The motion at one speed.
+  pure subroutine find_turn(osc, rpm, options, levels, turn)
+    type(oscillator_t), intent(in) :: osc        !< with deviations in its mesh, or without: one mesh period
+    real(dp), intent(in) :: rpm                  !< speed of the pinion, 1/min
+    type(accuracy_t), intent(in) :: options
+    type(levels_t), intent(inout) :: levels      !< of this oscillator
+    type(turn_t), intent(out) :: turn
+    type(trace_t), allocatable :: trace(:)
+    real(dp) :: duration
+    integer :: i
+
+    turn%rpm = rpm
+    duration = mesh_period(osc%mesh%teeth(1), rpm)
+    call solve_point(osc, duration, options, levels, turn%point)
+    turn%lacks = levels%lacks
+    if (turn%lacks .or. .not. has_result(turn%point%steady%status)) return
+    call trace_motion(osc, duration, options, turn%point, trace, turn%lacks)
+    if (turn%lacks) return
+    associate (periods => osc%mesh%deviations%periods)
+      turn%error%periods = size(trace)*periods
+      allocate (turn%load(size(trace)*periods), turn%place(size(trace)*periods), source=0.0_dp)
+      do i = 1, size(trace)
+        call read_loads(trace(i), (i - 1)*periods, osc%pairs, turn)
+      end do
+      call read_error(trace, periods, turn%error)
+    end associate
+  end subroutine find_turn
+
+  !> Raises the largest loads of the pairs.
+  pure subroutine read_loads(trace, before, pairs, turn)
+    type(trace_t), intent(in) :: trace
+    integer, intent(in) :: before                ! mesh periods before this trace
+    integer, intent(in) :: pairs
+    type(turn_t), intent(inout) :: turn
+    real(dp) :: c(0:5), at, load
+    integer :: j, k, number
+
+    do k = 1, trace%rows, 2
+      do j = 1, min(trace%pairs(k), pairs)
+        number = 1 + modulo(before - (j + trace%offset(k) - 1), size(turn%load))
+        c = quintic(trace%load(:, j, k), trace%load(:, j, k + 1))
+        at = 0
+        if (trace%load(0, j, k + 1) > trace%load(0, j, k)) at = 1
+        if (c(1) > 0 .and. trace%load(1, j, k + 1) < 0) at = maximum_of(c)
+        load = value_of(c, at)
+        if (load <= turn%load(number)) cycle
+        turn%load(number) = load
+        turn%place(number) = trace%phase(k) + at*(trace%phase(k + 1) - trace%phase(k)) + (j + trace%offset(k) - 1)
+      end do
+    end do
+  end subroutine read_loads
+
+  !> The dynamic transmission error.
+  pure subroutine read_error(trace, periods, curve)
+    type(trace_t), intent(in) :: trace(:)
+    integer, intent(in) :: periods               ! mesh periods of each
+    type(curve_t), intent(inout) :: curve
+    type(spectrum_t) :: spectrum
+    real(dp) :: node(points), weight(points)
+    real(dp), allocatable :: left(:), width(:), c(:, :)
+    integer :: i, k, n
+
+    n = sum(trace%rows)/2
+    allocate (left(n), width(n), c(0:5, n))
+    n = 0
+    do i = 1, size(trace)
+      do k = 1, trace(i)%rows, 2
+        n = n + 1
+        left(n) = (i - 1)*periods + trace(i)%phase(k)
+        width(n) = trace(i)%phase(k + 1) - trace(i)%phase(k)
+        c(:, n) = quintic(trace(i)%x(:, k), trace(i)%x(:, k + 1))
+      end do
+    end do
+    call find_spectrum(left, width, c, 0, spectrum)
+    curve%least = spectrum%least
+    curve%largest = spectrum%largest
+    call gauss_legendre(node, weight)
+    allocate (curve%tau(points*n), curve%weight(points*n), curve%value(points*n))
+    do i = 1, n
+      do k = 1, points
+        curve%tau(points*(i - 1) + k) = left(i) + width(i)*(1 + node(k))/2
+        curve%weight(points*(i - 1) + k) = width(i)*weight(k)/2
+        curve%value(points*(i - 1) + k) = value_of(c(:, i), (1 + node(k))/2)
+      end do
+    end do
+  end subroutine read_error
+
+  !> The static transmission error.
+  pure subroutine find_static_turn(osc, curve)
+    type(oscillator_t), intent(in) :: osc
+    type(curve_t), intent(out) :: curve
+    type(interval_t), allocatable :: intervals(:)
+    type(segment_t), allocatable :: segments(:)
+    real(dp) :: node(points), weight(points)
+    integer :: i, k, row
+
+    call smooth_segments(osc%mesh, osc%load, intervals, segments)
+    call gauss_legendre(node, weight)
+    curve%periods = osc%mesh%deviations%periods
+    allocate (curve%tau(points*size(segments)), curve%weight(points*size(segments)), curve%value(points*size(segments)))
+    curve%least = huge(1.0_dp)
+    curve%largest = -huge(1.0_dp)
+    do i = 1, size(segments)
+      associate (segment => segments(i), interval => intervals(segments(i)%interval))
+        do k = 1, points
+          row = points*(i - 1) + k
+          curve%tau(row) = segment%first + (segment%last - segment%first)*(1 + node(k))/2
+          curve%weight(row) = (segment%last - segment%first)*weight(k)/2
+          curve%value(row) = transmission_error(osc%mesh, interval, osc%load, curve%tau(row))
+          curve%tau(row) = curve%tau(row) + interval%period
+        end do
+        call raise_range(curve%value(row - points + 1:row), transmission_error(osc%mesh, interval, osc%load, segment%first), &
+                         transmission_error(osc%mesh, interval, osc%load, segment%last), node, curve)
+      end associate
+    end do
+  end subroutine find_static_turn
+
+  !> The extremes of a smooth curve that is known at Gauss's nodes and at both ends: of the parabola through the largest value and
+  !> its neighbours.
+  pure subroutine raise_range(value, first, last, node, curve)
+    real(dp), intent(in) :: value(points), first, last, node(points)
+    type(curve_t), intent(inout) :: curve
+    real(dp) :: v(0:points + 1), u(0:points + 1), left, right, top
+    integer :: k, sense
+
+    u = [-1.0_dp, node, 1.0_dp]
+    do sense = -1, 1, 2
+      v = sense*[first, value, last]
+      k = maxloc(v, 1) - 1
+      top = v(k)
+      if (k > 0 .and. k < points + 1) then
+        left = (v(k) - v(k - 1))/(u(k) - u(k - 1))
+        right = (v(k + 1) - v(k))/(u(k + 1) - u(k))
+        associate (curvature => (right - left)/(u(k + 1) - u(k - 1)))
+          ! Slope at u(k) of the parabola through all three.
+          if (curvature < 0) top = v(k) - ((left*(u(k + 1) - u(k)) + right*(u(k) - u(k - 1)))/(u(k + 1) - u(k - 1)))**2 &
+                                   /(4*curvature)
+        end associate
+      end if
+      if (sense > 0) curve%largest = max(curve%largest, top)
+      if (sense < 0) curve%least = min(curve%least, -top)
+    end do
+  end subroutine raise_range
+
+  !> Amplitude of a harmonic of the mesh frequency, whole or not (m), as a complex number: the curve has the part
+  !> real(amplitude exp(2 pi i harmonic tau)); its mean with the harmonic 0.
+  pure complex(dp) function amplitude_of(curve, harmonic) result(amplitude)
+    type(curve_t), intent(in) :: curve
+    real(dp), intent(in) :: harmonic             !< a whole number over the periods of the curve
+    integer :: k
+
+    amplitude = 0
+    do k = 1, size(curve%tau)
+      associate (angle => -2*pi*modulo(harmonic*curve%tau(k), 1.0_dp))
+        amplitude = amplitude + curve%weight(k)*curve%value(k)*cmplx(cos(angle), sin(angle), dp)
+      end associate
+    end do
+    amplitude = amplitude/curve%periods
+    if (harmonic > 0) amplitude = 2*amplitude
+  end function amplitude_of
+end module gearsweep_turn

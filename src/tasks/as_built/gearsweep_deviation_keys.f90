@@ -1,0 +1,260 @@
+!> The group &deviations of a case: how the flanks of both gears deviate from the nominal ones.
+module gearsweep_deviation_keys
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_flank_deviations, only: flank_deviations_t
+  use gearsweep_kinds, only: dp, pi
+  use gearsweep_rack, only: gear_spec_t
+  use gearsweep_reader, only: reader_t
+  use gearsweep_task, only: members
+  use gearsweep_text, only: str
+  use gearsweep_tolerances, only: find_tolerances, tolerances_t
+  use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
+  implicit none
+  private
+  public :: deviations_choice_t, read_deviations, check_deviations
+
+  type :: deviations_choice_t
+    integer :: class(2) = 0                      !< flank tolerance class of pinion and gear; 0: none
+    integer :: seed = 1, draws = 1               !< of flanks drawn from the class
+    type(flank_deviations_t) :: flanks(2)
+    logical :: all_assemblies = .false.          !< each in which teeth can be put together
+  contains
+    procedure :: any => any_given
+    procedure, private :: any_of
+  end type deviations_choice_t
+
+  character(*), parameter :: group = 'deviations', task = 'as_built'
+  real(dp), parameter :: largest = 1e4_dp        !< um
+
+contains
+
+  subroutine read_deviations(reader, choice, error)
+    type(reader_t), intent(inout) :: reader
+    type(deviations_choice_t), intent(inout) :: choice
+    type(error_t), allocatable, intent(inout) :: error
+    logical :: with_class
+    character(:), allocatable :: assembly
+    integer :: i
+
+    call reader%add_group(group, 'How the flanks of the gears as made deviate from the nominal ones, for the task as_built. '// &
+                          'Signs are those of ISO 1328-1.')
+    do i = 1, 2
+      call reader%get(group, trim(members(i))//'_class', choice%class(i), error, tasks=task, at_least=1, at_most=11, &
+                      refused=unless(.not. is_prescribed(reader), needs_gears), otherwise='none', &
+                      meaning='flank tolerance class of ISO 1328-1, from whose tolerances flanks are drawn at random: '// &
+                      'positions '// &
+                      'of the flanks, slopes of the profiles, run-out')
+    end do
+    with_class = any(choice%class > 0)
+    call reader%get(group, 'seed', choice%seed, error, tasks=task, at_least=1, at_most=10**9, &
+                    lacks=unless(with_class, 'a class'), meaning='number that decides which flanks are drawn')
+    call reader%get(group, 'draws', choice%draws, error, tasks=task, at_least=1, at_most=10000, &
+                    lacks=unless(with_class, 'a class'), &
+                    meaning='how many pairs of gears are drawn; the first is followed over the turn')
+    do i = 1, 2
+      call read_flanks(reader, trim(members(i))//'_', choice%class(i) > 0, choice%flanks(i), error)
+    end do
+    assembly = 'stated'
+    call reader%get(group, 'assembly', assembly, error, tasks=task, allowed=[character(6) :: 'stated', 'all'], &
+                    meaning='which teeth meet: the stated teeth at the time 0, or each assembly in turn; numbers of teeth '// &
+                    'with the common divisor g have g of them')
+    choice%all_assemblies = assembly == 'all'
+  end subroutine read_deviations
+
+  !> What is said of one gear. Lists of single teeth need to be told how the teeth are counted.
+  subroutine read_flanks(reader, member, with_class, flanks, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: member           ! as its keys begin
+    logical, intent(in) :: with_class
+    type(flank_deviations_t), intent(inout) :: flanks
+    type(error_t), allocatable, intent(inout) :: error
+    character(sentence_length) :: drawn
+    real(dp), parameter :: degree = pi/180
+    logical :: given, has_waves
+
+    drawn = unless(.not. with_class, 'does not go with '//member//'class; remove one')
+    call get_list('single_pitch_um', flanks%single_pitch, 'of each tooth the pitch to it from the tooth before, longer than '// &
+      'the '// &
+                  'mean pitch (+) or shorter (-), on the measuring circle; they add up to 0', drawn)
+    call get_list('cumulative_pitch_um', flanks%cumulative_pitch, 'of each tooth how far its flank is out of place, ahead (+) '// &
+                  'or behind (-) in the direction of counting, on the measuring circle, instead of single pitches', &
+                  first_of(drawn, unless(.not. allocated(flanks%single_pitch), 'does not go with '//member// &
+                                         'single_pitch_um; remove one')))
+    call get_list('profile_slope_um', flanks%slope, 'profile slope deviation over the path of contact, more material to the '// &
+      'tip '// &
+                  '(+) or less (-): of all teeth, or of each', drawn)
+    call get_list('profile_form_um', flanks%form, 'profile form deviation as a parabola over the path of contact, more '// &
+      'material '// &
+                  'in the middle (+) or less (-): of all teeth, or of each', drawn)
+    call reader%get(group, member//'runout_um', flanks%runout, error, unit='um', given=given, tasks=task, refused=drawn, &
+                    at_least=0.0_dp, at_most=largest, otherwise='none', &
+                    meaning='run-out F_r, twice the eccentricity: a wave of order 1 of half as much')
+    call reader%get(group, member//'runout_phase_deg', flanks%runout_phase, error, unit='deg', tasks=task, &
+                    required=given, at_least=-360.0_dp, at_most=360.0_dp, &
+                    lacks=unless(given, member//'runout_um'), otherwise='none; required with '//member//'runout_um', &
+                    meaning='phase of that wave where the stated tooth enters at A: with 90 the flanks are farthest apart')
+    call get_orders(has_waves)
+    call reader%get(group, member//'wave_um', flanks%wave, error, unit='um', tasks=task, required=has_waves, &
+                    lacks=unless(has_waves, member//'wave_order'), at_least=0.0_dp, at_most=largest, max_size=100, &
+                    otherwise='none; required with '//member//'wave_order', meaning='amplitude of each wave')
+    call reader%get(group, member//'wave_phase_deg', flanks%wave_phase, error, unit='deg', tasks=task, &
+                    required=has_waves, lacks=unless(has_waves, member//'wave_order'), at_least=-360.0_dp, at_most=360.0_dp, &
+                    max_size=100, otherwise='none; required with '//member//'wave_order', &
+                    meaning='phase of each where the stated tooth enters at A')
+    call read_counting(reader, member, flanks, error)
+
+  contains
+
+    subroutine get_list(key, values, meaning, refused)
+      character(*), intent(in) :: key, meaning, refused
+      real(dp), allocatable, intent(inout) :: values(:)
+
+      call reader%get(group, member//key, values, error, unit='um', tasks=task, refused=refused, at_least=-largest, &
+                      at_most=largest, max_size=100000, otherwise='none', meaning=meaning)
+    end subroutine get_list
+
+    !> The orders of the waves, whole numbers.
+    subroutine get_orders(given)
+      logical, intent(out) :: given
+      real(dp), allocatable :: order(:)
+
+      call reader%get(group, member//'wave_order', order, error, tasks=task, at_least=1.0_dp, at_most=1e5_dp, max_size=100, &
+                      otherwise='none', meaning='waviness of the flanks: whole numbers of waves over a turn, which go on from '// &
+                      'tooth to tooth')
+      given = allocated(order)
+      if (.not. given) return
+      if (any(abs(order - anint(order)) > 0)) call fail(error, code_input, '&deviations '//member//'wave_order = '// &
+        str(order(maxloc(abs(order - anint(order)), 1)))//': must be a whole number')
+      flanks%wave_order = nint(order)
+    end subroutine get_orders
+  end subroutine read_flanks
+
+  !> How the teeth of the lists are counted, and which of them meshes at the time 0.
+  subroutine read_counting(reader, member, flanks, error)
+    type(reader_t), intent(inout) :: reader
+    character(*), intent(in) :: member
+    type(flank_deviations_t), intent(inout) :: flanks
+    type(error_t), allocatable, intent(inout) :: error
+    character(16), parameter :: senses(2) = [character(16) :: 'clockwise', 'counterclockwise']
+    character(*), parameter :: without = 'none; required with a list of single teeth'
+    character(:), allocatable :: counting, rotation, flank, loaded
+    character(sentence_length) :: lacks
+    logical :: listed
+
+    listed = is_list(flanks%single_pitch) .or. is_list(flanks%cumulative_pitch) .or. is_list(flanks%slope) .or. &
+             is_list(flanks%form)
+    lacks = unless(listed, 'a list of single teeth')
+    call reader%get(group, member//'counting', counting, error, tasks=task, required=listed, lacks=lacks, allowed=senses, &
+                    otherwise=without, meaning='direction in which the teeth are counted, seen from the datum face')
+    call reader%get(group, member//'rotation', rotation, error, tasks=task, required=listed, lacks=lacks, allowed=senses, &
+                    otherwise=without, meaning='direction in which the gear turns, seen from the same face')
+    call reader%get(group, member//'flank', flank, error, tasks=task, required=listed, lacks=lacks, &
+                    allowed=[character(5) :: 'left', 'right'], otherwise=without, &
+                    meaning='which flanks the lists are of, seen from the same face with the tip up; those that carry the load')
+    call reader%get(group, member//'tooth', flanks%tooth, error, tasks=task, required=listed, lacks=lacks, at_least=1, &
+                    at_most=100000, otherwise=without, &
+                    meaning='number of the tooth that enters contact at A at the time 0')
+    if (.not. (allocated(counting) .and. allocated(rotation) .and. allocated(flank))) return
+    flanks%ascends = counting /= rotation
+    ! The driving tooth carries on the side to which it moves, the driven one on the other.
+    loaded = trim(merge('right', 'left ', rotation == 'clockwise' .eqv. member == 'pinion_'))
+    if (listed .and. flank /= loaded) call fail(error, code_input, '&deviations '//member//'flank = '''//flank// &
+      ''': a '//trim(merge('driving', 'driven ', member == 'pinion_'))//' gear that turns '//rotation// &
+      ' carries the load on its '//loaded//' flanks')
+  end subroutine read_counting
+
+  pure logical function is_list(values)
+    real(dp), allocatable, intent(in) :: values(:)
+
+    is_list = .false.
+    if (allocated(values)) is_list = size(values) > 1
+  end function is_list
+
+  !> Does anything deviate?
+  pure logical function any_given(self)
+    class(deviations_choice_t), intent(in) :: self
+
+    any_given = self%any_of(1) .or. self%any_of(2)
+  end function any_given
+
+  !> Does anything of this gear?
+  pure logical function any_of(self, i)
+    class(deviations_choice_t), intent(in) :: self
+    integer, intent(in) :: i
+
+    associate (flanks => self%flanks(i))
+      any_of = self%class(i) > 0 .or. allocated(flanks%single_pitch) .or. allocated(flanks%cumulative_pitch) .or. &
+               allocated(flanks%slope) .or. allocated(flanks%form) .or. flanks%runout > 0 .or. allocated(flanks%wave_order)
+    end associate
+  end function any_of
+
+  !> What the keys must be beside the gears.
+  subroutine check_deviations(choice, spec, error)
+    type(deviations_choice_t), intent(in) :: choice
+    type(gear_spec_t), intent(in) :: spec(2)     !< of pinion and gear
+    type(error_t), allocatable, intent(inout) :: error
+    type(error_t), allocatable :: outside
+    type(tolerances_t) :: tolerances
+    integer :: i
+
+    if (.not. choice%any()) call fail(error, code_input, '&deviations: missing; the task as_built needs a class, a list, a '// &
+      'run-out or a wave of one gear')
+    do i = 1, 2
+      associate (flanks => choice%flanks(i), teeth => spec(i)%teeth, member => '&deviations '//trim(members(i))//'_')
+        if (teeth == 0) then
+          if (choice%any_of(i)) call fail(error, code_input, '&'//trim(members(i))//' teeth: missing; '//member// &
+            'deviations need it; must be at least 5')
+          cycle
+        end if
+        if (choice%class(i) > 0) then
+          call find_tolerances(choice%class(i), teeth, 1e3_dp*spec(i)%module, 1e3_dp*spec(i)%face_width, tolerances, outside)
+          if (allocated(outside)) call fail(error, code_input, member//'class = '//str(choice%class(i))//': '//outside%message)
+        end if
+        call check_length(member//'single_pitch_um', flanks%single_pitch, teeth, .false.)
+        call check_length(member//'cumulative_pitch_um', flanks%cumulative_pitch, teeth, .false.)
+        call check_length(member//'profile_slope_um', flanks%slope, teeth, .true.)
+        call check_length(member//'profile_form_um', flanks%form, teeth, .true.)
+        if (flanks%tooth > teeth) call fail(error, code_input, member//'tooth = '//str(flanks%tooth)// &
+          ': must be at most the number of teeth, '//str(teeth))
+        if (allocated(flanks%single_pitch)) call check_sum(member, flanks%single_pitch)
+        if (.not. allocated(flanks%wave_order)) cycle
+        call check_waves(member//'wave_um', flanks%wave, size(flanks%wave_order))
+        call check_waves(member//'wave_phase_deg', flanks%wave_phase, size(flanks%wave_order))
+      end associate
+    end do
+
+  contains
+
+    subroutine check_length(key, values, teeth, or_one)
+      character(*), intent(in) :: key
+      real(dp), allocatable, intent(in) :: values(:)
+      integer, intent(in) :: teeth
+      logical, intent(in) :: or_one
+
+      if (.not. allocated(values)) return
+      if (size(values) == teeth .or. (or_one .and. size(values) == 1)) return
+      call fail(error, code_input, key//': has '//str(size(values))//' numbers; must have one for each of '//str(teeth)// &
+                ' teeth'//trim(merge(', or one for all', '                ', or_one)))
+    end subroutine check_length
+
+    !> Pitches are told to a tenth of a um, and so add up to 0 but for rounding.
+    subroutine check_sum(member, pitch)
+      character(*), intent(in) :: member
+      real(dp), intent(in) :: pitch(:)
+      real(dp), parameter :: um = 1e-6_dp, rounding = 0.05_dp*um
+
+      if (abs(sum(pitch)) > size(pitch)*rounding) call fail(error, code_input, member//'single_pitch_um: add up to '// &
+        str(sum(pitch)/um, 4)//' um; must add up to 0, as the pitches fill the circle')
+    end subroutine check_sum
+
+    subroutine check_waves(key, values, waves)
+      character(*), intent(in) :: key
+      real(dp), allocatable, intent(in) :: values(:)
+      integer, intent(in) :: waves
+
+      if (.not. allocated(values)) return
+      if (size(values) /= waves) call fail(error, code_input, key//': has '//str(size(values))//' numbers; must have one for '// &
+        'each wave, '//str(waves))
+    end subroutine check_waves
+  end subroutine check_deviations
+end module gearsweep_deviation_keys
