@@ -166,6 +166,8 @@ build() {
     await_lock
     is_current "$target" "$now" && exit
     cd "$root" && install_packages && make_venv || exit
+    # fpm links a program again only if it compiled the library in the same call, not where another call did before.
+    rm -f "$root"/build/gfortran_*/app/gearsweep "$root"/build/gfortran_*/test/check
     # With echo as its runner, fpm builds and tells where, but runs nothing.
     run_fpm "building $name, about 1 min" "$@" --runner echo || exit
     built=$(sed -n 's|^\(build/[^ ]*\) *$|\1|p' "$log" | tail -n 1)

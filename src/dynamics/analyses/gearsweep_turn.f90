@@ -132,11 +132,15 @@ contains
     type(oscillator_t), intent(in) :: osc
     type(curve_t), intent(out) :: curve
     type(interval_t), allocatable :: intervals(:)
-    type(segment_t), allocatable :: segments(:)
+    type(segment_t), allocatable :: segments(:), whole(:)
     real(dp) :: node(points), weight(points)
     integer :: i, k, row
 
-    call smooth_segments(osc%mesh, osc%load, intervals, segments)
+    call smooth_segments(osc%mesh, osc%load, intervals, whole)
+    allocate (segments(0))
+    do i = 1, size(whole)
+      segments = [segments, parts_of(whole(i))]
+    end do
     call gauss_legendre(node, weight)
     curve%periods = osc%mesh%deviations%periods
     allocate (curve%tau(points*size(segments)), curve%weight(points*size(segments)), curve%value(points*size(segments)))
@@ -156,6 +160,21 @@ contains
       end associate
     end do
   end subroutine find_static_turn
+
+  !> A segment in parts that are short beside the waves of high orders.
+  pure function parts_of(segment) result(parts)
+    type(segment_t), intent(in) :: segment
+    real(dp), parameter :: longest = 0.05_dp     ! mesh periods
+    type(segment_t) :: parts(max(1, ceiling((segment%last - segment%first)/longest)))
+    integer :: k, n
+
+    n = size(parts)
+    do k = 1, n
+      parts(k) = segment
+      parts(k)%first = segment%first + (segment%last - segment%first)*(k - 1)/n
+      if (k < n) parts(k)%last = segment%first + (segment%last - segment%first)*k/n
+    end do
+  end function parts_of
 
   !> The extremes of a smooth curve that is known at Gauss's nodes and at both ends: of the parabola through the largest value and
   !> its neighbours.
