@@ -127,7 +127,7 @@ contains
         call check_orders(t, one, turn%error, one%dynamic, 'dynamic')
         call find_static_turn(osc, static)
         call check_orders(t, one, static, one%static, 'static')
-        call check_close(t, 'static range', static%largest - static%least, um*one%range, absolute=1e-6_dp*um)
+        call check_close(t, 'static range', static%largest - static%least, um*one%range, absolute=1e-9_dp*um)
       end associate
     end do
   end subroutine given_motions

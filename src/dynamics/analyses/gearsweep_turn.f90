@@ -155,8 +155,7 @@ contains
           curve%value(row) = transmission_error(osc%mesh, interval, osc%load, curve%tau(row))
           curve%tau(row) = curve%tau(row) + interval%period
         end do
-        call raise_range(curve%value(row - points + 1:row), transmission_error(osc%mesh, interval, osc%load, segment%first), &
-                         transmission_error(osc%mesh, interval, osc%load, segment%last), node, curve)
+        call raise_range(osc, interval, segment, node, curve%value(row - points + 1:row), curve)
       end associate
     end do
   end subroutine find_static_turn
@@ -164,7 +163,7 @@ contains
   !> A segment in parts that are short beside the waves of high orders.
   pure function parts_of(segment) result(parts)
     type(segment_t), intent(in) :: segment
-    real(dp), parameter :: longest = 0.05_dp     ! mesh periods
+    real(dp), parameter :: longest = 0.1_dp      ! mesh periods
     type(segment_t) :: parts(max(1, ceiling((segment%last - segment%first)/longest)))
     integer :: k, n
 
@@ -176,32 +175,62 @@ contains
     end do
   end function parts_of
 
-  !> The extremes of a smooth curve that is known at Gauss's nodes and at both ends: of the parabola through the largest value and
-  !> its neighbours.
-  pure subroutine raise_range(value, first, last, node, curve)
-    real(dp), intent(in) :: value(points), first, last, node(points)
+  !> The extremes of the static transmission error over a part of a segment, of which the values at the nodes are known.
+  pure subroutine raise_range(osc, interval, segment, node, value, curve)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    type(segment_t), intent(in) :: segment
+    real(dp), intent(in) :: node(points), value(points)
     type(curve_t), intent(inout) :: curve
-    real(dp) :: v(0:points + 1), u(0:points + 1), left, right, top
+    real(dp) :: v(0:points + 1), u(0:points + 1), extreme
     integer :: k, sense
 
-    u = [-1.0_dp, node, 1.0_dp]
+    u = segment%first + (segment%last - segment%first)*(1 + [-1.0_dp, node, 1.0_dp])/2
+    v(0) = transmission_error(osc%mesh, interval, osc%load, u(0))
+    v(1:points) = value
+    v(points + 1) = transmission_error(osc%mesh, interval, osc%load, u(points + 1))
     do sense = -1, 1, 2
-      v = sense*[first, value, last]
-      k = maxloc(v, 1) - 1
-      top = v(k)
+      k = maxloc(sense*v, 1) - 1
+      extreme = v(k)
       if (k > 0 .and. k < points + 1) then
-        left = (v(k) - v(k - 1))/(u(k) - u(k - 1))
-        right = (v(k + 1) - v(k))/(u(k + 1) - u(k))
-        associate (curvature => (right - left)/(u(k + 1) - u(k - 1)))
-          ! Slope at u(k) of the parabola through all three.
-          if (curvature < 0) top = v(k) - ((left*(u(k + 1) - u(k)) + right*(u(k) - u(k - 1)))/(u(k + 1) - u(k - 1)))**2 &
-                                   /(4*curvature)
-        end associate
+        ! Within so short a part the curve is near the parabola, which is higher by less than this.
+        if (sense*extreme + (maxval(v) - minval(v)) > merge(curve%largest, -curve%least, sense > 0)) &
+          extreme = sense*largest_between(osc, interval, sense, u(k - 1), u(k + 1))
       end if
-      if (sense > 0) curve%largest = max(curve%largest, top)
-      if (sense < 0) curve%least = min(curve%least, -top)
+      if (sense > 0) curve%largest = max(curve%largest, extreme)
+      if (sense < 0) curve%least = min(curve%least, extreme)
     end do
   end subroutine raise_range
+
+  !> The largest value of `sense` times the static transmission error between two phases with one maximum, by golden section.
+  pure real(dp) function largest_between(osc, interval, sense, first, last) result(largest)
+    type(oscillator_t), intent(in) :: osc
+    type(interval_t), intent(in) :: interval
+    integer, intent(in) :: sense
+    real(dp), intent(in) :: first, last
+    real(dp), parameter :: golden = (sqrt(5.0_dp) - 1)/2
+    integer, parameter :: most = 40
+    real(dp) :: left, right, inner(2), value(2)
+    integer :: i
+
+    left = first
+    right = last
+    inner = [right - golden*(right - left), left + golden*(right - left)]
+    value = [sense*transmission_error(osc%mesh, interval, osc%load, inner(1)), &
+             sense*transmission_error(osc%mesh, interval, osc%load, inner(2))]
+    do i = 1, most
+      if (value(1) > value(2)) then
+        right = inner(2)
+        inner = [right - golden*(right - left), inner(1)]
+        value = [sense*transmission_error(osc%mesh, interval, osc%load, inner(1)), value(1)]
+      else
+        left = inner(1)
+        inner = [inner(2), left + golden*(right - left)]
+        value = [value(2), sense*transmission_error(osc%mesh, interval, osc%load, inner(2))]
+      end if
+    end do
+    largest = maxval(value)
+  end function largest_between
 
   !> Amplitude of a harmonic of the mesh frequency, whole or not (m), as a complex number: the curve has the part
   !> real(amplitude exp(2 pi i harmonic tau)); its mean with the harmonic 0.
