@@ -50,7 +50,6 @@ module gearsweep_mesh
     procedure :: with_softer_corners
     procedure :: largest_error
     procedure :: error_at
-    procedure :: deviation_at
   end type mesh_t
 
   !> A smooth interval: a part of the mesh period within which no coefficient has a break. Where pairs of teeth have errors of
@@ -75,6 +74,7 @@ module gearsweep_mesh
     procedure :: shared_at
     procedure :: shared_by_two
     procedure :: shared_with_slopes
+    procedure :: deviation_of
   end type interval_t
 
   !> Breaks closer than this are one: no step could tell them apart.
@@ -218,13 +218,15 @@ contains
 
     s = interval%place(phase, j)
     e = mesh%profile_error%value(s, mesh%profile_error%locate(s, interval%piece(:, j)))
-    if (allocated(interval%deviation)) e = e + sum([1.0_dp, 0.0_dp, 0.0_dp]*mesh%deviation_at(interval, phase, j))
+    if (.not. allocated(interval%deviation)) return
+    associate (deviation => interval%deviation_of(phase, j), wave => mesh%deviations%wave_at(interval%period, phase))
+      e = e + deviation(1) + wave(1)
+    end associate
   end function error_at
 
-  !> What that is more by the pair's teeth (m), with its first and second derivative over the phase; (0:2).
-  pure function deviation_at(mesh, interval, phase, j) result(d)
-    class(mesh_t), intent(in) :: mesh
-    type(interval_t), intent(in) :: interval     !< with deviations
+  !> What that is more by the teeth of pair j (m), waves aside, with its first and second derivative over the phase; (0:2).
+  pure function deviation_of(interval, phase, j) result(d)
+    class(interval_t), intent(in) :: interval    !< with deviations
     real(dp), intent(in) :: phase
     integer, intent(in) :: j
     real(dp) :: d(0:2), s
@@ -237,8 +239,7 @@ contains
       d(1) = d(1)*s + d(0)
       d(0) = d(0)*s + interval%deviation(n, j)
     end do
-    d = d + mesh%deviations%wave_at(interval%period, phase)
-  end function deviation_at
+  end function deviation_of
 
   !> Path coordinate of pair j of an interval.
   elemental real(dp) function place(interval, phase, j) result(s)

@@ -59,6 +59,9 @@ contains
         do j = 1, interval%pairs
           call fill_pair(osc, interval, j, first, last, table)
         end do
+        do j = first, merge(last, first - 1, allocated(interval%deviation))
+          call add_deviations(osc, interval, j, table)
+        end do
       end associate
     end do
     table%laws = table%steps
@@ -229,30 +232,33 @@ contains
           table%end_profile_error(:, j, k, step) = slopes(i + k - 2, :)
           table%end_mobility(j, k, step) = mobility(osc, ends(i + k - 2), interval%recess(j))
         end do
-        if (allocated(interval%deviation)) call add_deviation(osc, interval, j, step, table)
       end associate
     end do
   end subroutine fill_pair
 
-  !> Adds the errors of pair j's own teeth over a step.
-  pure subroutine add_deviation(osc, interval, j, step, table)
+  !> Adds the errors of single teeth and the waves over a step.
+  pure subroutine add_deviations(osc, interval, step, table)
     type(oscillator_t), intent(in) :: osc
     type(interval_t), intent(in) :: interval
-    integer, intent(in) :: j, step
+    integer, intent(in) :: step
     type(coefficients_t), intent(inout) :: table
-    real(dp) :: phase(3), d(0:2)
-    integer :: k
+    real(dp) :: phase(5), wave(0:2), d(0:2)
+    integer :: j, k
 
-    phase = table%left(step) + table%width(step)*merge(stiff_nodes, nodes, table%kind(step)%stiff)
-    do k = 1, 3
-      d = osc%mesh%deviation_at(interval, phase(k), j)
-      table%profile_error(k, j, step) = table%profile_error(k, j, step) + d(0)
+    phase(:3) = table%left(step) + table%width(step)*merge(stiff_nodes, nodes, table%kind(step)%stiff)
+    phase(4:) = table%left(step) + table%width(step)*[0, 1]
+    do k = 1, 5
+      wave = osc%mesh%deviations%wave_at(interval%period, phase(k))
+      do j = 1, interval%pairs
+        d = wave + interval%deviation_of(phase(k), j)
+        if (k <= 3) then
+          table%profile_error(k, j, step) = table%profile_error(k, j, step) + d(0)
+        else
+          table%end_profile_error(:, j, k - 3, step) = table%end_profile_error(:, j, k - 3, step) + d
+        end if
+      end do
     end do
-    do k = 1, 2
-      d = osc%mesh%deviation_at(interval, table%left(step) + (k - 1)*table%width(step), j)
-      table%end_profile_error(:, j, k, step) = table%end_profile_error(:, j, k, step) + d
-    end do
-  end subroutine add_deviation
+  end subroutine add_deviations
 
   !> The law of a contact set over a step, by its number. Laws are few, so that there is room for all of them but rarely; then
   !> those that are not of full contact are forgotten.
