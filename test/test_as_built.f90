@@ -11,7 +11,7 @@ module test_as_built
   use gearsweep_status, only: has_result, status_name
   use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
-  use gearsweep_turn, only: amplitude_of, curve_t, find_static_turn, find_turn, turn_t
+  use gearsweep_turn, only: curve_t, find_amplitudes, find_static_turn, find_turn, turn_t
   use quantities, only: answer_t, ask, refusal
   use reference_rows, only: next_row
   use testing, only: check_close, check_error, check_no_error, check_true, tally_t
@@ -145,6 +145,17 @@ contains
       end associate
     end do
   end subroutine given_motions
+
+  !> The amplitude of one harmonic; with 0, the mean.
+  complex(dp) function amplitude_of(curve, harmonic) result(amplitude)
+    type(curve_t), intent(in) :: curve
+    real(dp), intent(in) :: harmonic
+    complex(dp) :: first(1)
+
+    call find_amplitudes(curve, harmonic, first)
+    amplitude = first(1)
+    if (.not. harmonic > 0) amplitude = amplitude/2
+  end function amplitude_of
 
   subroutine check_orders(t, given, curve, expected, what)
     type(tally_t), intent(inout) :: t

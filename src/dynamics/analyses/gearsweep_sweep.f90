@@ -31,6 +31,7 @@ module gearsweep_sweep
     real(dp), allocatable :: dte_estimate(:, :)  !< of the errors of both, m
     real(dp), allocatable :: coast_factor(:, :)  !< largest load on the coast sides over the static load
     real(dp), allocatable :: multiplier(:, :)    !< largest Floquet modulus
+    real(dp), allocatable :: mesh_multiplier(:, :)         !< its mean over the mesh periods
     real(dp), allocatable :: residual(:, :)      !< of periodicity, in static deflections
     integer, allocatable :: status(:, :)         !< status_ok ... of gearsweep_status
     integer, allocatable :: contact(:, :)        !< contact_full ... below
@@ -191,7 +192,7 @@ contains
 
     n = size(rpm)
     allocate (sweep%dynamic_factor(n, reliefs), sweep%estimate(n, reliefs), sweep%multiplier(n, reliefs), &
-              sweep%coast_factor(n, reliefs), &
+              sweep%coast_factor(n, reliefs), sweep%mesh_multiplier(n, reliefs), &
               sweep%dte_rms(n, reliefs), sweep%dte_range(n, reliefs), sweep%dte_estimate(n, reliefs), &
               sweep%residual(n, reliefs), sweep%status(n, reliefs), sweep%contact(n, reliefs), &
               sweep%steps(n, reliefs), sweep%periods(n, reliefs), sweep%branch_lost(n, reliefs), &
@@ -219,6 +220,7 @@ contains
       sweep%dte_estimate(:, relief) = merge(points%dte_estimate, none, found)
       sweep%coast_factor(:, relief) = merge(steady%coast_peak/load, none, found)
       sweep%multiplier(:, relief) = merge(steady%multiplier, none, final)
+      sweep%mesh_multiplier(:, relief) = merge(steady%mesh_multiplier, none, final)
       sweep%residual(:, relief) = merge(steady%residual, none, final)
       sweep%status(:, relief) = merge(steady%status, status_stopped, final)
       sweep%steps(:, relief) = merge(points%steps, 0, final)

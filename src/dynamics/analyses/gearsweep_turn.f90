@@ -17,7 +17,7 @@ module gearsweep_turn
   use gearsweep_trace, only: trace_t
   implicit none
   private
-  public :: curve_t, turn_t, find_turn, find_static_turn, amplitude_of
+  public :: curve_t, turn_t, find_turn, find_static_turn, find_amplitudes
 
   !> A transmission error at the nodes of an integration rule over the turn.
   type :: curve_t
@@ -232,20 +232,25 @@ contains
     largest = maxval(value)
   end function largest_between
 
-  !> Amplitude of a harmonic of the mesh frequency, whole or not (m), as a complex number: the curve has the part
-  !> real(amplitude exp(2 pi i harmonic tau)); its mean with the harmonic 0.
-  pure complex(dp) function amplitude_of(curve, harmonic) result(amplitude)
+  !> Amplitudes of the harmonics base, 2 base ... of the mesh frequency (m), as complex numbers: the curve has the parts
+  !> real(amplitude exp(2 pi i harmonic tau)).
+  pure subroutine find_amplitudes(curve, base, amplitude)
     type(curve_t), intent(in) :: curve
-    real(dp), intent(in) :: harmonic             !< a whole number over the periods of the curve
-    integer :: k
+    real(dp), intent(in) :: base                 !< a whole number over the periods of the curve
+    complex(dp), intent(out) :: amplitude(:)
+    complex(dp) :: turn, part
+    integer :: k, n
 
     amplitude = 0
-    do k = 1, size(curve%tau)
-      associate (angle => -2*pi*modulo(harmonic*curve%tau(k), 1.0_dp))
-        amplitude = amplitude + curve%weight(k)*curve%value(k)*cmplx(cos(angle), sin(angle), dp)
+    do n = 1, size(curve%tau)
+      associate (angle => -2*pi*modulo(base*curve%tau(n), 1.0_dp))
+        turn = cmplx(cos(angle), sin(angle), dp)
       end associate
+      part = 2*curve%weight(n)*curve%value(n)/curve%periods
+      do k = 1, size(amplitude)
+        part = part*turn
+        amplitude(k) = amplitude(k) + part
+      end do
     end do
-    amplitude = amplitude/curve%periods
-    if (harmonic > 0) amplitude = 2*amplitude
-  end function amplitude_of
+  end subroutine find_amplitudes
 end module gearsweep_turn

@@ -239,6 +239,8 @@ contains
     steady%residual = distance(osc, duration, run%state - state)
     steady%closure = closure
     steady%multiplier = largest_multiplier(run%monodromy)
+    steady%mesh_multiplier = steady%multiplier
+    if (osc%mesh%deviations%any()) steady%mesh_multiplier = mean_multiplier(run, periods, osc%mesh%deviations%periods)
     if (steady%multiplier > 1 + neutral) then
       steady%status = status_unstable
     else if (steady%multiplier > 1 - neutral) then
@@ -282,6 +284,20 @@ contains
       modulus = abs(half_trace) + sqrt(square)
     end if
   end function largest_multiplier
+
+  !> The mean of the largest modulus over the mesh periods of some turns: one turn is scaled, as that modulus may be 1e-300 and
+  !> less.
+  pure real(dp) function mean_multiplier(run, turns, periods) result(modulus)
+    type(period_t), intent(in) :: run
+    integer, intent(in) :: turns                 !< until the motion repeats
+    integer, intent(in) :: periods               !< mesh periods of a turn
+
+    if (turns == 1) then
+      modulus = exp((log(largest_multiplier(run%scaled)) + run%shrunk)/periods)
+    else
+      modulus = largest_multiplier(run%monodromy)**(1.0_dp/(turns*periods))
+    end if
+  end function mean_multiplier
 
   !> The direction in which a motion repels whose lowest multiplier is real and below -1, as where its period doubles.
   pure subroutine most_negative_direction(osc, duration, monodromy, direction, doubles)

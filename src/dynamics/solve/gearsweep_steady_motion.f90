@@ -47,6 +47,7 @@ module gearsweep_steady_motion
     !> Largest modulus of the Floquet multipliers; of a chaotic motion, the mean factor by which a disturbance grows
     !> over a mesh period.
     real(dp) :: multiplier = 0
+    real(dp) :: mesh_multiplier = 0              !< its mean over the mesh periods, which does not underflow
     real(dp) :: residual = 0                     !< of x(T) = x(0), in static deflections
     real(dp) :: closure = 0                      !< error of the state that the residual leaves, in static deflections
     integer :: periods = 1                       !< mesh periods until the motion repeats

@@ -12,7 +12,7 @@ module gearsweep_as_built_tables
   use gearsweep_task, only: members
   use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
-  use gearsweep_turn, only: amplitude_of, curve_t, turn_t
+  use gearsweep_turn, only: curve_t, find_amplitudes, turn_t
   implicit none
   private
   public :: machine_t, tooth_t, fill_tolerances, fill_points, fill_worst, fill_loads, fill_turn, fill_orders, fill_waterfall
@@ -110,7 +110,7 @@ contains
     periods = machines(1, 1)%turn*[(((machines(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
     call table%add('mesh_periods', '', of_periods, periods)
     call table%add('multiplier', '', 'largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion '// &
-                   'repels', [(((machines(a, d)%sweep%multiplier(:, r), a=1, m), d=1, n), r=1, k)]**(1.0_dp/periods))
+                   'repels', [(((machines(a, d)%sweep%mesh_multiplier(:, r), a=1, m), d=1, n), r=1, k)])
   end subroutine fill_points
 
   !> The largest dynamic factors over the speeds, and which teeth carry them.
@@ -271,28 +271,36 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: order(:), values(:, :)
     character(name_length), allocatable :: name(:), names(:)
-    complex(dp) :: at_rest, moving
+    complex(dp), allocatable :: at_rest(:), moving(:)
     integer :: i, k, n, row
 
     call list_orders(teeth, mesh_orders, order, name)
+    n = size(order)
     call table%begin('orders of the transmission error over the turn: each part is amplitude cos(2 pi order t + phase) over '// &
       'turns '// &
-                     't of the pinion', size(order)*size(turns), error)
+                     't of the pinion', n*size(turns), error)
     if (allocated(error)) return
-    allocate (values(table%rows, 8), names(table%rows))
+    allocate (values(table%rows, 8), source=no_number())
+    allocate (names(table%rows))
     row = 0
     do i = 1, size(amount)
+      call find_orders(static(i), teeth, mesh_orders, at_rest)
       do k = 1, size(turns, 1)
-        do n = 1, size(order)
-          row = row + 1
-          at_rest = micro*amplitude_of(static(i), order(n)/teeth(1))
-          values(row, :) = [in_um(amount(i)), turns(k, i)%rpm, order(n), order(n)*turns(k, i)%rpm/60, no_number(), no_number(), &
-                            abs(at_rest), phase_of(at_rest)]
-          names(row) = name(n)
-          if (.not. allocated(turns(k, i)%error%tau)) cycle
-          moving = micro*amplitude_of(turns(k, i)%error, order(n)/teeth(1))
-          values(row, 5:6) = [abs(moving), phase_of(moving)]
-        end do
+        associate (rows => values(row + 1:row + n, :))
+          rows(:, 1) = in_um(amount(i))
+          rows(:, 2) = turns(k, i)%rpm
+          rows(:, 3) = order
+          rows(:, 4) = order*turns(k, i)%rpm/60
+          if (allocated(turns(k, i)%error%tau)) then
+            call find_orders(turns(k, i)%error, teeth, mesh_orders, moving)
+            rows(:, 5) = micro*abs(moving)
+            rows(:, 6) = phase_of(moving)
+          end if
+          rows(:, 7) = micro*abs(at_rest)
+          rows(:, 8) = phase_of(at_rest)
+        end associate
+        names(row + 1:row + n) = name
+        row = row + n
       end do
     end do
     call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
@@ -324,7 +332,8 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: order(:), values(:, :)
     character(name_length), allocatable :: name(:)
-    integer :: k, n
+    complex(dp), allocatable :: amplitude(:)
+    integer :: k
 
     call list_orders(teeth, mesh_orders, order, name)
     call table%over('orders of the dynamic transmission error over the speed', error, axis('rpm', '1/min', of_speed, turns%rpm), &
@@ -333,9 +342,8 @@ contains
     allocate (values(size(order), size(turns)), source=no_number())
     do k = 1, size(turns)
       if (.not. allocated(turns(k)%error%tau)) cycle
-      do n = 1, size(order)
-        values(n, k) = micro*abs(amplitude_of(turns(k)%error, order(n)/teeth(1)))
-      end do
+      call find_orders(turns(k)%error, teeth, mesh_orders, amplitude)
+      values(:, k) = micro*abs(amplitude)
     end do
     call table%add('dte_amplitude_um', 'um', 'half of peak-to-peak of this part of the dynamic transmission error; NaN where '// &
       'there '// &
@@ -370,6 +378,34 @@ contains
     order = order(:n)
     name = name(:n)
   end subroutine list_orders
+
+  !> The amplitudes of these orders (m).
+  pure subroutine find_orders(curve, teeth, mesh_orders, amplitude)
+    type(curve_t), intent(in) :: curve
+    integer, intent(in) :: teeth(2), mesh_orders
+    complex(dp), allocatable, intent(out) :: amplitude(:)
+    complex(dp) :: pinion(mesh_orders*teeth(1)), gear(mesh_orders*teeth(2))
+    integer :: a, b, n
+
+    call find_amplitudes(curve, 1.0_dp/teeth(1), pinion)
+    call find_amplitudes(curve, 1.0_dp/teeth(2), gear)
+    allocate (amplitude(size(pinion) + size(gear)))
+    n = 0
+    a = 1
+    b = 1
+    do while (a <= size(pinion) .or. b <= size(gear))
+      n = n + 1
+      if (a*teeth(2) <= b*teeth(1)) then
+        amplitude(n) = pinion(a)
+        if (a*teeth(2) == b*teeth(1)) b = b + 1
+        a = a + 1
+      else
+        amplitude(n) = gear(b)
+        b = b + 1
+      end if
+    end do
+    amplitude = amplitude(:n)
+  end subroutine find_orders
 
   !> Order n of a gear with so many teeth: an order of its own, of the mesh, or a sideband of that.
   pure function name_of(gear, n, teeth) result(name)
