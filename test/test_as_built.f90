@@ -279,9 +279,9 @@ contains
         slope(tooth) = merge(-1, 1, i == 1)*c(1, k)*ratio/um
         pitch(tooth) = sense*merge(1, -1, i == 1)*(c(0, k)/um + form(tooth)/3)
       end do
-      ! Teeth that turn against the direction of counting engage in the order of their numbers; the pinion drives.
-      text = text//trim(gear(i))//'_counting = ''clockwise'' '//trim(gear(i))//'_rotation = '''// &
-             trim(merge('counterclockwise', 'clockwise       ', ascends))//''' '//trim(gear(i))//'_flank = '''// &
+      ! The pinion drives, so that it turns clockwise where its right flanks carry; counted against that, teeth engage in the order
+      ! of their numbers.
+      text = text//trim(gear(i))//'_counting = ''clockwise'' '//trim(gear(i))//'_flank = '''// &
              trim(merge('right', 'left ', ascends .neqv. i == 1))//''' '//trim(gear(i))//'_tooth = '//str(first(i))
       call add(trim(gear(i))//'_cumulative_pitch_um', pitch)
       if (any(abs(slope) > 0)) call add(trim(gear(i))//'_profile_slope_um', slope)
@@ -559,7 +559,7 @@ contains
   !> One clear error each.
   subroutine refused(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: counted = ', pinion_counting = ''clockwise'', pinion_rotation = ''clockwise'', pinion_flank = '// &
+    character(*), parameter :: counted = ', pinion_counting = ''clockwise'', pinion_flank = '// &
       '''right'''// &
                                          ', pinion_tooth = 1'
 
@@ -570,9 +570,8 @@ contains
     call refuse('pinion_single_pitch_um = 5*0'//counted, 'pinion_single_pitch_um: has 5 numbers; must have one for each of 6 teeth')
     call refuse('pinion_single_pitch_um = 5*0, 3'//counted, 'add up to 3 um')
     call refuse('pinion_profile_slope_um = 1, 2'//counted, 'pinion_profile_slope_um: has 2 numbers')
-    call refuse('pinion_cumulative_pitch_um = 6*0, pinion_counting = ''clockwise'', pinion_rotation = ''clockwise'', '// &
-                'pinion_flank = ''left'', pinion_tooth = 1', 'carries the load on its right flanks')
-    call refuse('pinion_cumulative_pitch_um = 6*0, pinion_counting = ''clockwise'', pinion_rotation = ''clockwise'', '// &
+    call refuse('pinion_cumulative_pitch_um = 6*0, pinion_counting = ''clockwise'', pinion_tooth = 1', 'pinion_flank: missing')
+    call refuse('pinion_cumulative_pitch_um = 6*0, pinion_counting = ''clockwise'', '// &
                 'pinion_flank = ''right'', pinion_tooth = 7', 'pinion_tooth = 7')
     call refuse('pinion_wave_order = 3, pinion_wave_um = 1', 'pinion_wave_phase_deg: missing')
     call refuse('pinion_wave_order = 3, pinion_wave_um = 1, pinion_wave_phase_deg = 1, 2', 'pinion_wave_phase_deg: has 2 numbers')

@@ -39,7 +39,7 @@ module test_inputs
   !> A value that a case gives to a key; a blank one takes the key out.
   type :: setting_t
     character(20) :: group
-    character(24) :: key
+    character(32) :: key
     character(60) :: value = ''
   end type setting_t
 
@@ -48,7 +48,7 @@ module test_inputs
   type :: change_t
     type(setting_t) :: setting
     character :: kind = ' '
-    character(120) :: beside = '', only = ''
+    character(260) :: beside = '', only = ''
     logical :: counted = .false.                 !< it changed something that a task reads
     character(:), allocatable :: parts           !< which, in the walk at hand
     integer :: count = 0                         !< how many parts; 0: nothing to run
@@ -127,6 +127,8 @@ contains
     character(*), parameter :: over_damping = 'branches second ''damping_ratio'';branches second_first 0.018;'// &
                                              'branches second_last 0.025'
 
+    character(*), parameter :: drawn = 'deviations pinion_runout_um ;deviations pinion_runout_phase_deg ;deviations pinion_class 6'
+
     allocate (list(0))
     call add('case title', '''another''')
     call add('case tasks', '''mesh'', ''load''')
@@ -145,6 +147,17 @@ contains
     call add('pair backlash_um', '1')
     call add_member('pinion', '22')
     call add_member('gear', '35')
+    call add_deviations('pinion', '21')
+    call add_deviations('gear', '34')
+    call add('deviations seed', '2', 'g', drawn)
+    call add('deviations draws', '2', 'g', drawn)
+    call add('deviations assembly', '''all''', 'g', 'gear teeth 28')
+    call add('deviations assembly', '''all''', 'p', 'gear teeth 28')
+    call add('as_built rpm', '15000')
+    call add('as_built relief_um', '5')
+    call add('as_built turn_rpm', '15000')
+    call add('as_built mesh_orders', '2')
+    call add('as_built waterfall', '.true.')
     call add('pinion teeth', '22', 'p')
     call add('gear teeth', '35', 'p', rubbing)
     call add('material young_gpa', '200')
@@ -410,6 +423,46 @@ contains
                'mesh base_pitch_mm 9;'//member//' teeth '//merge('21', '34', member == 'pinion'))
     end subroutine add_member
 
+    !> Of a gear with so many teeth, by lists that say how the teeth are counted.
+    subroutine add_deviations(member, teeth)
+      character(*), intent(in) :: member, teeth
+      character(*), parameter :: alone = 'deviations pinion_runout_um ;deviations pinion_runout_phase_deg ;'
+      character(:), allocatable :: own, counted
+
+      ! What deviates on the other gear would make the period a hunting period.
+      own = 'deviations '//member//'_'
+      counted = ';'//own//'counting ''clockwise'';'//own//'flank ''left'';'//own//'tooth 1'
+      call add(own//'class', '7', 'g', alone//own//'class 6')
+      call add(own//'single_pitch_um', '2, -2, '//rest(teeth, 2)//'*0', beside=alone//own//'single_pitch_um 3, -3, '// &
+        ''//rest(teeth, 2)// &
+               '*0'//counted)
+      call add(own//'cumulative_pitch_um', '2, '//rest(teeth, 1)//'*0', beside=alone//own//'cumulative_pitch_um 3, '// &
+        ''//rest(teeth, 1)// &
+               '*0'//counted)
+      call add(own//'profile_slope_um', '4', beside=alone//own//'profile_slope_um 3')
+      call add(own//'profile_form_um', '4', beside=alone//own//'profile_form_um 3')
+      call add(own//'counting', '''counterclockwise''', beside=alone//own//'single_pitch_um 3, -1, -2, '// &
+        ''//rest(teeth, 3)//'*0'//counted)
+      call add(own//'flank', '''right''', beside=alone//own//'single_pitch_um 3, -1, -2, '//rest(teeth, 3)//'*0'//counted)
+      call add(own//'tooth', '2', beside=alone//own//'single_pitch_um 3, -1, -2, '//rest(teeth, 3)//'*0'//counted)
+      call add(own//'runout_um', '8', beside=alone//own//'runout_um 5;'//own//'runout_phase_deg 20')
+      call add(own//'runout_phase_deg', '50', beside=alone//own//'runout_um 5;'//own//'runout_phase_deg 20')
+      call add(own//'wave_order', '4', beside=alone//own//'wave_order 3;'//own//'wave_um 1;'//own//'wave_phase_deg 20')
+      call add(own//'wave_um', '2', beside=alone//own//'wave_order 3;'//own//'wave_um 1;'//own//'wave_phase_deg 20')
+      call add(own//'wave_phase_deg', '50', beside=alone//own//'wave_order 3;'//own//'wave_um 1;'//own//'wave_phase_deg 20')
+    end subroutine add_deviations
+
+    !> So many teeth less some.
+    pure function rest(teeth, less) result(left)
+      character(*), intent(in) :: teeth
+      integer, intent(in) :: less
+      character(2) :: left
+      integer :: number
+
+      read (teeth, *) number
+      write (left, '(i0)') number - less
+    end function rest
+
     subroutine add(name, value, kind, beside, only)
       character(*), intent(in) :: name, value
       character(*), intent(in), optional :: kind, beside, only
@@ -439,6 +492,9 @@ contains
              'life tensile_strength_mpa 1500;'// &
              'body_modes modes 1;body_modes nodal_diameters 0;body_modes elements_across 2;body_modes shapes 1;'//few)
     if (task == 'body_modes') call set(settings, 'pinion bore_mm 20;gear bore_mm 30')
+    ! A turn of the pinion is the period then; light damping would take long over it.
+    if (task == 'as_built') call set(settings, 'dynamics damping_ratio 0.1;deviations pinion_runout_um 6;deviations '// &
+      'pinion_runout_phase_deg 30')
     ! Steady motions take longer with tip corners; these are walked with the tasks that have them here.
     if (.not. any(task == [character(task_length) :: 'mesh', 'load', 'static', 'sweep', 'transient', 'harmonic'])) &
       call set(settings, 'mesh corner_contact .false.')
@@ -464,6 +520,8 @@ contains
              'sweep rpm_step 4000;sweep load_rpm 18000;'//few//';precision rpm 17000;branches first 19000;branches last 21000')
     if (model == 'polynomial') call set(settings, 'mesh coefficients 400, 0, -60')
     if (model == 'table') call set(settings, 'mesh file ''1.csv''')
+    if (task == 'as_built') call set(settings, 'gear teeth 34;dynamics damping_ratio 0.1;'// &
+                                               'deviations pinion_runout_um 6;deviations pinion_runout_phase_deg 30')
   end function prescribed
 
   !> A line of constant stiffness (N/um).

@@ -135,32 +135,27 @@ contains
     character(*), intent(in) :: member
     type(flank_deviations_t), intent(inout) :: flanks
     type(error_t), allocatable, intent(inout) :: error
-    character(16), parameter :: senses(2) = [character(16) :: 'clockwise', 'counterclockwise']
     character(*), parameter :: without = 'none; required with a list of single teeth'
-    character(:), allocatable :: counting, rotation, flank, loaded
+    character(:), allocatable :: counting, flank
     character(sentence_length) :: lacks
-    logical :: listed
+    logical :: listed, turns_clockwise
 
     listed = is_list(flanks%single_pitch) .or. is_list(flanks%cumulative_pitch) .or. is_list(flanks%slope) .or. &
              is_list(flanks%form)
     lacks = unless(listed, 'a list of single teeth')
-    call reader%get(group, member//'counting', counting, error, tasks=task, required=listed, lacks=lacks, allowed=senses, &
-                    otherwise=without, meaning='direction in which the teeth are counted, seen from the datum face')
-    call reader%get(group, member//'rotation', rotation, error, tasks=task, required=listed, lacks=lacks, allowed=senses, &
-                    otherwise=without, meaning='direction in which the gear turns, seen from the same face')
+    call reader%get(group, member//'counting', counting, error, tasks=task, required=listed, lacks=lacks, &
+                    allowed=[character(16) :: 'clockwise', 'counterclockwise'], otherwise=without, &
+                    meaning='direction in which the teeth are counted, seen from the datum face')
     call reader%get(group, member//'flank', flank, error, tasks=task, required=listed, lacks=lacks, &
                     allowed=[character(5) :: 'left', 'right'], otherwise=without, &
-                    meaning='which flanks the lists are of, seen from the same face with the tip up; those that carry the load')
+                    meaning='flanks that carry the load, of which the lists are: seen from the datum face with the tip up')
     call reader%get(group, member//'tooth', flanks%tooth, error, tasks=task, required=listed, lacks=lacks, at_least=1, &
                     at_most=100000, otherwise=without, &
                     meaning='number of the tooth that enters contact at A at the time 0')
-    if (.not. (allocated(counting) .and. allocated(rotation) .and. allocated(flank))) return
-    flanks%ascends = counting /= rotation
-    ! The driving tooth carries on the side to which it moves, the driven one on the other.
-    loaded = trim(merge('right', 'left ', rotation == 'clockwise' .eqv. member == 'pinion_'))
-    if (listed .and. flank /= loaded) call fail(error, code_input, '&deviations '//member//'flank = '''//flank// &
-      ''': a '//trim(merge('driving', 'driven ', member == 'pinion_'))//' gear that turns '//rotation// &
-      ' carries the load on its '//loaded//' flanks')
+    if (.not. (allocated(counting) .and. allocated(flank))) return
+    ! The driving tooth carries on the side to which it moves, the driven one on the other; teeth engage one behind the other.
+    turns_clockwise = flank == 'right' .eqv. member == 'pinion_'
+    flanks%ascends = counting == 'clockwise' .neqv. turns_clockwise
   end subroutine read_counting
 
   pure logical function is_list(values)
