@@ -15,7 +15,8 @@ module gearsweep_as_built_tables
   use gearsweep_turn, only: curve_t, find_amplitudes, turn_t
   implicit none
   private
-  public :: machine_t, tooth_t, fill_tolerances, fill_points, fill_worst, fill_loads, fill_turn, fill_orders, fill_waterfall
+  public :: machine_t, tooth_t, fill_tolerances, fill_points, fill_worst, fill_summary, fill_loads, fill_turn, fill_orders, &
+            fill_waterfall
 
   real(dp), parameter :: micro = 1e6_dp
   integer, parameter :: name_length = 32
@@ -158,6 +159,58 @@ contains
       'the '// &
                    'time 0', values(:, 7))
   end subroutine fill_worst
+
+  !> Of each relief, what the largest dynamic factors of all gears and assemblies are.
+  subroutine fill_summary(amount, nominal, machines, table, error)
+    real(dp), intent(in) :: amount(:)            ! m; (relief)
+    type(sweep_t), intent(in) :: nominal
+    type(machine_t), intent(in) :: machines(:, :)          ! (assembly, draw)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: values(:, :), factor(:), rpm(:)
+    integer :: a, d, r
+
+    call table%over('largest dynamic factor over the speeds, of all pairs of gears and assemblies', error, &
+                    axis('relief_um', 'um', of_relief, in_um(amount)))
+    if (allocated(error)) return
+    allocate (values(size(amount), 6), source=no_number())
+    do r = 1, size(amount)
+      if (any(has_result(nominal%status(:, r)))) &
+        values(r, 1) = maxval(nominal%dynamic_factor(:, r), mask=has_result(nominal%status(:, r)))
+      factor = [((machines(a, d)%worst(r)%dynamic_factor, a=1, size(machines, 1)), d=1, size(machines, 2))]
+      rpm = [((machines(a, d)%worst(r)%rpm, a=1, size(machines, 1)), d=1, size(machines, 2))]
+      if (.not. any(rpm > 0)) cycle
+      values(r, 6) = rpm(maxloc(factor, 1, mask=rpm > 0))
+      factor = pack(factor, rpm > 0)
+      values(r, 2:5) = [minval(factor), quantile(factor, 0.5_dp), quantile(factor, 0.95_dp), maxval(factor)]
+    end do
+    call table%add('nominal_factor', '', 'largest DF over the speeds of gears without deviations', values(:, 1))
+    call table%add('least_factor', '', 'the least of the largest DF over the speeds', values(:, 2))
+    call table%add('median_factor', '', 'its median', values(:, 3))
+    call table%add('quantile_95_factor', '', 'what 95 % of them are at most', values(:, 4))
+    call table%add('largest_factor', '', 'the largest', values(:, 5))
+    call table%add('rpm', '1/min', 'speed at which that is', values(:, 6))
+  end subroutine fill_summary
+
+  !> The value that this part of the values is below, linear between two of them. Source: Hyndman and Fan 1996, The American
+  !> Statistician 50, 361, definition 7.
+  pure real(dp) function quantile(values, part)
+    real(dp), intent(in) :: values(:), part
+    real(dp) :: sorted(size(values)), place
+    integer :: i, k
+
+    sorted = values
+    do i = 2, size(sorted)
+      do k = i, 2, -1
+        if (sorted(k) >= sorted(k - 1)) exit
+        sorted(k - 1:k) = sorted([k, k - 1])
+      end do
+    end do
+    place = 1 + part*(size(sorted) - 1)
+    i = min(int(place), size(sorted) - 1)
+    quantile = sorted(size(sorted))
+    if (i > 0) quantile = sorted(i) + (place - i)*(sorted(i + 1) - sorted(i))
+  end function quantile
 
   !> The largest load of each pair of teeth over the turn.
   subroutine fill_loads(load, teeth, amount, turns, machine, table, error)

@@ -3,8 +3,8 @@
 !> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of the first gears and
 !> assembly are followed over the turn at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_task_as_built
-  use gearsweep_as_built_tables, only: fill_loads, fill_orders, fill_points, fill_tolerances, fill_turn, &
-                                       fill_waterfall, fill_worst, machine_t, tooth_t
+  use gearsweep_as_built_tables, only: fill_loads, fill_orders, fill_points, fill_summary, fill_tolerances, &
+                                       fill_turn, fill_waterfall, fill_worst, machine_t, tooth_t
   use gearsweep_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
   use gearsweep_deviations, only: deviations_t
   use gearsweep_error, only: code_memory, error_t, fail
@@ -49,7 +49,8 @@ contains
 
     info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
                                      stage%speeds], &
-                       tables='as_built as_built_worst as_built_loads as_built_turn as_built_orders as_built_waterfall '// &
+                       tables='as_built as_built_summary as_built_worst as_built_loads as_built_turn as_built_orders '// &
+                       'as_built_waterfall '// &
                        'tolerances', &
                        fields='', &
                        gives='dynamic factor of gears whose teeth have errors of their own, over whole turns: worst assembly, '// &
@@ -169,6 +170,7 @@ contains
     if (allocated(error)) return
     associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth)
       call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
+      call fill_summary(amount, nominal, machines, self%tables(self%place('as_built_summary')), error)
       call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
       call fill_loads(stages%load, teeth, amount, turns, machines(1, 1), self%tables(self%place('as_built_loads')), error)
       call fill_turn(teeth, amount, turns, static, self%tables(self%place('as_built_turn')), error)
@@ -317,20 +319,31 @@ contains
   pure subroutine add_report(self, lines)
     class(as_built_task_t), intent(in) :: self
     type(lines_t), intent(inout) :: lines
-    integer :: row
+    integer :: machines, row
 
-    if (.not. self%tables(self%place('as_built_worst'))%is_there()) return
+    if (.not. self%tables(self%place('as_built_summary'))%is_there()) return
     call lines%add('')
-    call lines%add('Gears as built: largest dynamic factor over the speeds')
-    call lines%add('   relief um   draw  assembly   nominal  as built         rpm  pinion tooth  gear tooth')
-    associate (worst => self%tables(self%place('as_built_worst')))
-      do row = 1, min(worst%rows, 40)
-        call lines%add(right(str(worst%number('relief_um', row)), 12)//right(str(nint(worst%number('draw', row))), 7)// &
-                       right(str(nint(worst%number('assembly', row))), 10)//factor_in(worst%number('nominal_factor', row))// &
-                       factor_in(worst%number('dynamic_factor', row))//right(str(worst%number('rpm', row)), 12)// &
-                       right(str(worst%number('pinion_tooth', row)), 14)//right(str(worst%number('gear_tooth', row)), 12))
+    associate (summary => self%tables(self%place('as_built_summary')), worst => self%tables(self%place('as_built_worst')))
+      machines = worst%extent(2)*worst%extent(3)
+      if (machines > 1) then
+        call lines%add('Gears as built: largest dynamic factor over the speeds; pairs of gears: '//str(worst%extent(2))// &
+                       ', assemblies: '//str(worst%extent(3)))
+        call lines%add('   relief um   nominal     least    median      95 %   largest      at rpm')
+      else
+        call lines%add('Gears as built: largest dynamic factor over the speeds')
+        call lines%add('   relief um   nominal  as built      at rpm   pinion tooth   gear tooth')
+      end if
+      do row = 1, summary%rows
+        call lines%put(right(str(summary%number('relief_um', row)), 12)//factor_in(summary%number('nominal_factor', row)))
+        if (machines > 1) then
+          call lines%add(factor_in(summary%number('least_factor', row))//factor_in(summary%number('median_factor', row))// &
+                         factor_in(summary%number('quantile_95_factor', row))// &
+                         factor_in(summary%number('largest_factor', row))//right(str(summary%number('rpm', row)), 12))
+        else
+          call lines%add(factor_in(worst%number('dynamic_factor', row))//right(str(worst%number('rpm', row)), 12)// &
+                         right(str(worst%number('pinion_tooth', row)), 15)//right(str(worst%number('gear_tooth', row)), 13))
+        end if
       end do
-      if (worst%rows > 40) call lines%add('   and '//str(worst%rows - 40)//' rows more in the table as_built_worst')
     end associate
   end subroutine add_report
 end module gearsweep_task_as_built
