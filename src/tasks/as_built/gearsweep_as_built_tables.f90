@@ -2,10 +2,12 @@
 module gearsweep_as_built_tables
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
+  use gearsweep_flank, only: flank_contact, surfaces_t
   use gearsweep_flank_deviations, only: flank_deviations_t, tooth_number
   use gearsweep_kinds, only: dp, pi
   use gearsweep_pair, only: pair_t
   use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
+  use gearsweep_stages, only: stages_t
   use gearsweep_status, only: has_result
   use gearsweep_sweep, only: sweep_t
   use gearsweep_table, only: axis, no_number, table_t
@@ -213,17 +215,17 @@ contains
   end function quantile
 
   !> The largest load of each pair of teeth over the turn.
-  subroutine fill_loads(load, teeth, amount, turns, machine, table, error)
-    real(dp), intent(in) :: load                 ! static, N
-    integer, intent(in) :: teeth(2)
+  subroutine fill_loads(stages, amount, turns, machine, table, error)
+    type(stages_t), intent(in) :: stages
     real(dp), intent(in) :: amount(:)            ! m; (relief)
     type(turn_t), intent(in) :: turns(:, :)      ! (speed, relief)
     type(machine_t), intent(in) :: machine
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :)
-    integer :: i, k, n, row
+    integer :: teeth(2), i, k, n, row
 
+    teeth = stages%motion(1)%mesh%teeth
     call table%begin('largest load of each pair of teeth over the turn, in the order in which the pairs enter at A', &
                      sum([((pairs_in(turns(k, i)), k=1, size(turns, 1)), i=1, size(turns, 2))]), error)
     if (allocated(error)) return
@@ -247,8 +249,14 @@ contains
     call table%add('pinion_tooth', '', 'number of the pinion''s tooth', nint(values(:, 4)))
     call table%add('gear_tooth', '', 'number of the gear''s tooth', nint(values(:, 5)))
     call table%add('load_n', 'N', 'largest load on this pair', values(:, 6))
-    call table%add('load_ratio', '', 'the same over the static load', values(:, 6)/load)
+    call table%add('load_ratio', '', 'the same over the static load', values(:, 6)/stages%load)
     call table%add('s', '', 'where that load is: path coordinate of the pair, in base pitches from A', values(:, 7))
+    if (.not. allocated(stages%pair)) return
+    associate (contact => flank_contact(stages%pair, surfaces_t(material=stages%material), 0.0_dp, values(:, 2)*2*pi/60, &
+                                        values(:, 7), values(:, 6)))
+      call table%add('pressure_mpa', 'MPa', 'largest Hertz pressure on the flanks under that load; NaN at a tip corner, which '// &
+                     'has no radius', contact%pressure/1e6_dp)
+    end associate
   end subroutine fill_loads
 
   pure integer function pairs_in(turn)

@@ -172,7 +172,7 @@ contains
       call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
       call fill_summary(amount, nominal, machines, self%tables(self%place('as_built_summary')), error)
       call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
-      call fill_loads(stages%load, teeth, amount, turns, machines(1, 1), self%tables(self%place('as_built_loads')), error)
+      call fill_loads(stages, amount, turns, machines(1, 1), self%tables(self%place('as_built_loads')), error)
       call fill_turn(teeth, amount, turns, static, self%tables(self%place('as_built_turn')), error)
       call fill_orders(teeth, amount, turns, static, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
       if (self%waterfall) call fill_waterfall(teeth, waterfall, self%mesh_orders, &
