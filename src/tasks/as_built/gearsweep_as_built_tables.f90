@@ -367,7 +367,7 @@ contains
     call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
     call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
     call table%add_index(axis('order', '', of_order, values(:, 3)))
-    call table%add_words('name', 'what it is: mesh, pinion and gear orders, and sidebands of mesh orders', names)
+    call table%add_words('order_name', 'what it is: mesh, pinion and gear orders, and sidebands of mesh orders', names)
     call table%add('gear_order', '', 'cycles a turn of the gear', values(:, 3)*teeth(2)/teeth(1))
     call table%add('frequency_hz', 'Hz', 'frequency at this speed', values(:, 4))
     call table%add('dte_amplitude_um', 'um', 'half of peak-to-peak of this part of the dynamic transmission error; NaN where '// &
