@@ -78,7 +78,7 @@ contains
                     'run-out', &
                          symbols))
     if (allocated(error)) return
-    call table%add('class', '', 'flank tolerance class', table%along(1, real(class(gears), dp)))
+    call table%add('tolerance_class', '', 'flank tolerance class', table%along(1, real(class(gears), dp)))
     call table%add('tolerance_um', 'um', 'rounded as the standard does', [values])
     call table%add('exact_um', 'um', 'the same before rounding', [exact])
   end subroutine fill_tolerances
