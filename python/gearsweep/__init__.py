@@ -45,6 +45,8 @@ for _one in (Code, Error, PartialWarning, UnusedWarning, Study, Table, Case):
 
 #: In `gearsweep.plots`, which is loaded with the first of them.
 _PLOTS = (
+    'plot_as_built',
+    'plot_assemblies',
     'plot_attractors',
     'plot_basins',
     'plot_body_campbell',
@@ -65,6 +67,7 @@ _PLOTS = (
     'plot_modal',
     'plot_motion_harmonics',
     'plot_optimum',
+    'plot_orders',
     'plot_poincare',
     'plot_precision',
     'plot_rating',
@@ -82,6 +85,9 @@ _PLOTS = (
     'plot_torque_harmonics',
     'plot_transient',
     'plot_transient_peaks',
+    'plot_turn',
+    'plot_turn_loads',
+    'plot_waterfall',
     'plots',
 )
 

@@ -80,9 +80,10 @@ def everything():
                                 harmonic={'frequency_hz': [0, 1e5], 'modes': 3},
                                 life={'rpm': [4000, 6000], 'duration_h': [10, 20], 'mean_stress': 'none'},
                                 pinion={'bore_mm': 20}, body_modes={'nodal_diameters': 2, 'elements_across': 2, 'shapes': 3},
+                                as_built={'waterfall': True}, deviations={'pinion_class': 6, 'draws': 2},
                                 precision={'most_steps': 100, 'most_samples': 64, 'most_elements': 4, 'modes': 1})  # fmt: skip
     return gearsweep.run(case, (*case.tasks, *MAPS, 'branches', 'sensitivity', 'flank', 'rating', 'transient', 'harmonic', 'life',
-                                'body_modes', 'torque', 'deflection_relief'))  # fmt: skip
+                                'body_modes', 'torque', 'deflection_relief', 'as_built'))  # fmt: skip
 
 
 def all_plots():
@@ -786,7 +787,8 @@ def test_draw_all_writes_what_there_is(everything, prescribed, tmp_path):
              'sweep', 'dte_sweep', 'optimum_curve', 'relief_curve', 'relief_flank', 'stability', 'hysteresis', 'poincare', 'attractors', 'basins',
              'branches', 'branch_curves', 'sensitivity',
              'precision', 'flank',
-             'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes', 'body_campbell')  # fmt: skip
+             'dynamic_factors', 'transient', 'transient_peaks', 'harmonic', 'campbell', 'life_parts', 'body_modes', 'body_campbell',
+             'as_built', 'as_built_worst', 'as_built_turn', 'as_built_orders', 'as_built_waterfall')  # fmt: skip
     found = plots.draw_all(everything, tmp_path / 'new', 'pair', formats=['svg'])
     assert found == [str(tmp_path / 'new' / f'pair.{name}.svg') for name in names]
     assert sorted(path.name for path in (tmp_path / 'new').iterdir()) == sorted(path.rpartition('/')[2] for path in found)

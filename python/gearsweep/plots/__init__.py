@@ -29,6 +29,7 @@ from .along_path import (
     plot_ste,
     plot_stiffness,
 )
+from .as_built import plot_as_built, plot_assemblies, plot_orders, plot_turn, plot_turn_loads, plot_waterfall
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
@@ -55,6 +56,8 @@ __all__ = [
     'compare',
     'draw_all',
     'figures',
+    'plot_as_built',
+    'plot_assemblies',
     'plot_attractors',
     'plot_basins',
     'plot_body_campbell',
@@ -75,6 +78,7 @@ __all__ = [
     'plot_modal',
     'plot_motion_harmonics',
     'plot_optimum',
+    'plot_orders',
     'plot_poincare',
     'plot_precision',
     'plot_rating',
@@ -92,6 +96,9 @@ __all__ = [
     'plot_torque_harmonics',
     'plot_transient',
     'plot_transient_peaks',
+    'plot_turn',
+    'plot_turn_loads',
+    'plot_waterfall',
     'save',
     'style',
 ]

@@ -27,6 +27,7 @@ from .along_path import (
     plot_ste,
     plot_stiffness,
 )
+from .as_built import plot_as_built, plot_assemblies, plot_orders, plot_turn, plot_turn_loads, plot_waterfall
 from .attractors import plot_attractors, plot_basins
 from .body import plot_modal, plot_section
 from .body_modes import plot_body_modes
@@ -253,6 +254,48 @@ def _flank(study: Study) -> Figure:
     return figure
 
 
+def _as_built(study: Study) -> Figure:
+    """A panel for each relief, all to one scale."""
+    figure = _reliefs('as_built', plot_as_built, 70)(study)
+    _one_scale(figure.axes, 'y')
+    return figure
+
+
+def _assemblies(study: Study) -> Figure:
+    """A panel for each relief, all to one scale."""
+    amounts = reliefs_of(study.as_built_worst)
+    figure, axes = _panels(len(amounts), 'reliefs', 2, 65)
+    for ax, amount in zip(axes, amounts):
+        plot_assemblies(study, ax, relief_um=amount)
+        ax.margins(y=0.35)  # room for the words of the least and the largest of all
+    _one_scale(axes, 'y')
+    return figure
+
+
+def _turn(study: Study) -> Figure:
+    """Transmission error above the loads of the pairs, for each relief and speed; at rest alone where a relief has no answer."""
+    loads = study.as_built_loads
+    points = list(dict.fromkeys(zip(loads.relief_um, loads.rpm)))
+    alone = [amount for amount in dict.fromkeys(study.as_built_turn.relief_um) if amount not in loads.relief_um]
+    figure, axes = _panels(2 * len(points) + len(alone), 'panels', 1, 50)
+    for above, below, (amount, rpm) in zip(axes[::2], axes[1::2], points):
+        plot_turn(study, above, relief_um=amount, rpm=rpm)
+        above.set_xlabel('')
+        plot_turn_loads(study, below, relief_um=amount, rpm=rpm)
+    for ax, amount in zip(axes[2 * len(points) :], alone):
+        plot_turn(study, ax, relief_um=amount)
+    return figure
+
+
+def _orders(study: Study) -> Figure:
+    """A panel for each relief and speed."""
+    points = list(dict.fromkeys(zip(study.as_built_orders.relief_um, study.as_built_orders.rpm)))
+    figure, axes = _panels(len(points), 'operating points', 1, 90)
+    for ax, (amount, rpm) in zip(axes, points):
+        plot_orders(study, ax, relief_um=amount, rpm=rpm)
+    return figure
+
+
 def _body_modes(study: Study) -> Figure:
     """A panel for each mode that has a shape."""
     count = len(study.body_shapes.axial_cos)
@@ -294,11 +337,11 @@ def _panels(n: int, what: str, across: int, height: float) -> tuple[Figure, list
     return figure, axes[:shown]
 
 
-def _one_scale(axes: Sequence[Axes]) -> None:
-    """Panels whose bars are to be compared have the same axis."""
-    ends = np.array([ax.get_xlim() for ax in axes])
+def _one_scale(axes: Sequence[Axes], of: str = 'x') -> None:
+    """Panels whose values are to be compared have the same axis."""
+    ends = np.array([getattr(ax, f'get_{of}lim')() for ax in axes])
     for ax in axes:
-        ax.set_xlim(ends[:, 0].min(), ends[:, 1].max())
+        ax.set(**{f'{of}lim': (ends[:, 0].min(), ends[:, 1].max())})
 
 
 def _one_legend(axes: Sequence[Axes]) -> None:
@@ -357,4 +400,10 @@ PICTURES = {
     'body_modes': Picture('Modes of a whole gear seen from the front, with the displacement along the axis or in the plane', _body_modes),
     'body_campbell': Picture('Speeds at which the mesh excites the modes of a whole gear as it turns past the load',
                              _single(plot_body_campbell, 100, PAGE)),
+    'as_built': Picture('Dynamic factor over speed of gears as built, median and band of all pairs of gears and assemblies, beside that of '
+                        'nominal gears', _as_built),
+    'as_built_worst': Picture('Largest dynamic factor of each assembly, best and worst named', _assemblies),
+    'as_built_turn': Picture('Transmission error over the turn in motion and, fine, at rest; below it the largest load of each pair of teeth', _turn),
+    'as_built_orders': Picture('Orders of the dynamic transmission error and, hollow, of the static one, with the names of the largest', _orders),
+    'as_built_waterfall': Picture('Amplitude of the dynamic transmission error over speed and order', _single(plot_waterfall, 90, PAGE)),
 }  # fmt: skip

@@ -134,6 +134,21 @@ def legends_above(ax: Axes, *parts: tuple[str, Sequence[Artist]], gap: float = 0
         gap += 0.3 + 1.3 * (-(-len(handles) // columns) + bool(title))
 
 
+def names_above(ax: Axes, names: list[tuple[float, float, str, str]]) -> float:
+    """Upright names (x, y, words, colour) above the axes, ascending, each joined to its point, moved apart where they would overlap; how
+    many lines of words they are high."""
+    gap = 9.5 / (72 * ax.bbox.width / ax.figure.dpi) * ax.get_xlim()[1]
+    places = np.array([x for x, *_ in names], float)
+    for _ in range(100):  # two that are too close give way to both sides
+        for k in range(1, len(places)):
+            places[k - 1 : k + 1] += max(0.0, gap - places[k] + places[k - 1]) / 2 * np.array([-1, 1])
+    arrow = {'arrowstyle': '-', 'color': FAINT, 'linewidth': 0.5, 'shrinkA': 0, 'shrinkB': 0}
+    for (x, y, words, color), place in zip(names, places):
+        ax.annotate(words, (x, y), (place, 1.03), 'data', ax.get_xaxis_transform(), rotation=90, ha='center', va='bottom',
+                    color=color, annotation_clip=False, arrowprops=arrow)  # fmt: skip
+    return 0.55 * max(len(words) for _, _, words, _ in names) + 1
+
+
 def over_speeds(ax: Axes, rpm: Any) -> None:
     """Labels an axis of speeds; a single one stands in the middle, alone."""
     ax.set_xlabel('Speed of the pinion (1/min)')
