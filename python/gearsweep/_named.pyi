@@ -701,6 +701,140 @@ class ReliefFlankTable(Table):
     relief_by_diameter_um: NDArray[float64]
     """um: relief of the same amount that grows in proportion to the diameter, as in Eq. 1 of Thamba et al. 2020"""
 
+class AsBuiltTable(Table):
+    """dynamic factor of gears as built, over speed, relief, gears and assembly"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    draw: NDArray[int64]
+    """which gears, in the order in which they are drawn"""
+    assembly: NDArray[int64]
+    """which assembly: 1 as stated; in each further one the gear's next tooth to engage meets the pinion's stated tooth"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    dynamic_factor: NDArray[float64]
+    """dynamic factor DF: largest load of a pair over the static load; NaN where there is no answer"""
+    error_estimate: NDArray[float64]
+    """estimated error of DF; NaN where there is no answer or it is not known"""
+    status: NDArray[str_]
+    """how the operating point ended, in a word"""
+    nominal_factor: NDArray[float64]
+    """dynamic factor of gears without deviations; NaN where there is no answer"""
+    dte_rms_um: NDArray[float64]
+    """um: root mean square of what the dynamic transmission error differs from its mean"""
+    dte_peak_to_peak_um: NDArray[float64]
+    """um: largest less least dynamic transmission error"""
+    mesh_periods: NDArray[int64]
+    """mesh periods until the motion repeats"""
+    multiplier: NDArray[float64]
+    """largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion repels"""
+
+class AsBuiltWorstTable(Table):
+    """largest dynamic factor over the speeds of gears as built, and the teeth that carry it"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    draw: NDArray[int64]
+    """which gears, in the order in which they are drawn"""
+    assembly: NDArray[int64]
+    """which assembly: 1 as stated; in each further one the gear's next tooth to engage meets the pinion's stated tooth"""
+    dynamic_factor: NDArray[float64]
+    """largest DF over the speeds; NaN where none has an answer"""
+    rpm: NDArray[float64]
+    """1/min: speed at which it is"""
+    nominal_factor: NDArray[float64]
+    """largest DF over the speeds of gears without deviations"""
+    pinion_tooth: NDArray[float64]
+    """number of the pinion's tooth that carries the largest load"""
+    gear_tooth: NDArray[float64]
+    """number of the gear's tooth that carries it"""
+    s: NDArray[float64]
+    """where it is: path coordinate of this pair, in base pitches from A"""
+    first_gear_tooth: NDArray[float64]
+    """number of the gear's tooth that enters at A with the pinion's stated tooth at the time 0"""
+
+class AsBuiltLoadsTable(Table):
+    """largest load of each pair of teeth over the turn, in the order in which the pairs enter at A"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    pair: NDArray[int64]
+    """which pair, from 1; it enters at A at the time pair - 1, in mesh periods"""
+    pinion_tooth: NDArray[int64]
+    """number of the pinion's tooth"""
+    gear_tooth: NDArray[int64]
+    """number of the gear's tooth"""
+    load_n: NDArray[float64]
+    """N: largest load on this pair"""
+    load_ratio: NDArray[float64]
+    """the same over the static load"""
+    s: NDArray[float64]
+    """where that load is: path coordinate of the pair, in base pitches from A"""
+
+class AsBuiltTurnTable(Table):
+    """transmission error along the line of action over the turn, at rest (rpm 0) and in motion"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion; 0: at rest"""
+    tau: NDArray[float64]
+    """time in mesh periods since the stated teeth entered at A"""
+    pinion_angle_deg: NDArray[float64]
+    """deg: angle through which the pinion has turned"""
+    transmission_error_um: NDArray[float64]
+    """um: static (rpm 0) or dynamic transmission error along the line of action; 0 where nominal teeth touch without load"""
+
+class AsBuiltOrdersTable(Table):
+    """orders of the transmission error over the turn: each part is amplitude cos(2 pi order t + phase) over turns t of the pinion"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    order: NDArray[float64]
+    """order: cycles a turn of the pinion"""
+    order_name: NDArray[str_]
+    """what it is: mesh, pinion and gear orders, and sidebands of mesh orders"""
+    gear_order: NDArray[float64]
+    """cycles a turn of the gear"""
+    frequency_hz: NDArray[float64]
+    """Hz: frequency at this speed"""
+    dte_amplitude_um: NDArray[float64]
+    """um: half of peak-to-peak of this part of the dynamic transmission error; NaN where there is no answer"""
+    dte_phase_deg: NDArray[float64]
+    """deg: its phase at the time 0"""
+    ste_amplitude_um: NDArray[float64]
+    """um: the same of the static transmission error"""
+    ste_phase_deg: NDArray[float64]
+    """deg: its phase at the time 0"""
+
+class AsBuiltWaterfallTable(Table):
+    """orders of the dynamic transmission error over the speed"""
+
+    rpm: NDArray[float64]
+    """1/min: speed of the pinion"""
+    order: NDArray[float64]
+    """order: cycles a turn of the pinion"""
+    dte_amplitude_um: NDArray[float64]
+    """um: half of peak-to-peak of this part of the dynamic transmission error; NaN where there is no answer"""
+
+class TolerancesTable(Table):
+    """flank tolerances of ISO 1328-1 by class"""
+
+    gear: NDArray[str_]
+    """which gear"""
+    symbol: NDArray[str_]
+    """tolerance: single and cumulative pitch, slope, form and total of profile and helix, run-out"""
+    tolerance_class: NDArray[float64]
+    """flank tolerance class"""
+    tolerance_um: NDArray[float64]
+    """um: rounded as the standard does"""
+    exact_um: NDArray[float64]
+    """um: the same before rounding"""
+
 class StabilityTable(Table):
     """stability of the motion with all pairs in contact; unstable where floquet_modulus is above 1"""
 
@@ -1870,6 +2004,20 @@ class Named:
     def relief_curve(self) -> ReliefCurveTable: ...
     @property
     def relief_flank(self) -> ReliefFlankTable: ...
+    @property
+    def as_built(self) -> AsBuiltTable: ...
+    @property
+    def as_built_worst(self) -> AsBuiltWorstTable: ...
+    @property
+    def as_built_loads(self) -> AsBuiltLoadsTable: ...
+    @property
+    def as_built_turn(self) -> AsBuiltTurnTable: ...
+    @property
+    def as_built_orders(self) -> AsBuiltOrdersTable: ...
+    @property
+    def as_built_waterfall(self) -> AsBuiltWaterfallTable: ...
+    @property
+    def tolerances(self) -> TolerancesTable: ...
     @property
     def stability(self) -> StabilityTable: ...
     @property
