@@ -21,6 +21,7 @@ import importlib
 
 from . import _library
 from ._library import Code, Error, PartialWarning, UnusedWarning
+from ._sound import write_sound
 from .case import Case
 from .study import Study, read, run
 from .table import Table
@@ -37,6 +38,7 @@ __all__ = [
     'UnusedWarning',
     'read',
     'run',
+    'write_sound',
 ]
 
 

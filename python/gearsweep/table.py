@@ -216,6 +216,23 @@ def meant(name: str, names) -> str:
     return f' (did you mean {close[0]}?)' if close else f'; there are {", ".join(names)}' if names else '; there are none'
 
 
+def one_of(values: np.ndarray, wanted: float | None, name: str) -> float:
+    """The value of a column that is wanted, or the first.
+
+    Raises
+    ------
+    ValueError
+        The column has no such value, or none.
+    """
+    if not values.size:
+        raise ValueError(f'{name}: there is none, as no point has an answer')
+    if wanted is None:
+        return float(values[0])
+    if not np.isclose(values, wanted).any():
+        raise ValueError(f'{name} = {wanted:g}: must be one of {", ".join(f"{value:g}" for value in dict.fromkeys(values))}')
+    return wanted
+
+
 def in_short(values: Any) -> str:
     """A few of the values, or their range; of words, how often each stands there."""
     if isinstance(values, str):

@@ -83,7 +83,7 @@ def test_what_has_no_answer_is_told(unanswered, ax):
     assert f'no answer: {unanswered.as_built.status[0, 0, 0, 0]}' in words_of(ax)
     for plot in (plots.plot_turn, plots.plot_orders):
         assert 'Tip relief 0 µm, no answer in motion' in words_of(plot(unanswered, Figure().subplots()))
-    with pytest.raises(ValueError, match='as_built_loads has no rows: no motion has an answer'):
+    with pytest.raises(ValueError, match='relief_um: there is none, as no point has an answer'):
         plots.plot_turn_loads(unanswered, ax)
 
 

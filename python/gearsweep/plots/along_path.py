@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..study import Study
-from ..table import Table
+from ..table import Table, one_of
 from .look import ASIDE, FAINT, HALO, INK, VISIBLE, canvas
-from .reliefs import Integers, Reals, Reliefs, one_of, paths, table_of, unanswered
+from .reliefs import Integers, Reals, Reliefs, paths, table_of, unanswered
 
 
 def plot_stiffness(mesh: Study | Table, ax: Axes | None = None) -> Axes:

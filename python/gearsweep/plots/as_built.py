@@ -13,10 +13,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ..study import Study
-from ..table import Table
+from ..table import Table, one_of
 from .look import ACCENT, ASIDE, FAINT, FINE, GREY, HALO, HOLLOW, INK, MM, PAGE, canvas, legends_above, names_above, over_speeds
 from .over_speed import crosses, curve
-from .reliefs import Reliefs, one_of, study_of, table_of
+from .reliefs import Reliefs, study_of, table_of
 
 #: From so many pairs of gears and assemblies on, a band leaves out the outermost.
 MANY = 20
@@ -224,8 +224,6 @@ def _point(table: Table, relief_um: float | None, rpm: float | None) -> tuple[fl
     ValueError
         The table has no such point, or none.
     """
-    if not table.rows:
-        raise ValueError(f'{table.name} has no rows: no motion has an answer')
     relief = one_of(table.relief_um, relief_um, 'relief_um')
     mine = np.isclose(table.relief_um, relief)
     speed = one_of(table.rpm[mine], rpm, 'rpm')

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..study import Study
-from ..table import Table
+from ..table import Table, one_of
 from .along_path import finish
 from .look import FINE, GREY, canvas
-from .reliefs import Reliefs, one_of, paths, table_of
+from .reliefs import Reliefs, paths, table_of
 
 #: Columns of the table `flank` that `plot_flank` shows, with their labels.
 QUANTITIES = {

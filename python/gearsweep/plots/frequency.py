@@ -11,10 +11,10 @@ from matplotlib.lines import Line2D
 
 from ..case import Case
 from ..study import Study
-from ..table import Table
+from ..table import Table, one_of
 from .look import ACCENT, FAINT, FINE, GREY, HALO, INK, MM, PAGE, canvas, in_khz, legends_above, line_styles
 from .over_speed import curve
-from .reliefs import one_of, study_of, table_of
+from .reliefs import study_of, table_of
 
 
 def plot_frequency_response(response: Study | Table, ax: Axes | None = None, *, tangent_deg: float | None = None) -> Axes:

@@ -31,21 +31,6 @@ def study_of(result: Study | Table) -> Study:
     return result if isinstance(result, Study) else result.study
 
 
-def one_of(values: NDArray[np.float64], wanted: float | None, name: str) -> float:
-    """The value of a column that is wanted, or the first.
-
-    Raises
-    ------
-    ValueError
-        The column has no such value.
-    """
-    if wanted is None:
-        return float(values[0])
-    if not np.isclose(values, wanted).any():
-        raise ValueError(f'{name} = {wanted:g}: must be one of {", ".join(f"{value:g}" for value in dict.fromkeys(values))}')
-    return wanted
-
-
 class Reliefs:
     """The reliefs (um) that a case lists, each with its line style."""
 

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..study import Study
-from ..table import Table
+from ..table import Table, one_of
 from .along_path import harmonic_bars
 from .look import ASIDE, FAINT, canvas
-from .reliefs import Reliefs, one_of, table_of, unanswered
+from .reliefs import Reliefs, table_of, unanswered
 
 #: Mesh periods shown of a motion that repeats after one.
 SHOWN = 2

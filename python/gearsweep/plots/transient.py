@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..study import Study
-from ..table import Table
+from ..table import Table, one_of
 from .look import FINE, GREY, canvas, over_speeds
 from .over_speed import curve
-from .reliefs import Reliefs, one_of, table_of
+from .reliefs import Reliefs, table_of
 
 
 def plot_transient(
