@@ -221,10 +221,23 @@ def _sensitivity(study: Study) -> Iterator[Headline]:
                        f'{shown(slope[at], 3)} % for 1 % more')  # fmt: skip
 
 
+def _as_built(study: Study) -> Iterator[Headline]:
+    worst = study.as_built_worst
+    factor, relief = worst._read('dynamic_factor'), worst._read('relief_um')
+    if not np.isfinite(factor).any():
+        return
+    by_relief = {one: _most(factor[relief == one]) for one in dict.fromkeys(relief.tolist())}
+    best = min(by_relief, key=lambda one: np.nan_to_num(by_relief[one], nan=np.inf))
+    at = int(np.flatnonzero((relief == best) & (factor == by_relief[best]))[0])
+    nominal = f'nominal {shown(worst._read("nominal_factor")[at])}, relief {shown(best)} µm, at {shown(worst._read("rpm")[at], 5)} 1/min'
+    yield Headline('as_built', 'as_built', 'Largest dynamic factor as built', shown(factor[at]), nominal)
+
+
 #: By the tables that they need, answers before what describes the pair.
 _ALL = (
     ('optimum', _optimum), ('sweep_summary', _sweep), ('rating', _rating), ('flank_losses', _flank), ('deflection_relief', _deflection_relief),
-    ('load_points', _load), ('torque_points', _torque), ('sensitivity', _sensitivity), ('root_stress', _static), ('life', _life),
+    ('load_points', _load), ('torque_points', _torque), ('sensitivity', _sensitivity), ('as_built_worst', _as_built),
+    ('root_stress', _static), ('life', _life),
     ('transient_peaks', _transient), ('section_resonances', _harmonic), ('modal', _modal), ('body_modes', _body_modes),
     ('tongues', _stability), ('hysteresis', _hysteresis), ('lyapunov', _poincare), ('attractor_points', _attractors), ('branches', _branches),
     ('transmission_error', _mesh), ('geometry', _geometry), ('motion', _motion),

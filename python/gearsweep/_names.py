@@ -21,7 +21,7 @@ NUMBERS = {
 
 #: Tasks by what they are for.
 TASKS = {
-    'Design': ('geometry', 'mesh', 'sweep', 'optimum', 'deflection_relief', 'load', 'torque', 'sensitivity'),
+    'Design': ('geometry', 'mesh', 'sweep', 'optimum', 'deflection_relief', 'load', 'torque', 'sensitivity', 'as_built'),
     'Strength': ('static', 'rating', 'flank', 'life', 'transient', 'harmonic'),
     'Vibration': ('section', 'modal', 'body_modes'),
     'Nonlinear motion': ('stability', 'hysteresis', 'poincare', 'attractors', 'branches'),
@@ -54,4 +54,5 @@ WORDS = {
     'static': 'static root stress',
     'rating': 'rating by ISO 6336',
     'precision': 'precision of methods',
+    'as_built': 'gears as built',
 }

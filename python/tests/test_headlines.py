@@ -29,6 +29,17 @@ def test_a_task_has_its_numbers():
     assert (told['Optimum relief'].task, told['Optimum relief'].picture) == ('optimum', 'optimum')
 
 
+def test_gears_as_built_tell_the_relief_that_is_best_for_the_worst_of_them():
+    case = Case(GEARED).changed(case={'tasks': 'as_built'}, mesh={'model': 'weber'}, gear={'teeth': 42}, deviations={'pinion_class': 6, 'draws': 3},
+                                sweep={'rpm_first': 6000, 'rpm_last': 8000, 'rpm_step': 1000})  # fmt: skip
+    study = gearsweep.run(case, 'as_built')
+    worst = study.as_built_worst.dynamic_factor.reshape(2, 3).max(axis=1)
+    best = by_name(study)['Largest dynamic factor as built']
+    assert (best.task, best.picture, best.value) == ('as_built', 'as_built', shown(worst.min()))
+    nominal = study.as_built_worst.nominal_factor[worst.argmin()].max()
+    assert best.more.startswith(f'nominal {shown(nominal)}, relief {shown((0, 10)[worst.argmin()])} µm, at ')
+
+
 def test_one_relief_is_not_the_best_of_a_list():
     told = by_name(gearsweep.run(Case(PRESCRIBED).changed(relief={'amount_um': 5}), 'sweep'))
     assert 'Best of the list' not in told and told['Largest dynamic factor'].more.startswith('at 12000 1/min')

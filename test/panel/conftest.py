@@ -68,6 +68,16 @@ REST = """&case tasks = 'sweep', 'load', 'transient', 'branches', 'life', 'body_
 &life rpm = 4000, 6000 duration_h = 10, 20 tensile_strength_mpa = 900 /
 &body_modes nodal_diameters = 2 elements_across = 2 shapes = 3 /
 """
+BUILT = """&case tasks = 'as_built' /
+&pair module_mm = 3 face_width_mm = 20 /
+&pinion teeth = 14 profile_shift = 0.3 / &gear teeth = 21 /
+&load torque_nm = 100 /
+&relief amount_um = 0, 10 /
+&mesh model = 'weber' /
+&sweep rpm_first = 5000 rpm_last = 9000 rpm_step = 1000 /
+&as_built turn_rpm = 6000, 9000 waterfall = .true. /
+&deviations pinion_class = 6 gear_class = 7 draws = 2 assembly = 'all' /
+"""
 LONG = """&case tasks = 'poincare' /
 &pinion teeth = 25 effective_mass_kg = 0.8 / &gear effective_mass_kg = 0.9 /
 &load normal_force_n = 6858 / &relief amount_um = 0 /
@@ -98,6 +108,7 @@ def folder(tmp_path_factory):
     (path / 'long.nml').write_text(LONG)
     (path / 'more.nml').write_text(MORE)
     (path / 'rest.nml').write_text(REST)
+    (path / 'built.nml').write_text(BUILT)
     (path / 'rated.nml').write_text(RATED)
     return path
 

@@ -154,6 +154,7 @@ PICTURES = {
     'more.nml': ['stress', 'stability', 'tongues', 'hysteresis', 'ramps', 'poincare', 'section_plane', 'lyapunov', 'attractors', 'basins', 'rating'],
     'rest.nml': ['largest', 'coast', 'dte_harmonics', 'load_harmonics', 'transient', 'transient_peaks', 'branches', 'life', 'gear_modes', 'frequency', 'campbell', 'body_campbell',
                  'torque', 'torque_gear', 'torque_friction', 'torque_harmonics', 'sensitivity'],
+    'built.nml': ['as_built', 'assemblies', 'turn', 'teeth', 'orders', 'waterfall'],
 }
 
 
@@ -165,7 +166,7 @@ def test_every_picture_is_drawn_here():
 @pytest.mark.parametrize('scheme', ['light', 'dark'])
 @pytest.mark.parametrize('name', PICTURES)
 def test_pictures_are_drawn(name, scheme, browser, front):
-    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name in ('more.nml', 'rest.nml') else 'data')
+    window = Window(browser, front.address, color_scheme=scheme).open(name, 'folder' if name in ('more.nml', 'rest.nml', 'built.nml') else 'data')
     for picture in PICTURES[name]:
         window.page.select_option('#picture', picture)
         window.page.locator(f'#view[data-picture={picture}]').wait_for()

@@ -7,7 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from conftest import LONG, RATED, REST, SMALL, Front, Window, shown
+from conftest import BUILT, LONG, RATED, REST, SMALL, Front, Window, shown
 
 import gearsweep
 from gearsweep.plots.sensitivity import NUMBERS
@@ -296,6 +296,36 @@ def curves(window, picture):
     window.page.select_option('#picture', picture)
     window.page.locator(f'#view[data-picture={picture}] svg.chart').wait_for()
     return window.page.evaluate("() => document.querySelector('#view svg.chart').places.spec.series.map((one) => [one.label, one.x, one.y])")
+
+
+def test_deviations_of_teeth_are_lists_in_fields(browser, front):
+    """Lists and what goes with them are asked for beside their fields; pictures show the tables."""
+    window = Window(browser, front.address).open('built.nml')
+    case = gearsweep.Case(BUILT)
+    study = gearsweep.run(case)
+    for label, x, y in curves(window, 'as_built'):
+        i = int('relief 10' in label)
+        column = study.as_built.nominal_factor if 'nominal' in label else study.as_built.dynamic_factor
+        assert x == list(study.as_built.rpm) and y == list(column[i, 0, 0])
+    for (_, x, y), ratio in zip(curves(window, 'teeth'), (0, 10), strict=True):
+        rows = (study.as_built_loads.relief_um == ratio) & (study.as_built_loads.rpm == 6000)
+        assert (x, y) == (list(study.as_built_loads.pair[rows]), list(study.as_built_loads.load_ratio[rows]))
+    window.page.select_option('#picture', 'waterfall')
+    window.page.locator('#view[data-picture=waterfall] svg.chart').wait_for()
+    shown_map = window.page.evaluate("() => document.querySelector('#view svg.chart').places.spec.map")
+    np.testing.assert_array_equal(np.array(shown_map['z']).T, study.as_built_waterfall.dte_amplitude_um)
+    window.page.evaluate("document.querySelectorAll('#groups details').forEach((one) => { one.open = true; one.classList.add('all'); })")
+    window.type('deviations', 'pinion_wave_order', '1, 3')
+    assert 'missing' in window.page.locator('#error\\.deviations\\.pinion_wave_um').inner_text()
+    window.type('deviations', 'pinion_wave_um', '4')
+    window.type('deviations', 'pinion_wave_phase_deg', '0, 90')
+    assert 'must have one for each wave, 2' in window.page.locator('#error\\.deviations\\.pinion_wave_um').inner_text()
+    window.type('deviations', 'pinion_wave_um', '4, 2')
+    assert window.page.locator('#error\\.deviations\\.pinion_wave_um').is_hidden()
+    waves = {'pinion_wave_order': [1, 3], 'pinion_wave_um': [4, 2], 'pinion_wave_phase_deg': [0, 90]}
+    worst = gearsweep.run(case.changed(deviations=waves)).as_built_worst.dynamic_factor
+    assert window.number('Largest dynamic factor as built') == shown(worst.reshape(2, -1).max(axis=1).min(), 4)
+    window.close()
 
 
 def test_pictures_of_the_newer_tasks_show_the_librarys_numbers(browser, front):

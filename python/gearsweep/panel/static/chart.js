@@ -195,10 +195,12 @@ function drawEnds(drawing, spec, x, y) {
 }
 
 function drawMap(drawing, spec, x, y, width, height) {
-  const { xs, ys, z } = spec.map;
-  const known = z.flat().filter((value) => value !== null);
-  let low = spec.map.low ?? Math.min(...known), high = spec.map.high ?? Math.max(...known);
+  const { xs, ys, z, isLog } = spec.map;
+  const known = z.flat().filter((value) => value !== null && !(isLog && value <= 0)), [least, most] = known.reduce(([a, b], one) => [Math.min(a, one), Math.max(b, one)], [Infinity, -Infinity]);
+  // Of a logarithmic scale four powers of ten are shown.
+  let low = spec.map.low ?? (isLog ? Math.max(least, most / 1e4) : least), high = spec.map.high ?? most;
   if (!(high > low)) high = low + (Math.abs(low) || 1) * 1e-6;
+  const shade = scale([low, high], 0, 1, isLog);
   const edge = (list, i) => i === 0 ? list[0] - (list.length > 1 ? (list[1] - list[0]) / 2 : 0.5)
     : i === list.length ? list[i - 1] + (list.length > 1 ? (list[i - 1] - list[i - 2]) / 2 : 0.5) : (list[i - 1] + list[i]) / 2;
   const body = svg('g', { class: 'body', 'shape-rendering': 'crispEdges' });
@@ -206,13 +208,13 @@ function drawMap(drawing, spec, x, y, width, height) {
     const value = z[j][i];
     if (value === null || value === undefined) continue;
     const a = x(edge(xs, i)), b = x(edge(xs, i + 1)), c = y(edge(ys, j + 1)), d = y(edge(ys, j));
-    body.append(svg('rect', { x: a.toFixed(1), y: c.toFixed(1), width: Math.max(0.5, b - a).toFixed(1), height: Math.max(0.5, d - c).toFixed(1), fill: ramp((value - low) / (high - low)) }));
+    body.append(svg('rect', { x: a.toFixed(1), y: c.toFixed(1), width: Math.max(0.5, b - a).toFixed(1), height: Math.max(0.5, d - c).toFixed(1), fill: ramp(isLog && value <= 0 ? 0 : shade(value)) }));
   }
   drawing.append(body);
   const right = width - 70, bar = svg('g', { class: 'axes' });
   for (let k = 0; k < 40; k++) bar.append(svg('rect', { x: right, width: 12, y: y.floor - (k + 1) * (y.floor - TOP) / 40, height: (y.floor - TOP) / 40 + 0.5, fill: ramp(k / 39) }));
-  const at = scale([low, high], y.floor, TOP, false);
-  for (const value of ticks(low, high, 5, false)) bar.append(text(right + 17, at(value) + 4, tickWord(value), 'start'));
+  const at = scale([low, high], y.floor, TOP, isLog);
+  for (const value of ticks(low, high, 5, isLog)) bar.append(text(right + 17, at(value) + 4, tickWord(value), 'start'));
   const name = text(0, 0, spec.map.label, 'middle', 'name');
   name.setAttribute('transform', `translate(${width - 4} ${(TOP + y.floor) / 2}) rotate(-90)`);
   bar.append(name);

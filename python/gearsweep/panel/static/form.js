@@ -12,6 +12,8 @@ const FIRST = {
   relief: ['amount_um', 'pinion_fraction', 'gear_fraction', 'start', 'shape'],
   dynamics: ['damping_ratio', 'friction'],
   mesh: ['model'],
+  as_built: ['turn_rpm', 'waterfall'],
+  deviations: ['pinion_class', 'gear_class', 'draws', 'assembly'],
 };
 const OPEN = ['case', 'pinion', 'gear', 'pair', 'load', 'sweep', 'relief', 'dynamics'];
 const NAMES = { case: 'Compute', sweep: 'Speed', relief: 'Tip relief', dynamics: 'Damping and friction', mesh: 'Stiffness of the mesh', section: 'Body behind the teeth' };

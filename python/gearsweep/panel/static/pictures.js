@@ -64,6 +64,12 @@ export const PICTURES = [
     needs: { life_curve: ['failure_cycles', 'amplitude_mpa'] }, beside: { table: 'life_curve', x: 'failure_cycles', y: 'amplitude_mpa', label: 'S-N curve' } },
   { id: 'body_campbell', title: 'Speeds at which the mesh excites the modes of the whole gear', table: 'body_campbell', task: 'body_modes', kind: 'campbell', x: 'rpm', y: 'frequency_hz', order: 'per_turn', also: ['harmonic', 'nodal_diameter'],
     needs: { gear_body: ['sectors'], body_modes: ['mode_name'] } },
+  { id: 'as_built', title: 'Dynamic factor over speed, as built and nominal', table: 'as_built', x: 'rpm', y: ['dynamic_factor', 'nominal_factor'], yname: 'Dynamic factor', names: ['as built', 'nominal'], first: 'relief_um', ...SPEED },
+  { id: 'assemblies', title: 'Largest dynamic factor of each assembly', table: 'as_built_worst', task: 'as_built', kind: 'points', x: 'assembly', y: 'dynamic_factor', yname: 'Largest dynamic factor', first: 'relief_um' },
+  { id: 'turn', title: 'Transmission error over the turn, at rest (speed 0) and in motion', table: 'as_built_turn', task: 'as_built', x: 'tau', xname: 'Time (mesh periods)', y: 'transmission_error_um', first: 'rpm' },
+  { id: 'teeth', title: 'Largest load of each pair of teeth', table: 'as_built_loads', task: 'as_built', kind: 'bars', x: 'pair', y: 'load_ratio', yname: 'Load over static load' },
+  { id: 'orders', title: 'Orders of the dynamic transmission error', table: 'as_built_orders', task: 'as_built', kind: 'points', x: 'order', y: 'dte_amplitude_um', ylog: true },
+  { id: 'waterfall', title: 'Orders of the dynamic transmission error over speed', table: 'as_built_waterfall', task: 'as_built', kind: 'map', x: 'rpm', y: 'order', z: 'dte_amplitude_um', zlog: true, set: ['as_built', 'waterfall', '.true.'] },
   { id: 'gear_modes', title: 'Modes of the whole gear, moving', table: 'body_shapes', task: 'body_modes', kind: 'gear_modes' },
 ];
 
@@ -148,7 +154,7 @@ export function drawn(picture, about, data, chosen) {
     const xs = [...new Set(columns[picture.x])].sort((a, b) => a - b), ys = [...new Set(columns[picture.y])].sort((a, b) => a - b);
     const z = ys.map(() => xs.map(() => null));
     for (const i of rowsWhere(columns, where)) z[ys.indexOf(columns[picture.y][i])][xs.indexOf(columns[picture.x][i])] = columns[picture.z][i];
-    return { ...spec, map: { xs, ys, z, label: labelled(column(picture.z)), low: picture.low, high: picture.high }, series: [], families: further };
+    return { ...spec, map: { xs, ys, z, label: labelled(column(picture.z)), low: picture.low, high: picture.high, isLog: picture.zlog }, series: [], families: further };
   }
   let [first, ...further] = picture.group ? [{ ...column(picture.group), values: [...new Set(columns[picture.group])].sort((a, b) => a - b) }] : families(picture, about, data);
   const found = picked(further, columns, chosen), where = found.where;
