@@ -563,18 +563,19 @@ contains
       '''right'''// &
                                          ', pinion_tooth = 1'
 
-    call refuse('', '&deviations: missing')
     call refuse('pinion_class = 12', 'pinion_class = 12')
     call refuse('pinion_class = 0', 'pinion_class = 0')
     call refuse('pinion_single_pitch_um = 6*0', 'pinion_counting: missing')
-    call refuse('pinion_single_pitch_um = 5*0'//counted, 'pinion_single_pitch_um: has 5 numbers; must have one for each of 6 teeth')
+    call refuse('pinion_single_pitch_um = 5*0'//counted, 'pinion_single_pitch_um: numbers given: 5; must have one for each '// &
+      'of 6 teeth')
     call refuse('pinion_single_pitch_um = 5*0, 3'//counted, 'add up to 3 um')
-    call refuse('pinion_profile_slope_um = 1, 2'//counted, 'pinion_profile_slope_um: has 2 numbers')
+    call refuse('pinion_profile_slope_um = 1, 2'//counted, 'pinion_profile_slope_um: numbers given: 2')
     call refuse('pinion_cumulative_pitch_um = 6*0, pinion_counting = ''clockwise'', pinion_tooth = 1', 'pinion_flank: missing')
     call refuse('pinion_cumulative_pitch_um = 6*0, pinion_counting = ''clockwise'', '// &
                 'pinion_flank = ''right'', pinion_tooth = 7', 'pinion_tooth = 7')
     call refuse('pinion_wave_order = 3, pinion_wave_um = 1', 'pinion_wave_phase_deg: missing')
-    call refuse('pinion_wave_order = 3, pinion_wave_um = 1, pinion_wave_phase_deg = 1, 2', 'pinion_wave_phase_deg: has 2 numbers')
+    call refuse('pinion_wave_order = 3, pinion_wave_um = 1, pinion_wave_phase_deg = 1, 2', 'pinion_wave_phase_deg: numbers '// &
+      'given: 2')
     call refuse('pinion_wave_order = 2.5, pinion_wave_um = 1, pinion_wave_phase_deg = 1', 'pinion_wave_order = 2.5')
     call refuse('pinion_runout_um = 9', 'pinion_runout_phase_deg: missing')
     call refuse('gear_class = 6, gear_runout_um = 9, gear_runout_phase_deg = 0', 'gear_runout_um')
@@ -588,11 +589,7 @@ contains
         'teeth = 6, '// &
         'profile_shift = 0.6 / &gear teeth = 30 / &load torque_nm = 50 / &mesh model = ''iso6336'' / &as_built rpm = 1000 / '
 
-      if (keys == '') then
-        call check_contains(t, keys, refusal(rest), words)
-      else
-        call check_contains(t, keys, refusal(rest//'&deviations '//keys//' /'), words)
-      end if
+      call check_contains(t, keys, refusal(rest//'&deviations '//keys//' /'), words)
     end subroutine refuse
   end subroutine refused
 

@@ -871,10 +871,10 @@ run base.nml --out unused
 check 'every key is used' lacks stdout 'Not used'
 unused "Not used           for a section that ends at it or a mass that is not stated: &pinion bore_mm" '/&pinion/,/^\//s/teeth = 25/teeth = 25 bore_mm = 20/'
 unused 'Not used           for modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated: &material density_kgm3' 's/young/density_kgm3 = 7850 young/'
-unused 'Not used           for static, modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
-unused 'Not used           for modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
+unused 'Not used           for static, modal, deflection_relief, as_built, precision, flank, rating, transient, harmonic, body_modes or a stiffness that depends on it: &material poisson' "s/model = .*/model = 'iso6336'/"
+unused 'Not used           for modal, deflection_relief, as_built, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed: &material young_gpa' "s/model = .*/model = 'polynomial' coefficients = 400/"
 unused 'Not used           for load: &sweep load_rpm' "s/tasks = .*/tasks = 'mesh', 'sweep'/"
-unused '                   for sweep, optimum, deflection_relief, stability, hysteresis, poincare or attractors: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
+unused '                   for sweep, optimum, deflection_relief, as_built, stability, hysteresis, poincare or attractors: &sweep rpm_first, rpm_last, rpm_step' "s/tasks = .*/tasks = 'mesh'/"
 unused "Not used           for section, static, modal, precision, transient, harmonic or a stiffness by elements: &section teeth" "s/&sweep/\\&section teeth = 5 \\/ \\&sweep/"
 unused 'for section, static, modal, precision, transient, harmonic or body_modes: &section member' "s/&sweep/\\&section member = 'gear' \\/ \\&sweep/"
 unused 'for static: &static positions' "s/&sweep/\\&static positions = 5 \\/ \\&sweep/"

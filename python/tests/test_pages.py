@@ -14,7 +14,7 @@ EXAMPLES = {
     for name, case, shown in EXAMPLE.findall(page.read_text())
 }
 #: Pages on a task that have no lines of Python to run.
-TASKS = ('body_modes', 'deflection_relief', 'flank', 'harmonic', 'life', 'rating', 'torque', 'transient')
+TASKS = ('as_built', 'body_modes', 'deflection_relief', 'flank', 'harmonic', 'life', 'rating', 'torque', 'transient')
 
 
 @pytest.mark.parametrize('example', EXAMPLES)

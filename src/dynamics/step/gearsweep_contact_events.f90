@@ -116,7 +116,8 @@ contains
       end if
       if (which > 0) then
         period%failed = event%events == most_events .or. &
-                        period%events > most_extra + map%osc%contacts*map%osc%highest_frequency*map%duration(l)
+                        period%events > most_extra + map%osc%contacts*map%osc%highest_frequency*map%duration(l)* &
+                                        map%osc%mesh%deviations%periods
         event%active = .not. period%failed
         event%contact = which
         event%trials = 0

@@ -19,7 +19,6 @@ module gearsweep_deviation_keys
     type(flank_deviations_t) :: flanks(2)
     logical :: all_assemblies = .false.          !< each in which teeth can be put together
   contains
-    procedure :: any => any_given
     procedure, private :: any_of
   end type deviations_choice_t
 
@@ -165,13 +164,6 @@ contains
     if (allocated(values)) is_list = size(values) > 1
   end function is_list
 
-  !> Does anything deviate?
-  pure logical function any_given(self)
-    class(deviations_choice_t), intent(in) :: self
-
-    any_given = self%any_of(1) .or. self%any_of(2)
-  end function any_given
-
   !> Does anything of this gear?
   pure logical function any_of(self, i)
     class(deviations_choice_t), intent(in) :: self
@@ -192,8 +184,6 @@ contains
     type(tolerances_t) :: tolerances
     integer :: i
 
-    if (.not. choice%any()) call fail(error, code_input, '&deviations: missing; the task as_built needs a class, a list, a '// &
-      'run-out or a wave of one gear')
     do i = 1, 2
       associate (flanks => choice%flanks(i), teeth => spec(i)%teeth, member => '&deviations '//trim(members(i))//'_')
         if (teeth == 0) then
@@ -228,7 +218,7 @@ contains
 
       if (.not. allocated(values)) return
       if (size(values) == teeth .or. (or_one .and. size(values) == 1)) return
-      call fail(error, code_input, key//': has '//str(size(values))//' numbers; must have one for each of '//str(teeth)// &
+      call fail(error, code_input, key//': numbers given: '//str(size(values))//'; must have one for each of '//str(teeth)// &
                 ' teeth'//trim(merge(', or one for all', '                ', or_one)))
     end subroutine check_length
 
@@ -248,8 +238,8 @@ contains
       integer, intent(in) :: waves
 
       if (.not. allocated(values)) return
-      if (size(values) /= waves) call fail(error, code_input, key//': has '//str(size(values))//' numbers; must have one for '// &
-        'each wave, '//str(waves))
+      if (size(values) /= waves) call fail(error, code_input, key//': numbers given: '//str(size(values))// &
+        '; must have one for each wave, '//str(waves))
     end subroutine check_waves
   end subroutine check_deviations
 end module gearsweep_deviation_keys

@@ -47,8 +47,8 @@ contains
   pure subroutine describe(info)
     type(task_info_t), intent(out) :: info
 
-    info = task_info_t(group, needs=[stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, stage%accuracy, &
-                                     stage%speeds], &
+    info = task_info_t(group, needs=[stage%elasticity, stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, &
+                                     stage%accuracy, stage%speeds], &
                        tables='as_built as_built_summary as_built_worst as_built_loads as_built_turn as_built_orders '// &
                        'as_built_waterfall '// &
                        'tolerances', &
