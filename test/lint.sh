@@ -40,6 +40,7 @@ check 'no word stands anywhere that the table of CONTRIBUTING.md has in bold' "$
 printf 'A lower rung. A root run of one member yields.\n' >"$work/words.md"
 check 'the check of words finds them' sh -c \
   "! '$python' test/words.py '$work/words.md' >'$work/found' && [ \$(grep -c 'words.md:1: .*: say ' '$work/found') = 4 ]"
+check 'mutants that are chosen when a program starts do as those compiled one at a time' "$python" test/mutation/test_instrument.py
 check 'rooms: each uses those below it only' "$python" doc/architecture.py --rooms
 check 'doc/architecture.md has every file, and none that is not there' "$python" doc/architecture.py --stale
 check 'links between the pages lead somewhere' "$python" doc/site/stage.py "$work/pages"
