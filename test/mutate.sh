@@ -1,5 +1,5 @@
 #!/bin/sh
-# Puts small bugs into the sources, one at a time, and runs the tests that could see each:
+# Puts small bugs into the sources, all in one build, and runs the tests that reach each:
 #   sh test/mutate.sh [--rest | --resume] [--count N] [--workers N] [room ...]
 # Rooms are the folders of src, and app and python; without one, all. doc/tests.md tells more.
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit

@@ -1,17 +1,18 @@
 """Objects, programs and the Python extension for mutants: everything is compiled once, with the flags of
-the released build, and of a mutant only what its change touches."""
+the released build, and those together once more what they change."""
 
 import hashlib
+import itertools
 import json
 import re
 import shutil
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
+import instrument
+
 # Those of fpm's release profile, with which people build; long lines, as a change may lengthen one.
 RELEASE = '-O3 -funroll-loops -fPIC -fmax-errors=1 -fcoarray=single -fopenmp -fimplicit-none -ffree-form -ffree-line-length-none'
-QUICK = RELEASE.replace('-O3 -funroll-loops', '-O0')
-COVERAGE = '-O1 --coverage -fPIC -fopenmp -fimplicit-none -ffree-form'
 PROGRAM = 'app/gearsweep.f90'
 TESTS = 'test/main.f90'
 
@@ -23,7 +24,7 @@ class CompileError(Exception):
 def command(words, **options):
     done = subprocess.run(words, capture_output=True, text=True, errors='replace', check=False, **options)
     if done.returncode:
-        raise CompileError(done.stderr[-2000:])
+        raise CompileError(done.stderr)
     return done.stdout
 
 
@@ -56,14 +57,6 @@ class Sources:
     def modules_of(self, file):
         return [name for name, where in self.modules.items() if where == file]
 
-    def users_of(self, file):
-        """Those whose code may change with the modules of this file, in order."""
-        found = {file}
-        for other in self.order:
-            if self.uses[other] & found:
-                found.add(other)
-        return [other for other in self.order if other in found and other != file]
-
     def reach_of(self, file):
         """What a file uses, and what that uses."""
         found, new = set(), set(self.uses[file])
@@ -83,6 +76,11 @@ def object_of(folder, file):
     return folder / (file.replace('/', '_') + '.o')
 
 
+def others_of(base):
+    """Objects of C, and of the switch, which everything needs in which mutants are."""
+    return [str(path) for path in (*sorted(base.glob('*.c.o')), *sorted(base.glob('switch*.o')))]
+
+
 def compile_file(root, file, flags, folder, module_folders):
     """Compiles root/file into folder, with its modules; returns the object."""
     target = object_of(folder, file)
@@ -95,7 +93,7 @@ def compile_file(root, file, flags, folder, module_folders):
 def compile_all(root, sources, flags, folder, workers):
     """All objects into folder, and those in C; only what changed since the last time."""
     folder.mkdir(parents=True, exist_ok=True)
-    c_flags = [flag for flag in flags.split() if flag in ('-O3', '-O1', '-fPIC', '--coverage')]
+    c_flags = [flag for flag in flags.split() if flag in ('-O3', '-fPIC')]
     for path in sorted((root / 'src').glob('**/*.c')):
         command(['gcc', *c_flags, '-c', str(path), '-o', str(folder / (path.name + '.o'))])
     known_file = folder / 'known.json'
@@ -123,12 +121,11 @@ def compile_changed(root, sources, file, flags, folder, known):
         known[file] = now.hexdigest()
 
 
-def link(main, sources, flags, base, target, changed=None):
+def link(main, sources, base, target, changed=None):
     """The program of `main`, with changed objects ({file: object}) in place of those of base."""
     objects = [str((changed or {}).get(file, object_of(base, file))) for file in sources.reach(main)]
-    others = [str(path) for path in sorted(base.glob('*.c.o'))]
-    more = ['--coverage'] if '--coverage' in flags else []
-    command(['gfortran', '-fopenmp', *more, *objects, *others, '-lopenblas', '-ldmumps_seq', '-larpack', '-o', str(target)])
+    others = others_of(base)
+    command(['gfortran', '-fopenmp', *objects, *others, '-lopenblas', '-ldmumps_seq', '-larpack', '-o', str(target)])
 
 
 class Extension:
@@ -151,28 +148,62 @@ class Extension:
     def link(self, sources, base, target_folder, changed=None):
         files = [file for file in sources.order if file.startswith('src/')]
         objects = [str((changed or {}).get(file, object_of(base, file))) for file in files]
-        others = [str(path) for path in sorted(base.glob('*.c.o'))]
+        others = others_of(base)
         target = target_folder / ('_flat' + self.suffix)
         command(['gfortran', '-shared', '-fopenmp', *self.objects, *objects, *others, '-lopenblas', '-ldmumps_seq', '-larpack', '-o', str(target)])
 
 
-class Mutated:
-    """The objects that one mutant changes."""
+class Together:
+    """All mutants of some rooms in objects of their own: {number: mutant}, and the objects."""
 
-    def __init__(self, tree, file, sources, base, folder):
+    def __init__(self, root, sources, base, folder, orders, counts):
         shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
-        self.changed = {file: compile_file(tree, file, RELEASE, folder, [base])}
-        self.same = self.changed[file].read_bytes() == object_of(base, file).read_bytes()
-        # Constants and defaults stand in the module file: whoever uses it is compiled anew, and quickly, as it
-        # is many files.
-        stale = set(filter(lambda name: self._differs(folder, base, name), sources.modules_of(file)))
-        for user in sources.users_of(file) if stale else ():
-            if any(sources.modules[name] in sources.uses[user] for name in stale):
-                self.changed[user] = compile_file(tree, user, QUICK, folder, [folder, base])
-                stale |= set(filter(lambda name: self._differs(folder, base, name), sources.modules_of(user)))
-        self.same = self.same and not stale
+        (folder / 'tree').mkdir(parents=True)
+        self.root, self.base, self.folder, self.tree = root, base, folder, folder / 'tree'
+        self.mutants, self.changed, numbers = {}, {}, itertools.count(1)
+        (folder / 'switch.f90').write_text(instrument.SWITCH)
+        (folder / 'switch.c').write_text(instrument.SWITCH_C)
+        command(['gfortran', '-O2', '-fPIC', '-J', str(base), '-c', str(folder / 'switch.f90'), '-o', str(base / 'switch.f90.o')])
+        command(['gcc', '-O2', '-fPIC', '-c', str(folder / 'switch.c'), '-o', str(base / 'switch.o')])
+        for order, count in zip(orders, counts, strict=True):
+            left, found = count, {}
+            while left > 0 and (more := {next(numbers): mutant for mutant in itertools.islice(order, left)}):
+                found |= more
+                for file in {mutant.file for mutant in more.values()}:
+                    kept = self._compile(file, {n: mutant for n, mutant in found.items() if mutant.file == file})
+                    found = {n: mutant for n, mutant in found.items() if mutant.file != file or n in kept}
+                left = count - len(found)
+            self.mutants |= found
+        if next(numbers) >= instrument.ROOM:
+            raise SystemExit(f'at most {instrument.ROOM} mutants at a time')
 
-    @staticmethod
-    def _differs(folder, base, name):
-        return (folder / f'{name}.mod').read_bytes() != (base / f'{name}.mod').read_bytes()
+    def _compile(self, file, found):
+        """With those that can be wrapped and compile: a message of the compiler names the line of one that does not."""
+        (self.tree / file).parent.mkdir(parents=True, exist_ok=True)
+        for _ in range(9):
+            text, spans = instrument.wrapped((self.root / file).read_text(), found)
+            (self.tree / file).write_text(text)
+            found = {number: mutant for number, mutant in found.items() if number in spans}
+            try:
+                flags = RELEASE.replace('-fmax-errors=1', '-fmax-errors=99')
+                self.changed[file] = compile_file(self.tree, file, flags, self.folder, [self.base])
+                return found
+            except CompileError as error:
+                lines = [int(line) for line in re.findall(rf'^{file}:(\d+):', str(error), re.MULTILINE)]
+                bad = {number for number, (first, last) in spans.items() if any(first <= line <= last for line in lines)}
+                if not bad:
+                    raise
+                found = {number: mutant for number, mutant in found.items() if number not in bad}
+        return {}
+
+    def is_same(self, mutant, tree, folder):
+        """Does the compiler make the same of this mutant as of the clean source?"""
+        folder.mkdir(parents=True, exist_ok=True)
+        path = tree / mutant.file
+        text = path.read_text()
+        path.write_text(text[: mutant.start] + mutant.replacement + text[mutant.end :])
+        try:
+            made = compile_file(tree, mutant.file, RELEASE, folder, [self.base])
+            return made.read_bytes() == object_of(self.base, mutant.file).read_bytes()
+        finally:
+            path.write_text(text)

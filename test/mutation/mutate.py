@@ -2,9 +2,11 @@
 what test/mutate.sh runs. Results are kept below build/mutate."""
 
 import argparse
+import itertools
 import json
 import os
-import shutil
+import queue
+import signal
 import sys
 import threading
 import time
@@ -12,6 +14,7 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import instrument
 import mutants
 import trials
 
@@ -61,100 +64,73 @@ def explanations():
 
 
 class Worker:
-    """One copy of the checkout, with the programs made from it."""
+    """One copy of the checkout, with the programs in which all mutants of Fortran are, and none is on."""
 
-    def __init__(self, number, base, extension, known=None, within=0.0):
-        self.within = within
+    def __init__(self, number, sources, base, extension, together):
         self.tree = trials.Tree(ROOT, SCRATCH / f'tree{number}', ROOT / '.venv')
-        self.known = known
-        self.sources = build.Sources(self.tree.root)
-        self.base, self.extension = base, extension
-        self.changed = None
-        self.restore()
+        self.states = self.tree.root / 'build/states'
+        self.together, changed = together, together.changed
+        build.link(build.TESTS, sources, base, self.tree.check, changed)
+        build.link(build.PROGRAM, sources, base, self.tree.program, changed)
+        extension.link(sources, base, self.tree.package / 'gearsweep', changed)
+        self.tree.install(base, sources, changed)
 
-    def restore(self):
-        """The programs and the package without a mutant."""
-        if self.changed != {}:
-            self.changed = {}
-            self._link()
-
-    def _link(self):
-        build.link(build.TESTS, self.sources, build.RELEASE, self.base, self.tree.check, self.changed)
-        self.linked = {'suite'}
-        if not self.changed:
-            self._link_rest('script')
-            self._link_rest('pytest')
-            self._link_rest('callers')
-
-    def _link_rest(self, kind):
-        """What this kind of test runs, where it was not linked yet."""
-        if kind in self.linked:
-            return
-        if kind in ('script', 'callers'):
-            build.link(build.PROGRAM, self.sources, build.RELEASE, self.base, self.tree.program, self.changed)
-        if kind in ('pytest', 'callers'):
-            build.link(build.PROGRAM, self.sources, build.RELEASE, self.base, self.tree.program, self.changed)
-            self.extension.link(self.sources, self.base, self.tree.package / 'gearsweep', self.changed)
-        if kind == 'callers':
-            self.tree.install(self.base, self.sources, self.changed)
-        self.linked.add(kind)
-
-    def judge(self, mutant, tests):
+    def judge(self, number, mutant, tests):
         """{'verdict', 'by', 'why'}, or why it is no mutant."""
-        path = self.tree.root / mutant.file
-        text = path.read_text()
-        lines = text.split('\n')[mutant.first_line - 1 : mutant.last_line]
-        path.write_text(text[: mutant.start] + mutant.replacement + text[mutant.end :])
-        try:
-            if mutant.file.endswith('.py'):
-                return self._judge_python(mutant, path, text, tests)
-            try:
-                made = build.Mutated(self.tree.root, mutant.file, self.sources, self.base, self.tree.root / 'build/mutated')
-            except build.CompileError:
-                return {'verdict': 'does not compile'}
-            if made.same:
-                return {'verdict': 'same code'}
-            self.changed = made.changed
-            try:
-                self._link()
-            except build.CompileError:
-                return {'verdict': 'does not compile'}
-            return self._try(mutant, tests, lines)
-        finally:
-            path.write_text(text)
+        if mutant.file.endswith('.py'):
+            return self._judge_python(mutant, tests)
+        self.states.write_bytes(instrument.states([number]))
+        found = self._try([test for test in tests if number in test.reached])
+        if found['verdict'] == 'survived' and self.together.is_same(mutant, self.tree.root, self.tree.root / 'build/alone'):
+            return {'verdict': 'same code'}
+        return found
 
-    def _judge_python(self, mutant, path, text, tests):
+    def _judge_python(self, mutant, tests):
+        copy = self.tree.package / Path(mutant.file).relative_to('python')
+        text = copy.read_text()
+        changed = text[: mutant.start] + mutant.replacement + text[mutant.end :]
         try:
-            compile(path.read_text(), mutant.file, 'exec')
+            compile(changed, mutant.file, 'exec')
         except SyntaxError:
             return {'verdict': 'does not compile'}
-        copy = self.tree.package / Path(mutant.file).relative_to('python')
-        self.restore()
         try:
-            shutil.copy2(path, copy)
-            return self._try(mutant, tests, [])
+            copy.write_text(changed)
+            self.states.write_bytes(instrument.states())
+            return self._try(tests)
         finally:
             copy.write_text(text)
 
-    def _try(self, mutant, tests, lines):
+    def _try(self, tests):
         for test in sorted(tests, key=lambda test: test.seconds):
-            if test.seconds <= self.within and test.reaches(mutant, lines):
-                self._link_rest(test.kind)
-                why = trials.catches(test, self.tree)
-                if why and not self.known.is_sure(test):
-                    why = trials.catches(test, self.tree)
-                if why:
-                    return {'verdict': 'killed', 'by': test.name, 'why': why}
+            why = trials.catches(test, self.tree, self.states)
+            if why:
+                return {'verdict': 'killed', 'by': test.name, 'why': why}
         return {'verdict': 'survived'}
 
 
-class Campaign:
-    """The mutants of one room."""
+def each(workers, work, items):
+    """work(worker, item) of each item, by the next worker that is free."""
+    free = queue.SimpleQueue()
+    for worker in workers:
+        free.put(worker)
 
-    def __init__(self, room, files, count, tests, workers, kept):
-        self.room, self.count, self.workers = room, count, workers
+    def one(item):
+        worker = free.get()
+        try:
+            return work(worker, item)
+        finally:
+            free.put(worker)
+
+    with ThreadPoolExecutor(len(workers)) as pool:
+        return list(pool.map(one, items))
+
+
+class Campaign:
+    """The mutants of one room, {number: mutant}."""
+
+    def __init__(self, room, chosen, tests, workers, kept):
+        self.room, self.chosen, self.workers = room, chosen, workers
         self.tests = [test for test in tests if test.fits(room)]
-        self.order = mutants.ranked(files)
         self.explained = explanations()
         self.file = SCRATCH / 'results' / f'{room}.jsonl'
         self.file.parent.mkdir(exist_ok=True)
@@ -164,51 +140,26 @@ class Campaign:
             self.old = {entry['key']: entry for entry in entries if entry['verdict'] in kept}
         if not kept:
             self.file.write_text('')
-        self.lock = threading.Condition()
-        self.found, self.busy = [], 0
+        self.lock, self.done = threading.Lock(), 0
 
     def run(self):
-        with ThreadPoolExecutor(len(self.workers)) as pool:
-            for done in [pool.submit(self._work, worker) for worker in self.workers]:
-                done.result()
-        self.found.sort(key=lambda entry: (entry['file'], entry['line']))
-        return self.found
+        found = each(self.workers, self._one, self.chosen.items())
+        return sorted((entry for entry in found if entry['verdict'] in VERDICTS), key=lambda entry: (entry['file'], entry['line']))
 
-    def _next(self):
+    def _one(self, worker, item):
+        number, mutant = item
+        entry = {'key': mutant.key, 'kind': mutant.kind, 'verdict': 'survived'}
+        # Those explained are known to change nothing that could be seen.
+        if not self.explained.get(mutant.key):
+            entry = self.old.get(mutant.key) or entry | worker.judge(number, mutant, self.tests)
+        entry |= {'file': mutant.file, 'line': mutant.first_line}
         with self.lock:
-            while len(self.found) + self.busy >= self.count and self.busy:
-                self.lock.wait()
-            if len(self.found) >= self.count:
-                return None
-            mutant = next(self.order, None)
-            self.busy += mutant is not None
-            return mutant
-
-    def _work(self, worker):
-        while mutant := self._next():
-            entry = None
-            try:
-                entry = self.old.get(mutant.key)
-                if self.explained.get(mutant.key):
-                    # Known to change nothing that could be seen.
-                    entry = {'key': mutant.key, 'kind': mutant.kind, 'verdict': 'survived'}
-                elif not entry:
-                    entry = {'key': mutant.key, 'kind': mutant.kind, **worker.judge(mutant, self.tests)}
-            finally:
-                with self.lock:
-                    self.busy -= 1
-                    if entry:
-                        entry |= {'file': mutant.file, 'line': mutant.first_line}
-                        self._keep(entry)
-                    self.lock.notify_all()
-
-    def _keep(self, entry):
-        with open(self.file, 'a') as out:
-            out.write(json.dumps(entry) + '\n')
-        if entry['verdict'] in ('killed', 'survived'):
-            self.found.append(entry)
+            self.done += 1
+            with open(self.file, 'a') as out:
+                out.write(json.dumps(entry) + '\n')
             by = f" by {entry['by']}" if 'by' in entry else ''
-            say(f"{self.room} {len(self.found)}/{self.count}: {entry['file']}:{entry['line']} {entry['kind']}: {entry['verdict']}{by}")
+            say(f"{self.room} {self.done}/{len(self.chosen)}: {entry['file']}:{entry['line']} {entry['kind']}: {entry['verdict']}{by}")
+        return entry
 
 
 def report(results):
@@ -241,7 +192,6 @@ def main():
     parser.add_argument('--rest', action='store_true', help='keeps who was killed before, and runs the others again')
     parser.add_argument('--resume', action='store_true', help='keeps all verdicts of a run that was interrupted')
     parser.add_argument('--count', type=int, default=COUNT, help=f'mutants in all rooms together, {COUNT} unless told')
-    parser.add_argument('--within', type=float, default=1e9, metavar='SECONDS', help='only tests that take no longer')
     parser.add_argument('--workers', type=int, default=min(2, os.cpu_count() or 1), help='how many run at a time')
     options = parser.parse_args()
     for room in options.rooms:
@@ -249,24 +199,33 @@ def main():
             parser.error(f'no room {room}; there are {", ".join(rooms)}')
     began = time.time()
     SCRATCH.mkdir(parents=True, exist_ok=True)
+    # Beside a shell interrupts are ignored, and so they would be by the tests that send them.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     say('compiles what changed; all of it takes about a minute')
-    base = SCRATCH / 'objects'
-    first = trials.Tree(ROOT, SCRATCH / 'tree0', ROOT / '.venv')
-    sources = build.Sources(first.root)
-    build.compile_all(first.root, sources, build.RELEASE, base, options.workers)
-    extension = build.Extension(ROOT, SCRATCH / 'extension', str(ROOT / '.venv/bin/python'))
-    whole = Worker(0, base, extension)
-    known = trials.Known(SCRATCH, whole.tree, whole.sources, say, options.workers)
-    workers = [Worker(number, base, extension, known, options.within) for number in range(1, options.workers + 1)]
+    base, python = SCRATCH / 'objects', str(ROOT / '.venv/bin/python')
+    sources = build.Sources(ROOT)
+    build.compile_all(ROOT, sources, build.RELEASE, base, options.workers)
+    extension = build.Extension(ROOT, SCRATCH / 'extension', python)
     wanted = options.rooms or list(rooms)
-    tests = [test for test in trials.all_tests(ROOT) if any(test.fits(room) for room in wanted)]
-    known.prepare(tests)
     count = shares(rooms, options.count)
+    fortran = [room for room in wanted if room != 'python']
+    orders = [mutants.ranked(rooms[room]) for room in fortran]
+    together = build.Together(ROOT, sources, base, SCRATCH / 'together', orders, [count[room] for room in fortran])
+    say(f'{len(together.mutants)} mutants in one build')
+    workers = [Worker(number, sources, base, extension, together) for number in range(1, options.workers + 1)]
+    tests = [test for test in trials.all_tests(ROOT) if any(test.fits(room) for room in wanted)]
+    keys = [f'{number} {mutant.key}' for number, mutant in together.mutants.items()]
+    stamp = trials.fingerprint(ROOT, ['src', 'app', 'data', 'doc', 'include', 'python', 'test', 'validation']) + mutants.hashed(*keys)
+    known = trials.Known(SCRATCH / 'tests.json', stamp, max(together.mutants, default=0), say)
+    each(workers, lambda worker, test: known.ask(test, worker.tree, len(keys)), sorted(tests, key=lambda test: test.name != trials.WALK))
     kept = {'killed', *NO_MUTANT} if options.rest else {*VERDICTS, *NO_MUTANT} if options.resume else {}
     results = {}
     for room in wanted:
-        say(f'{room}: {count[room]} mutants')
-        results[room] = Campaign(room, rooms[room], count[room], tests, workers, kept).run()
+        chosen = {number: mutant for number, mutant in together.mutants.items() if mutant.file in rooms[room]}
+        if room == 'python':
+            chosen = dict(enumerate(itertools.islice(mutants.ranked(rooms[room]), count[room])))
+        say(f'{room}: {len(chosen)} mutants')
+        results[room] = Campaign(room, chosen, tests, workers, kept).run()
     left = report(results)
     print(f'\n{(time.time() - began) / 60:.0f} minutes')
     return 1 if left else 0
