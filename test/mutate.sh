@@ -5,6 +5,6 @@
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd) || exit
 . "$root/app/setup.sh"
 cd "$root" || exit
-# Of the package only what its tests load is needed; mutants are linked from objects of their own.
-"$venv/bin/python" -c 'import numpy, matplotlib, pytest' 2>/dev/null || build_package || exit
+# Of the package only what builds it and what its tests load is needed; mutants are in a build of their own.
+"$venv/bin/python" -c 'import mesonbuild, numpy, matplotlib, pytest' 2>/dev/null || build_package || exit
 exec "$venv/bin/python" "$root/test/mutation/mutate.py" "$@"

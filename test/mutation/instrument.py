@@ -30,7 +30,8 @@ end module gearsweep_mutants
 """
 # Fortran's own symbol has no alignment that would do for a page; the linker takes this one for both. Shared, so that what
 # threads, children and killed processes reached is in the file.
-SWITCH_C = f"""#include <fcntl.h>
+SWITCH_C = f"""#define _GNU_SOURCE
+#include <fcntl.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -70,6 +71,10 @@ def reached(found, count):
     return {number for number in range(1, count + 1) if found[number] == REACHED}
 
 
+HEADING = re.compile(r'^([ \t]*(?:module|program)[ \t]+\w+)[ \t]*$', re.MULTILINE | re.IGNORECASE)
+IMPORT = r'\1\n  use gearsweep_mutants, only: mutant_state, mutant_on'
+
+
 def is_on(number):
     return f'(mutant_state({number}) /= 0 .and. mutant_on({number}) /= 0)'
 
@@ -80,34 +85,22 @@ def is_off(number):
 
 
 def wrapped(text, numbered):
-    """The text with these mutants of it, {number: mutant}, and {number: (first line, last line)} of those that it has. What is
-    no statement by itself, as declarations, cases, where and associate, cannot be wrapped."""
+    """The text with these mutants of it, {number: mutant}, and {number: (first line, last line)} of those that it has: some
+    headings of loops cannot be wrapped."""
     by_statement = defaultdict(list)
-    statements = [s for s in mutants.fortran_statements(text) if '::' not in [token[0] for token in s.tokens]]
+    statements = list(mutants.fortran_statements(text))
     for number, mutant in numbered.items():
-        for statement in statements:
-            if statement.start <= mutant.start and mutant.end <= statement.end:
-                by_statement[statement].append((number, mutant))
-    out, at, spans = [], 0, {}
-    lines = 1
-
-    def add(piece):
-        nonlocal lines
-        out.append(piece)
-        lines += piece.count('\n')
-
+        statement = next(s for s in statements if s.start <= mutant.start and mutant.end <= s.end)
+        by_statement[statement].append((number, mutant))
+    out, at, spans = '', 0, {}
     for statement in sorted(by_statement, key=lambda s: s.start):
-        changed = form(text, statement, by_statement[statement])
-        if changed:
-            add(text[at : statement.start])
-            first = lines
-            add(changed)
+        if changed := form(text, statement, by_statement[statement]):
+            out += HEADING.sub(IMPORT, text[at : statement.start])
+            first = out.count('\n') + 1
+            out += changed
             at = statement.end
-            spans |= {number: (first, lines) for number, _ in by_statement[statement]}
-    add(text[at:])
-    # The numbers of lines stay as they are: the import stands on the heading's line.
-    heading = re.compile(r'^([ \t]*(?:module|program)[ \t]+\w+)[ \t]*$', re.MULTILINE | re.IGNORECASE)
-    return heading.sub(r'\1; use gearsweep_mutants, only: mutant_state, mutant_on', ''.join(out)), spans
+            spans |= {number: (first, out.count('\n') + 1) for number, _ in by_statement[statement]}
+    return out + HEADING.sub(IMPORT, text[at:]), spans
 
 
 def form(text, statement, chosen):
@@ -118,20 +111,15 @@ def form(text, statement, chosen):
     def changed(start, end, mutant):
         return text[start : mutant.start] + mutant.replacement + text[mutant.end : end]
 
-    opening = next((i for i, word in enumerate(words) if word in ('if', 'while')), None)
-    is_condition = words[-1] == 'then' or words[0] == 'else' or 'while' in words
-    if opening is not None and is_condition:
-        start, end = statement.tokens[opening + 1][2], statement.tokens[mutants.arguments(words, opening + 1)[-1][1]][1]
+    if words[-1] == 'then' or words[0] == 'else' or 'while' in words:
+        opening = next(i for i, word in enumerate(words) if word in ('if', 'while')) + 1
+        start, end = statement.tokens[opening][2], statement.tokens[mutants.arguments(words, opening)[-1][1]][1]
         said = text[start:end]
         for number, mutant in chosen:
-            if mutant.start < start or mutant.end > end:
-                return None
             said = f'({is_on(number)} .and. ({changed(start, end, mutant)}\n)) .or. ({is_off(number)} .and. ({said}\n))'
         return continued(text[statement.start : start] + said) + text[end : statement.end]
     if 'do' in words[:3] and words[0] != 'end':
         return bounds(text, statement, words, chosen)
-    if words[0] in ('case', 'where', 'select', 'associate', 'else', 'type', 'class', 'rank', 'forall') and '=' not in words[1:2]:
-        return None
     branches = ''
     for number, mutant in chosen:
         other = changed(statement.start, statement.end, mutant)
@@ -141,8 +129,6 @@ def form(text, statement, chosen):
 
 def bounds(text, statement, words, chosen):
     """A loop's heading: of each bound, the one or the other."""
-    if '=' not in words:
-        return None
     begin = words.index('=') + 1
     commas = [begin - 1]
     depth = 0

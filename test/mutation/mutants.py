@@ -23,8 +23,7 @@ class Mutant:
     """One change: `file` is relative to the root, `start` and `end` count characters."""
 
     file: str
-    first_line: int
-    last_line: int
+    line: int
     start: int
     end: int
     replacement: str
@@ -36,6 +35,9 @@ class Mutant:
     def key(self):
         """What it is known by wherever it stands in the file."""
         return f'{self.file}\n{self.before}\n{self.after}'
+
+    def put_into(self, text):
+        return text[: self.start] + self.replacement + text[self.end :]
 
 
 @dataclass(frozen=True)
@@ -131,29 +133,23 @@ def python_statements(text):
 
 # --- what is left alone ------------------------------------------------------
 
-FORTRAN_HEADS = ['use', 'implicit', 'module', 'program', 'end', 'endif', 'enddo', 'interface', 'contains', 'import', 'private', 'public', 'select', 'abstract', 'procedure', 'generic', 'allocate', 'deallocate', 'subroutine', 'function', 'pure', 'elemental', 'recursive', 'submodule', 'block', 'else', 'continue']
+FORTRAN_HEADS = ['use', 'implicit', 'module', 'program', 'end', 'endif', 'enddo', 'interface', 'contains', 'import', 'private', 'public', 'select', 'abstract', 'procedure', 'generic', 'allocate', 'deallocate', 'subroutine', 'function', 'pure', 'elemental', 'recursive', 'submodule', 'block', 'else', 'elsewhere', 'continue',
+                 'case', 'where', 'associate', 'type', 'class', 'rank', 'forall']
 PYTHON_HEADS = ['import', 'from', 'def', 'class', '@', 'try', 'except', 'finally', 'else', 'global', 'nonlocal', 'with', 'async', 'pass', 'raise']
 
 
 def mutable_tokens(statement, is_fortran):
-    """Those tokens that may change: of a declaration what stands right of its first `=`."""
+    """Those tokens that may change; in Fortran none of what cannot stand beside its original, as declarations and constants."""
     words = [token[0] for token in statement.tokens]
     if not is_fortran:
         if words[1:2] == [':']:
             # An annotation says nothing when the program runs.
             return statement.tokens[words.index('=') + 1 :] if '=' in words else ()
         return () if words[0] in PYTHON_HEADS or words == ['""'] else statement.tokens
-    if words[0] == 'else' and words[1:2] == ['if']:
+    if words[:2] == ['else', 'if']:
         return statement.tokens
-    if '::' not in words and (words[0] in FORTRAN_HEADS or (words[0] == 'type' and words[1:2] != ['='])):
+    if '::' in words or (words[0] in FORTRAN_HEADS and words[1:2] != ['=']):
         return ()
-    if '::' in words:
-        if '=' not in words[words.index('::') :]:
-            return ()
-        after = words.index('=', words.index('::'))
-        # Components that are nothing until they are computed.
-        nothing = () if 'parameter' in words else ('0', '0.0_dp', '.false.')
-        return tuple(token for token in statement.tokens[after + 1 :] if token[0] not in nothing)
     # Headings with a prefix: `logical function f(x)`.
     if 'function' in words[:4] and '=' not in words[: words.index('function')]:
         return ()
@@ -206,13 +202,13 @@ def is_name(word):
     return word[0].isalpha() or word[0] == '_'
 
 
-def other_number(word, factor):
-    """A constant that a slip might have put in its place; a large one changes by a factor."""
+def other_number(word):
+    """A constant that a slip might have put in its place; a large one changes by a factor of 2."""
     value, kind = ([*word.split('_', 1), ''])[:2]
     kind = '_' + kind if kind else ''
     if value.isdigit():
         number = int(value)
-        others = [number + 1, number - 1] if number < 10 else [number * factor, number // factor]
+        others = [number + 1, number - 1] if number < 10 else [number * 2, number // 2]
         return [f'{other}{kind}' for other in others if other >= 0]
     exponent = re.fullmatch(r'(.*[eEdD])([+-]?\d+)', value)
     if exponent:
@@ -221,7 +217,7 @@ def other_number(word, factor):
         number = float(value)
     except ValueError:
         return []
-    return [f'{x:.15g}{"" if "." in f"{x:.15g}" else ".0"}{kind}' for x in ([number * factor, number / factor] if number else [1.0])]
+    return [f'{x:.15g}{"" if "." in f"{x:.15g}" else ".0"}{kind}' for x in ([number * 2, number / 2] if number else [1.0])]
 
 
 def is_unary(words, i):
@@ -285,8 +281,6 @@ def changes(text, statement, tokens, is_fortran):
     """All changes of a statement: (kind, start, end, replacement)."""
     words = [token[0] for token in tokens]
     swaps = SWAPS[is_fortran]
-    # Of a named constant, a limit or a margin as a rule, twice as much would be a matter of taste.
-    factor = 10 if any(token[0] == 'parameter' for token in statement.tokens) else 2
 
     def said(first, last):
         return text[tokens[first][1] : tokens[last - 1][2]]
@@ -309,7 +303,7 @@ def changes(text, statement, tokens, is_fortran):
             yield 'operator', start, end, '*'
         if is_number(word):
             in_index = i and words[i - 1] in '(,' and words[i + 1 : i + 2] in ([')'], [','])
-            for other in other_number(word, factor):
+            for other in other_number(word):
                 yield 'index' if in_index else 'constant', start, end, other
         if word in ('sqrt', 'abs') and words[i + 1 : i + 2] == ['('] and is_fortran:
             yield 'function', start, end, ''
@@ -376,11 +370,10 @@ def mutants_of(file, text):
         for kind in sorted(by_kind, key=lambda kind: (kind == 'statement dropped' and hashed('drop', *place) > '4', hashed(*place, kind))):
             order.append(min((hashed(*place, change[3]), kind, change) for change in by_kind[kind]))
         if order:
-            first_line = text.count('\n', 0, statement.start) + 1
-            last_line = text.count('\n', 0, statement.end) + 1
+            line = text.count('\n', 0, statement.start) + 1
             number = '' if seen[short] == 1 else f' ({seen[short]})'
             yield hashed(*place), [
-                Mutant(file, first_line, last_line, *change[:3], kind, short + number, change[3]) for _, kind, change in order
+                Mutant(file, line, *change[:3], kind, short + number, change[3]) for _, kind, change in order
             ]
 
 

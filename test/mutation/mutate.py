@@ -1,4 +1,4 @@
-"""Puts mutants into copies of the sources, runs the tests that could see each, and reports by room:
+"""Puts mutants into a copy of the sources, runs the tests that could see each, and reports by room:
 what test/mutate.sh runs. Results are kept below build/mutate."""
 
 import argparse
@@ -63,103 +63,85 @@ def explanations():
     return found
 
 
-class Worker:
-    """One copy of the checkout, with the programs in which all mutants of Fortran are, and none is on."""
+class Judge:
+    """One copy of the build, in which one mutant at a time is on."""
 
-    def __init__(self, number, sources, base, extension, together):
-        self.tree = trials.Tree(ROOT, SCRATCH / f'tree{number}', ROOT / '.venv')
-        self.states = self.tree.root / 'build/states'
-        self.together, changed = together, together.changed
-        build.link(build.TESTS, sources, base, self.tree.check, changed)
-        build.link(build.PROGRAM, sources, base, self.tree.program, changed)
-        extension.link(sources, base, self.tree.package / 'gearsweep', changed)
-        self.tree.install(base, sources, changed)
+    def __init__(self, together, tree):
+        self.together, self.tree = together, tree
 
     def judge(self, number, mutant, tests):
         """{'verdict', 'by', 'why'}, or why it is no mutant."""
         if mutant.file.endswith('.py'):
             return self._judge_python(mutant, tests)
-        self.states.write_bytes(instrument.states([number]))
+        self.tree.states.write_bytes(instrument.states([number]))
         found = self._try([test for test in tests if number in test.reached])
-        if found['verdict'] == 'survived' and self.together.is_same(mutant, self.tree.root, self.tree.root / 'build/alone'):
+        if found['verdict'] == 'survived' and self.together.is_same(mutant, number):
             return {'verdict': 'same code'}
         return found
 
     def _judge_python(self, mutant, tests):
         copy = self.tree.package / Path(mutant.file).relative_to('python')
         text = copy.read_text()
-        changed = text[: mutant.start] + mutant.replacement + text[mutant.end :]
         try:
-            compile(changed, mutant.file, 'exec')
+            compile(mutant.put_into(text), mutant.file, 'exec')
         except SyntaxError:
             return {'verdict': 'does not compile'}
+        self.tree.states.write_bytes(instrument.states())
         try:
-            copy.write_text(changed)
-            self.states.write_bytes(instrument.states())
+            copy.write_text(mutant.put_into(text))
             return self._try(tests)
         finally:
             copy.write_text(text)
 
     def _try(self, tests):
         for test in sorted(tests, key=lambda test: test.seconds):
-            why = trials.catches(test, self.tree, self.states)
-            if why:
+            if why := trials.catches(test, self.tree, self.tree.states):
                 return {'verdict': 'killed', 'by': test.name, 'why': why}
         return {'verdict': 'survived'}
 
 
-def each(workers, work, items):
-    """work(worker, item) of each item, by the next worker that is free."""
+def each(judges, work, items):
+    """work(judge, item) of each item, by the next judge that is free."""
     free = queue.SimpleQueue()
-    for worker in workers:
-        free.put(worker)
+    for judge in judges:
+        free.put(judge)
 
     def one(item):
-        worker = free.get()
+        judge = free.get()
         try:
-            return work(worker, item)
+            return work(judge, item)
         finally:
-            free.put(worker)
+            free.put(judge)
 
-    with ThreadPoolExecutor(len(workers)) as pool:
+    with ThreadPoolExecutor(len(judges)) as pool:
         return list(pool.map(one, items))
 
 
-class Campaign:
-    """The mutants of one room, {number: mutant}."""
+def campaign(room, chosen, tests, judges, kept):
+    """The verdicts of the mutants of one room, {number: mutant}; those of these kinds that are known already are kept."""
+    file = SCRATCH / 'results' / f'{room}.jsonl'
+    file.parent.mkdir(exist_ok=True)
+    old = [json.loads(line) for line in file.read_text().splitlines()] if kept and file.exists() else []
+    old = {entry['key']: entry for entry in old if entry['verdict'] in kept}
+    # Those explained are known to change nothing that could be seen.
+    old |= {key: {'verdict': 'survived'} for key in explanations()}
+    tests = [test for test in tests if test.fits(room)]
+    done, lock = itertools.count(1), threading.Lock()
 
-    def __init__(self, room, chosen, tests, workers, kept):
-        self.room, self.chosen, self.workers = room, chosen, workers
-        self.tests = [test for test in tests if test.fits(room)]
-        self.explained = explanations()
-        self.file = SCRATCH / 'results' / f'{room}.jsonl'
-        self.file.parent.mkdir(exist_ok=True)
-        self.old = {}
-        if kept and self.file.exists():
-            entries = [json.loads(line) for line in self.file.read_text().splitlines()]
-            self.old = {entry['key']: entry for entry in entries if entry['verdict'] in kept}
-        if not kept:
-            self.file.write_text('')
-        self.lock, self.done = threading.Lock(), 0
-
-    def run(self):
-        found = each(self.workers, self._one, self.chosen.items())
-        return sorted((entry for entry in found if entry['verdict'] in VERDICTS), key=lambda entry: (entry['file'], entry['line']))
-
-    def _one(self, worker, item):
+    def one(judge, item):
         number, mutant = item
-        entry = {'key': mutant.key, 'kind': mutant.kind, 'verdict': 'survived'}
-        # Those explained are known to change nothing that could be seen.
-        if not self.explained.get(mutant.key):
-            entry = self.old.get(mutant.key) or entry | worker.judge(number, mutant, self.tests)
-        entry |= {'file': mutant.file, 'line': mutant.first_line}
-        with self.lock:
-            self.done += 1
-            with open(self.file, 'a') as out:
-                out.write(json.dumps(entry) + '\n')
-            by = f" by {entry['by']}" if 'by' in entry else ''
-            say(f"{self.room} {self.done}/{len(self.chosen)}: {entry['file']}:{entry['line']} {entry['kind']}: {entry['verdict']}{by}")
+        entry = old.get(mutant.key) or judge.judge(number, mutant, tests)
+        entry |= {'key': mutant.key, 'kind': mutant.kind, 'file': mutant.file, 'line': mutant.line}
+        by = f" by {entry['by']}" if 'by' in entry else ''
+        with lock:
+            out.write(json.dumps(entry) + '\n')
+            out.flush()
+            say(f'{room} {next(done)}/{len(chosen)}: {mutant.file}:{mutant.line} {mutant.kind}: {entry["verdict"]}{by}')
         return entry
+
+    with open(file, 'a' if kept else 'w') as out:
+        found = each(judges, one, chosen.items())
+    return sorted((entry for entry in found if entry['verdict'] in VERDICTS), key=lambda entry: (entry['file'], entry['line']))
 
 
 def report(results):
@@ -201,31 +183,25 @@ def main():
     SCRATCH.mkdir(parents=True, exist_ok=True)
     # Beside a shell interrupts are ignored, and so they would be by the tests that send them.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    say('compiles what changed; all of it takes about a minute')
-    base, python = SCRATCH / 'objects', str(ROOT / '.venv/bin/python')
-    sources = build.Sources(ROOT)
-    build.compile_all(ROOT, sources, build.RELEASE, base, options.workers)
-    extension = build.Extension(ROOT, SCRATCH / 'extension', python)
     wanted = options.rooms or list(rooms)
     count = shares(rooms, options.count)
     fortran = [room for room in wanted if room != 'python']
-    orders = [mutants.ranked(rooms[room]) for room in fortran]
-    together = build.Together(ROOT, sources, base, SCRATCH / 'together', orders, [count[room] for room in fortran])
+    say('building, about 3 min')
+    together = build.Together(ROOT, SCRATCH / 'tree', [mutants.ranked(rooms[room]) for room in fortran], [count[room] for room in fortran])
     say(f'{len(together.mutants)} mutants in one build')
-    workers = [Worker(number, sources, base, extension, together) for number in range(1, options.workers + 1)]
+    judges = [Judge(together, together.tree.copy(SCRATCH / f'tree{number}')) for number in range(1, options.workers + 1)]
     tests = [test for test in trials.all_tests(ROOT) if any(test.fits(room) for room in wanted)]
     keys = [f'{number} {mutant.key}' for number, mutant in together.mutants.items()]
     stamp = trials.fingerprint(ROOT, ['src', 'app', 'data', 'doc', 'include', 'python', 'test', 'validation']) + mutants.hashed(*keys)
     known = trials.Known(SCRATCH / 'tests.json', stamp, max(together.mutants, default=0), say)
-    each(workers, lambda worker, test: known.ask(test, worker.tree, len(keys)), sorted(tests, key=lambda test: test.name != trials.WALK))
+    each(judges, lambda judge, test: known.ask(test, judge.tree, len(keys)), sorted(tests, key=lambda test: test.name != trials.WALK))
     kept = {'killed', *NO_MUTANT} if options.rest else {*VERDICTS, *NO_MUTANT} if options.resume else {}
     results = {}
     for room in wanted:
         chosen = {number: mutant for number, mutant in together.mutants.items() if mutant.file in rooms[room]}
         if room == 'python':
             chosen = dict(enumerate(itertools.islice(mutants.ranked(rooms[room]), count[room])))
-        say(f'{room}: {len(chosen)} mutants')
-        results[room] = Campaign(room, chosen, tests, workers, kept).run()
+        results[room] = campaign(room, chosen, tests, judges, kept)
     left = report(results)
     print(f'\n{(time.time() - began) / 60:.0f} minutes')
     return 1 if left else 0

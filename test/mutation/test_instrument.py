@@ -83,8 +83,7 @@ def main():
         # All that can be done to each statement, but for what does not compile.
         alone = {}
         for mutant in mutants.ranked({'forms.f90': PROGRAM}):
-            text = PROGRAM[: mutant.start] + mutant.replacement + PROGRAM[mutant.end :]
-            if program := build(folder, 'alone', text):
+            if program := build(folder, 'alone', mutant.put_into(PROGRAM)):
                 alone[len(alone) + 1] = (mutant, said(program)[0])
         text, spans = instrument.wrapped(PROGRAM, {number: mutant for number, (mutant, _) in alone.items()})
         together = build(folder, 'together', instrument.SWITCH + text)

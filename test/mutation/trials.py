@@ -5,15 +5,12 @@ import hashlib
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import threading
 from dataclasses import dataclass, field
 
 import instrument
-
-import build
 
 # Of the Python tests, those that look at pictures see only changes in Python; and a
 # test that runs every command of the README takes longer than all others together. Scripts that build on their
@@ -64,57 +61,6 @@ def all_tests(root):
     )
 
 
-class Tree:
-    """A copy of the checkout that one worker may change."""
-
-    def __init__(self, root, folder, venv):
-        self.root = folder
-        shutil.rmtree(folder, ignore_errors=True)
-        listed = subprocess.run(['git', 'ls-files', '-co', '--exclude-standard'], cwd=root, capture_output=True, text=True, check=True)
-        for name in listed.stdout.split('\n'):
-            if name and (root / name).is_file():
-                (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(root / name, folder / name)
-        (folder / '.venv').symlink_to(venv)
-        self.bin = folder / 'build/run'
-        self.package = folder / 'build/package'
-        self.work = folder / 'build/work'
-        for place in (self.bin, self.work):
-            place.mkdir(parents=True)
-        (self.work / 'data').symlink_to(folder / 'data')
-        self.check, self.program = self.bin / 'check-release', self.bin / 'gearsweep'
-        shutil.copytree(folder / 'python/gearsweep', self.package / 'gearsweep')
-        # As meson.build installs them for the panel.
-        shutil.copytree(folder / 'data', self.package / 'gearsweep/panel/cases')
-        # What the scripts would build is there already.
-        with open(folder / 'app/setup.sh', 'a') as setup:
-            setup.write(INSTALLED.format(build=folder / 'build'))
-
-    def install(self, base, sources, changed):
-        """Library and modules as app/install.sh leaves them."""
-        target = self.root / 'build/installed'
-        shutil.rmtree(target, ignore_errors=True)
-        include = target / 'include/gearsweep'
-        include.mkdir(parents=True)
-        (target / 'lib').mkdir()
-        (target / 'bin').mkdir()
-        for module in base.glob('*.mod'):
-            shutil.copy2(module, include)
-        shutil.copy2(self.program, target / 'bin')
-        objects = [changed.get(file, build.object_of(base, file)) for file in sources.order if file.startswith('src/')]
-        build.command(['ar', 'rcs', str(target / 'lib/libgearsweep.a'), *map(str, objects), *build.others_of(base)])
-
-
-# Appended to the copy of app/setup.sh.
-INSTALLED = """
-builds_anew=no
-build_package() {{ :; }}
-build_program() {{ :; }}
-build_check_release() {{ :; }}
-run_fpm() {{ mkdir -p "$prefix" && cp -r "{build}/installed/." "$prefix/"; }}
-"""
-
-
 def environment(tree):
     unset = ('MAKEFLAGS', 'PYTHONHOME')
     found = {name: value for name, value in os.environ.items() if name not in unset}
@@ -137,8 +83,8 @@ def words_of(test, tree):
             '--doctest-modules', '--doctest-glob=*.md', *apart, *what], tree.work
 
 
-# Seconds of one process, kB of memory, blocks of a file.
-LIMITS = 'ulimit -t {seconds} && ulimit -v {memory} && ulimit -f 400000 && exec "$@"'
+# Seconds of one process, kB of memory, blocks of a file: tests of long files make them of 5 GB, and set limits of their own.
+LIMITS = 'ulimit -t {seconds} && ulimit -v {memory} && ulimit -S -f 12000000 && exec "$@"'
 
 
 def run(test, tree, states, stop_early=True):
