@@ -7,7 +7,7 @@ module test_mesh
   use gearsweep_flattening, only: contact_half_width, load_dependence, surface_to_depth
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
   use gearsweep_material, only: material_t
-  use gearsweep_mesh, only: mesh_t
+  use gearsweep_mesh, only: joint_stiffness, mesh_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_own_flattening, only: even_flattening, flattening_t
   use gearsweep_pair, only: pair_t
@@ -39,6 +39,7 @@ contains
     if (t%wants('slow_relief')) call slow_relief(t)
     if (t%wants('discs')) call discs(t)
     if (t%wants('three_pairs')) call three_pairs(t)
+    if (t%wants('two_of_three')) call two_of_three(t)
   end subroutine run
 
   !> Values, slopes and integrals of polynomials in closed form.
@@ -355,6 +356,23 @@ contains
                        sum((tau(2:) - tau(:size(tau) - 1))*(k(2:) + k(:size(k) - 1))/2), 1e-6_dp)
     end associate
   end subroutine three_pairs
+
+  !> Of three pairs that share different compliances one is apart: the closed form of two springs with what these two share.
+  subroutine two_of_three(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: stiffness(3) = [300e6_dp, 250e6_dp, 400e6_dp], shared(2) = [0.9e-9_dp, 0.7e-9_dp]
+    real(dp), parameter :: between(3) = [shared(2), 0.4e-9_dp, shared(1)]      ! by the pairs but this one
+    type(mesh_t) :: mesh
+    integer :: apart, i
+
+    mesh%disc = disc_t(shared=0.8e-9_dp, change=[-0.1e-9_dp, 0.0_dp], decline=0.4e-9_dp)
+    do apart = 1, 3
+      associate (c => 1/pack(stiffness, [(i /= apart, i=1, 3)]), both => between(apart))
+        call check_close(t, 'two pairs of three', joint_stiffness(mesh, stiffness, shared, [(i /= apart, i=1, 3)]), &
+                         (sum(c) - 2*both)/(product(c) - both**2))
+      end associate
+    end do
+  end subroutine two_of_three
 
   !> Two pairs on discs, by their full compliance matrix: alone 1/K + turn, each under the other's load
   !> turn + shared. Each pair's deflection under both loads, and its profile error, is the same
