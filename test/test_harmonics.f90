@@ -25,10 +25,12 @@ contains
     if (t%wants('rectangle')) call rectangle(t)
     if (t%wants('ramp_with_separation')) call ramp_with_separation(t)
     if (t%wants('trapezium')) call trapezium(t)
+    if (t%wants('close_changes')) call close_changes(t)
     if (t%wants('samples_converge')) call samples_converge(t)
     if (t%wants('energy')) call energy(t)
     if (t%wants('smooth_meshes')) call smooth_meshes(t)
     if (t%wants('summits')) call summits(t)
+    if (t%wants('summits_near_ends')) call summits_near_ends(t)
   end subroutine run
 
   !> Polynomials up to degree 2 n - 1 are integrated exactly.
@@ -135,6 +137,27 @@ contains
     at = [0.0_dp, early, double - early, double]
     kink = tip/double*[1, -1, -1, 1]
   end subroutine make_trapezium
+
+  !> Reliefs of many deflections: the entering pair begins to carry shortly before the leaving one parts, at phases q*double where
+  !> tip(2) (1 - q) is the deflection of the leaving pair alone, and where tip(1) q is that of the entering one.
+  subroutine close_changes(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: tip(2) = single*[18, 14], at(4) = double*[0.0_dp, 13/32.0_dp, 15/32.0_dp, 1.0_dp]
+    real(dp), parameter :: kink(4) = [tip(1), -sum(tip)/2, -sum(tip)/2, tip(2)]/double
+    type(oscillator_t) :: osc
+    type(harmonics_t) :: harmonics
+    type(interval_t), allocatable :: intervals(:)
+    type(segment_t), allocatable :: segments(:)
+    integer :: i
+
+    call prescribed(ratio, [400.0_dp], 1e6_dp*tip, 1, osc)
+    call smooth_segments(osc%mesh, load, intervals, segments)
+    do i = 2, 3
+      call check_close(t, 'place of a close change', minval(abs(segments%first - at(i))), 0.0_dp, absolute=1e-14_dp)
+    end do
+    call find_harmonics(osc%mesh, load, 40, harmonics)
+    call check_linear(t, 'close changes', harmonics, at, [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], kink)
+  end subroutine close_changes
 
   !> The transform of n samples comes to the same: as 1/n where x jumps, as 1/n**2 where it has
   !> kinks. The largest error among many n, as it depends on how the samples meet the breaks.
@@ -271,4 +294,24 @@ contains
     call find_harmonics(osc%mesh, load, 1, harmonics)
     call check_close(t, 'summit in the middle', harmonics%largest, load/400e6_dp, 1e-12_dp)
   end subroutine summits
+
+  !> Two pairs always, K = 400 + way 110 ((1 - 2 p) u + u**2) of each: their sum has its only extreme at phase p, near either end.
+  subroutine summits_near_ends(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: near(2) = [0.012_dp, 0.988_dp]
+    type(oscillator_t) :: osc
+    type(harmonics_t) :: harmonics
+    integer :: i, way
+
+    do i = 1, 2
+      do way = -1, 1, 2
+        associate (p => near(i))
+          call prescribed(2.0_dp, [400.0_dp, way*110*(1 - 2*p), way*110.0_dp], [0.0_dp, 0.0_dp], 1, osc)
+          call find_harmonics(osc%mesh, load, 1, harmonics)
+          call check_close(t, 'summit near an end', merge(harmonics%largest, harmonics%least, way > 0), &
+                           load/(1e6_dp*(800 + way*220*p*(1 - p))), 1e-12_dp)
+        end associate
+      end do
+    end do
+  end subroutine summits_near_ends
 end module test_harmonics
