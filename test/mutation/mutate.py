@@ -186,7 +186,7 @@ def main():
     wanted = options.rooms or list(rooms)
     count = shares(rooms, options.count)
     fortran = [room for room in wanted if room != 'python']
-    say('building, about 3 min')
+    say('building, about 3 min; all rooms together 6')
     together = build.Together(ROOT, SCRATCH / 'tree', [mutants.ranked(rooms[room]) for room in fortran], [count[room] for room in fortran])
     say(f'{len(together.mutants)} mutants in one build')
     judges = [Judge(together, together.tree.copy(SCRATCH / f'tree{number}')) for number in range(1, options.workers + 1)]

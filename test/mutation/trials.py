@@ -17,8 +17,7 @@ import instrument
 # own have no mutant to look at.
 PICTURES = ('test_plots', 'pictures.md')
 LEFT_OUT = ('test_nothing_on_the_page_is_old',)
-# The walk over all keys takes longer than all other suites together, many times so with line coverage: it sees
-# mutants of the rooms that read keys, whatever the lines, as the last test.
+# The walk over all keys takes longer than all other suites together: it sees mutants of the rooms that read keys.
 WALK, WALKED = 'inputs', ('case', 'tasks')
 SCRIPTS_APART = ('test_lint', 'test_python', 'test_sanitize', 'test_wheel', 'test_callers', 'test_fpm', 'test_matrix', 'test_memory')
 
