@@ -729,6 +729,28 @@ class AsBuiltTable(Table):
     multiplier: NDArray[float64]
     """largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion repels"""
 
+class AsBuiltSummaryTable(Table):
+    """largest dynamic factor over the speeds, of all pairs of gears and assemblies"""
+
+    relief_um: NDArray[float64]
+    """um: amount of relief"""
+    nominal_factor: NDArray[float64]
+    """largest DF over the speeds of gears without deviations"""
+    least_factor: NDArray[float64]
+    """the least of the largest DF over the speeds"""
+    median_factor: NDArray[float64]
+    """its median"""
+    quantile_95_factor: NDArray[float64]
+    """what 95 % of them are at most"""
+    largest_factor: NDArray[float64]
+    """the largest"""
+    rpm: NDArray[float64]
+    """1/min: speed at which that is"""
+    draws: NDArray[int64]
+    """pairs of gears that were drawn"""
+    assemblies: NDArray[int64]
+    """assemblies of each"""
+
 class AsBuiltWorstTable(Table):
     """largest dynamic factor over the speeds of gears as built, and the teeth that carry it"""
 
@@ -772,6 +794,8 @@ class AsBuiltLoadsTable(Table):
     """the same over the static load"""
     s: NDArray[float64]
     """where that load is: path coordinate of the pair, in base pitches from A"""
+    pressure_mpa: NDArray[float64]
+    """MPa: largest Hertz pressure on the flanks under that load; NaN at a tip corner, which has no radius"""
 
 class AsBuiltTurnTable(Table):
     """transmission error along the line of action over the turn, at rest (rpm 0) and in motion"""
@@ -2006,6 +2030,8 @@ class Named:
     def relief_flank(self) -> ReliefFlankTable: ...
     @property
     def as_built(self) -> AsBuiltTable: ...
+    @property
+    def as_built_summary(self) -> AsBuiltSummaryTable: ...
     @property
     def as_built_worst(self) -> AsBuiltWorstTable: ...
     @property

@@ -21,7 +21,7 @@ NUMBERS = {
 
 #: Tasks by what they are for.
 TASKS = {
-    'Design': ('geometry', 'mesh', 'sweep', 'optimum', 'deflection_relief', 'load', 'torque', 'sensitivity', 'as_built'),
+    'Design': ('geometry', 'mesh', 'sweep', 'optimum', 'deflection_relief', 'as_built', 'load', 'torque', 'sensitivity'),
     'Strength': ('static', 'rating', 'flank', 'life', 'transient', 'harmonic'),
     'Vibration': ('section', 'modal', 'body_modes'),
     'Nonlinear motion': ('stability', 'hysteresis', 'poincare', 'attractors', 'branches'),

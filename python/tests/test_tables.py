@@ -17,6 +17,7 @@ PLACES = {
     'Diameters': 'gears',
     'Path of contact': 'geometry contact_points gears',
     'Tip relief': 'deflection_relief',
+    'Gears as built': 'as_built_summary as_built_worst',
     'Tip': 'gears geometry',
     'Undercut': 'gears geometry',
     'Tooth thickness': 'gears',
@@ -50,7 +51,7 @@ PLACES = {
     'Printed values and ours': 'published',
 }
 # Digits that are part of words.
-WORDS = ('ISO 6336-3', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6',
+WORDS = ('ISO 6336-3', '95 %', 'ISO 6336,', '30 degree tangents', 'sigma_F0', '(within 15 %)', 'harmonics 1, 2, 3 um', '9 starts each', '1e-2     1e-4     1e-6',
          'passed 1e4 static ones')
 NUMBER = re.compile(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*[A-Za-z_])')
 

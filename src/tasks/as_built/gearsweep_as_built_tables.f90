@@ -192,6 +192,8 @@ contains
     call table%add('quantile_95_factor', '', 'what 95 % of them are at most', values(:, 4))
     call table%add('largest_factor', '', 'the largest', values(:, 5))
     call table%add('rpm', '1/min', 'speed at which that is', values(:, 6))
+    call table%add('draws', '', 'pairs of gears that were drawn', spread(size(machines, 2), 1, size(amount)))
+    call table%add('assemblies', '', 'assemblies of each', spread(size(machines, 1), 1, size(amount)))
   end subroutine fill_summary
 
   !> The value that this part of the values is below, linear between two of them. Source: Hyndman and Fan 1996, The American
