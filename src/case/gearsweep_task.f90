@@ -17,7 +17,7 @@ module gearsweep_task
   use gearsweep_uses, only: sentence_length
   implicit none
   private
-  public :: task_t, task_info_t, task_slot_t, check_reliefs, needs_moving, sentence_of, split_names
+  public :: task_t, task_info_t, task_slot_t, task_file_t, check_reliefs, needs_moving, sentence_of, split_names
 
   integer, parameter, public :: task_length = 20, table_length = 18
   character(*), parameter, public :: members(2) = [character(6) :: 'pinion', 'gear']
@@ -59,11 +59,19 @@ module gearsweep_task
     logical :: is_always = .false.               !< it runs for every case that has gears, named or not
   end type task_info_t
 
+  !> A file that a key of a task names. What stands in it is an input as the key is.
+  type :: task_file_t
+    character(:), allocatable :: name            !< as the case has it; a relative one lies beside the case
+    character(:), allocatable :: path            !< where it was read, in a study
+    character(:), allocatable :: text            !< what stood in it, in a study
+  end type task_file_t
+
   !> A task with the values of its keys and, after its run, its result.
   type, abstract :: task_t
     ! Keys that several tasks have, each in its own group:
     real(dp), allocatable :: own_rpm(:)          !< 1/min; not allocated: it takes the speeds of &sweep
     real(dp), allocatable :: own_relief(:)       !< m; not allocated: it takes all of the case
+    type(task_file_t), allocatable :: files(:)   !< that its keys name; not allocated where none does
     ! Result:
     type(table_t), allocatable :: tables(:)      !< in the order of `describe`
     type(grid_t), allocatable :: grid            !< of those whose rows are nodes or elements
@@ -79,6 +87,7 @@ module gearsweep_task
     procedure :: check => check_reliefs
     procedure :: check_gears => accept_gears
     procedure :: uses => uses_stage
+    procedure :: has_same_files
     procedure :: prepare, place, read_speeds, read_reliefs
   end type task_t
 
@@ -127,6 +136,20 @@ contains
     call self%describe(info)
     uses = any(info%needs == which) .and. .not. (which == stage%speeds .and. allocated(self%own_rpm))
   end function uses_stage
+
+  !> Stands the same in its files as in those of the other, which has the same keys?
+  pure logical function has_same_files(self, other) result(same)
+    class(task_t), intent(in) :: self, other
+    integer :: i
+
+    same = allocated(self%files) .eqv. allocated(other%files)
+    if (.not. (same .and. allocated(self%files))) return
+    same = size(self%files) == size(other%files)
+    do i = 1, merge(size(self%files), 0, same)
+      ! Fortran takes texts for the same that differ in blanks at their ends.
+      same = same .and. len(self%files(i)%text) == len(other%files(i)%text) .and. self%files(i)%text == other%files(i)%text
+    end do
+  end function has_same_files
 
   !> Before its run: its tables, which are not there yet, have their names.
   subroutine prepare(self)

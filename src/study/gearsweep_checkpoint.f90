@@ -1,7 +1,7 @@
 !> The record of an interrupted run in a file: a run of the same version on the same inputs goes on from it, to the
 !> same bits.
 !>
-!> The first line names the format, version and a sum of the inputs: the case's text and the tables that it names. Then come, in
+!> The first line names the format, version and a sum of the inputs: the case's text and the files that it names. Then come, in
 !> words of 64 bits, the sweeps that had begun and were not done, and the tasks that were; each begins with a word that says what
 !> it is.
 module gearsweep_checkpoint
@@ -148,10 +148,17 @@ contains
     character(:), allocatable :: inputs, table
     type(error_t), allocatable :: missing
     character(16) :: sum
+    integer :: i, k
 
     inputs = case%text
     call add_table(case%file)
     call add_table(case%profile_error_file)
+    do i = 1, size(case%tasks)
+      if (.not. (case%tasks(i)%is_wanted .and. allocated(case%tasks(i)%task%files))) cycle
+      do k = 1, size(case%tasks(i)%task%files)
+        call add_table(case%tasks(i)%task%files(k)%name)
+      end do
+    end do
     write (sum, '(z16.16)') sum_of_text(inputs)
     line = format//' version '//version//' inputs '//sum
 

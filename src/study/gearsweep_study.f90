@@ -96,6 +96,8 @@ contains
         study%solid_inputs = solid_inputs_t(study%pair%gear(case%member), case%material(case%member), &
                                             case%iso%web_thickness(case%member), case%iso%rim_thickness(case%member))
       end if
+      call read_files(study, folder, error)
+      if (allocated(error)) return
       if (case%needs(stage%mesh)) then
         call mesh_and_motion(study, folder, error, earlier)
       else
@@ -106,6 +108,30 @@ contains
     call run_tasks(study, error, earlier)
     if (.not. allocated(error)) call note_left_out(study)
   end subroutine run_stages
+
+  !> The files of the tasks that the case names.
+  subroutine read_files(study, folder, error)
+    type(study_t), intent(inout) :: study
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: i, k
+
+    do i = 1, size(study%tasks)
+      associate (slot => study%tasks(i))
+        if (.not. (slot%is_wanted .and. allocated(slot%task%files))) cycle
+        do k = 1, size(slot%task%files)
+          slot%task%files(k)%path = beside(folder, slot%task%files(k)%name)
+          call read_text(slot%task%files(k)%path, slot%task%files(k)%text, error)
+          if (allocated(error)) return
+        end do
+        select type (task => slot%task)
+        class is (runnable_t)
+          call task%take_files(study%stages_t, error)
+        end select
+        if (allocated(error)) return
+      end associate
+    end do
+  end subroutine read_files
 
   !> The speeds of the sweep, and how many points there will be.
   subroutine list_speeds(study, error)
@@ -212,6 +238,7 @@ contains
       known = before%is_wanted .and. before%given == slot%given
       if (known) known = slot%takes(stage%mesh) .or. slot%takes(stage%body) .or. slot%takes(stage%solid)
       if (known) known = before%task%is_done .and. .not. before%task%is_stopped
+      if (known) known = slot%task%has_same_files(before%task)
       if (known) known = same_gears(study, earlier, slot)
       if (known .and. slot%takes(stage%mesh)) known = same_but_amounts(study%motions_inputs, earlier%motions_inputs)
       if (known .and. slot%takes(stage%reliefs)) known = same(maxval(study%amount), maxval(earlier%amount))

@@ -57,6 +57,7 @@ module gearsweep_stages
   type, abstract, extends(task_t) :: runnable_t
   contains
     procedure(run_task), deferred :: run
+    procedure :: take_files => no_files
     procedure :: count_points
     procedure :: list_speeds, list_reliefs
   end type runnable_t
@@ -72,6 +73,17 @@ module gearsweep_stages
   end interface
 
 contains
+
+  !> Takes what it needs of the texts of its files, which the study has read, with the gears at hand: so that a wrong file costs no
+  !> time. This one has none.
+  subroutine no_files(self, stages, error)
+    class(runnable_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages         !< with the gears only
+    type(error_t), allocatable, intent(inout) :: error
+
+    ! The compiler asks for some use of the arguments.
+    if (.not. allocated(error) .and. stages%member < 0) self%is_done = .false.
+  end subroutine no_files
 
   !> How many operating points a task solves, for progress.
   integer function points_of(task, stages)
