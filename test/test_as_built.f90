@@ -1,6 +1,9 @@
 !> Motions of gears whose teeth have errors of their own: against six motions of a solver written apart
 !> (test/reference/as_built.dat), and identities.
 module test_as_built
+  use gearsweep_case, only: case_t
+  use gearsweep_case_reader, only: read_case
+  use gearsweep_checkpoint, only: load_record, save_record
   use gearsweep_deviations, only: make_deviations, wave_t
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t
@@ -9,17 +12,26 @@ module test_as_built
   use gearsweep_piecewise, only: piecewise_t, polynomial
   use gearsweep_refinement, only: levels_t
   use gearsweep_status, only: has_result, status_name
+  use gearsweep_study, only: record_t, run_study
   use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
   use gearsweep_turn, only: curve_t, find_amplitudes, find_static_turn, find_turn, turn_t
   use quantities, only: answer_t, ask, refusal
   use reference_rows, only: next_row
-  use testing, only: check_close, check_error, check_no_error, check_true, tally_t
+  use testing, only: check_close, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
   public :: run
 
   real(dp), parameter :: um = 1e-6_dp
+  !> Gears without profile shift, whose flanks are measured; lengths in mm, from Euclid: reference, base and tip circles, and the
+  !> pinion's rolls at A, E and the pitch point, which is on both measuring circles.
+  integer, parameter :: teeth(2) = [18, 36]
+  real(dp), parameter :: angle = pi/9, radius(2) = 1.5_dp*teeth, between = sum(radius), base(2) = radius*cos(angle), &
+                         roll_a = between*sin(angle) - sqrt((radius(2) + 3)**2 - base(2)**2), &
+                         roll_e = sqrt((radius(1) + 3)**2 - base(1)**2), &
+                         pitch_point = (radius(1)*sin(angle) - roll_a)/(roll_e - roll_a)
+  character(6), parameter :: gears(2) = [character(6) :: 'pinion', 'gear']
 
   type :: given_t
     character(8) :: name = ''
@@ -46,6 +58,10 @@ contains
     if (t%wants('repelling')) call repelling(t, given)
     if (t%wants('classes')) call classes(t)
     if (t%wants('refused')) call refused(t)
+    if (t%wants('measured_flanks')) call measured_flanks(t)
+    if (t%wants('changed_file')) call changed_file(t)
+    if (t%wants('wrong_files')) call wrong_files(t)
+    if (t%wants('off_the_path')) call off_the_path(t)
   end subroutine run
 
   subroutine read_given(given)
@@ -592,6 +608,382 @@ contains
       call check_contains(t, keys, refusal(rest//'&deviations '//keys//' /'), words)
     end subroutine refuse
   end subroutine refused
+
+  !> Files of known slopes, parabolas and constants for both flanks give the motion that the lists of these give; the constants do
+  !> not count. Eight points over 80 % of the path, with a part beside that no polynomial up to the sixth degree has: alternating
+  !> binomial coefficients, whose squares add up to the middle one of the next row but six.
+  subroutine measured_flanks(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: by_lists, by_file
+    character(:), allocatable :: folder, name, lists, file
+    logical :: ascends
+    integer :: flank, i, k
+
+    folder = new_folder()
+    do i = 1, 2
+      call write_file(folder//'/'//trim(gears(i))//'.csv', points_of(i, 0.02_dp))
+    end do
+    do k = 1, 2
+      ascends = k == 1
+      lists = keys_of(ascends, [5, 30])
+      file = lists
+      do i = 1, 2
+        name = trim(gears(i))
+        flank = merge(1, 2, ascends .eqv. i == 1)
+        lists = lists//name//'_profile_slope_um ='//list(i, flank, 1)//name//'_profile_form_um ='//list(i, flank, 2)
+        file = file//name//'_flanks_file = '''//name//'.csv'' '//name//'_cumulative_pitch_um ='//list(i, flank, 3)
+      end do
+      call ask_in(t, folder, lists, by_lists)
+      call ask_in(t, folder, file, by_file)
+      call check_close(t, 'dynamic factor by files', by_file%one('as_built.dynamic_factor'), &
+                       by_lists%one('as_built.dynamic_factor'), absolute=1e-9_dp)
+      call check_true(t, 'the deviations count', abs(by_file%one('as_built.dynamic_factor') - &
+                                                     by_file%one('as_built.nominal_factor')) > 0.01_dp)
+      call check_close(t, 'transmission error by files', by_file%one('as_built.dte_rms_um'), by_lists%one('as_built.dte_rms_um'), &
+                       absolute=1e-8_dp)
+      call check_true(t, 'largest loads by files', all(abs(by_file%all_of('as_built_loads.load_ratio') - &
+                                                           by_lists%all_of('as_built_loads.load_ratio')) < 1e-8_dp))
+      ! 0.02 um times the root of 3432/8.
+      do i = 1, 2
+        call check_true(t, 'what is left of the points', index(by_file%study%log, 'leave 0.414 um (root mean square) of '// &
+                                                               trim(gears(i))//'_flanks_file') > 0, by_file%study%log)
+      end do
+    end do
+    call remove_folder(folder)
+
+  contains
+
+    !> Slope, form, or the pitch by which the form of the list, whose mean is 0, differs from that of the file, which is 0 at the
+    !> pitch point.
+    function list(gear, flank, what) result(words)
+      integer, intent(in) :: gear, flank, what
+      character(:), allocatable :: words
+      real(dp) :: values(3), shift
+      integer :: tooth
+
+      words = ''
+      do tooth = 1, teeth(gear)
+        values(:2) = [slope(gear, flank, tooth), form(gear, flank, tooth)]
+        shift = values(2)*(2/3.0_dp - 4*pitch_point*(1 - pitch_point))/cos(angle)
+        values(3) = merge(1, -1, ascends)*merge(1, -1, gear == 1)*shift
+        words = words//' '//str(values(what), 17)
+      end do
+      words = words//new_line('a')
+    end function list
+  end subroutine measured_flanks
+
+  pure real(dp) function slope(gear, flank, tooth)
+    integer, intent(in) :: gear, flank, tooth
+
+    slope = 4*sin(1.3_dp*tooth + 2*flank + gear)
+  end function slope
+
+  pure real(dp) function form(gear, flank, tooth)
+    integer, intent(in) :: gear, flank, tooth
+
+    form = 3*cos(0.7_dp*tooth + flank - gear)
+  end function form
+
+  !> The file of a gear, with `more` um beside the polynomials, tooth after tooth against the order of the numbers.
+  function points_of(gear, more) result(text)
+    integer, intent(in) :: gear
+    real(dp), intent(in) :: more
+    character(:), allocatable :: text
+    integer :: flank, tooth, k
+
+    text = '# measured'//new_line('a')//new_line('a')//'tooth,flank,roll_mm,deviation_um'//new_line('a')
+    do tooth = teeth(gear), 1, -1
+      do k = 0, 7
+        do flank = 1, 2
+          text = text//point(gear, flank, tooth, k, 0.1_dp + 0.8_dp*k/7, more)
+        end do
+      end do
+    end do
+  end function points_of
+
+  !> A row: point number k, from 0, at the part u of the path.
+  function point(gear, flank, tooth, k, u, more) result(row)
+    integer, intent(in) :: gear, flank, tooth, k
+    real(dp), intent(in) :: u, more
+    integer, parameter :: binomial(0:7) = [1, -7, 21, -35, 35, -21, 7, -1]
+    character(:), allocatable :: row
+    real(dp) :: roll, deviation
+
+    roll = roll_a + u*(roll_e - roll_a)
+    if (gear == 2) roll = between*sin(angle) - roll
+    ! The tip of the pinion is at E.
+    deviation = merge(1, -1, gear == 1)*slope(gear, flank, tooth)*(u - pitch_point) + &
+                form(gear, flank, tooth)*4*u*(1 - u) + tooth + more*binomial(k)
+    row = str(tooth)//', '//trim(merge('left ', 'right', flank == 1))//', '//str(roll, 17)//', '//str(deviation, 17)//new_line('a')
+  end function point
+
+  subroutine write_file(path, text)
+    character(*), intent(in) :: path, text
+    integer :: unit
+
+    open (newunit=unit, file=path, status='replace', action='write', access='stream', form='unformatted')
+    write (unit) text
+    close (unit)
+  end subroutine write_file
+
+  !> How the teeth are counted. The pinion drives: turning counterclockwise it carries on the left.
+  function keys_of(ascends, first) result(keys)
+    logical, intent(in) :: ascends
+    integer, intent(in) :: first(2)
+    character(:), allocatable :: keys, name
+    integer :: i
+
+    keys = ''
+    do i = 1, 2
+      name = trim(gears(i))
+      keys = keys//name//'_counting = ''clockwise'' '//name//'_flank = '''// &
+             trim(merge('left ', 'right', ascends .eqv. i == 1))//''' '//name//'_tooth = '//str(first(i))//' '
+    end do
+  end function keys_of
+
+  !> A case with these keys of &deviations.
+  function case_with(keys, more) result(text)
+    character(*), intent(in) :: keys
+    character(*), intent(in), optional :: more
+    character(:), allocatable :: text
+
+    text = '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &load torque_nm = 60 / '// &
+           '&mesh model = ''iso6336'', corner_contact = .false. / &as_built rpm = 4000 / &numerics tolerance = 1e-11 / '
+    if (.not. present(more)) text = text//'&pinion teeth = 18 / &gear teeth = 36 / '
+    if (present(more)) text = text//more
+    text = text//'&deviations '//keys//' /'
+  end function case_with
+
+  subroutine ask_in(t, folder, keys, answer)
+    type(tally_t), intent(inout) :: t
+    character(*), intent(in) :: folder, keys
+    type(answer_t), intent(out) :: answer
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+
+    call read_case(case_with(keys), case, error)
+    if (.not. allocated(error)) call run_study(case, folder//'/', 1, answer%study, error)
+    call check_no_error(t, 'measured flanks', error)
+  end subroutine ask_in
+
+  !> What stands in a file is an input: where it changes, nothing is taken over from an earlier study or an interrupted run.
+  subroutine changed_file(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: taken = 'as_built, taken over'
+    type(answer_t) :: first, second, third
+    type(case_t) :: case
+    type(record_t) :: record
+    type(error_t), allocatable :: error
+    character(:), allocatable :: folder, path
+
+    folder = new_folder()
+    path = folder//'/pinion.csv'
+    call write_file(path, points_of(1, 0.0_dp))
+    call read_case(case_with(keys_of(.true., [1, 1])//'pinion_flanks_file = ''pinion.csv'''), case, error)
+    call check_true(t, 'counting of a gear without a file or list', index(case%unused, 'gear_counting') > 0, case%unused)
+    call run_study(case, folder//'/', 1, first%study, error)
+    call check_no_error(t, 'with a file', error)
+    call save_record(record, case, folder//'/', folder//'/checkpoint', error)
+    call load_record(folder//'/checkpoint', case, folder//'/', record, error)
+    call check_no_error(t, 'the same file', error)
+    call run_study(case, folder//'/', 1, second%study, error, earlier=first%study)
+    call check_true(t, 'the same file: taken over', index(second%study%log, 'pinion_flanks_file, taken over') > 0, second%study%log)
+    ! Another constant at the end of the row of the last point.
+    call write_file(path, points_of(1, 0.0_dp)//'1, left, '//str(roll_a, 9)//', 40'//new_line('a'))
+    call run_study(case, folder//'/', 1, third%study, error, earlier=first%study)
+    call check_no_error(t, 'another file', error)
+    call check_true(t, 'another file: not taken over', index(third%study%log, 'taken over') == 0, third%study%log)
+    call check_true(t, 'another file: another motion', abs(third%one('as_built.dynamic_factor') - &
+                                                           first%one('as_built.dynamic_factor')) > 1e-3_dp)
+    call load_record(folder//'/checkpoint', case, folder//'/', record, error)
+    call check_error(t, 'another file', error, 'the case or a file that it names was changed since')
+    call remove_folder(folder)
+  end subroutine changed_file
+
+  !> One clear error each.
+  subroutine wrong_files(t)
+    type(tally_t), intent(inout) :: t
+    character, parameter :: lf = new_line('a')
+    character(*), parameter :: header = 'tooth,flank,roll_mm,deviation_um'//lf, given = 'pinion_flanks_file = ''pinion.csv'' '
+    character(16), parameter :: counted(3) = [character(16) :: 'pinion_counting', 'pinion_flank', 'pinion_tooth']
+    character(:), allocatable :: folder, good, part
+    integer :: k
+
+    folder = new_folder()
+    good = points_of(1, 0.0_dp)
+    call refuse('', ': lacks the line tooth,flank,roll_mm,deviation_um')
+    call refuse('# '//header, ': lacks the line tooth,flank,roll_mm,deviation_um')
+    call refuse('tooth,flank,roll,deviation'//lf//good, ' line 1: must be tooth,flank,roll_mm,deviation_um')
+    call refuse(header//'1,left,9'//lf, ' line 2: must have four fields: tooth,flank,roll_mm,deviation_um')
+    call refuse(header//lf//'1,left,9,1,2'//lf, ' line 3: must have four fields: tooth,flank,roll_mm,deviation_um')
+    call refuse(header//'0,left,9,1', ' line 2: tooth = 0: must be a whole number from 1 to 18')
+    call refuse(header//'19,right,9,1', ' line 2: tooth = 19: must be a whole number from 1 to 18')
+    call refuse(header//'1.5,left,9,1', ' line 2: tooth = 1.5: must be a whole number from 1 to 18')
+    call refuse(header//'1,top,9,1', ' line 2: flank = top: must be left or right')
+    call refuse(header//'1,left,NaN,1', ' line 2: roll_mm = NaN: must be a number from 0 to 100000')
+    call refuse(header//'1,left,-1,1', ' line 2: roll_mm = -1: must be a number from 0 to 100000')
+    call refuse(header//'1,right,9,Infinity', ' line 2: deviation_um = Infinity: must be a number from -10000 to 10000')
+    call refuse(header//'1,left,9,2e4', ' line 2: deviation_um = 2e4: must be a number from -10000 to 10000')
+    call refuse(header//'1,left,9,', ' line 2: deviation_um = : must be a number from -10000 to 10000')
+    call refuse(good//achar(7), ' line 292: a control character (code 7)')
+    part = 'roll '//str(roll_a, 5)//' to '//str(roll_e, 5)//' mm'
+    call refuse(without(7, 8), ': tooth 7: points of this flank on the path of contact, '//part//': 0; must be at least 8')
+    call refuse(without(7, 1), ': tooth 7: points of this flank on the path of contact, '//part//': 7; must be at least 8')
+    ! Points beyond the path do not count.
+    call refuse(without(7, 1)//point(1, 1, 7, 0, 1.01_dp, 0.0_dp), &
+                ': tooth 7: points of this flank on the path of contact, '//part//': 7;')
+    call refuse(without(7, 1)//point(1, 1, 7, 0, 0.88_dp, 0.0_dp), &
+                ': tooth 7: its points reach over 78 % of the path of contact, '//part//'; must be at least 80 %')
+    call refuse(without(7, 8)//rows([0.0_dp, 0.1_dp, 0.2_dp, 0.3_dp, 0.55_dp, 0.7_dp, 0.8_dp, 0.9_dp]), &
+                ': tooth 7: has no point within roll '//str(roll_a + 0.3_dp*(roll_e - roll_a), 5)//' to '// &
+                str(roll_a + 0.55_dp*(roll_e - roll_a), 5)//' mm; a gap must be at most '//str(0.2_dp*(roll_e - roll_a), 4)//' mm')
+    ! Five places are the least that there can be.
+    call refuse(without(7, 8)//rows([0.1_dp, 0.3_dp, 0.5_dp, 0.5_dp, 0.5_dp, 0.7_dp, 0.9_dp, 0.9_dp]), '')
+    call check_contains(t, 'no file', said(keys_of(.true., [1, 1])//'pinion_flanks_file = ''none.csv'''), &
+                        'cannot read '//folder//'/none.csv: ')
+    call write_file(folder//'/pinion.csv', good)
+    do k = 1, size(counted)
+      call check_contains(t, 'no '//trim(counted(k)), said(given//pick(k)), trim(counted(k))//': missing')
+    end do
+    call check_contains(t, 'slope beside a file', said(given//keys_of(.true., [1, 1])//'pinion_profile_slope_um = 1'), &
+                        'pinion_profile_slope_um = 1: does not go with pinion_flanks_file; remove one')
+    call check_contains(t, 'form beside a file', said(given//keys_of(.true., [1, 1])//'pinion_profile_form_um = 1'), &
+                        'pinion_profile_form_um = 1: does not go with pinion_flanks_file; remove one')
+    call check_contains(t, 'class beside a file', said(given//keys_of(.true., [1, 1])//'pinion_class = 6'), &
+                        'pinion_flanks_file = ''pinion.csv'': does not go with pinion_class; remove one')
+    call check_contains(t, 'a prescribed mesh', refusal('&case tasks = ''as_built'' / &mesh contact_ratio = 1.6, '// &
+      'model = ''polynomial'', coefficients = 400 / &pinion teeth = 18, effective_mass_kg = 1 / &gear teeth = 36, '// &
+      'effective_mass_kg = 1 / &load normal_force_n = 1000 / &as_built rpm = 4000 / &deviations '// &
+      given//keys_of(.true., [1, 1])//' /'), 'pinion_flanks_file = ''pinion.csv'': not used by a prescribed mesh')
+    call remove_folder(folder)
+
+  contains
+
+    !> The whole message behind the file's name; none for a file that is good.
+    subroutine refuse(text, words)
+      character(*), intent(in) :: text, words
+      character(:), allocatable :: message
+
+      call write_file(folder//'/pinion.csv', text)
+      message = said(given//keys_of(.true., [1, 1]))
+      if (words == '') call check_true(t, 'a good file', message == '', message)
+      if (words /= '') call check_true(t, words//' is told', index(message, folder//'/pinion.csv'//words) == 1, message)
+    end subroutine refuse
+
+    function said(keys) result(message)
+      character(*), intent(in) :: keys
+      character(:), allocatable :: message
+      type(case_t) :: case
+      type(answer_t) :: answer
+      type(error_t), allocatable :: error
+
+      message = ''
+      call read_case(case_with(keys), case, error)
+      if (.not. allocated(error)) call run_study(case, folder//'/', 1, answer%study, error)
+      if (allocated(error)) message = error%message
+    end function said
+
+    !> The good file without the last n rows of the left flank of a tooth.
+    function without(tooth, n) result(text)
+      integer, intent(in) :: tooth, n
+      character(:), allocatable :: text, row
+      integer :: i, at
+
+      text = good
+      do i = 8 - n, 7
+        row = lf//point(1, 1, tooth, i, 0.1_dp + 0.8_dp*i/7, 0.0_dp)
+        at = index(text, row)
+        call check_true(t, 'a row to leave out', at > 0, row)
+        text = text(:at)//text(at + len(row):)
+      end do
+    end function without
+
+    !> Of tooth 7, at these parts of the path.
+    function rows(u) result(text)
+      real(dp), intent(in) :: u(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(u)
+        text = text//point(1, 1, 7, 0, u(i), 0.0_dp)
+      end do
+    end function rows
+
+    !> The keys of counting of the pinion without one.
+    function pick(which) result(keys)
+      integer, intent(in) :: which
+      character(:), allocatable :: keys
+
+      keys = ''
+      if (which /= 1) keys = keys//'pinion_counting = ''clockwise'' '
+      if (which /= 2) keys = keys//'pinion_flank = ''left'' '
+      if (which /= 3) keys = keys//'pinion_tooth = 1 '
+    end function pick
+  end subroutine wrong_files
+
+  !> The gear ends below its reference circle, so that the pinion's lies off the path: what is taken off there is what was measured
+  !> beside it. Slopes of the file and of the list give the same motion.
+  subroutine off_the_path(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: z(2) = [25, 50]
+    real(dp), parameter :: r(2) = 1.5_dp*z, tip(2) = r + 3*[1 + 0.6_dp, 0.5_dp - 0.6_dp], b(2) = r*cos(angle), &
+                           a = sum(r)*sin(angle) - sqrt(tip(2)**2 - b(2)**2), e = sqrt(tip(1)**2 - b(1)**2), &
+                           reference = r(1)*sin(angle)
+    character(*), parameter :: given = ' pinion_flanks_file = ''pinion.csv'''
+    type(answer_t) :: by_lists, by_file
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    character(:), allocatable :: folder, list, text
+
+    folder = new_folder()
+    call write_slopes(text, list, reference - 0.9_dp)
+    call write_file(folder//'/pinion.csv', text)
+    call ask_shifted(list, by_lists)
+    call check_no_error(t, 'slopes from off the path by a list', error)
+    call ask_shifted(given, by_file)
+    call check_no_error(t, 'slopes from off the path by a file', error)
+    call check_close(t, 'dynamic factor with a measuring circle off the path', by_file%one('as_built.dynamic_factor'), &
+                     by_lists%one('as_built.dynamic_factor'), absolute=1e-9_dp)
+    call check_true(t, 'slopes from off the path count', abs(by_file%one('as_built.dynamic_factor') - &
+                                                            by_file%one('as_built.nominal_factor')) > 0.01_dp)
+    call write_slopes(text, list, a)
+    call write_file(folder//'/pinion.csv', text)
+    call ask_shifted(given, by_file)
+    call check_error(t, 'nothing beside the measuring circle', error, &
+                     folder//'/pinion.csv: tooth 1: has no points beside the reference circle, roll '//str(reference, 5)//' mm')
+    call remove_folder(folder)
+
+  contains
+
+    subroutine ask_shifted(keys, answer)
+      character(*), intent(in) :: keys
+      type(answer_t), intent(out) :: answer
+
+      call read_case(case_with(keys_of(.true., [3, 1])//keys, '&pinion teeth = 25, profile_shift = 0.6 / '// &
+                               '&gear teeth = 50, profile_shift = -0.6, addendum = 0.5 / '), case, error)
+      if (.not. allocated(error)) call run_study(case, folder//'/', 1, answer%study, error)
+    end subroutine ask_shifted
+
+    !> A slope and a constant of each tooth: points from this roll (mm) on to the tip; the same as a list.
+    subroutine write_slopes(text, list, from)
+      character(:), allocatable, intent(out) :: text, list
+      real(dp), intent(in) :: from
+      real(dp) :: roll
+      integer :: tooth, k
+
+      text = 'tooth,flank,roll_mm,deviation_um'//new_line('a')
+      list = ' pinion_profile_slope_um ='
+      do tooth = 1, z(1)
+        list = list//' '//str(slope(1, 1, tooth), 17)
+        do k = 0, 12
+          roll = from + (e - from)*k/12
+          text = text//str(tooth)//',left,'//str(roll, 17)//','// &
+                 str(slope(1, 1, tooth)*(roll - reference)/(e - a) + tooth, 17)//new_line('a')
+        end do
+      end do
+    end subroutine write_slopes
+  end subroutine off_the_path
 
   subroutine check_contains(t, name, text, words)
     type(tally_t), intent(inout) :: t

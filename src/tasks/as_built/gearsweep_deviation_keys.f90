@@ -13,10 +13,18 @@ module gearsweep_deviation_keys
   private
   public :: deviations_choice_t, read_deviations, check_deviations
 
+  !> A file of measured flanks.
+  type :: flank_file_t
+    character(:), allocatable :: name            !< not allocated: there is none
+    character(:), allocatable :: flank           !< which flanks of it count, `left` or `right`
+    real(dp) :: rest = 0                         !< root mean square of what the polynomials leave of its points, m
+  end type flank_file_t
+
   type :: deviations_choice_t
     integer :: class(2) = 0                      !< flank tolerance class of pinion and gear; 0: none
     integer :: seed = 1, draws = 1               !< of flanks drawn from the class
     type(flank_deviations_t) :: flanks(2)
+    type(flank_file_t) :: files(2)               !< of pinion and gear
     logical :: all_assemblies = .false.          !< each in which teeth can be put together
   contains
     procedure, private :: any_of
@@ -51,7 +59,7 @@ contains
                     lacks=unless(with_class, 'a class'), &
                     meaning='how many pairs of gears are drawn; the first is followed over the turn')
     do i = 1, 2
-      call read_flanks(reader, trim(members(i))//'_', choice%class(i) > 0, choice%flanks(i), error)
+      call read_flanks(reader, trim(members(i))//'_', choice%class(i) > 0, choice%flanks(i), choice%files(i), error)
     end do
     assembly = 'stated'
     call reader%get(group, 'assembly', assembly, error, tasks=task, allowed=[character(6) :: 'stated', 'all'], &
@@ -61,13 +69,14 @@ contains
   end subroutine read_deviations
 
   !> What is said of one gear. Lists of single teeth need to be told how the teeth are counted.
-  subroutine read_flanks(reader, member, with_class, flanks, error)
+  subroutine read_flanks(reader, member, with_class, flanks, file, error)
     type(reader_t), intent(inout) :: reader
     character(*), intent(in) :: member           ! as its keys begin
     logical, intent(in) :: with_class
     type(flank_deviations_t), intent(inout) :: flanks
+    type(flank_file_t), intent(inout) :: file
     type(error_t), allocatable, intent(inout) :: error
-    character(sentence_length) :: drawn
+    character(sentence_length) :: drawn, measured
     real(dp), parameter :: degree = pi/180
     logical :: given, has_waves
 
@@ -79,12 +88,19 @@ contains
                   'or behind (-) in the direction of counting, on the measuring circle, instead of single pitches', &
                   first_of(drawn, unless(.not. allocated(flanks%single_pitch), 'does not go with '//member// &
                                          'single_pitch_um; remove one')))
+    call reader%get(group, member//'flanks_file', file%name, error, tasks=task, otherwise='none', &
+                    refused=first_of(unless(.not. is_prescribed(reader), needs_gears), drawn), &
+                    meaning='file of measured profiles of the flanks, instead of slope and form: below the line '// &
+                    'tooth,flank,roll_mm,deviation_um a row for each point, with the number of the tooth, left or right, the '// &
+                    'radius of curvature of the involute there, and the deviation from it, more material (+) or less (-). A '// &
+                    'relative name lies beside the case')
+    measured = first_of(drawn, unless(.not. allocated(file%name), 'does not go with '//member//'flanks_file; remove one'))
     call get_list('profile_slope_um', flanks%slope, 'profile slope deviation over the path of contact, more material to the '// &
       'tip '// &
-                  '(+) or less (-): of all teeth, or of each', drawn)
+                  '(+) or less (-): of all teeth, or of each', measured)
     call get_list('profile_form_um', flanks%form, 'profile form deviation as a parabola over the path of contact, more '// &
       'material '// &
-                  'in the middle (+) or less (-): of all teeth, or of each', drawn)
+                  'in the middle (+) or less (-): of all teeth, or of each', measured)
     call reader%get(group, member//'runout_um', flanks%runout, error, unit='um', given=given, tasks=task, refused=drawn, &
                     at_least=0.0_dp, at_most=largest, otherwise='none', &
                     meaning='run-out F_r, twice the eccentricity: a wave of order 1 of half as much')
@@ -100,7 +116,7 @@ contains
                     required=has_waves, lacks=unless(has_waves, member//'wave_order'), at_least=-360.0_dp, at_most=360.0_dp, &
                     max_size=100, otherwise='none; required with '//member//'wave_order', &
                     meaning='phase of each where the stated tooth enters at A')
-    call read_counting(reader, member, flanks, error)
+    call read_counting(reader, member, flanks, file, error)
 
   contains
 
@@ -128,30 +144,33 @@ contains
     end subroutine get_orders
   end subroutine read_flanks
 
-  !> How the teeth of the lists are counted, and which of them meshes at the time 0.
-  subroutine read_counting(reader, member, flanks, error)
+  !> How the teeth of the lists and of the file are counted, and which of them meshes at the time 0.
+  subroutine read_counting(reader, member, flanks, file, error)
     type(reader_t), intent(inout) :: reader
     character(*), intent(in) :: member
     type(flank_deviations_t), intent(inout) :: flanks
+    type(flank_file_t), intent(inout) :: file
     type(error_t), allocatable, intent(inout) :: error
-    character(*), parameter :: without = 'none; required with a list of single teeth'
+    character(*), parameter :: without = 'none; required with a list or a file of single teeth'
     character(:), allocatable :: counting, flank
     character(sentence_length) :: lacks
     logical :: listed, turns_clockwise
 
     listed = is_list(flanks%single_pitch) .or. is_list(flanks%cumulative_pitch) .or. is_list(flanks%slope) .or. &
-             is_list(flanks%form)
-    lacks = unless(listed, 'a list of single teeth')
+             is_list(flanks%form) .or. allocated(file%name)
+    lacks = unless(listed, 'a list or a file of single teeth')
     call reader%get(group, member//'counting', counting, error, tasks=task, required=listed, lacks=lacks, &
                     allowed=[character(16) :: 'clockwise', 'counterclockwise'], otherwise=without, &
                     meaning='direction in which the teeth are counted, seen from the datum face')
     call reader%get(group, member//'flank', flank, error, tasks=task, required=listed, lacks=lacks, &
                     allowed=[character(5) :: 'left', 'right'], otherwise=without, &
-                    meaning='flanks that carry the load, of which the lists are: seen from the datum face with the tip up')
+                    meaning='flanks that carry the load, of which the lists are and that count in the file: seen from '// &
+                    'the datum face with the tip up')
     call reader%get(group, member//'tooth', flanks%tooth, error, tasks=task, required=listed, lacks=lacks, at_least=1, &
                     at_most=100000, otherwise=without, &
                     meaning='number of the tooth that enters contact at A at the time 0')
     if (.not. (allocated(counting) .and. allocated(flank))) return
+    file%flank = flank
     ! The driving tooth carries on the side to which it moves, the driven one on the other; teeth engage one behind the other.
     turns_clockwise = flank == 'right' .eqv. member == 'pinion_'
     flanks%ascends = counting == 'clockwise' .neqv. turns_clockwise
@@ -171,7 +190,8 @@ contains
 
     associate (flanks => self%flanks(i))
       any_of = self%class(i) > 0 .or. allocated(flanks%single_pitch) .or. allocated(flanks%cumulative_pitch) .or. &
-               allocated(flanks%slope) .or. allocated(flanks%form) .or. flanks%runout > 0 .or. allocated(flanks%wave_order)
+               allocated(flanks%slope) .or. allocated(flanks%form) .or. flanks%runout > 0 .or. allocated(flanks%wave_order) .or. &
+               allocated(self%files(i)%name)
     end associate
   end function any_of
 

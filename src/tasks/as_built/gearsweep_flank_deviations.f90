@@ -19,6 +19,7 @@ module gearsweep_flank_deviations
     !> Along the measuring circle, m: of each pitch, or all of them up to a tooth; (tooth). Not both.
     real(dp), allocatable :: single_pitch(:), cumulative_pitch(:)
     real(dp), allocatable :: slope(:), form(:)   !< of the profile, m; one for all teeth, or (tooth)
+    real(dp), allocatable :: measured(:, :)      !< error by the measured profile, c_n as in deviations_t, m; (0:degree, tooth)
     logical :: ascends = .true.                  !< teeth engage in the order of their numbers, not against it
     integer :: tooth = 1                         !< number of that which enters at A at the time 0
     real(dp) :: runout = 0                       !< twice the eccentricity, m
@@ -101,7 +102,7 @@ contains
     deviations = make_deviations(teeth, pinion, gear, waves, offset)
   end function lay_deviations
 
-  !> c_n of each tooth of a gear in the order of engagement (m), (0:2, tooth); no tooth where none deviates.
+  !> c_n of each tooth of a gear in the order of engagement (m), (0:degree, tooth); no tooth where none deviates.
   pure subroutine lay_teeth(flanks, frame, gear, teeth, contact_ratio, c)
     type(flank_deviations_t), intent(in) :: flanks
     type(frame_t), intent(in) :: frame
@@ -109,14 +110,16 @@ contains
     real(dp), intent(in) :: contact_ratio
     real(dp), allocatable, intent(out) :: c(:, :)
     real(dp) :: late(teeth)
-    integer :: i, sense, tooth
+    integer :: degree, i, sense, tooth
 
+    degree = 2
+    if (allocated(flanks%measured)) degree = max(degree, ubound(flanks%measured, 1))
     if (.not. (allocated(flanks%single_pitch) .or. allocated(flanks%cumulative_pitch) .or. allocated(flanks%slope) .or. &
-               allocated(flanks%form))) then
-      allocate (c(0:2, 0))
+               allocated(flanks%form) .or. allocated(flanks%measured))) then
+      allocate (c(0:degree, 0))
       return
     end if
-    allocate (c(0:2, teeth), source=0.0_dp)
+    allocate (c(0:degree, teeth), source=0.0_dp)
     sense = merge(1, -1, flanks%ascends)
     late = 0
     if (allocated(flanks%single_pitch)) late = sense*[(sum(flanks%single_pitch(:i)), i=1, teeth)]
@@ -136,6 +139,7 @@ contains
           c(2, i) = 4*form/contact_ratio**2
         end associate
       end if
+      if (allocated(flanks%measured)) c(:, i) = c(:, i) + flanks%measured(:, tooth)
     end do
   end subroutine lay_teeth
 

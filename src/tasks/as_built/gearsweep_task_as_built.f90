@@ -8,9 +8,11 @@ module gearsweep_task_as_built
   use gearsweep_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
   use gearsweep_deviations, only: deviations_t
   use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_flank_file, only: flank_points_t, read_flank_points
   use gearsweep_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, lay_deviations, make_frame
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t, right
+  use gearsweep_measured_flanks, only: fit_flanks
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_points, only: factor_in
@@ -22,7 +24,7 @@ module gearsweep_task_as_built
   use gearsweep_status, only: has_result, status_stopped
   use gearsweep_stop, only: wants_stop
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
-  use gearsweep_task, only: stage, task_info_t
+  use gearsweep_task, only: members, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
   use gearsweep_turn, only: curve_t, find_static_turn, find_turn, turn_t
@@ -37,7 +39,7 @@ module gearsweep_task_as_built
     logical :: waterfall = .false.               !< orders at all speeds are wanted
   contains
     procedure, nopass :: describe
-    procedure :: read_keys, check_gears, count_points, run, add_report
+    procedure :: read_keys, check_gears, take_files, count_points, run, add_report
   end type as_built_task_t
 
   character(*), parameter :: group = 'as_built'
@@ -61,6 +63,7 @@ contains
     class(as_built_task_t), intent(inout) :: self
     type(reader_t), intent(inout) :: reader
     type(error_t), allocatable, intent(inout) :: error
+    integer :: i, k
 
     call reader%add_group(group, 'The task as_built: gears whose teeth have errors of their own.')
     call self%read_speeds(reader, group, error)
@@ -73,6 +76,13 @@ contains
     call reader%get(group, 'waterfall', self%waterfall, error, tasks=group, &
                     meaning='whether these orders are told at all speeds, for the first relief')
     call read_deviations(reader, self%deviations, error)
+    allocate (self%files(count([(allocated(self%deviations%files(i)%name), i=1, 2)])))
+    k = 0
+    do i = 1, 2
+      if (.not. allocated(self%deviations%files(i)%name)) cycle
+      k = k + 1
+      self%files(k)%name = self%deviations%files(i)%name
+    end do
   end subroutine read_keys
 
   subroutine check_gears(self, spec, error)
@@ -82,6 +92,26 @@ contains
 
     call check_deviations(self%deviations, spec, error)
   end subroutine check_gears
+
+  !> The files of measured flanks, in the order of `read_keys`.
+  subroutine take_files(self, stages, error)
+    class(as_built_task_t), intent(inout) :: self
+    type(stages_t), intent(in) :: stages         !< with the gears
+    type(error_t), allocatable, intent(inout) :: error
+    type(flank_points_t) :: points
+    integer :: i, k
+
+    k = 0
+    do i = 1, 2
+      if (.not. allocated(self%deviations%files(i)%name)) cycle
+      k = k + 1
+      associate (file => self%files(k), choice => self%deviations%files(i), flanks => self%deviations%flanks(i))
+        call read_flank_points(file%path, file%text, stages%pair%gear(i)%spec%teeth, choice%flank, points, error)
+        if (.not. allocated(error)) call fit_flanks(file%path, points, stages%pair, i, flanks%measured, choice%rest, error)
+      end associate
+      if (allocated(error)) return
+    end do
+  end subroutine take_files
 
   !> Each point of the sweeps.
   integer function count_points(self, stages) result(points)
@@ -184,6 +214,10 @@ contains
     self%failed = sum([((count(.not. has_result(machines(i, draw)%sweep%status)), i=1, assemblies), draw=1, size(machines, 2))])
     self%log = 'as_built: '//str(size(rpm)*size(which)*size(machines))//' operating points over '// &
                str(first(1)%mesh%deviations%periods)//' mesh periods each'
+    do i = 1, 2
+      if (allocated(self%deviations%files(i)%name)) self%log = self%log//'; the polynomials leave '// &
+        str(1e6_dp*self%deviations%files(i)%rest, 3)//' um (root mean square) of '//trim(members(i))//'_flanks_file'
+    end do
   end subroutine run
 
   !> The oscillators with these deviations.

@@ -1,0 +1,167 @@
+!> Measured points of the flanks of one gear, from the text of a file.
+!>
+!> The file has the line `tooth,flank,roll_mm,deviation_um` and below it a row for each point: the number of the tooth; its left or
+!> right flank; the length of roll, which is the radius of curvature of the involute at the point; and the deviation from the
+!> involute, positive where material stands out. Rows may have any order. Lines that begin with `#`, and blank ones, do not count.
+module gearsweep_flank_file
+  use gearsweep_characters, only: find_control
+  use gearsweep_error, only: code_input, error_t, fail
+  use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: bare, count_lines
+  use gearsweep_memory, only: claim_memory
+  use gearsweep_text, only: shown, str, to_number
+  implicit none
+  private
+  public :: flank_points_t, read_flank_points
+
+  !> Points of the flanks of one side of all teeth, tooth by tooth.
+  type :: flank_points_t
+    integer, allocatable :: first(:)             !< where those of a tooth begin, and behind the last one's end; (tooth + 1)
+    real(dp), allocatable :: roll(:)             !< m; (point)
+    real(dp), allocatable :: deviation(:)        !< m; (point)
+  end type flank_points_t
+
+  character(*), parameter :: header = 'tooth,flank,roll_mm,deviation_um', blanks = ' '//achar(9)
+  real(dp), parameter :: longest_roll = 1e5_dp   ! mm
+  real(dp), parameter :: largest = 1e4_dp        ! um, as of the lists of &deviations
+  real(dp), parameter :: mm = 1e-3_dp, um = 1e-6_dp
+
+  type :: row_t
+    integer :: tooth = 0                         ! 0: of the other flank
+    real(dp) :: roll = 0, deviation = 0          ! m
+  end type row_t
+
+contains
+
+  !> The points of one flank of each tooth. Fails at the first line that is not as it must be, whichever flank it is of.
+  subroutine read_flank_points(path, text, teeth, flank, points, error)
+    character(*), intent(in) :: path             !< for messages
+    character(*), intent(in) :: text             !< of the file
+    integer, intent(in) :: teeth                 !< of the gear
+    character(*), intent(in) :: flank            !< `left` or `right`; rows of the other one are left out
+    type(flank_points_t), intent(out) :: points
+    type(error_t), allocatable, intent(inout) :: error
+    type(row_t), allocatable :: rows(:)
+    character(:), allocatable :: control
+    integer :: from, until, line, used
+    logical :: has_begun
+
+    call find_control(text, line, control)
+    if (line > 0) call fail(error, code_input, path//' line '//str(line)//': '//control)
+    call claim_memory(64.0_dp*count_lines(text), path//': '//str(count_lines(text))//' lines', error)
+    if (allocated(error)) return
+    allocate (rows(count_lines(text)))
+    used = 0
+    has_begun = .false.
+    from = 1
+    line = 0
+    do while (from <= len(text))
+      until = index(text(from:), new_line('a')) + from - 1
+      if (until < from) until = len(text) + 1
+      line = line + 1
+      call take(bare(text(from:until - 1)))
+      if (allocated(error)) return
+      from = until + 1
+    end do
+    if (.not. has_begun) call fail(error, code_input, path//': lacks the line '//header)
+    call sort_by_tooth(rows(:used), teeth, points)
+
+  contains
+
+    subroutine take(row)
+      character(*), intent(in) :: row
+
+      if (verify(row, blanks) == 0) return
+      if (row(1:1) == '#') return
+      if (has_begun) then
+        call read_row(row, path//' line '//str(line)//': ', teeth, flank, rows(used + 1), error)
+        if (rows(used + 1)%tooth > 0) used = used + 1
+      else
+        has_begun = row == header
+        if (.not. has_begun) call fail(error, code_input, path//' line '//str(line)//': must be '//header)
+      end if
+    end subroutine take
+  end subroutine read_flank_points
+
+  subroutine read_row(text, place, teeth, flank, row, error)
+    character(*), intent(in) :: text, place, flank
+    integer, intent(in) :: teeth
+    type(row_t), intent(out) :: row
+    type(error_t), allocatable, intent(inout) :: error
+    character(len(text)) :: fields(4)
+    integer :: tooth
+    logical :: ok
+
+    call split_fields(text, fields, ok)
+    if (.not. ok) then
+      call fail(error, code_input, place//'must have four fields: '//header)
+      return
+    end if
+    call to_number(trim(fields(1)), tooth, ok)
+    if (.not. (ok .and. tooth >= 1 .and. tooth <= teeth)) call refuse('tooth', fields(1), 'a whole number from 1 to '//str(teeth))
+    if (fields(2) /= 'left' .and. fields(2) /= 'right') call refuse('flank', fields(2), 'left or right')
+    call to_number(trim(fields(3)), row%roll, ok)
+    if (.not. (ok .and. row%roll >= 0 .and. row%roll <= longest_roll)) call refuse('roll_mm', fields(3), &
+      'a number from 0 to '//str(longest_roll))
+    call to_number(trim(fields(4)), row%deviation, ok)
+    if (.not. (ok .and. abs(row%deviation) <= largest)) call refuse('deviation_um', fields(4), &
+      'a number from '//str(-largest)//' to '//str(largest))
+    if (fields(2) == flank) row%tooth = tooth
+    row%roll = mm*row%roll
+    row%deviation = um*row%deviation
+
+  contains
+
+    subroutine refuse(name, given, allowed)
+      character(*), intent(in) :: name, given, allowed
+
+      call fail(error, code_input, place//name//' = '//shown(trim(given))//': must be '//allowed)
+    end subroutine refuse
+  end subroutine read_row
+
+  !> What stands between commas, without the blanks and tabs around it; `ok`: as many as there is room for.
+  pure subroutine split_fields(text, fields, ok)
+    character(*), intent(in) :: text
+    character(*), intent(out) :: fields(:)
+    logical, intent(out) :: ok
+    integer :: from, until, i
+
+    fields = ''
+    from = 1
+    do i = 1, size(fields)
+      until = from + scan(text(from:), ',') - 2
+      ok = until >= from - 1 .eqv. i < size(fields)
+      if (.not. ok) return
+      if (i == size(fields)) until = len(text)
+      from = from + max(1, verify(text(from:until), blanks)) - 1
+      fields(i) = text(from:from - 1 + verify(text(from:until), blanks, back=.true.))
+      from = until + 2
+    end do
+  end subroutine split_fields
+
+  !> Counts the points of each tooth, and puts each point to its tooth.
+  pure subroutine sort_by_tooth(rows, teeth, points)
+    type(row_t), intent(in) :: rows(:)
+    integer, intent(in) :: teeth
+    type(flank_points_t), intent(out) :: points
+    integer :: next(teeth), i, k
+
+    allocate (points%first(teeth + 1), source=0)
+    allocate (points%roll(size(rows)), points%deviation(size(rows)))
+    do i = 1, size(rows)
+      points%first(rows(i)%tooth + 1) = points%first(rows(i)%tooth + 1) + 1
+    end do
+    points%first(1) = 1
+    do k = 1, teeth
+      points%first(k + 1) = points%first(k + 1) + points%first(k)
+    end do
+    next = points%first(:teeth)
+    do i = 1, size(rows)
+      associate (at => next(rows(i)%tooth))
+        points%roll(at) = rows(i)%roll
+        points%deviation(at) = rows(i)%deviation
+        at = at + 1
+      end associate
+    end do
+  end subroutine sort_by_tooth
+end module gearsweep_flank_file
