@@ -79,6 +79,10 @@ contains
     call write_stiffness(folder//'/2.csv', 350)
     call write_error(folder//'/4.csv', 2)
     call write_error(folder//'/5.csv', 5)
+    call write_flanks(folder//'/pinion6.csv', 21, 2)
+    call write_flanks(folder//'/pinion7.csv', 21, 5)
+    call write_flanks(folder//'/gear6.csv', 34, 2)
+    call write_flanks(folder//'/gear7.csv', 34, 5)
     call list_changes(changes)
     call list_tasks(slots)
     is_taken = [(.false., i=0, size(slots))]
@@ -441,6 +445,7 @@ contains
                '*0'//counted)
       call add(own//'profile_slope_um', '4', beside=alone//own//'profile_slope_um 3')
       call add(own//'profile_form_um', '4', beside=alone//own//'profile_form_um 3')
+      call add(own//'flanks_file', ''''//member//'7.csv''', 'g', alone//own//'flanks_file '''//member//'6.csv'''//counted)
       call add(own//'counting', '''counterclockwise''', beside=alone//own//'single_pitch_um 3, -1, -2, '// &
         ''//rest(teeth, 3)//'*0'//counted)
       call add(own//'flank', '''right''', beside=alone//own//'single_pitch_um 3, -1, -2, '//rest(teeth, 3)//'*0'//counted)
@@ -545,6 +550,22 @@ contains
     write (unit, '(a, i0)') '0 ', error, '0.6 ', 0, '0.6 ', 0, '2 ', 0
     close (unit)
   end subroutine write_error
+
+  !> Measured flanks of a gear, of which only the first tooth has a slope: so many um over 20 mm.
+  subroutine write_flanks(path, teeth, slope)
+    character(*), intent(in) :: path
+    integer, intent(in) :: teeth, slope
+    integer :: unit, tooth, roll
+
+    open (newunit=unit, file=path, status='replace', action='write')
+    write (unit, '(a)') 'tooth,flank,roll_mm,deviation_um'
+    do tooth = 1, teeth
+      do roll = 0, 40
+        write (unit, '(i0, a, i0, a, f0.2)') tooth, ',left,', roll, ',', merge(slope*roll/20.0_dp, 0.0_dp, tooth == 1)
+      end do
+    end do
+    close (unit)
+  end subroutine write_flanks
 
   ! --- the walk ---------------------------------------------------------------
 
