@@ -122,7 +122,7 @@ contains
   !> What stands between commas, without the blanks and tabs around it; `ok`: as many as there is room for.
   pure subroutine split_fields(text, fields, ok)
     character(*), intent(in) :: text
-    character(*), intent(out) :: fields(:)
+    character(len(text)), intent(out) :: fields(:)
     logical, intent(out) :: ok
     integer :: from, until, i
 
