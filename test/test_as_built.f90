@@ -49,6 +49,7 @@ contains
 
     call read_given(given)
     if (t%wants('given_motions')) call given_motions(t, given)
+    if (t%wants('estimated')) call estimated(t, given)
     if (t%wants('by_keys')) call by_keys(t, given)
     if (t%wants('moved')) call moved(t, given)
     if (t%wants('scaled')) call scaled(t, given)
@@ -161,6 +162,35 @@ contains
       end associate
     end do
   end subroutine given_motions
+
+  !> The estimates of the errors hold, at tolerances that are used: against the given dynamic factors.
+  subroutine estimated(t, given)
+    type(tally_t), intent(inout) :: t
+    type(given_t), intent(in) :: given(:)
+    real(dp), parameter :: tolerance(3) = [1e-3_dp, 1e-6_dp, 1e-9_dp]
+    type(error_t), allocatable :: error
+    type(accuracy_t) :: options
+    type(levels_t), allocatable :: levels
+    type(oscillator_t) :: osc
+    type(turn_t) :: turn
+    integer :: i, k
+
+    do i = 1, size(given)
+      osc = given(i)%osc
+      call make_oscillator(osc, error)
+      do k = 1, size(tolerance)
+        options%steady%tolerance = tolerance(k)
+        if (allocated(levels)) deallocate (levels)
+        allocate (levels)
+        call find_turn(osc, given(i)%rpm, options, levels, turn)
+        associate (off => abs(turn%point%dynamic_factor - given(i)%dynamic_factor))
+          call check_true(t, 'error within twice its estimate', off < 2*turn%point%estimate + 1e-11_dp, &
+                          given(i)%name//str(off)//', estimated '//str(turn%point%estimate))
+          call check_true(t, 'error within the tolerance', off < tolerance(k), given(i)%name//str(off))
+        end associate
+      end do
+    end do
+  end subroutine estimated
 
   !> The amplitude of one harmonic; with 0, the mean.
   complex(dp) function amplitude_of(curve, harmonic) result(amplitude)
