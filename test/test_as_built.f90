@@ -7,6 +7,9 @@ module test_as_built
   use gearsweep_deviations, only: make_deviations, wave_t
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t
+  use gearsweep_form, only: iso_form, nominal_root_stress
+  use gearsweep_gear, only: gear_t, make_gear
+  use gearsweep_pair, only: free_centre_distance, make_pair, pair_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_piecewise, only: piecewise_t, polynomial
@@ -56,6 +59,7 @@ contains
     if (t%wants('alike')) call alike(t)
     if (t%wants('patterns')) call patterns(t)
     if (t%wants('excited')) call excited(t)
+    if (t%wants('stressed')) call stressed(t)
     if (t%wants('repelling')) call repelling(t, given)
     if (t%wants('classes')) call classes(t)
     if (t%wants('refused')) call refused(t)
@@ -540,6 +544,47 @@ contains
       end do
     end do
   end subroutine excited
+
+  !> Without deviations each pair of teeth is stressed as the rows of the task `load` say: the nominal stress of ISO 6336-3 by the
+  !> form of the tooth for each row's load and place, and Hertz pressure by Johnson's Eq. 4.45 from radii of curvature.
+  subroutine stressed(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: text = '&case tasks = ''as_built'', ''load'' / &pair module_mm = 3, face_width_mm = 20 / '// &
+      '&pinion teeth = 21 '// &
+      '/ &gear teeth = 34 / &load torque_nm = 100 / &mesh model = ''weber'', corner_contact = .false. / &sweep load_rpm = '// &
+      '9000 / '// &
+      '&as_built rpm = 9000 /'
+    real(dp), parameter :: young = 206e9_dp, poisson = 0.3_dp
+    type(answer_t) :: answer
+    type(case_t) :: case
+    type(error_t), allocatable :: error
+    type(gear_t) :: gears(2)
+    type(pair_t) :: pair
+    real(dp), allocatable :: s(:), load(:), column(:)
+    real(dp) :: curvature(2), place, force, expected
+    integer :: i, k
+
+    call ask(t, text, answer)
+    call read_case(text, case, error)
+    do i = 1, 2
+      call make_gear(case%spec(i), gears(i), error)
+    end do
+    call make_pair(gears(1), gears(2), free_centre_distance(gears(1), gears(2)), pair, error)
+    call check_no_error(t, 'pair', error)
+    s = answer%all_of('load.s')
+    load = answer%all_of('load.pair_load_n')
+    do i = 1, 2
+      expected = maxval([(nominal_root_stress(pair, i, iso_form(gears(i), pair%radius(i, s(k))), load(k)), k=1, size(s))])/1e6_dp
+      column = answer%all_of('as_built_loads.'//trim(merge('pinion', 'gear  ', i == 1))//'_root_stress_mpa')
+      call check_true(t, 'root stress', size(column) == 1 .and. all(abs(column - expected) < 1e-3_dp*expected), str(expected))
+    end do
+    place = answer%one('as_built_loads.s')
+    force = answer%one('as_built_loads.load_n')
+    curvature(1) = pair%start_curvature + place*pair%base_pitch
+    curvature(2) = pair%centre_distance*sin(pair%working_angle(1)) - curvature(1)
+    expected = sqrt(force/0.02_dp*sum(1/curvature)/(pi*2*(1 - poisson**2)/young))/1e6_dp
+    call check_close(t, 'Hertz pressure', answer%one('as_built_loads.pressure_mpa'), expected, 1e-9_dp)
+  end subroutine stressed
 
   !> G5 with less damping, at another speed: its orbit over a turn repels with the modulus 3.696, and so do those over several turns
   !> (the solver that made the six). It is not told.

@@ -34,6 +34,9 @@ module gearsweep_turn
     type(curve_t) :: error                       !< dynamic transmission error; with a result alone
     !> Of the pair that enters with each mesh period: the largest load (N) and where on its path; (period)
     real(dp), allocatable :: load(:), place(:)
+    !> Where a stress for a unit load is given, the largest stress that the pair's loads make in pinion and gear (Pa); (gear,
+    !> period)
+    real(dp), allocatable :: stress(:, :)
   end type turn_t
 
   integer, parameter :: points = 8               !< of Gauss's rule
@@ -41,12 +44,14 @@ module gearsweep_turn
 contains
 
   !> The motion at one speed.
-  pure subroutine find_turn(osc, rpm, options, levels, turn)
+  pure subroutine find_turn(osc, rpm, options, levels, turn, unit_stress)
     type(oscillator_t), intent(in) :: osc        !< with deviations in its mesh, or without: one mesh period
     real(dp), intent(in) :: rpm                  !< speed of the pinion, 1/min
     type(accuracy_t), intent(in) :: options
     type(levels_t), intent(inout) :: levels      !< of this oscillator
     type(turn_t), intent(out) :: turn
+    !> Stress in pinion and gear under a unit load (Pa/N), at equal distances from A to E; (gear, place)
+    real(dp), intent(in), optional :: unit_stress(:, :)
     type(trace_t), allocatable :: trace(:)
     real(dp) :: duration
     integer :: i
@@ -64,6 +69,12 @@ contains
       do i = 1, size(trace)
         call read_loads(trace(i), (i - 1)*periods, osc%pairs, turn)
       end do
+      if (present(unit_stress)) then
+        allocate (turn%stress(2, size(turn%load)), source=0.0_dp)
+        do i = 1, size(trace)
+          call read_stress(trace(i), (i - 1)*periods, osc%pairs, unit_stress, osc%mesh%contact_ratio, turn%stress)
+        end do
+      end if
       call read_error(trace, periods, turn%error)
     end associate
   end subroutine find_turn
@@ -91,6 +102,34 @@ contains
       end do
     end do
   end subroutine read_loads
+
+  !> Raises the largest stresses, at a few places of each step.
+  pure subroutine read_stress(trace, before, pairs, unit_stress, contact_ratio, stress)
+    type(trace_t), intent(in) :: trace
+    integer, intent(in) :: before                ! mesh periods before this trace
+    integer, intent(in) :: pairs
+    real(dp), intent(in) :: unit_stress(:, :), contact_ratio
+    real(dp), intent(inout) :: stress(:, :)
+    integer, parameter :: places = 4
+    real(dp) :: c(0:5), at, along
+    integer :: i, j, k, n, number
+
+    do k = 1, trace%rows, 2
+      do j = 1, min(trace%pairs(k), pairs)
+        number = 1 + modulo(before - (j + trace%offset(k) - 1), size(stress, 2))
+        c = quintic(trace%load(:, j, k), trace%load(:, j, k + 1))
+        do i = 0, places
+          at = real(i, dp)/places
+          along = (trace%phase(k) + at*(trace%phase(k + 1) - trace%phase(k)) + (j + trace%offset(k) - 1))/contact_ratio
+          ! A tip corner takes its load where the path ends.
+          along = max(0.0_dp, min(1.0_dp, along))*(size(unit_stress, 2) - 1)
+          n = min(int(along), size(unit_stress, 2) - 2)
+          stress(:, number) = max(stress(:, number), value_of(c, at)*(unit_stress(:, n + 1) + &
+                                                                      (along - n)*(unit_stress(:, n + 2) - unit_stress(:, n + 1))))
+        end do
+      end do
+    end do
+  end subroutine read_stress
 
   !> The dynamic transmission error.
   pure subroutine read_error(trace, periods, curve)

@@ -224,14 +224,14 @@ contains
     type(machine_t), intent(in) :: machine
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: values(:, :)
+    real(dp), allocatable :: values(:, :), stress(:, :)
     integer :: teeth(2), i, k, n, row
 
     teeth = stages%motion(1)%mesh%teeth
     call table%begin('largest load of each pair of teeth over the turn, in the order in which the pairs enter at A', &
                      sum([((pairs_in(turns(k, i)), k=1, size(turns, 1)), i=1, size(turns, 2))]), error)
     if (allocated(error)) return
-    allocate (values(table%rows, 7))
+    allocate (values(table%rows, 7), stress(2, table%rows))
     row = 0
     do i = 1, size(turns, 2)
       do k = 1, size(turns, 1)
@@ -241,6 +241,7 @@ contains
                             real(tooth_number(machine%flanks(1), teeth(1), n - 1), dp), &
                             real(tooth_number(machine%flanks(2), teeth(2), n - 1 + machine%offset), dp), &
                             turns(k, i)%load(n), turns(k, i)%place(n)]
+          if (allocated(turns(k, i)%stress)) stress(:, row) = turns(k, i)%stress(:, n)
         end do
       end do
     end do
@@ -259,6 +260,10 @@ contains
       call table%add('pressure_mpa', 'MPa', 'largest Hertz pressure on the flanks under that load; NaN at a tip corner, which '// &
                      'has no radius', contact%pressure/1e6_dp)
     end associate
+    do i = 1, 2
+      call table%add(trim(members(i))//'_root_stress_mpa', 'MPa', 'largest nominal tooth root stress sigma_F0 of ISO 6336-3 '// &
+                     'while this pair passes through the mesh, of the load where it acts', stress(i, :)/1e6_dp)
+    end do
   end subroutine fill_loads
 
   pure integer function pairs_in(turn)

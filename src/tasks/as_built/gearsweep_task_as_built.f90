@@ -10,11 +10,13 @@ module gearsweep_task_as_built
   use gearsweep_error, only: code_memory, error_t, fail
   use gearsweep_flank_file, only: flank_points_t, read_flank_points
   use gearsweep_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, lay_deviations, make_frame
+  use gearsweep_form, only: iso_form, nominal_root_stress
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t, right
   use gearsweep_measured_flanks, only: fit_flanks
   use gearsweep_memory, only: claim_memory
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
+  use gearsweep_pair, only: pair_t
   use gearsweep_points, only: factor_in
   use gearsweep_rack, only: gear_spec_t
   use gearsweep_random_stream, only: begin_stream, random_stream_t
@@ -314,9 +316,29 @@ contains
     type(levels_t), allocatable :: levels
 
     allocate (levels)
-    call find_turn(osc, rpm, stages%accuracy, levels, turn)
+    if (allocated(stages%pair)) then
+      call find_turn(osc, rpm, stages%accuracy, levels, turn, unit_root_stress(stages%pair))
+    else
+      call find_turn(osc, rpm, stages%accuracy, levels, turn)
+    end if
     if (turn%lacks) call fail(error, code_memory, 'as_built at '//str(rpm)//' 1/min: the memory does not hold the motion')
   end subroutine find_one
+
+  !> Nominal root stress of pinion and gear under a unit load that acts from A to E (Pa/N); (gear, place)
+  pure function unit_root_stress(pair) result(stress)
+    type(pair_t), intent(in) :: pair
+    integer, parameter :: places = 101
+    real(dp) :: stress(2, places)
+    integer :: i, k
+
+    do k = 1, places
+      do i = 1, 2
+        associate (radius => pair%radius(i, pair%contact_ratio*(k - 1)/(places - 1)))
+          stress(i, k) = nominal_root_stress(pair, i, iso_form(pair%gear(i), radius), 1.0_dp)
+        end associate
+      end do
+    end do
+  end function unit_root_stress
 
   !> The motions of the first gears and assembly over the turn.
   subroutine follow(self, stages, osc, rpm, machine, turns, static, waterfall, error)
