@@ -156,7 +156,7 @@ contains
     call add('deviations seed', '2', 'g', drawn)
     call add('deviations draws', '2', 'g', drawn)
     call add('deviations assembly', '''all''', 'g', 'gear teeth 28')
-    call add('deviations assembly', '''all''', 'p', 'gear teeth 28')
+    call add('deviations assembly', '''all''', 'p', 'pinion teeth 17')
     call add('as_built rpm', '15000')
     call add('as_built relief_um', '5')
     call add('as_built turn_rpm', '15000')

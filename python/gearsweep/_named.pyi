@@ -796,6 +796,10 @@ class AsBuiltLoadsTable(Table):
     """where that load is: path coordinate of the pair, in base pitches from A"""
     pressure_mpa: NDArray[float64]
     """MPa: largest Hertz pressure on the flanks under that load; NaN at a tip corner, which has no radius"""
+    pinion_root_stress_mpa: NDArray[float64]
+    """MPa: largest nominal tooth root stress sigma_F0 of ISO 6336-3 while this pair passes through the mesh, of the load where it acts"""
+    gear_root_stress_mpa: NDArray[float64]
+    """MPa: largest nominal tooth root stress sigma_F0 of ISO 6336-3 while this pair passes through the mesh, of the load where it acts"""
 
 class AsBuiltTurnTable(Table):
     """transmission error along the line of action over the turn, at rest (rpm 0) and in motion"""
