@@ -177,7 +177,7 @@ contains
     integer, intent(in) :: at
     type(lines_t), intent(inout) :: lines
     character(:), allocatable :: allowed
-    character(24) :: name
+    character(26) :: name
     integer :: i
 
     call lines%add('group &'//trim(keys%groups(at)%name))
