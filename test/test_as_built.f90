@@ -671,6 +671,7 @@ contains
     call refuse('pinion_runout_um = 9', 'pinion_runout_phase_deg: missing')
     call refuse('gear_class = 6, gear_runout_um = 9, gear_runout_phase_deg = 0', 'gear_runout_um')
     call refuse('gear_class = 6, assembly = ''some''', 'assembly = ''some''')
+    call refuse('gear_class = 6 / &numerics method = ''rk4''', '&numerics method')
 
   contains
 
