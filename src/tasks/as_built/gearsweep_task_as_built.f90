@@ -154,6 +154,7 @@ contains
     type(curve_t), allocatable :: static(:)                ! (relief)
     type(turn_t), allocatable :: waterfall(:)              ! (speed)
     type(flank_deviations_t) :: flanks(2)
+    type(random_stream_t) :: random(2)
     type(sweep_t) :: nominal
     type(frame_t) :: frame
     type(oscillator_t), allocatable :: osc(:), first(:)
@@ -174,9 +175,10 @@ contains
     end if
     call sweep(stages, stages%motion(which), rpm, nominal, error)
     allocate (machines(assemblies, self%deviations%draws))
+    random = [(begin_stream(2*self%deviations%seed + i), i=1, 2)]
     do draw = 1, self%deviations%draws
       flanks = self%deviations%flanks
-      call draw_flanks(self%deviations, stages, draw, flanks, error)
+      call draw_flanks(self%deviations, stages, random, flanks, error)
       do i = 1, assemblies
         if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) exit
         associate (motion => stages%motion(which(1)))
@@ -261,24 +263,22 @@ contains
   end subroutine sweep
 
   !> Draws the flanks of the gears that have a class.
-  subroutine draw_flanks(choice, stages, draw, flanks, error)
+  subroutine draw_flanks(choice, stages, random, flanks, error)
     type(deviations_choice_t), intent(in) :: choice
     type(stages_t), intent(in) :: stages
-    integer, intent(in) :: draw
+    type(random_stream_t), intent(inout) :: random(2)      ! of pinion and gear, behind those drawn before
     type(flank_deviations_t), intent(inout) :: flanks(2)
     type(error_t), allocatable, intent(inout) :: error
     type(error_t), allocatable :: outside
     type(tolerances_t) :: tolerances
-    type(random_stream_t) :: random
     integer :: i
 
     do i = 1, 2
       if (choice%class(i) == 0) cycle
-      random = begin_stream(2*(modulo(choice%seed - 1, 10**8) + draw) + i)
       associate (spec => stages%pair%gear(i)%spec)
         call find_tolerances(choice%class(i), spec%teeth, 1e3_dp*spec%module, 1e3_dp*spec%face_width, tolerances, outside)
         if (allocated(outside)) call fail(error, outside%code, outside%message)
-        call draw_deviations(tolerances, spec%teeth, random, flanks(i))
+        call draw_deviations(tolerances, spec%teeth, random(i), flanks(i))
       end associate
     end do
   end subroutine draw_flanks
