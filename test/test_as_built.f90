@@ -7,12 +7,14 @@ module test_as_built
   use gearsweep_deviations, only: make_deviations, wave_t
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t
+  use gearsweep_flank_deviations, only: draw_deviations, flank_deviations_t
   use gearsweep_form, only: iso_form, nominal_root_stress
   use gearsweep_gear, only: gear_t, make_gear
   use gearsweep_pair, only: free_centre_distance, make_pair, pair_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
   use gearsweep_piecewise, only: piecewise_t, polynomial
+  use gearsweep_random_stream, only: begin_stream, random_stream_t
   use gearsweep_refinement, only: levels_t
   use gearsweep_status, only: has_result, status_name
   use gearsweep_study, only: record_t, run_study
@@ -62,6 +64,7 @@ contains
     if (t%wants('stressed')) call stressed(t)
     if (t%wants('repelling')) call repelling(t, given)
     if (t%wants('classes')) call classes(t)
+    if (t%wants('drawn')) call drawn(t)
     if (t%wants('refused')) call refused(t)
     if (t%wants('measured_flanks')) call measured_flanks(t)
     if (t%wants('changed_file')) call changed_file(t)
@@ -646,6 +649,44 @@ contains
                 t%helix, t%runout]
     end function list
   end subroutine classes
+
+  !> Random numbers as L'Ecuyer prints the first of his generator (0.127011 and 0.318528); flanks with the distributions that the
+  !> page
+  !> tells, within five times the scatter of so many.
+  subroutine drawn(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: first(2) = [0.127011_dp, 0.318528_dp]
+    integer, parameter :: teeth = 4000, many = 2000
+    type(random_stream_t) :: random
+    type(flank_deviations_t) :: flanks
+    type(tolerances_t) :: tolerances
+    real(dp) :: number(1)
+    integer :: i, within
+
+    call random%draw_normal(number)
+    call check_close(t, 'first normal number', number(1), sqrt(-2*log(first(1)))*cos(2*pi*first(2)), absolute=1e-5_dp)
+    tolerances%single_pitch = 9
+    tolerances%profile_slope = 7.5_dp
+    tolerances%runout = 25
+    random = begin_stream(7)
+    call draw_deviations(tolerances, teeth, random, flanks)
+    call check_close(t, 'scatter of positions', spread_of(flanks%cumulative_pitch), 9*um/(3*sqrt(2.0_dp)), 5/sqrt(2.0_dp*teeth))
+    call check_close(t, 'scatter of slopes', spread_of(flanks%slope), 0.2_dp*7.5_dp*um, 5/sqrt(2.0_dp*teeth))
+    within = 0
+    do i = 1, many
+      call draw_deviations(tolerances, 5, random, flanks)
+      if (flanks%runout < 25*um) within = within + 1
+    end do
+    call check_close(t, 'run-outs within the tolerance', within/real(many, dp), 0.99_dp, absolute=5*sqrt(0.99_dp*0.01_dp/many))
+
+  contains
+
+    pure real(dp) function spread_of(values)
+      real(dp), intent(in) :: values(:)
+
+      spread_of = sqrt(sum((values - sum(values)/size(values))**2)/(size(values) - 1))
+    end function spread_of
+  end subroutine drawn
 
   !> One clear error each.
   subroutine refused(t)
