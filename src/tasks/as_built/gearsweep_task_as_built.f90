@@ -165,7 +165,7 @@ contains
     call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
     assemblies = assemblies_of(self%deviations, stages)
-    call claim_memory(60.0_dp*size(rpm)*size(which)*assemblies*self%deviations%draws, &
+    call claim_memory(200.0_dp*size(rpm)*size(which)*assemblies*self%deviations%draws, &
                       '&deviations draws: '//str(self%deviations%draws)//' pairs of gears', error)
     if (allocated(error)) return
     if (allocated(stages%pair)) then
