@@ -292,8 +292,9 @@ contains
     integer, intent(in) :: turns                 !< until the motion repeats
     integer, intent(in) :: periods               !< mesh periods of a turn
 
-    if (turns == 1) then
-      modulus = exp((log(largest_multiplier(run%scaled)) + run%shrunk)/periods)
+    modulus = largest_multiplier(run%scaled)
+    if (turns == 1 .and. modulus > 0) then
+      modulus = exp((log(modulus) + run%shrunk)/periods)
     else
       modulus = largest_multiplier(run%monodromy)**(1.0_dp/(turns*periods))
     end if

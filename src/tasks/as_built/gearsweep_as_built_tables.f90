@@ -404,7 +404,8 @@ contains
     integer :: k
 
     call list_orders(teeth, mesh_orders, order, name)
-    call table%over('orders of the dynamic transmission error over the speed', error, axis('rpm', '1/min', of_speed, turns%rpm), &
+    call table%over('orders of the dynamic transmission error over the '// &
+      'speed', error, axis('rpm', '1/min', of_speed, [(turns(k)%rpm, k=1, size(turns))]), &
                     axis('order', '', of_order, order))
     if (allocated(error)) return
     allocate (values(size(order), size(turns)), source=no_number())

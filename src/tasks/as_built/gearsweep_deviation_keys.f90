@@ -220,7 +220,7 @@ contains
         call check_length(member//'profile_slope_um', flanks%slope, teeth, .true.)
         call check_length(member//'profile_form_um', flanks%form, teeth, .true.)
         if (flanks%tooth > teeth) call fail(error, code_input, member//'tooth = '//str(flanks%tooth)// &
-          ': must be at most the number of teeth, '//str(teeth))
+          ': is above the number of teeth, '//str(teeth))
         if (allocated(flanks%single_pitch)) call check_sum(member, flanks%single_pitch)
         if (.not. allocated(flanks%wave_order)) cycle
         call check_waves(member//'wave_um', flanks%wave, size(flanks%wave_order))
