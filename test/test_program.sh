@@ -894,7 +894,7 @@ refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'weber'/"
 refuses '&mesh model: missing' 1 '/model/d'
 refuses '&pair module_mm = 3: not used by a prescribed mesh' 1 's/&case/\&pair module_mm = 3 \/ \&case/'
 refuses '&pinion addendum = 1: not used by a prescribed mesh' 1 's/teeth = 25/teeth = 25 addendum = 1/'
-refuses '&gear teeth = 25: a prescribed mesh uses it with friction or inertia_kgm2 only' 1 's/&gear/\&gear teeth = 25/'
+refuses '&gear teeth = 25: a prescribed mesh uses it with friction, inertia_kgm2 or &deviations only' 1 's/&gear/\&gear teeth = 25/'
 refuses '&gear teeth: missing; friction needs it' 1 's/&dynamics/\&dynamics friction = 0.1/'
 refuses '&pinion teeth: missing' 1 's/teeth = 25//'
 refuses '&gear effective_mass_kg: missing; a prescribed mesh has no body' 1 '/^&gear/d'

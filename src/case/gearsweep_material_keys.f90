@@ -23,9 +23,10 @@ contains
     type(case_t), intent(inout) :: case
     type(error_t), allocatable, intent(inout) :: error
     character(sentence_length), parameter :: users(*) = [character(sentence_length) :: &
-      'modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is computed', &
-      'static, modal, deflection_relief, precision, flank, rating, transient, harmonic, body_modes or a stiffness that '// &
-      'depends on it', &
+      'modal, deflection_relief, as_built, precision, flank, rating, transient, harmonic, body_modes or a stiffness that is '// &
+      'computed', &
+      'static, modal, deflection_relief, as_built, precision, flank, rating, transient, harmonic, body_modes or a stiffness '// &
+      'that depends on it', &
       'modal, precision, flank, transient, harmonic, body_modes or a mass that is not stated']
     logical :: counts(3, 2), own(3, 2)
     character(sentence_length) :: geared, lacks(3)
