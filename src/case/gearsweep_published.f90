@@ -2,9 +2,8 @@
 !> printed, how much, and whether they follow from the stated inputs.
 module gearsweep_published
   use gearsweep_kinds, only: dp
-  use gearsweep_characters, only: find_control
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_lines, only: bare, count_lines
+  use gearsweep_rows, only: find_rows, row_t
   use gearsweep_text, only: join, str, to_number
   implicit none
   private
@@ -29,50 +28,22 @@ contains
     character(*), intent(in) :: path, text
     type(published_t), allocatable, intent(out) :: rows(:)
     type(error_t), allocatable, intent(out) :: error
-    type(published_t), allocatable :: found(:)
-    character(:), allocatable :: control
-    integer :: from, until, line, used
-    logical :: begun
+    type(row_t), allocatable :: lines(:)
+    integer :: i
 
-    call find_control(text, line, control)
-    if (line > 0) then
-      call fail(error, code_input, path//' line '//str(line)//': '//control)
-      return
-    end if
-    allocate (found(count_lines(text)))
-    used = 0
-    begun = .false.
-    from = 1
-    line = 0
-    do while (from <= len(text))
-      until = index(text(from:), new_line('a')) + from - 1
-      if (until < from) until = len(text) + 1
-      line = line + 1
-      call take(bare(text(from:until - 1)))
+    call find_rows(text, path, header, lines, error)
+    if (allocated(error)) return
+    allocate (rows(size(lines)))
+    do i = 1, size(lines)
+      call read_row(text(lines(i)%first:lines(i)%last), lines(i)%line, rows(i))
       if (allocated(error)) return
-      from = until + 1
     end do
-    if (.not. begun) call fail(error, code_input, path//': lacks the line '//header)
-    rows = found(:used)
 
   contains
 
-    subroutine take(row)
+    subroutine read_row(row, line, entry)
       character(*), intent(in) :: row
-
-      if (len(row) == 0) return
-      if (row(1:1) == '#') return
-      if (.not. begun) then
-        begun = row == header
-        if (.not. begun) call fail(error, code_input, path//' line '//str(line)//': must be '//header)
-      else
-        used = used + 1
-        call read_row(row, found(used))
-      end if
-    end subroutine take
-
-    subroutine read_row(row, entry)
-      character(*), intent(in) :: row
+      integer, intent(in) :: line
       type(published_t), intent(out) :: entry
       character(:), allocatable :: rest, number
       character(:), allocatable :: name

@@ -3,7 +3,7 @@ module gearsweep_table_file
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_files, only: read_text
-  use gearsweep_lines, only: count_lines
+  use gearsweep_rows, only: find_lines, row_t
   use gearsweep_text, only: str, to_number
   implicit none
   private
@@ -22,22 +22,20 @@ contains
     character(:), allocatable :: text
     real(dp) :: numbers(2)
     logical :: ok, blank
-    integer :: from, until, line, rows
+    type(row_t), allocatable :: lines(:)
+    integer :: i, rows
 
     call read_text(path, text, error)
     if (allocated(error)) return
-    allocate (first(count_lines(text)), second(count_lines(text)))
+    call find_lines(text, lines)
+    allocate (first(size(lines)), second(size(lines)))
     rows = 0
-    from = 1
-    do line = 1, size(first)
-      until = index(text(from:), new_line('a')) + from - 1
-      if (until < from) until = len(text) + 1
-      call read_row(text(from:until - 1), numbers, blank, ok)
+    do i = 1, size(lines)
+      call read_row(text(lines(i)%first:lines(i)%last), numbers, blank, ok)
       if (.not. ok) then
-        call fail(error, code_input, path//' line '//str(line)//': must be two numbers')
+        call fail(error, code_input, path//' line '//str(i)//': must be two numbers')
         return
       end if
-      from = until + 1
       if (blank) cycle
       rows = rows + 1
       first(rows) = numbers(1)

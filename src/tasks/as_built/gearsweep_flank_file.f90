@@ -4,11 +4,9 @@
 !> right flank; the length of roll, which is the radius of curvature of the involute at the point; and the deviation from the
 !> involute, positive where material stands out. Rows may have any order. Lines that begin with `#`, and blank ones, do not count.
 module gearsweep_flank_file
-  use gearsweep_characters, only: find_control
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
-  use gearsweep_lines, only: bare, count_lines
-  use gearsweep_memory, only: claim_memory
+  use gearsweep_rows, only: find_rows, row_t
   use gearsweep_text, only: shown, str, to_number
   implicit none
   private
@@ -26,10 +24,10 @@ module gearsweep_flank_file
   real(dp), parameter :: largest = 1e4_dp        ! um, as of the lists of &deviations
   real(dp), parameter :: mm = 1e-3_dp, um = 1e-6_dp
 
-  type :: row_t
+  type :: point_t
     integer :: tooth = 0                         ! 0: of the other flank
     real(dp) :: roll = 0, deviation = 0          ! m
-  end type row_t
+  end type point_t
 
 contains
 
@@ -42,51 +40,23 @@ contains
     type(flank_points_t), intent(out) :: points
     type(error_t), allocatable, intent(inout) :: error
     type(row_t), allocatable :: rows(:)
-    character(:), allocatable :: control
-    integer :: from, until, line, used
-    logical :: has_begun
+    type(point_t), allocatable :: found(:)
+    integer :: i
 
-    call find_control(text, line, control)
-    if (line > 0) call fail(error, code_input, path//' line '//str(line)//': '//control)
-    call claim_memory(64.0_dp*count_lines(text), path//': '//str(count_lines(text))//' lines', error)
+    call find_rows(text, path, header, rows, error)
     if (allocated(error)) return
-    allocate (rows(count_lines(text)))
-    used = 0
-    has_begun = .false.
-    from = 1
-    line = 0
-    do while (from <= len(text))
-      until = index(text(from:), new_line('a')) + from - 1
-      if (until < from) until = len(text) + 1
-      line = line + 1
-      call take(bare(text(from:until - 1)))
+    allocate (found(size(rows)))
+    do i = 1, size(rows)
+      call read_row(text(rows(i)%first:rows(i)%last), path//' line '//str(rows(i)%line)//': ', teeth, flank, found(i), error)
       if (allocated(error)) return
-      from = until + 1
     end do
-    if (.not. has_begun) call fail(error, code_input, path//': lacks the line '//header)
-    call sort_by_tooth(rows(:used), teeth, points)
-
-  contains
-
-    subroutine take(row)
-      character(*), intent(in) :: row
-
-      if (verify(row, blanks) == 0) return
-      if (row(1:1) == '#') return
-      if (has_begun) then
-        call read_row(row, path//' line '//str(line)//': ', teeth, flank, rows(used + 1), error)
-        if (rows(used + 1)%tooth > 0) used = used + 1
-      else
-        has_begun = row == header
-        if (.not. has_begun) call fail(error, code_input, path//' line '//str(line)//': must be '//header)
-      end if
-    end subroutine take
+    call sort_by_tooth(pack(found, found%tooth > 0), teeth, points)
   end subroutine read_flank_points
 
-  subroutine read_row(text, place, teeth, flank, row, error)
+  subroutine read_row(text, place, teeth, flank, point, error)
     character(*), intent(in) :: text, place, flank
     integer, intent(in) :: teeth
-    type(row_t), intent(out) :: row
+    type(point_t), intent(out) :: point
     type(error_t), allocatable, intent(inout) :: error
     character(len(text)) :: fields(4)
     integer :: tooth
@@ -100,15 +70,15 @@ contains
     call to_number(trim(fields(1)), tooth, ok)
     if (.not. (ok .and. tooth >= 1 .and. tooth <= teeth)) call refuse('tooth', fields(1), 'a whole number from 1 to '//str(teeth))
     if (fields(2) /= 'left' .and. fields(2) /= 'right') call refuse('flank', fields(2), 'left or right')
-    call to_number(trim(fields(3)), row%roll, ok)
-    if (.not. (ok .and. row%roll >= 0 .and. row%roll <= longest_roll)) call refuse('roll_mm', fields(3), &
+    call to_number(trim(fields(3)), point%roll, ok)
+    if (.not. (ok .and. point%roll >= 0 .and. point%roll <= longest_roll)) call refuse('roll_mm', fields(3), &
       'a number from 0 to '//str(longest_roll))
-    call to_number(trim(fields(4)), row%deviation, ok)
-    if (.not. (ok .and. abs(row%deviation) <= largest)) call refuse('deviation_um', fields(4), &
+    call to_number(trim(fields(4)), point%deviation, ok)
+    if (.not. (ok .and. abs(point%deviation) <= largest)) call refuse('deviation_um', fields(4), &
       'a number from '//str(-largest)//' to '//str(largest))
-    if (fields(2) == flank) row%tooth = tooth
-    row%roll = mm*row%roll
-    row%deviation = um*row%deviation
+    if (fields(2) == flank) point%tooth = tooth
+    point%roll = mm*point%roll
+    point%deviation = um*point%deviation
 
   contains
 
@@ -140,26 +110,26 @@ contains
   end subroutine split_fields
 
   !> Counts the points of each tooth, and puts each point to its tooth.
-  pure subroutine sort_by_tooth(rows, teeth, points)
-    type(row_t), intent(in) :: rows(:)
+  pure subroutine sort_by_tooth(found, teeth, points)
+    type(point_t), intent(in) :: found(:)
     integer, intent(in) :: teeth
     type(flank_points_t), intent(out) :: points
     integer :: next(teeth), i, k
 
     allocate (points%first(teeth + 1), source=0)
-    allocate (points%roll(size(rows)), points%deviation(size(rows)))
-    do i = 1, size(rows)
-      points%first(rows(i)%tooth + 1) = points%first(rows(i)%tooth + 1) + 1
+    allocate (points%roll(size(found)), points%deviation(size(found)))
+    do i = 1, size(found)
+      points%first(found(i)%tooth + 1) = points%first(found(i)%tooth + 1) + 1
     end do
     points%first(1) = 1
     do k = 1, teeth
       points%first(k + 1) = points%first(k + 1) + points%first(k)
     end do
     next = points%first(:teeth)
-    do i = 1, size(rows)
-      associate (at => next(rows(i)%tooth))
-        points%roll(at) = rows(i)%roll
-        points%deviation(at) = rows(i)%deviation
+    do i = 1, size(found)
+      associate (at => next(found(i)%tooth))
+        points%roll(at) = found(i)%roll
+        points%deviation(at) = found(i)%deviation
         at = at + 1
       end associate
     end do
