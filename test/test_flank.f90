@@ -8,9 +8,10 @@ module test_flank
   use gearsweep_error_estimate, only: accuracy_t
   use gearsweep_flank, only: contact_t, flank_contact, flash_factor, rolling_arm, sliding_ratio, surfaces_t
   use gearsweep_gear, only: drive, gear_spec_t, gear_t, make_gear
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_material, only: material_t
-  use gearsweep_mesh, only: interval_t, mesh_t
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_mesh_losses, only: even_load_factor, followed_loss_factor, friction_rule_t, half_shares_factor, mean_friction, &
     static_loss_factor
   use gearsweep_oscillator, only: make_oscillator, mesh_period, mobility, oscillator_t

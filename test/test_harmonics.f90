@@ -1,11 +1,11 @@
 !> Harmonics of the static transmission error against closed forms.
 module test_harmonics
   use gearsweep_harmonics, only: harmonics_t, find_harmonics
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: segment_t, smooth_segments
-  use gearsweep_mesh, only: interval_t
   use gearsweep_sharing, only: sharing_t, share_load
   use reference_rows, only: prescribed
   use testing, only: tally_t, check_true, check_close

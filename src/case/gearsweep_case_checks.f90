@@ -1,11 +1,10 @@
 !> What the keys of a case must be together.
 module gearsweep_case_checks
   use gearsweep_case, only: case_t
-  use gearsweep_coefficient_table, only: scheme_collocation
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_sweep_state, only: most_points
-  use gearsweep_task, only: stage
+  use gearsweep_task, only: case_facts_t, stage
   use gearsweep_text, only: str
   implicit none
   private
@@ -23,12 +22,8 @@ contains
     call check_relief(case, error)
     if (.not. case%prescribed) call check_units(case, error)
     call check_speeds(case, error)
-    if (case%asks('as_built') .and. case%accuracy%scheme /= scheme_collocation) call fail(error, code_input, &
-      '&numerics method: the methods of the literature know nominal teeth only; with the task as_built it must be collocation')
     do i = 1, size(case%tasks)
-      if (.not. case%tasks(i)%is_wanted) cycle
-      call case%tasks(i)%task%check(case%amount, error)
-      call case%tasks(i)%task%check_gears(case%spec, error)
+      if (case%tasks(i)%is_wanted) call case%tasks(i)%task%check(case_facts_t(case%amount, case%spec, case%accuracy%scheme), error)
     end do
   end subroutine check_case
 

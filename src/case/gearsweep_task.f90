@@ -17,7 +17,7 @@ module gearsweep_task
   use gearsweep_uses, only: sentence_length
   implicit none
   private
-  public :: task_t, task_info_t, task_slot_t, task_file_t, check_reliefs, needs_moving, sentence_of, split_names
+  public :: task_t, task_info_t, task_slot_t, task_file_t, case_facts_t, check_reliefs, needs_moving, sentence_of, split_names
 
   integer, parameter, public :: task_length = 20, table_length = 18
   character(*), parameter, public :: members(2) = [character(6) :: 'pinion', 'gear']
@@ -59,6 +59,13 @@ module gearsweep_task
     logical :: is_always = .false.               !< it runs for every case that has gears, named or not
   end type task_info_t
 
+  !> What the other groups of a case say that a task's keys must agree with.
+  type :: case_facts_t
+    real(dp), allocatable :: amount(:)           !< of relief, m
+    type(gear_spec_t) :: spec(2)                 !< of pinion and gear; without teeth where a prescribed mesh does not tell them
+    integer :: scheme = 0                        !< of integration, of gearsweep_coefficient_table
+  end type case_facts_t
+
   !> A file that a key of a task names. What stands in it is an input as the key is.
   type :: task_file_t
     character(:), allocatable :: name            !< as the case has it; a relative one lies beside the case
@@ -85,7 +92,6 @@ module gearsweep_task
     procedure :: read_keys => no_keys
     procedure(report_task), deferred :: add_report
     procedure :: check => check_reliefs
-    procedure :: check_gears => accept_gears
     procedure :: uses => uses_stage
     procedure :: has_same_files
     procedure :: prepare, place, read_speeds, read_reliefs
@@ -240,10 +246,10 @@ contains
                     meaning='amounts of tip relief to take, each of which &relief amount_um has')
   end subroutine read_reliefs
 
-  !> Its keys beside the reliefs of the case, `amount` (m): those that it takes must be among these.
-  subroutine check_reliefs(self, amount, error)
+  !> Its keys beside the reliefs of the case: those that it takes must be among these.
+  subroutine check_reliefs(self, facts, error)
     class(task_t), intent(in) :: self
-    real(dp), intent(in) :: amount(:)
+    type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
     type(task_info_t) :: info
     integer :: i
@@ -251,20 +257,10 @@ contains
     if (.not. allocated(self%own_relief)) return
     call self%describe(info)
     do i = 1, size(self%own_relief)
-      if (minval(abs(amount - self%own_relief(i))) > 1e-9_dp*self%own_relief(i)) call fail(error, code_input, &
+      if (minval(abs(facts%amount - self%own_relief(i))) > 1e-9_dp*self%own_relief(i)) call fail(error, code_input, &
         '&'//trim(info%name)//' relief_um = '//str(in_um(self%own_relief(i)))//': is none of &relief amount_um')
     end do
   end subroutine check_reliefs
-
-  !> Its keys beside the gears of the case; these may be any.
-  subroutine accept_gears(self, spec, error)
-    class(task_t), intent(in) :: self
-    type(gear_spec_t), intent(in) :: spec(2)     !< of pinion and gear; without teeth where a prescribed mesh does not tell them
-    type(error_t), allocatable, intent(inout) :: error
-
-    ! The compiler asks for some use of the arguments.
-    if (any(spec%teeth < 0) .and. self%is_done) call fail(error, code_input, 'teeth: must be above 0')
-  end subroutine accept_gears
 
   !> Does the case at hand name this task, and needs it this stage?
   pure logical function takes(self, which)

@@ -3,8 +3,7 @@
 !>
 !> Pair k, k = ..., -1, 0, 1, ..., enters at A at the time k (in mesh periods). It is on tooth k mod z1 of the pinion and tooth
 !> (k + offset) mod z2 of the gear, both counted from 0 in the order in which they engage. Its profile error at the path
-!> coordinate s
-!> is the nominal one and
+!> coordinate s is the nominal one and
 !>
 !> p_i(s) + g_j(s) + w(tau), p_i(s) = sum over n of c_n (s - contact ratio/2)^n and so g_j, w = sum of a sin(2 pi o tau/z +
 !> phase).
@@ -17,7 +16,7 @@ module gearsweep_deviations
   use gearsweep_kinds, only: dp, pi
   implicit none
   private
-  public :: deviations_t, wave_t, make_deviations
+  public :: deviations_t, wave_t, make_deviations, common_divisor
 
   type :: wave_t
     integer :: gear = 1                !< 1: pinion, 2: gear
@@ -62,22 +61,23 @@ contains
     end if
     deviations%waves = waves
     if (size(pinion, 2) > 0 .or. any(waves%gear == 1)) deviations%periods = teeth(1)
-    if (size(gear, 2) > 0 .or. any(waves%gear == 2)) deviations%periods = common_multiple(deviations%periods, teeth(2))
+    if (size(gear, 2) > 0 .or. any(waves%gear == 2)) &
+      deviations%periods = deviations%periods/common_divisor(deviations%periods, teeth(2))*teeth(2)
   end function make_deviations
 
-  pure integer function common_multiple(a, b)
+  !> The greatest common divisor of two numbers above 0, by Euclid's algorithm.
+  pure integer function common_divisor(a, b)
     integer, intent(in) :: a, b
-    integer :: x, y, rest
+    integer :: rest, next
 
-    x = a
-    y = b
-    do while (y > 0)
-      rest = modulo(x, y)
-      x = y
-      y = rest
+    common_divisor = a
+    rest = b
+    do while (rest > 0)
+      next = modulo(common_divisor, rest)
+      common_divisor = rest
+      rest = next
     end do
-    common_multiple = a/x*b
-  end function common_multiple
+  end function common_divisor
 
   !> Does anything deviate?
   pure logical function deviate(self)

@@ -1,11 +1,13 @@
 !> Harmonics of the static transmission error: what excites gear whine.
 !>
-!> Over one mesh period of phase tau, x = mean + sum of amplitude(k) cos(2 pi k tau + phase(k)).
+!> Over the time tau in mesh periods, x = mean + sum of amplitude(k) cos(2 pi k tau + phase(k)) or, with another base than the mesh
+!> frequency, of amplitude(k) cos(2 pi k base tau + phase(k)).
 !> Where pairs come and go x jumps, and where one separates it has a kink, so that the transform
 !> of n samples is off by 1/n or 1/n^2. Here every smooth segment is integrated by itself.
 module gearsweep_harmonics
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_mesh, only: mesh_t, interval_t
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: balance_t, carrying, segment_t, smooth_segments
   use gearsweep_sharing, only: solve_equilibrium_at
@@ -17,8 +19,8 @@ module gearsweep_harmonics
     real(dp) :: mean = 0                         !< of the static transmission error, m
     real(dp) :: rms = 0                          !< of its deviation from the mean, m
     real(dp) :: least = 0, largest = 0           !< m
-    real(dp), allocatable :: amplitude(:)        !< of harmonic 1, 2 .. of the mesh frequency, m
-    real(dp), allocatable :: phase(:)            !< rad, at the phase 0 where a pair enters at A
+    real(dp), allocatable :: amplitude(:)        !< of harmonic 1, 2 ..., m
+    real(dp), allocatable :: phase(:)            !< rad, at the time 0, at which a pair enters at A
     real(dp) :: error_estimate = 0               !< of mean and amplitudes, m
     !> Length of the path, in base pitches, over which a pair carries load: the mean number of pairs that do.
     real(dp) :: effective_contact_ratio = 0
@@ -33,7 +35,7 @@ module gearsweep_harmonics
   !> What is integrated: the pairs' part of the transmission error over its scale, less 1; that of the discs' turning is constant.
   type :: integrand_t
     type(mesh_t) :: mesh
-    real(dp) :: load = 0, scale = 1
+    real(dp) :: load = 0, scale = 1, base = 1
     real(dp) :: node(points) = 0, weight(points) = 0   !< on 0 to 1
     real(dp) :: tolerance = 0
   end type integrand_t
@@ -42,12 +44,15 @@ contains
 
   !> The first `count` harmonics of the static transmission error of `mesh` under `load` (N). Segments are halved, at most
   !> `halvings` times, until the integrals over both halves agree with that over the whole.
-  pure subroutine find_harmonics(mesh, load, count, harmonics, halvings)
+  pure subroutine find_harmonics(mesh, load, count, harmonics, halvings, base)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
     integer, intent(in) :: count
     type(harmonics_t), intent(out) :: harmonics
     integer, intent(in), optional :: halvings
+    !> Cycles of the first harmonic in a mesh period; without it, 1. Where teeth deviate, harmonics that are not whole over the
+    !> periods after which the deviations repeat have no meaning.
+    real(dp), intent(in), optional :: base
     type(interval_t), allocatable :: intervals(:)
     type(segment_t), allocatable :: segments(:)
     type(integrand_t) :: f
@@ -58,6 +63,7 @@ contains
     if (present(halvings)) most = halvings
     call smooth_segments(mesh, load, intervals, segments)
     call set_up(mesh, load, count, intervals, segments, f)
+    if (present(base)) f%base = base
     harmonics%least = huge(1.0_dp)
     harmonics%largest = -huge(1.0_dp)
     total = 0
@@ -70,6 +76,8 @@ contains
                                             (b - a)*sum(merge(1, 0, carrying(mesh, balance_t(load), interval, (a + b)/2)))
       end associate
     end do
+    total = total/mesh%deviations%periods
+    harmonics%effective_contact_ratio = harmonics%effective_contact_ratio/mesh%deviations%periods
     associate (discs => mesh%disc%turn*load)
       harmonics%mean = f%scale*(1 + real(total(0), dp)) + discs
       harmonics%least = harmonics%least + discs
@@ -78,7 +86,7 @@ contains
     harmonics%rms = f%scale*sqrt(max(0.0_dp, real(total(-1), dp) - real(total(0), dp)**2))
     harmonics%amplitude = 2*f%scale*abs(total(1:))
     harmonics%phase = atan2(aimag(total(1:)), real(total(1:), dp))
-    harmonics%error_estimate = 2*f%scale*harmonics%error_estimate
+    harmonics%error_estimate = 2*f%scale*harmonics%error_estimate/mesh%deviations%periods
     harmonics%samples = harmonics%samples + points*size(segments)
   end subroutine find_harmonics
 
@@ -117,7 +125,7 @@ contains
     call solve_equilibrium_at(f%mesh, interval, f%load, phase, error_at, force)
   end function error_at
 
-  !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k tau) in part(k), k = 0 to
+  !> Integrals from phase a to b by Gauss's rule: of x exp(-2 pi i k base tau) in part(k), k = 0 to
   !> `count`, and of x**2 in part(-1).
   pure function panel(f, interval, a, b, count) result(part)
     type(integrand_t), intent(in) :: f
@@ -134,7 +142,7 @@ contains
       phase = a + (b - a)*f%node(i)
       x = error_at(f, interval, phase)/f%scale - 1
       part(-1) = part(-1) + (b - a)*f%weight(i)*x**2
-      turn = exp(cmplx(0.0_dp, -2*pi*phase, dp))
+      turn = exp(cmplx(0.0_dp, -2*pi*modulo(f%base*(interval%period + phase), 1.0_dp), dp))
       term = (b - a)*f%weight(i)*x
       do k = 0, count
         part(k) = part(k) + term

@@ -7,6 +7,7 @@
 module gearsweep_mesh
   use gearsweep_deviations, only: deviations_t
   use gearsweep_disc, only: disc_t
+  use gearsweep_interval, only: distinct_phases, interval_t, phase_of
   use gearsweep_kinds, only: dp, pi
   use gearsweep_own_flattening, only: flattening_t
   use gearsweep_piecewise, only: piecewise_t
@@ -14,7 +15,7 @@ module gearsweep_mesh
   use gearsweep_small_system, only: solve_small
   implicit none
   private
-  public :: mesh_t, interval_t, smooth_intervals, coupling, joint_stiffness
+  public :: mesh_t, coupling, joint_stiffness
 
   !> How well the stiffness at a tip corner is known: the secant at the whole load is too stiff for a small one by up to this part;
   !> where a pair deflects by its own load, grid and depth of the contact problem are left (suite elastic_corner).
@@ -52,34 +53,6 @@ module gearsweep_mesh
     procedure :: error_at
   end type mesh_t
 
-  !> A smooth interval: a part of the mesh period within which no coefficient has a break. Where pairs of teeth have errors of
-  !> their own, a part of one of the mesh periods after which these repeat.
-  type :: interval_t
-    integer :: period = 0                        !< which, from 0
-    real(dp) :: first = 0, last = 0              !< phases
-    integer :: pairs = 0                         !< that may be in contact
-    integer :: offset = 0                        !< path coordinate of the first of them less the phase
-    integer, allocatable :: piece(:, :)          !< first and last of the profile error; (2, pair)
-    integer, allocatable :: stiffness_piece(:, :)    !< first and last of the stiffness; (2, pair)
-    logical, allocatable :: recess(:)            !< the pair has passed the pitch point
-    logical, allocatable :: between(:)           !< the pair is between A and E
-    !> What a pair shares with the next one (m/N), as a polynomial of the phase; (0:2, pair but the last, at least one).
-    real(dp), allocatable :: shared(:, :)
-    logical, allocatable :: carries(:)           !< in the reference contact: all, or those that carry a static load
-    !> What the profile error of each pair is more by its teeth (m), as a polynomial of s; (0:degree, pair). Not allocated where no
-    !> tooth deviates.
-    real(dp), allocatable :: deviation(:, :)
-  contains
-    procedure :: place
-    procedure :: shared_at
-    procedure :: shared_by_two
-    procedure :: shared_with_slopes
-    procedure :: deviation_of
-  end type interval_t
-
-  !> Breaks closer than this are one: no step could tell them apart.
-  real(dp), parameter :: same_phase = 1e-11_dp
-
 contains
 
   !> Mean over the period of the stiffness of all pairs between A and E together, without relief (N/m): of their sum or,
@@ -94,7 +67,7 @@ contains
     mean_stiffness = mesh%stiffness%integral(0.0_dp, mesh%contact_ratio)
     if (.not. mesh%disc%shared > 0) return
     call gauss_legendre(node, weight)
-    breaks = sorted([phase(mesh%contact_ratio), phase(mesh%stiffness%breaks)])
+    breaks = distinct_phases([phase_of(mesh%contact_ratio), phase_of(mesh%stiffness%breaks)])
     mean_stiffness = 0
     do i = 1, size(breaks) - 1
       do k = 1, points
@@ -224,61 +197,6 @@ contains
     end associate
   end function error_at
 
-  !> What that is more by the teeth of pair j (m), waves aside, with its first and second derivative over the phase; (0:2).
-  pure function deviation_of(interval, phase, j) result(d)
-    class(interval_t), intent(in) :: interval    !< with deviations
-    real(dp), intent(in) :: phase
-    integer, intent(in) :: j
-    real(dp) :: d(0:2), s
-    integer :: n
-
-    s = interval%place(phase, j)
-    d = 0
-    do n = ubound(interval%deviation, 1), 0, -1
-      d(2) = d(2)*s + 2*d(1)
-      d(1) = d(1)*s + d(0)
-      d(0) = d(0)*s + interval%deviation(n, j)
-    end do
-  end function deviation_of
-
-  !> Path coordinate of pair j of an interval.
-  elemental real(dp) function place(interval, phase, j) result(s)
-    class(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: phase
-    integer, intent(in) :: j
-
-    s = phase + (j + interval%offset) - 1
-  end function place
-
-  !> What each pair of an interval and the next one share, m/N; (pair but the last, at least one).
-  pure function shared_at(interval, phase) result(shared)
-    class(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: phase
-    real(dp) :: shared(size(interval%shared, 2))
-
-    shared = interval%shared(0, :) + phase*(interval%shared(1, :) + phase*interval%shared(2, :))
-  end function shared_at
-
-  !> What the first two pairs share, m/N.
-  elemental real(dp) function shared_by_two(interval, phase) result(shared)
-    class(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: phase
-
-    shared = interval%shared(0, 1) + phase*(interval%shared(1, 1) + phase*interval%shared(2, 1))
-  end function shared_by_two
-
-  !> What each pair of an interval and the next one share, with its first and second derivative over the phase, m/N;
-  !> (0:2, pair but the last, at least one).
-  pure function shared_with_slopes(interval, phase) result(c)
-    class(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: phase
-    real(dp) :: c(0:2, size(interval%shared, 2))
-
-    c(0, :) = interval%shared_at(phase)
-    c(1, :) = interval%shared(1, :) + 2*phase*interval%shared(2, :)
-    c(2, :) = 2*interval%shared(2, :)
-  end function shared_with_slopes
-
   !> Radius of curvature over base radius of a gear at s; beyond A and E the lever arm of friction over the base radius.
   elemental real(dp) function curvature_ratio(mesh, member, s) result(ratio)
     class(mesh_t), intent(in) :: mesh
@@ -308,136 +226,4 @@ contains
     sense = merge(friction, -friction, recess)
     mobility = mobility + sense*(mesh%curvature_ratio(1, s)/mass(1) + mesh%curvature_ratio(2, s)/mass(2))
   end function mobility
-
-  !> Splits the period where a pair enters or leaves, where a relief begins, with friction at the pitch point and, where
-  !> contact reaches beyond A and E, where the stiffness has a kink, as it may at A and E.
-  pure function smooth_intervals(mesh, friction) result(intervals)
-    type(mesh_t), intent(in) :: mesh
-    logical, intent(in) :: friction
-    type(interval_t), allocatable :: intervals(:)
-    real(dp), allocatable :: breaks(:)
-    logical, allocatable :: profile_breaks(:), stiffness_breaks(:)
-    integer :: i
-
-    profile_breaks = breaks_of(mesh%profile_error)
-    allocate (stiffness_breaks(size(mesh%stiffness%breaks)), source=.false.)
-    if (mesh%reaches_beyond()) stiffness_breaks = breaks_of(mesh%stiffness)
-    breaks = [0.0_dp, 1.0_dp, phase(mesh%contact_ratio), phase(mesh%reach), &
-              phase(pack(mesh%profile_error%breaks, profile_breaks)), phase(pack(mesh%stiffness%breaks, stiffness_breaks))]
-    if (friction .and. mesh%pitch_point > 0 .and. mesh%pitch_point < mesh%contact_ratio) then
-      breaks = [breaks, phase(mesh%pitch_point)]
-    end if
-    breaks = sorted(breaks)
-
-    allocate (intervals(size(breaks) - 1))
-    do i = 1, size(intervals)
-      intervals(i)%first = breaks(i)
-      intervals(i)%last = breaks(i + 1)
-      call list_pairs(mesh, (breaks(i) + breaks(i + 1))/2, profile_breaks, stiffness_breaks, intervals(i))
-    end do
-    if (mesh%deviations%any()) intervals = over_turn(mesh, intervals)
-  end function smooth_intervals
-
-  !> The intervals of all mesh periods after which the deviations repeat.
-  pure function over_turn(mesh, intervals) result(all_intervals)
-    type(mesh_t), intent(in) :: mesh
-    type(interval_t), intent(in) :: intervals(:)           !< of one
-    type(interval_t), allocatable :: all_intervals(:)
-    real(dp), allocatable :: c(:)
-    integer :: i, j, k
-
-    allocate (all_intervals(size(intervals)*mesh%deviations%periods))
-    do k = 1, size(all_intervals)
-      i = 1 + modulo(k - 1, size(intervals))
-      associate (interval => all_intervals(k))
-        interval = intervals(i)
-        interval%period = (k - 1)/size(intervals)
-        do j = 1, interval%pairs
-          c = mesh%deviations%of_pair(interval%period - (j + interval%offset - 1), mesh%contact_ratio, &
-                                      interval%place((interval%first + interval%last)/2, j))
-          if (j == 1) allocate (interval%deviation(0:size(c) - 1, interval%pairs))
-          interval%deviation(:, j) = c
-        end do
-      end associate
-    end do
-  end function over_turn
-
-  !> The pairs that may be in contact at the middle of an interval, and so in all of it.
-  pure subroutine list_pairs(mesh, middle, profile_breaks, stiffness_breaks, interval)
-    type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: middle               !< phase
-    logical, intent(in) :: profile_breaks(:), stiffness_breaks(:)  !< of `breaks_of`
-    type(interval_t), intent(inout) :: interval
-    integer :: j
-
-    interval%offset = floor(mesh%reach(1) - middle) + 1
-    interval%pairs = ceiling(mesh%reach(2) - middle) - interval%offset
-    allocate (interval%piece(2, interval%pairs), interval%stiffness_piece(2, interval%pairs))
-    associate (s => interval%place(middle, [(j, j=1, interval%pairs)]))
-      do j = 1, interval%pairs
-        interval%piece(:, j) = smooth_pieces(mesh%profile_error, profile_breaks, s(j))
-        interval%stiffness_piece(:, j) = [1, size(mesh%stiffness%breaks) - 1]
-        if (mesh%reaches_beyond()) interval%stiffness_piece(:, j) = smooth_pieces(mesh%stiffness, stiffness_breaks, s(j))
-      end do
-      interval%recess = s > mesh%pitch_point
-      interval%between = s > 0 .and. s < mesh%contact_ratio
-    end associate
-    allocate (interval%carries(interval%pairs), source=.true.)
-    allocate (interval%shared(0:2, max(1, interval%pairs - 1)))
-    do j = 1, size(interval%shared, 2)
-      ! Taylor's series from the phase 0.
-      interval%shared(:, j) = mesh%shared_from(interval%place(0.0_dp, j), interval%place(middle, j))/[1, 1, 2]
-    end do
-  end subroutine list_pairs
-
-  !> Where a curve is not smooth from one of its pieces to the next; (break). Its ends count as smooth.
-  pure function breaks_of(curve) result(breaks)
-    type(piecewise_t), intent(in) :: curve
-    logical :: breaks(size(curve%breaks))
-    integer :: i
-
-    breaks = .false.
-    do i = 2, size(breaks) - 1
-      breaks(i) = .not. curve%is_smooth_at(i)
-    end do
-  end function breaks_of
-
-  !> First and last piece of the part of a curve around s within which it is smooth.
-  pure function smooth_pieces(curve, breaks, s) result(piece)
-    type(piecewise_t), intent(in) :: curve
-    logical, intent(in) :: breaks(:)             !< of `breaks_of`
-    real(dp), intent(in) :: s
-    integer :: piece(2)
-
-    piece = curve%locate(s)
-    do while (piece(1) > 1)
-      if (breaks(piece(1))) exit
-      piece(1) = piece(1) - 1
-    end do
-    do while (piece(2) < size(curve%breaks) - 1)
-      if (breaks(piece(2) + 1)) exit
-      piece(2) = piece(2) + 1
-    end do
-  end function smooth_pieces
-
-  elemental real(dp) function phase(s)
-    real(dp), intent(in) :: s
-
-    phase = s - floor(s)
-  end function phase
-
-  !> Ascending, without what is the same; 0 and 1 stay exact.
-  pure function sorted(values) result(list)
-    real(dp), intent(in) :: values(:)
-    real(dp), allocatable :: list(:)
-    real(dp) :: next
-
-    list = [0.0_dp]
-    do
-      next = minval(values, mask=values > list(size(list)) + same_phase)
-      if (next > 1 - same_phase) exit
-      list = [list, next]
-    end do
-    list = [list, 1.0_dp]
-  end function sorted
 end module gearsweep_mesh

@@ -2,9 +2,11 @@
 !> places where a pair enters, leaves, separates or comes back, where a relief begins,
 !> and where the stiffness passes from one polynomial to the next.
 module gearsweep_segments
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_sharing, only: solve_equilibrium_at
+  use gearsweep_smooth_intervals, only: smooth_intervals
   implicit none
   private
   public :: balance_t, segment_t, smooth_segments, contact_intervals, carrying

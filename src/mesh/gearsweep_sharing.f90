@@ -4,17 +4,20 @@
 !> and what two pairs share is one spring in series, which no relief or load share changes. Three pairs and more share different
 !> compliances, neighbours more than others: what each load moves each pair by is a matrix then.
 module gearsweep_sharing
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: mesh_t, interval_t, coupling, joint_stiffness, smooth_intervals
+  use gearsweep_mesh, only: mesh_t, coupling, joint_stiffness
   use gearsweep_small_system, only: solve_small
+  use gearsweep_smooth_intervals, only: smooth_intervals
   implicit none
   private
   public :: sharing_t, share_load, load_share, pairs_at, solve_equilibrium, solve_equilibrium_at, static_deflection, pair_load, &
             transmission_error
 
-  !> The static state along the mesh period; one-sided at every break.
+  !> The static state along the mesh period or, where teeth deviate, the periods after which the deviations repeat; one-sided at
+  !> every break.
   type :: sharing_t
-    real(dp), allocatable :: phase(:)            !< ascending, breaks twice
+    real(dp), allocatable :: phase(:)            !< ascending, breaks twice; from 0, in mesh periods
     real(dp), allocatable :: error(:)            !< static transmission error, m
     real(dp), allocatable :: stiffness(:)        !< of the pairs that carry load and the discs, N/m
     real(dp), allocatable :: s(:, :)             !< path coordinate of each pair; 2nd index as phase
@@ -185,7 +188,7 @@ contains
     transmission_error = transmission_error + mesh%disc%turn*load
   end function transmission_error
 
-  !> Samples the period with about `samples` points: between the breaks of the mesh, or of the `intervals` that are given, as
+  !> Samples each mesh period with about `samples` points: between the breaks of the mesh, or of the `intervals` that are given, as
   !> `contact_intervals` of gearsweep_segments, which end where pairs begin and cease to carry too. Source: Dogan et al. 2021,
   !> Eqs. 7, 8, with separation.
   pure subroutine share_load(mesh, load, samples, sharing, known)
@@ -212,30 +215,32 @@ contains
     do i = 1, size(intervals)
       do k = 0, counts(i) - 1
         row = row + 1
-        sharing%phase(row) = intervals(i)%first + (intervals(i)%last - intervals(i)%first)*k/(counts(i) - 1)
-        call share_at(mesh, intervals(i), load, row, sharing)
+        associate (phase => intervals(i)%first + (intervals(i)%last - intervals(i)%first)*k/(counts(i) - 1))
+          call share_at(mesh, intervals(i), load, phase, row, sharing)
+        end associate
       end do
     end do
   end subroutine share_load
 
-  pure subroutine share_at(mesh, interval, load, row, sharing)
+  pure subroutine share_at(mesh, interval, load, phase, row, sharing)
     type(mesh_t), intent(in) :: mesh
     type(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: load
+    real(dp), intent(in) :: load, phase
     integer, intent(in) :: row
     type(sharing_t), intent(inout) :: sharing
     real(dp), dimension(interval%pairs) :: stiffness, error, force
     real(dp) :: deflection, pairs
     integer :: j
 
+    sharing%phase(row) = interval%period + phase
     sharing%offset(row) = interval%offset
-    sharing%s(:interval%pairs, row) = interval%place(sharing%phase(row), [(j, j=1, interval%pairs)])
+    sharing%s(:interval%pairs, row) = interval%place(phase, [(j, j=1, interval%pairs)])
     sharing%pairs(row) = interval%pairs
-    call solve_equilibrium_at(mesh, interval, load, sharing%phase(row), deflection, force)
+    call solve_equilibrium_at(mesh, interval, load, phase, deflection, force)
     sharing%error(row) = deflection + mesh%disc%turn*load
     sharing%load(:interval%pairs, row) = force
-    call pairs_at(mesh, interval, sharing%phase(row), stiffness, error)
-    pairs = joint_stiffness(mesh, stiffness, interval%shared_at(sharing%phase(row)), force > 0)
+    call pairs_at(mesh, interval, phase, stiffness, error)
+    pairs = joint_stiffness(mesh, stiffness, interval%shared_at(phase), force > 0)
     sharing%stiffness(row) = pairs/(1 + mesh%disc%turn*pairs)
   end subroutine share_at
 

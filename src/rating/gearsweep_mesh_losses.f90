@@ -2,8 +2,9 @@
 !> the part of the power that is lost.
 module gearsweep_mesh_losses
   use gearsweep_flank, only: sliding_ratio
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_mesh, only: interval_t, mesh_t
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_pair, only: pair_t
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: segment_t, smooth_segments

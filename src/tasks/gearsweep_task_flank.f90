@@ -19,7 +19,7 @@ module gearsweep_task_flank
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
-  use gearsweep_task, only: check_reliefs, needs_moving, stage, task_info_t
+  use gearsweep_task, only: case_facts_t, check_reliefs, needs_moving, stage, task_info_t
   use gearsweep_text, only: fixed, str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
@@ -126,16 +126,16 @@ contains
   end subroutine read_surfaces
 
   !> So many paths are followed and no more.
-  subroutine check(self, amount, error)
+  subroutine check(self, facts, error)
     class(flank_task_t), intent(in) :: self
-    real(dp), intent(in) :: amount(:)
+    type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: most_paths = 10000
     integer :: reliefs
 
-    call check_reliefs(self, amount, error)
+    call check_reliefs(self, facts, error)
     if (.not. allocated(self%own_rpm)) return
-    reliefs = size(amount)
+    reliefs = size(facts%amount)
     if (allocated(self%own_relief)) reliefs = size(self%own_relief)
     if (size(self%own_rpm)*reliefs > most_paths) call fail(error, code_input, &
       '&flank rpm: with '//str(reliefs)//' reliefs more than '//str(most_paths)//' paths')

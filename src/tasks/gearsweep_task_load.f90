@@ -17,7 +17,7 @@ module gearsweep_task_load
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
-  use gearsweep_task, only: stage, task_info_t
+  use gearsweep_task, only: case_facts_t, stage, task_info_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -57,14 +57,14 @@ contains
   end subroutine read_keys
 
   !> So many paths are followed and no more.
-  subroutine check(self, amount, error)
+  subroutine check(self, facts, error)
     class(load_task_t), intent(in) :: self
-    real(dp), intent(in) :: amount(:)
+    type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: most_paths = 10000
 
-    if (size(self%own_rpm)*size(amount) > most_paths) call fail(error, code_input, &
-      '&sweep load_rpm: with '//str(size(amount))//' reliefs more than '//str(most_paths)//' paths')
+    if (size(self%own_rpm)*size(facts%amount) > most_paths) call fail(error, code_input, &
+      '&sweep load_rpm: with '//str(size(facts%amount))//' reliefs more than '//str(most_paths)//' paths')
   end subroutine check
 
   subroutine run(self, stages, error)

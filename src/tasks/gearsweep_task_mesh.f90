@@ -5,11 +5,12 @@ module gearsweep_task_mesh
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: drive
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_lines, only: lines_t, right
   use gearsweep_memory, only: claim_memory
   use gearsweep_reader, only: reader_t
-  use gearsweep_mesh, only: corner_uncertainty, coupling, interval_t, mesh_t, own_corner_uncertainty
+  use gearsweep_mesh, only: corner_uncertainty, coupling, mesh_t, own_corner_uncertainty
   use gearsweep_segments, only: balance_t, contact_intervals
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_table, only: axis, each, table_t

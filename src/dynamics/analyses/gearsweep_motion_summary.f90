@@ -9,7 +9,7 @@ module gearsweep_motion_summary
   use gearsweep_trace, only: trace_t
   implicit none
   private
-  public :: motion_summary_t, summarise
+  public :: motion_summary_t, summarise, gather_steps
 
   type :: motion_summary_t
     type(spectrum_t) :: error                    !< dynamic transmission error, m
@@ -30,40 +30,57 @@ contains
     integer, intent(in) :: count                 !< harmonics
     type(motion_summary_t), intent(out) :: summary
     real(dp), allocatable :: left(:), width(:), error(:, :), load(:, :)
-    integer :: i, n
 
-    n = sum(trace%rows)/2
-    allocate (left(n), width(n), error(0:5, n), load(0:5, n))
-    n = 0
-    do i = 1, size(trace)
-      call gather(osc, trace(i), i - 1, size(trace), n, left, width, error, load)
-    end do
+    call gather_steps(trace, 1, left, width, error)
+    left = left/size(trace)
+    width = width/size(trace)
+    load = mesh_load(osc, trace)
     call find_spectrum(left, width, error, count, summary%error)
     call find_spectrum(left, width, load, count, summary%load)
     summary%pair_rms = mean_square_load(osc, trace)
     call count_meetings(osc, trace, summary)
   end subroutine summarise
 
-  !> Adds the steps of a mesh period.
-  pure subroutine gather(osc, trace, before, periods, n, left, width, error, load)
-    type(oscillator_t), intent(in) :: osc
-    type(trace_t), intent(in) :: trace
-    integer, intent(in) :: before, periods       ! mesh periods before this one, and in all
-    integer, intent(inout) :: n                  ! steps so far
-    real(dp), intent(inout) :: left(:), width(:), error(0:, :), load(0:, :)
-    real(dp) :: total(0:2, 2)
-    integer :: k
+  !> The steps of a motion.
+  pure subroutine gather_steps(trace, periods, left, width, error)
+    type(trace_t), intent(in) :: trace(:)
+    integer, intent(in) :: periods               !< mesh periods of each trace
+    real(dp), allocatable, intent(out) :: left(:), width(:)          !< begin and length, mesh periods; (step)
+    !> Quintic of the dynamic transmission error over 0 to 1 in the step, m; (0:5, step)
+    real(dp), allocatable, intent(out) :: error(:, :)
+    integer :: i, k, n
 
-    do k = 1, trace%rows, 2
-      n = n + 1
-      left(n) = (before + trace%phase(k))/periods
-      width(n) = (trace%phase(k + 1) - trace%phase(k))/periods
-      error(:, n) = quintic(trace%x(:, k), trace%x(:, k + 1))
-      total = sum(trace%load(:, :osc%pairs, [k, k + 1]), 2)
-      if (osc%has_backlash) total = total - trace%load(:, osc%contacts, [k, k + 1])
-      load(:, n) = quintic(total(:, 1), total(:, 2))
+    n = sum(trace%rows)/2
+    allocate (left(n), width(n), error(0:5, n))
+    n = 0
+    do i = 1, size(trace)
+      do k = 1, trace(i)%rows, 2
+        n = n + 1
+        left(n) = (i - 1)*periods + trace(i)%phase(k)
+        width(n) = trace(i)%phase(k + 1) - trace(i)%phase(k)
+        error(:, n) = quintic(trace(i)%x(:, k), trace(i)%x(:, k + 1))
+      end do
     end do
-  end subroutine gather
+  end subroutine gather_steps
+
+  !> The elastic load of the mesh as a quintic in each of these steps, N; (0:5, step).
+  pure function mesh_load(osc, trace) result(load)
+    type(oscillator_t), intent(in) :: osc
+    type(trace_t), intent(in) :: trace(:)
+    real(dp) :: load(0:5, sum(trace%rows)/2)
+    real(dp) :: total(0:2, 2)
+    integer :: i, k, n
+
+    n = 0
+    do i = 1, size(trace)
+      do k = 1, trace(i)%rows, 2
+        n = n + 1
+        total = sum(trace(i)%load(:, :osc%pairs, [k, k + 1]), 2)
+        if (osc%has_backlash) total = total - trace(i)%load(:, osc%contacts, [k, k + 1])
+        load(:, n) = quintic(total(:, 1), total(:, 2))
+      end do
+    end do
+  end function mesh_load
 
   !> Root mean square of the load on a pair over the path on which it may be in contact.
   pure real(dp) function mean_square_load(osc, trace) result(rms)

@@ -7,7 +7,7 @@ module gearsweep_spectrum
   private
   public :: spectrum_t, find_spectrum
 
-  !> Over the time tau, 0 to 1 in a period: mean + sum of amplitude(k) cos(2 pi k tau + phase(k)).
+  !> Over the time tau: mean + sum of amplitude(k) cos(2 pi k base tau + phase(k)), with one cycle a period as the base or another.
   type :: spectrum_t
     real(dp) :: mean = 0
     real(dp) :: rms = 0                          !< root mean square of the deviation from the mean
@@ -19,15 +19,18 @@ module gearsweep_spectrum
 
 contains
 
-  !> The spectrum of a quantity over one period, which the steps fill.
-  pure subroutine find_spectrum(left, width, c, count, spectrum)
-    real(dp), intent(in) :: left(:), width(:)    !< begin and length of each step, parts of the period; (step)
+  !> The spectrum of a quantity over its period, which the steps fill.
+  pure subroutine find_spectrum(left, width, c, count, spectrum, base)
+    real(dp), intent(in) :: left(:), width(:)    !< begin and length of each step; (step)
     real(dp), intent(in) :: c(0:, :)             !< coefficients of its quintic, over 0 to 1 in the step; (0:5, step)
     integer, intent(in) :: count                 !< harmonics
     type(spectrum_t), intent(out) :: spectrum
-    real(dp) :: deviation(0:5), node(points), weight(points)
-    complex(dp) :: part
-    integer :: i, k
+    !> Cycles of the first harmonic in the unit of `left`; without it, 1. Harmonics that are not whole over the period have no
+    !> meaning.
+    real(dp), intent(in), optional :: base
+    real(dp) :: deviation(0:5), node(points), weight(points), cycles
+    complex(dp) :: part(count)
+    integer :: i
 
     spectrum%mean = sum([(width(i)*integral(c(:, i)), i=1, size(width))])/sum(width)
     spectrum%least = huge(1.0_dp)
@@ -44,17 +47,40 @@ contains
       spectrum%least = min(spectrum%least, -maximum(-c(:, i)))
     end do
     spectrum%rms = sqrt(max(0.0_dp, spectrum%rms)/sum(width))
-    do k = 1, count
-      part = 0
-      do i = 1, size(width)
-        deviation = c(:, i)
-        deviation(0) = deviation(0) - spectrum%mean
-        part = part + 2*width(i)*exp(cmplx(0.0_dp, -2*pi*k*left(i), dp))*moment(deviation, 2*pi*k*width(i), node, weight)
-      end do
-      spectrum%amplitude(k) = abs(part)
-      spectrum%phase(k) = atan2(aimag(part), real(part, dp))
+    cycles = 1
+    if (present(base)) cycles = base
+    part = 0
+    do i = 1, size(width)
+      deviation = c(:, i)
+      deviation(0) = deviation(0) - spectrum%mean
+      call add_step(cycles*left(i), cycles*width(i), 2*width(i)/sum(width)*deviation, node, weight, part)
     end do
+    spectrum%amplitude = abs(part)
+    spectrum%phase = atan2(aimag(part), real(part, dp))
   end subroutine find_spectrum
+
+  !> Adds the integrals of the quintic times exp(-2 pi i k tau), over its step, to part(k): by Gauss's rule while that turns by less
+  !> than a cycle, which is exact to rounding, else by parts.
+  pure subroutine add_step(left, width, c, node, weight, part)
+    real(dp), intent(in) :: left, width          ! of the step, in cycles of the first harmonic
+    real(dp), intent(in) :: c(0:5)
+    real(dp), intent(in) :: node(points), weight(points)     ! on 0 to 1
+    complex(dp), intent(inout) :: part(:)
+    complex(dp), dimension(points) :: turn, term
+    integer :: few, i, k
+
+    few = size(part)
+    if (few*width >= 1) few = ceiling(1/width) - 1
+    turn = exp(cmplx(0.0_dp, -2*pi*modulo(left + width*node, 1.0_dp), dp))
+    term = weight*[(value_of(c, node(i)), i=1, points)]
+    do k = 1, few
+      term = term*turn
+      part(k) = part(k) + sum(term)
+    end do
+    do k = few + 1, size(part)
+      part(k) = part(k) + exp(cmplx(0.0_dp, -2*pi*modulo(k*left, 1.0_dp), dp))*moment(c, 2*pi*k*width)
+    end do
+  end subroutine add_step
 
   pure real(dp) function integral(c)
     real(dp), intent(in) :: c(0:5)
@@ -74,22 +100,14 @@ contains
     end do
   end function integral_of_square
 
-  !> Integral of the quintic times exp(-i angle t) from 0 to 1: by Gauss's rule while that turns by less than a cycle, which
-  !> is exact to rounding, else by parts.
-  pure complex(dp) function moment(c, angle, node, weight)
+  !> Integral of the quintic times exp(-i angle t) from 0 to 1, by parts.
+  pure complex(dp) function moment(c, angle)
     real(dp), intent(in) :: c(0:5), angle
-    real(dp), intent(in) :: node(points), weight(points)     ! on 0 to 1
     real(dp) :: d(0:5)
     complex(dp) :: rate, divisor, turn
-    integer :: i, k
+    integer :: i
 
     moment = 0
-    if (angle < 2*pi) then
-      do k = 1, points
-        moment = moment + weight(k)*value_of(c, node(k))*exp(cmplx(0.0_dp, -angle*node(k), dp))
-      end do
-      return
-    end if
     rate = cmplx(0.0_dp, angle, dp)
     turn = exp(-rate)
     divisor = 1

@@ -6,14 +6,12 @@
 !> Full contact is the contact set about which the motion is linear: all pairs between A and E are in contact or, where
 !> contact reaches beyond A and E, those that carry the static load.
 module gearsweep_coefficients
-  use gearsweep_coefficient_table, only: allocate_table, coefficients_t, kind_t, resolution_t, scheme_collocation, &
+  use gearsweep_coefficient_table, only: allocate_table, coefficients_t, fill_pairs, kind_t, resolution_t, scheme_collocation, &
                                          scheme_constant, scheme_rk4, scheme_rk4_equal
   use gearsweep_contact_law, only: find_law, find_law_values, shared_t
   use gearsweep_grading, only: grading_t, make_grading, is_stiff, has_turned, expected_steps, count_steps, spread_steps
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: interval_t
-  use gearsweep_nodes, only: nodes, stiff_nodes
-  use gearsweep_oscillator, only: oscillator_t, mobility
+  use gearsweep_oscillator, only: oscillator_t
   implicit none
   private
   public :: resolution_t, coefficients_t, tabulate, need_law, forget_laws, contact_sets_at_begin, graded_steps
@@ -55,13 +53,7 @@ contains
           table%width(first:last) = (interval%last - interval%first)/counts(i)
           table%left(first:last) = interval%first + [(j, j=0, counts(i) - 1)]*table%width(first)
         end if
-        call fill_shared(interval, first, last, table)
-        do j = 1, interval%pairs
-          call fill_pair(osc, interval, j, first, last, table)
-        end do
-        do j = first, merge(last, first - 1, allocated(interval%deviation))
-          call add_deviations(osc, interval, j, table)
-        end do
+        call fill_pairs(osc, interval, first, last, table)
       end associate
     end do
     table%laws = table%steps
@@ -166,99 +158,6 @@ contains
       table%lower_bound(i) = lowest - steepness(2)*table%width(i)/2
     end do
   end subroutine find_bounds
-
-  !> What neighbours share over the steps first to last, those of one smooth interval.
-  pure subroutine fill_shared(interval, first, last, table)
-    type(interval_t), intent(in) :: interval
-    integer, intent(in) :: first, last
-    type(coefficients_t), intent(inout) :: table
-    real(dp) :: phase
-    integer :: i, j, k
-
-    do i = first, last
-      do j = 1, size(interval%shared, 2)
-        associate (c0 => interval%shared(0, j), c1 => interval%shared(1, j), c2 => interval%shared(2, j))
-          do k = 1, 3
-            phase = table%left(i) + table%width(i)*merge(stiff_nodes(k), nodes(k), table%kind(i)%stiff)
-            table%shared(k, j, i) = c0 + phase*(c1 + phase*c2)
-          end do
-          do k = 1, 2
-            phase = table%left(i) + (k - 1)*table%width(i)
-            table%end_shared(0, j, k, i) = c0 + phase*(c1 + phase*c2)
-            table%end_shared(1, j, k, i) = c1 + 2*phase*c2
-            table%end_shared(2, j, k, i) = 2*c2
-          end do
-        end associate
-      end do
-    end do
-  end subroutine fill_shared
-
-  !> Pair j over the steps first to last, those of one smooth interval.
-  pure subroutine fill_pair(osc, interval, j, first, last, table)
-    type(oscillator_t), intent(in) :: osc
-    type(interval_t), intent(in) :: interval
-    integer, intent(in) :: j, first, last
-    type(coefficients_t), intent(inout) :: table
-    real(dp), dimension(3*(last - first + 1)) :: s, at_node, error
-    real(dp), dimension(0:last - first + 1) :: ends
-    real(dp), dimension(0:last - first + 1, 0:2) :: stiffness, slopes
-    integer :: i, k, n
-
-    n = last - first + 1
-    do i = 1, n
-      associate (step => first + i - 1)
-        if (table%kind(step)%stiff) then
-          s(3*i - 2:3*i) = interval%place(table%left(step), j) + table%width(step)*stiff_nodes
-        else
-          s(3*i - 2:3*i) = interval%place(table%left(step), j) + table%width(step)*nodes
-        end if
-      end associate
-    end do
-    call osc%mesh%stiffness%sample(s, interval%stiffness_piece(:, j), at_node)
-    call osc%mesh%profile_error%sample(s, interval%piece(:, j), error)
-    ends(:n - 1) = interval%place(table%left(first:last), j)
-    ends(n) = ends(n - 1) + table%width(last)
-    call osc%mesh%stiffness%sample(ends, interval%stiffness_piece(:, j), stiffness(:, 0), stiffness(:, 1), stiffness(:, 2))
-    call osc%mesh%profile_error%sample(ends, interval%piece(:, j), slopes(:, 0), slopes(:, 1), slopes(:, 2))
-    do i = 1, n
-      associate (step => first + i - 1)
-        do k = 1, 3
-          table%stiffness(k, j, step) = at_node(3*i - 3 + k)
-          table%profile_error(k, j, step) = error(3*i - 3 + k)
-          table%mobility(k, j, step) = mobility(osc, s(3*i - 3 + k), interval%recess(j))
-        end do
-        do k = 1, 2
-          table%end_stiffness(:, j, k, step) = stiffness(i + k - 2, :)
-          table%end_profile_error(:, j, k, step) = slopes(i + k - 2, :)
-          table%end_mobility(j, k, step) = mobility(osc, ends(i + k - 2), interval%recess(j))
-        end do
-      end associate
-    end do
-  end subroutine fill_pair
-
-  !> Adds the errors of single teeth and the waves over a step.
-  pure subroutine add_deviations(osc, interval, step, table)
-    type(oscillator_t), intent(in) :: osc
-    type(interval_t), intent(in) :: interval
-    integer, intent(in) :: step
-    type(coefficients_t), intent(inout) :: table
-    real(dp) :: phase(5), wave(0:2), d(0:2)
-    integer :: j, k
-
-    phase(:3) = table%left(step) + table%width(step)*merge(stiff_nodes, nodes, table%kind(step)%stiff)
-    phase(4:) = table%left(step) + table%width(step)*[0, 1]
-    do k = 1, 5
-      wave = osc%mesh%deviations%wave_at(interval%period, phase(k))
-      do j = 1, interval%pairs
-        d = wave + interval%deviation_of(phase(k), j)
-        if (k <= 3) then
-          table%profile_error(k, j, step) = table%profile_error(k, j, step) + d(0)
-        else
-          table%end_profile_error(:, j, k - 3, step) = table%end_profile_error(:, j, k - 3, step) + d
-        end if
-      end do
-    end do
-  end subroutine add_deviations
 
   !> The law of a contact set over a step, by its number. Laws are few, so that there is room for all of them but rarely; then
   !> those that are not of full contact are forgotten.

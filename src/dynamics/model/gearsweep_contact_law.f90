@@ -17,8 +17,9 @@
 !> `find_law` gives the law at one place with its first and second derivatives over whatever the arguments are derived by,
 !> (0:2, pair), `find_law_values` values alone at several places, (place, pair).
 module gearsweep_contact_law
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp
-  use gearsweep_mesh, only: interval_t, mesh_t
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_small_system, only: solve_small
   implicit none
   private

@@ -6,9 +6,9 @@
 module gearsweep_literature_table
   use gearsweep_coefficient_table, only: resolution_t, scheme_rk4
   use gearsweep_contact_law, only: find_law, shared_t
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: has_memory
-  use gearsweep_mesh, only: interval_t
   use gearsweep_oscillator, only: oscillator_t, mobility
   implicit none
   private

@@ -8,12 +8,14 @@
 !> stiffness, without profile error and friction.
 !> Source: Dogan et al. 2021, Eqs. 9 to 20, misprints corrected.
 module gearsweep_oscillator
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_contact_law, only: find_closed, find_law_values, springs_at, springs_t
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_mesh, only: mesh_t, interval_t, smooth_intervals
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_own_flattening, only: flattening_t
   use gearsweep_segments, only: balance_t, contact_intervals
+  use gearsweep_smooth_intervals, only: smooth_intervals
   use gearsweep_text, only: str
   implicit none
   private

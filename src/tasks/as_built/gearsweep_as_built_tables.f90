@@ -1,49 +1,30 @@
-!> The tables of the task `as_built`.
+!> The tables of the task `as_built` over speeds, gears and assemblies, and of the loads of single pairs of teeth.
 module gearsweep_as_built_tables
+  use gearsweep_as_built_machines, only: machine_t
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_flank, only: flank_contact, surfaces_t
-  use gearsweep_flank_deviations, only: flank_deviations_t, tooth_number
+  use gearsweep_flank_deviations, only: tooth_number
   use gearsweep_kinds, only: dp, pi
   use gearsweep_pair, only: pair_t
   use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
   use gearsweep_stages, only: stages_t
+  use gearsweep_sorting, only: sorted
   use gearsweep_status, only: has_result
   use gearsweep_sweep, only: sweep_t
   use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_task, only: members
-  use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
-  use gearsweep_turn, only: curve_t, find_amplitudes, turn_t
+  use gearsweep_turn, only: turn_t
   implicit none
   private
-  public :: machine_t, tooth_t, fill_tolerances, fill_points, fill_worst, fill_summary, fill_loads, fill_turn, fill_orders, &
-            fill_waterfall
+  public :: fill_tolerances, fill_points, fill_worst, fill_summary, fill_loads
 
   real(dp), parameter :: micro = 1e6_dp
-  integer, parameter :: name_length = 32
-
-  !> Where a largest load is.
-  type :: tooth_t
-    real(dp) :: rpm = 0                          !< 0: there is none
-    real(dp) :: dynamic_factor = 0
-    integer :: pair = -1                         !< number of the pair, from 0; -1: not known
-    real(dp) :: place = 0                        !< path coordinate, base pitches
-  end type tooth_t
-
-  !> Two gears, put together with certain teeth meeting.
-  type :: machine_t
-    type(flank_deviations_t) :: flanks(2)
-    integer :: turn = 1                          !< mesh periods after which the errors repeat
-    integer :: offset = 0                        !< by how many teeth of the gear the assembly is not the stated one
-    type(sweep_t) :: sweep
-    type(tooth_t), allocatable :: worst(:)       !< (relief)
-  end type machine_t
 
   character(*), parameter :: of_draw = 'which gears, in the order in which they are drawn', &
     of_assembly = 'which assembly: 1 as stated; in each further one the gear''s next tooth to engage meets the '// &
     'pinion''s stated tooth'
-  character(*), parameter :: of_order = 'order: cycles a turn of the pinion'
 
 contains
 
@@ -75,8 +56,7 @@ contains
     end do
     call table%over('flank tolerances of ISO 1328-1 by class', error, axis('gear', '', 'which gear', members(gears)), &
                     axis('symbol', '', 'tolerance: single and cumulative pitch, slope, form and total of profile and helix, '// &
-                    'run-out', &
-                         symbols))
+                         'run-out', symbols))
     if (allocated(error)) return
     call table%add('tolerance_class', '', 'flank tolerance class', table%along(1, real(class(gears), dp)))
     call table%add('tolerance_um', 'um', 'rounded as the standard does', [values])
@@ -158,8 +138,7 @@ contains
     call table%add('gear_tooth', '', 'number of the gear''s tooth that carries it', values(:, 5))
     call table%add('s', '', 'where it is: path coordinate of this pair, in base pitches from A', values(:, 6))
     call table%add('first_gear_tooth', '', 'number of the gear''s tooth that enters at A with the pinion''s stated tooth at '// &
-      'the '// &
-                   'time 0', values(:, 7))
+                   'the time 0', values(:, 7))
   end subroutine fill_worst
 
   !> Of each relief, what the largest dynamic factors of all gears and assemblies are.
@@ -200,20 +179,13 @@ contains
   !> Statistician 50, 361, definition 7.
   pure real(dp) function quantile(values, part)
     real(dp), intent(in) :: values(:), part
-    real(dp) :: sorted(size(values)), place
-    integer :: i, k
+    real(dp) :: ascending(size(values)), place
+    integer :: i
 
-    sorted = values
-    do i = 2, size(sorted)
-      do k = i, 2, -1
-        if (sorted(k) >= sorted(k - 1)) exit
-        sorted(k - 1:k) = sorted([k, k - 1])
-      end do
-    end do
-    place = 1 + part*(size(sorted) - 1)
-    i = min(int(place), size(sorted) - 1)
-    quantile = sorted(size(sorted))
-    if (i > 0) quantile = sorted(i) + (place - i)*(sorted(i + 1) - sorted(i))
+    ascending = sorted(values)
+    place = 1 + part*(size(values) - 1)
+    i = int(place)
+    quantile = ascending(i) + (place - i)*(ascending(min(i + 1, size(values))) - ascending(i))
   end function quantile
 
   !> The largest load of each pair of teeth over the turn.
@@ -272,225 +244,4 @@ contains
     pairs_in = 0
     if (allocated(turn%load)) pairs_in = size(turn%load)
   end function pairs_in
-
-  !> Transmission errors over the turn: at rest, then at each speed.
-  subroutine fill_turn(teeth, amount, turns, static, table, error)
-    integer, intent(in) :: teeth(2)
-    real(dp), intent(in) :: amount(:)            ! m; (relief)
-    type(turn_t), intent(in) :: turns(:, :)      ! (speed, relief)
-    type(curve_t), intent(in) :: static(:)       ! (relief)
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: values(:, :)
-    integer :: i, k, row, rows
-
-    rows = 0
-    do i = 1, size(amount)
-      rows = rows + rows_of(static(i)) + sum([(rows_of(turns(k, i)%error), k=1, size(turns, 1))])
-    end do
-    call table%begin('transmission error along the line of action over the turn, at rest (rpm 0) and in motion', rows, error)
-    if (allocated(error)) return
-    allocate (values(rows, 4))
-    row = 0
-    do i = 1, size(amount)
-      call put(static(i), 0.0_dp)
-      do k = 1, size(turns, 1)
-        call put(turns(k, i)%error, turns(k, i)%rpm)
-      end do
-    end do
-    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
-    call table%add_index(axis('rpm', '1/min', 'speed of the pinion; 0: at rest', values(:, 2)))
-    call table%add_index(axis('tau', '', 'time in mesh periods since the stated teeth entered at A', values(:, 3)))
-    call table%add('pinion_angle_deg', 'deg', 'angle through which the pinion has turned', values(:, 3)*360/teeth(1))
-    call table%add('transmission_error_um', 'um', 'static (rpm 0) or dynamic transmission error along the line of action; 0 '// &
-      'where '// &
-                   'nominal teeth touch without load', micro*values(:, 4))
-
-  contains
-
-    !> Two nodes of eight.
-    subroutine put(curve, rpm)
-      type(curve_t), intent(in) :: curve
-      real(dp), intent(in) :: rpm
-      integer :: n
-
-      do n = 1, rows_of(curve)
-        row = row + 1
-        values(row, :) = [in_um(amount(i)), rpm, curve%tau(4*n - 3), curve%value(4*n - 3)]
-      end do
-    end subroutine put
-  end subroutine fill_turn
-
-  pure integer function rows_of(curve)
-    type(curve_t), intent(in) :: curve
-
-    rows_of = 0
-    if (allocated(curve%tau)) rows_of = size(curve%tau)/4
-  end function rows_of
-
-  !> Orders of the transmission error.
-  subroutine fill_orders(teeth, amount, turns, static, mesh_orders, table, error)
-    integer, intent(in) :: teeth(2)
-    real(dp), intent(in) :: amount(:)            ! m; (relief)
-    type(turn_t), intent(in) :: turns(:, :)      ! (speed, relief)
-    type(curve_t), intent(in) :: static(:)       ! (relief)
-    integer, intent(in) :: mesh_orders
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: order(:), values(:, :)
-    character(name_length), allocatable :: name(:), names(:)
-    complex(dp), allocatable :: at_rest(:), moving(:)
-    integer :: i, k, n, row
-
-    call list_orders(teeth, mesh_orders, order, name)
-    n = size(order)
-    call table%begin('orders of the transmission error over the turn: each part is amplitude cos(2 pi order t + phase) over '// &
-      'turns '// &
-                     't of the pinion', n*size(turns), error)
-    if (allocated(error)) return
-    allocate (values(table%rows, 8), source=no_number())
-    allocate (names(table%rows))
-    row = 0
-    do i = 1, size(amount)
-      call find_orders(static(i), teeth, mesh_orders, at_rest)
-      do k = 1, size(turns, 1)
-        associate (rows => values(row + 1:row + n, :))
-          rows(:, 1) = in_um(amount(i))
-          rows(:, 2) = turns(k, i)%rpm
-          rows(:, 3) = order
-          rows(:, 4) = order*turns(k, i)%rpm/60
-          if (allocated(turns(k, i)%error%tau)) then
-            call find_orders(turns(k, i)%error, teeth, mesh_orders, moving)
-            rows(:, 5) = micro*abs(moving)
-            rows(:, 6) = phase_of(moving)
-          end if
-          rows(:, 7) = micro*abs(at_rest)
-          rows(:, 8) = phase_of(at_rest)
-        end associate
-        names(row + 1:row + n) = name
-        row = row + n
-      end do
-    end do
-    call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
-    call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
-    call table%add_index(axis('order', '', of_order, values(:, 3)))
-    call table%add_words('order_name', 'what it is: mesh, pinion and gear orders, and sidebands of mesh orders', names)
-    call table%add('gear_order', '', 'cycles a turn of the gear', values(:, 3)*teeth(2)/teeth(1))
-    call table%add('frequency_hz', 'Hz', 'frequency at this speed', values(:, 4))
-    call table%add('dte_amplitude_um', 'um', 'half of peak-to-peak of this part of the dynamic transmission error; NaN where '// &
-      'there '// &
-                   'is no answer', values(:, 5))
-    call table%add('dte_phase_deg', 'deg', 'its phase at the time 0', values(:, 6))
-    call table%add('ste_amplitude_um', 'um', 'the same of the static transmission error', values(:, 7))
-    call table%add('ste_phase_deg', 'deg', 'its phase at the time 0', values(:, 8))
-  end subroutine fill_orders
-
-  elemental real(dp) function phase_of(amplitude)
-    complex(dp), intent(in) :: amplitude
-
-    phase_of = atan2(aimag(amplitude), real(amplitude, dp))*180/pi
-  end function phase_of
-
-  !> Amplitudes of the orders over the speed.
-  subroutine fill_waterfall(teeth, turns, mesh_orders, table, error)
-    integer, intent(in) :: teeth(2)
-    type(turn_t), intent(in) :: turns(:)         ! (speed)
-    integer, intent(in) :: mesh_orders
-    type(table_t), intent(inout) :: table
-    type(error_t), allocatable, intent(inout) :: error
-    real(dp), allocatable :: order(:), values(:, :)
-    character(name_length), allocatable :: name(:)
-    complex(dp), allocatable :: amplitude(:)
-    integer :: k
-
-    call list_orders(teeth, mesh_orders, order, name)
-    call table%over('orders of the dynamic transmission error over the '// &
-      'speed', error, axis('rpm', '1/min', of_speed, [(turns(k)%rpm, k=1, size(turns))]), &
-                    axis('order', '', of_order, order))
-    if (allocated(error)) return
-    allocate (values(size(order), size(turns)), source=no_number())
-    do k = 1, size(turns)
-      if (.not. allocated(turns(k)%error%tau)) cycle
-      call find_orders(turns(k)%error, teeth, mesh_orders, amplitude)
-      values(:, k) = micro*abs(amplitude)
-    end do
-    call table%add('dte_amplitude_um', 'um', 'half of peak-to-peak of this part of the dynamic transmission error; NaN where '// &
-      'there '// &
-                   'is no answer', [values])
-  end subroutine fill_waterfall
-
-  !> The orders of both gears up to so many mesh orders, as cycles a turn of the pinion, ascending, with their names.
-  pure subroutine list_orders(teeth, mesh_orders, order, name)
-    integer, intent(in) :: teeth(2), mesh_orders
-    real(dp), allocatable, intent(out) :: order(:)
-    character(name_length), allocatable, intent(out) :: name(:)
-    integer :: a, b, n, last
-
-    last = mesh_orders*(teeth(1) + teeth(2))
-    allocate (order(last), name(last))
-    n = 0
-    a = 1
-    b = 1
-    do while (a <= mesh_orders*teeth(1) .or. b <= mesh_orders*teeth(2))
-      n = n + 1
-      if (a*teeth(2) <= b*teeth(1)) then
-        order(n) = a
-        name(n) = name_of(merge('shaft ', 'pinion', teeth(1) == teeth(2)), a, teeth(1))
-        if (a*teeth(2) == b*teeth(1)) b = b + 1
-        a = a + 1
-      else
-        order(n) = b*teeth(1)/real(teeth(2), dp)
-        name(n) = name_of('gear', b, teeth(2))
-        b = b + 1
-      end if
-    end do
-    order = order(:n)
-    name = name(:n)
-  end subroutine list_orders
-
-  !> The amplitudes of these orders (m).
-  pure subroutine find_orders(curve, teeth, mesh_orders, amplitude)
-    type(curve_t), intent(in) :: curve
-    integer, intent(in) :: teeth(2), mesh_orders
-    complex(dp), allocatable, intent(out) :: amplitude(:)
-    complex(dp) :: pinion(mesh_orders*teeth(1)), gear(mesh_orders*teeth(2))
-    integer :: a, b, n
-
-    call find_amplitudes(curve, 1.0_dp/teeth(1), pinion)
-    call find_amplitudes(curve, 1.0_dp/teeth(2), gear)
-    allocate (amplitude(size(pinion) + size(gear)))
-    n = 0
-    a = 1
-    b = 1
-    do while (a <= size(pinion) .or. b <= size(gear))
-      n = n + 1
-      if (a*teeth(2) <= b*teeth(1)) then
-        amplitude(n) = pinion(a)
-        if (a*teeth(2) == b*teeth(1)) b = b + 1
-        a = a + 1
-      else
-        amplitude(n) = gear(b)
-        b = b + 1
-      end if
-    end do
-    amplitude = amplitude(:n)
-  end subroutine find_orders
-
-  !> Order n of a gear with so many teeth: an order of its own, of the mesh, or a sideband of that.
-  pure function name_of(gear, n, teeth) result(name)
-    character(*), intent(in) :: gear
-    integer, intent(in) :: n, teeth
-    character(name_length) :: name
-    integer :: mesh, beside
-
-    mesh = nint(n/real(teeth, dp))
-    beside = n - mesh*teeth
-    if (mesh == 0) then
-      name = trim(gear)//' '//str(n)
-    else if (beside == 0) then
-      name = 'mesh '//str(mesh)
-    else
-      name = 'mesh '//str(mesh)//' '//merge('+', '-', beside > 0)//' '//trim(gear)//' '//str(abs(beside))
-    end if
-  end function name_of
 end module gearsweep_as_built_tables

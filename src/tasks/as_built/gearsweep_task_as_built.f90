@@ -3,33 +3,28 @@
 !> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of the first gears and
 !> assembly are followed over the turn at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_task_as_built
-  use gearsweep_as_built_tables, only: fill_loads, fill_orders, fill_points, fill_summary, fill_tolerances, &
-                                       fill_turn, fill_waterfall, fill_worst, machine_t, tooth_t
+  use gearsweep_as_built_machines, only: follow_turn, machine_t, run_machines, sweep_each
+  use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_tolerances, fill_worst
+  use gearsweep_coefficient_table, only: scheme_collocation
   use gearsweep_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
-  use gearsweep_deviations, only: deviations_t
-  use gearsweep_error, only: code_memory, error_t, fail
+  use gearsweep_deviations, only: common_divisor
+  use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_flank_file, only: flank_points_t, read_flank_points
-  use gearsweep_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, lay_deviations, make_frame
-  use gearsweep_form, only: iso_form, nominal_root_stress
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: lines_t, right
   use gearsweep_measured_flanks, only: fit_flanks
   use gearsweep_memory, only: claim_memory
-  use gearsweep_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_pair, only: pair_t
+  use gearsweep_order_tables, only: fill_orders, fill_turn, fill_waterfall
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_points, only: factor_in
-  use gearsweep_rack, only: gear_spec_t
-  use gearsweep_random_stream, only: begin_stream, random_stream_t
   use gearsweep_reader, only: reader_t
-  use gearsweep_refinement, only: levels_t
   use gearsweep_stages, only: runnable_t, stages_t
-  use gearsweep_status, only: has_result, status_stopped
+  use gearsweep_status, only: has_result
   use gearsweep_stop, only: wants_stop
-  use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
-  use gearsweep_task, only: members, stage, task_info_t
+  use gearsweep_sweep, only: sweep_t
+  use gearsweep_task, only: case_facts_t, check_reliefs, members, stage, task_info_t
   use gearsweep_text, only: str
-  use gearsweep_tolerances, only: find_tolerances, tolerances_t
-  use gearsweep_turn, only: curve_t, find_static_turn, find_turn, turn_t
+  use gearsweep_turn, only: turn_t
   implicit none
   private
   public :: as_built_task_t
@@ -41,7 +36,7 @@ module gearsweep_task_as_built
     logical :: waterfall = .false.               !< orders at all speeds are wanted
   contains
     procedure, nopass :: describe
-    procedure :: read_keys, check_gears, take_files, count_points, run, add_report
+    procedure :: read_keys, check, take_files, count_points, run, add_report
   end type as_built_task_t
 
   character(*), parameter :: group = 'as_built'
@@ -54,8 +49,7 @@ contains
     info = task_info_t(group, needs=[stage%elasticity, stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, &
                                      stage%accuracy, stage%speeds], &
                        tables='as_built as_built_summary as_built_worst as_built_loads as_built_turn as_built_orders '// &
-                       'as_built_waterfall '// &
-                       'tolerances', &
+                       'as_built_waterfall tolerances', &
                        fields='', &
                        gives='dynamic factor of gears whose teeth have errors of their own, over whole turns: worst assembly, '// &
                        'load of each pair of teeth, orders of the transmission error')
@@ -87,13 +81,16 @@ contains
     end do
   end subroutine read_keys
 
-  subroutine check_gears(self, spec, error)
+  subroutine check(self, facts, error)
     class(as_built_task_t), intent(in) :: self
-    type(gear_spec_t), intent(in) :: spec(2)
+    type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
 
-    call check_deviations(self%deviations, spec, error)
-  end subroutine check_gears
+    call check_reliefs(self, facts, error)
+    if (facts%scheme /= scheme_collocation) call fail(error, code_input, &
+      '&numerics method: the methods of the literature know nominal teeth only; with the task as_built it must be collocation')
+    call check_deviations(self%deviations, facts%spec, error)
+  end subroutine check
 
   !> The files of measured flanks, in the order of `read_keys`.
   subroutine take_files(self, stages, error)
@@ -131,18 +128,11 @@ contains
   integer function assemblies_of(choice, stages) result(assemblies)
     type(deviations_choice_t), intent(in) :: choice
     type(stages_t), intent(in) :: stages
-    integer :: x, y, rest
 
     assemblies = 1
-    if (.not. choice%all_assemblies) return
-    x = stages%motion(1)%mesh%teeth(1)
-    y = stages%motion(1)%mesh%teeth(2)
-    do while (y > 0)
-      rest = modulo(x, y)
-      x = y
-      y = rest
-    end do
-    assemblies = x
+    associate (teeth => stages%motion(1)%mesh%teeth)
+      if (choice%all_assemblies) assemblies = common_divisor(teeth(1), teeth(2))
+    end associate
   end function assemblies_of
 
   subroutine run(self, stages, error)
@@ -150,14 +140,10 @@ contains
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
     type(machine_t), allocatable :: machines(:, :)         ! (assembly, draw)
+    type(oscillator_t), allocatable :: first(:)            ! of the first gears and assembly; (relief)
     type(turn_t), allocatable :: turns(:, :)               ! (speed, relief)
-    type(curve_t), allocatable :: static(:)                ! (relief)
     type(turn_t), allocatable :: waterfall(:)              ! (speed)
-    type(flank_deviations_t) :: flanks(2)
-    type(random_stream_t) :: random(2)
     type(sweep_t) :: nominal
-    type(frame_t) :: frame
-    type(oscillator_t), allocatable :: osc(:), first(:)
     real(dp), allocatable :: rpm(:)
     integer, allocatable :: which(:)
     integer :: assemblies, draw, i
@@ -168,47 +154,24 @@ contains
     call claim_memory(200.0_dp*size(rpm)*size(which)*assemblies*self%deviations%draws, &
                       '&deviations draws: '//str(self%deviations%draws)//' pairs of gears', error)
     if (allocated(error)) return
-    if (allocated(stages%pair)) then
-      frame = make_frame(stages%motion(1), stages%pair)
-    else
-      frame = make_frame(stages%motion(1))
-    end if
-    call sweep(stages, stages%motion(which), rpm, nominal, error)
-    allocate (machines(assemblies, self%deviations%draws))
-    random = [(begin_stream(2*self%deviations%seed + i), i=1, 2)]
-    do draw = 1, self%deviations%draws
-      flanks = self%deviations%flanks
-      call draw_flanks(self%deviations, stages, random, flanks, error)
-      do i = 1, assemblies
-        if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) exit
-        associate (motion => stages%motion(which(1)))
-          osc = deviating(stages%motion(which), &
-                          lay_deviations(flanks, frame, motion%mesh%teeth, motion%mesh%contact_ratio, i - 1), error)
-        end associate
-        if (.not. allocated(first)) first = osc
-        machines(i, draw)%flanks = flanks
-        machines(i, draw)%turn = osc(1)%mesh%deviations%periods
-        machines(i, draw)%offset = i - 1
-        if (.not. allocated(error)) call sweep(stages, osc, rpm, machines(i, draw)%sweep, error)
-        if (.not. allocated(error)) call find_worst(stages, osc, machines(i, draw), error)
-      end do
-    end do
-    self%is_stopped = wants_stop(stages%accuracy%steady%stop)
+    call sweep_each(stages, stages%motion(which), rpm, nominal, error)
+    call run_machines(self%deviations, stages, which, rpm, assemblies, machines, first, error)
     if (allocated(error)) return
+    self%is_stopped = wants_stop(stages%accuracy%steady%stop)
     if (self%is_stopped) then
       self%log = 'as_built: interrupted'
       self%is_done = .true.
       return
     end if
-    call follow(self, stages, first, rpm, machines(1, 1), turns, static, waterfall, error)
+    call follow(self, stages, first, rpm, machines(1, 1), turns, waterfall, error)
     if (allocated(error)) return
     associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth)
       call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
       call fill_summary(amount, nominal, machines, self%tables(self%place('as_built_summary')), error)
       call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
       call fill_loads(stages, amount, turns, machines(1, 1), self%tables(self%place('as_built_loads')), error)
-      call fill_turn(teeth, amount, turns, static, self%tables(self%place('as_built_turn')), error)
-      call fill_orders(teeth, amount, turns, static, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
+      call fill_turn(first, amount, turns, self%tables(self%place('as_built_turn')), error)
+      call fill_orders(first, amount, turns, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
       if (self%waterfall) call fill_waterfall(teeth, waterfall, self%mesh_orders, &
                                               self%tables(self%place('as_built_waterfall')), error)
     end associate
@@ -224,150 +187,32 @@ contains
     end do
   end subroutine run
 
-  !> The oscillators with these deviations.
-  function deviating(motion, deviations, error) result(osc)
-    type(oscillator_t), intent(in) :: motion(:)  ! (relief)
-    type(deviations_t), intent(in) :: deviations
-    type(error_t), allocatable, intent(inout) :: error
-    type(oscillator_t) :: osc(size(motion))
-    type(error_t), allocatable :: refused
-    integer :: i
-
-    osc = motion
-    do i = 1, size(osc)
-      osc(i)%mesh%deviations = deviations
-      osc(i)%by_load = .false.
-      call make_oscillator(osc(i), refused)
-      if (allocated(refused)) call fail(error, refused%code, refused%message)
-    end do
-  end function deviating
-
-  !> All speeds and reliefs, each point by itself.
-  subroutine sweep(stages, osc, rpm, found, error)
-    type(stages_t), intent(in) :: stages
-    type(oscillator_t), intent(in) :: osc(:)     ! (relief)
-    real(dp), intent(in) :: rpm(:)
-    type(sweep_t), intent(out) :: found
-    type(error_t), allocatable, intent(inout) :: error
-    type(sweep_options_t) :: options
-
-    if (allocated(error)) return
-    options = stages%sweep_options()
-    options%direction = each
-    if (associated(stages%running%progress)) then
-      call run_sweep(osc, rpm, options, found, error, stages%running%progress)
-    else
-      call run_sweep(osc, rpm, options, found, error)
-    end if
-    stages%running%done = stages%running%done + size(rpm)*size(osc)
-  end subroutine sweep
-
-  !> Draws the flanks of the gears that have a class.
-  subroutine draw_flanks(choice, stages, random, flanks, error)
-    type(deviations_choice_t), intent(in) :: choice
-    type(stages_t), intent(in) :: stages
-    type(random_stream_t), intent(inout) :: random(2)      ! of pinion and gear, behind those drawn before
-    type(flank_deviations_t), intent(inout) :: flanks(2)
-    type(error_t), allocatable, intent(inout) :: error
-    type(error_t), allocatable :: outside
-    type(tolerances_t) :: tolerances
-    integer :: i
-
-    do i = 1, 2
-      if (choice%class(i) == 0) cycle
-      associate (spec => stages%pair%gear(i)%spec)
-        call find_tolerances(choice%class(i), spec%teeth, 1e3_dp*spec%module, 1e3_dp*spec%face_width, tolerances, outside)
-        if (allocated(outside)) call fail(error, outside%code, outside%message)
-        call draw_deviations(tolerances, spec%teeth, random(i), flanks(i))
-      end associate
-    end do
-  end subroutine draw_flanks
-
-  !> Which teeth carry the largest load of each relief, and where on their path.
-  subroutine find_worst(stages, osc, machine, error)
-    type(stages_t), intent(in) :: stages
-    type(oscillator_t), intent(in) :: osc(:)     ! (relief)
-    type(machine_t), intent(inout) :: machine
-    type(error_t), allocatable, intent(inout) :: error
-    type(turn_t) :: turn
-    integer :: i, k
-
-    allocate (machine%worst(size(osc)))
-    do i = 1, size(osc)
-      associate (factor => machine%sweep%dynamic_factor(:, i), found => has_result(machine%sweep%status(:, i)))
-        if (.not. any(found)) cycle
-        k = maxloc(factor, 1, mask=found)
-        call find_one(osc(i), machine%sweep%rpm(k), stages, turn, error)
-        if (allocated(error)) return
-        machine%worst(i) = tooth_t(machine%sweep%rpm(k), factor(k))
-        if (.not. allocated(turn%load)) cycle
-        machine%worst(i)%pair = maxloc(turn%load, 1) - 1
-        machine%worst(i)%place = turn%place(machine%worst(i)%pair + 1)
-      end associate
-    end do
-  end subroutine find_worst
-
-  subroutine find_one(osc, rpm, stages, turn, error)
-    type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm
-    type(stages_t), intent(in) :: stages
-    type(turn_t), intent(out) :: turn
-    type(error_t), allocatable, intent(inout) :: error
-    type(levels_t), allocatable :: levels
-
-    allocate (levels)
-    if (allocated(stages%pair)) then
-      call find_turn(osc, rpm, stages%accuracy, levels, turn, unit_root_stress(stages%pair))
-    else
-      call find_turn(osc, rpm, stages%accuracy, levels, turn)
-    end if
-    if (turn%lacks) call fail(error, code_memory, 'as_built at '//str(rpm)//' 1/min: the memory does not hold the motion')
-  end subroutine find_one
-
-  !> Nominal root stress of pinion and gear under a unit load that acts from A to E (Pa/N); (gear, place)
-  pure function unit_root_stress(pair) result(stress)
-    type(pair_t), intent(in) :: pair
-    integer, parameter :: places = 101
-    real(dp) :: stress(2, places)
-    integer :: i, k
-
-    do k = 1, places
-      do i = 1, 2
-        associate (radius => pair%radius(i, pair%contact_ratio*(k - 1)/(places - 1)))
-          stress(i, k) = nominal_root_stress(pair, i, iso_form(pair%gear(i), radius), 1.0_dp)
-        end associate
-      end do
-    end do
-  end function unit_root_stress
-
   !> The motions of the first gears and assembly over the turn.
-  subroutine follow(self, stages, osc, rpm, machine, turns, static, waterfall, error)
+  subroutine follow(self, stages, osc, rpm, machine, turns, waterfall, error)
     class(as_built_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
     type(oscillator_t), intent(in) :: osc(:)     ! (relief)
     real(dp), intent(in) :: rpm(:)
     type(machine_t), intent(in) :: machine
     type(turn_t), allocatable, intent(out) :: turns(:, :), waterfall(:)
-    type(curve_t), allocatable, intent(out) :: static(:)
     type(error_t), allocatable, intent(inout) :: error
     integer :: i, k, n
 
     n = 1
     if (allocated(self%turn_rpm)) n = size(self%turn_rpm)
-    allocate (turns(n, size(osc)), static(size(osc)), waterfall(merge(size(rpm), 0, self%waterfall)))
+    allocate (turns(n, size(osc)), waterfall(merge(size(rpm), 0, self%waterfall)))
     do i = 1, size(osc)
-      call find_static_turn(osc(i), static(i))
       do k = 1, n
         if (allocated(self%turn_rpm)) then
-          call find_one(osc(i), self%turn_rpm(k), stages, turns(k, i), error)
+          call follow_turn(osc(i), self%turn_rpm(k), stages, turns(k, i), error)
         else if (machine%worst(i)%rpm > 0) then
-          call find_one(osc(i), machine%worst(i)%rpm, stages, turns(k, i), error)
+          call follow_turn(osc(i), machine%worst(i)%rpm, stages, turns(k, i), error)
         end if
         if (allocated(error)) return
       end do
     end do
     do k = 1, size(waterfall)
-      call find_one(osc(1), rpm(k), stages, waterfall(k), error)
+      call follow_turn(osc(1), rpm(k), stages, waterfall(k), error)
       if (allocated(error)) return
     end do
   end subroutine follow

@@ -16,7 +16,7 @@ module gearsweep_task_life
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: axis, each, no_number, table_t
   use gearsweep_stages, only: runnable_t, stages_t
-  use gearsweep_task, only: check_reliefs, members, needs_moving, stage, task_info_t
+  use gearsweep_task, only: case_facts_t, check_reliefs, members, needs_moving, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_uses, only: first_of, is_prescribed, needs_gears, sentence_length, unless
   implicit none
@@ -163,12 +163,12 @@ contains
   end subroutine read_curve
 
   !> The lists of the spectrum are of one length.
-  subroutine check(self, amount, error)
+  subroutine check(self, facts, error)
     class(life_task_t), intent(in) :: self
-    real(dp), intent(in) :: amount(:)
+    type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
 
-    call check_reliefs(self, amount, error)
+    call check_reliefs(self, facts, error)
     if (.not. allocated(self%own_rpm)) return
     call compare('duration_h', self%duration)
     call compare('load_factor', self%load_factor)

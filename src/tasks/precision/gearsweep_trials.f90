@@ -11,8 +11,9 @@ module gearsweep_trials
   use gearsweep_disc, only: disc_t
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
   use gearsweep_inputs, only: elements_inputs_t
+  use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_mesh, only: interval_t, mesh_t, smooth_intervals
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_modal, only: modal_t, section_modes
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
@@ -22,6 +23,7 @@ module gearsweep_trials
   use gearsweep_section, only: section_options_t
   use gearsweep_section_body, only: make_two_grids, section_body_t
   use gearsweep_sharing, only: transmission_error
+  use gearsweep_smooth_intervals, only: smooth_intervals
   use gearsweep_status, only: has_result, status_inexact, status_name, status_ok
   use gearsweep_stop, only: wants_stop
   use gearsweep_stress, only: root_stress, root_stress_t

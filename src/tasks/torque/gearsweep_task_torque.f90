@@ -16,7 +16,7 @@ module gearsweep_task_torque
   use gearsweep_stop, only: wants_stop
   use gearsweep_table, only: table_t
   use gearsweep_stages, only: runnable_t, stages_t
-  use gearsweep_task, only: check_reliefs, stage, task_info_t
+  use gearsweep_task, only: case_facts_t, check_reliefs, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_torque_tables, only: fill_harmonics, fill_points, fill_time, harmonic_bytes, row_bytes, torque_run_t
   use gearsweep_trace, only: trace_t
@@ -63,16 +63,16 @@ contains
   end subroutine read_keys
 
   !> So many motions are followed and no more.
-  subroutine check(self, amount, error)
+  subroutine check(self, facts, error)
     class(torque_task_t), intent(in) :: self
-    real(dp), intent(in) :: amount(:)
+    type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: most = 10000
     integer :: reliefs
 
-    call check_reliefs(self, amount, error)
+    call check_reliefs(self, facts, error)
     if (.not. allocated(self%own_rpm)) return
-    reliefs = size(amount)
+    reliefs = size(facts%amount)
     if (allocated(self%own_relief)) reliefs = size(self%own_relief)
     if (size(self%own_rpm)*reliefs > most) call fail(error, code_input, &
       '&torque rpm: with '//str(reliefs)//' reliefs more than '//str(most)//' motions')

@@ -17,7 +17,7 @@ module gearsweep_task_transient
   use gearsweep_status, only: has_result, status_ok
   use gearsweep_stop, only: wants_stop
   use gearsweep_stages, only: runnable_t, stages_t
-  use gearsweep_task, only: check_reliefs, needs_moving, stage, task_info_t
+  use gearsweep_task, only: case_facts_t, check_reliefs, needs_moving, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_tooth_modes, only: tooth_modes_t
   use gearsweep_tooth_transient, only: damping_t, follow_tooth, look_t
@@ -164,15 +164,15 @@ contains
   end subroutine read_times
 
   !> So many passages and no more.
-  subroutine check(self, amount, error)
+  subroutine check(self, facts, error)
     class(transient_task_t), intent(in) :: self
-    real(dp), intent(in) :: amount(:)
+    type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
     integer :: reliefs
 
-    call check_reliefs(self, amount, error)
+    call check_reliefs(self, facts, error)
     if (.not. allocated(self%own_rpm)) return
-    reliefs = size(amount)
+    reliefs = size(facts%amount)
     if (allocated(self%own_relief)) reliefs = size(self%own_relief)
     if (size(self%own_rpm)*reliefs > most_passages) call fail(error, code_input, &
       '&transient rpm: with '//str(reliefs)//' reliefs more than '//str(most_passages)//' passages')

@@ -1,0 +1,64 @@
+"""Gears as built: the time of a whole turn of 25 teeth, beside that of 25 mesh periods of perfect gears.
+
+    python bench/as_built.py PROGRAMS       (bench/run.sh as_built sets up and does this)
+"""
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+from statistics import median
+
+from report import BENCH, Report, machine
+
+TEETH = 25
+REPEATS = 5
+MORE = 10                                        # draws, or reliefs, that one run has more than the other
+CASE = (BENCH.parent / 'data' / 'as_built.nml').read_text()
+PROGRAM = BENCH.parent / 'build' / 'run' / 'gearsweep'
+
+
+def case_of(task, count, step, corners):
+    """The case with so many draws (task as_built) or reliefs (task sweep)."""
+    text = CASE.replace("'as_built'", f"'{task}'").replace("model = 'fe'", f"model = 'fe'  corner_contact = .{str(corners).lower()}.")
+    text = re.sub(r'rpm_step = \d+', f'rpm_step = {step}', text)
+    if task == 'sweep':
+        amounts = ', '.join(str(15 + k / 1000) for k in range(count))
+        return re.sub(r'amount_um = .*', f'amount_um = {amounts}', text.split('&deviations')[0])
+    return re.sub(r'draws = \d+', f'draws = {count}', re.sub(r'amount_um = .*', 'amount_um = 15', text))
+
+
+def processor_time(text):
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / 'case.nml'
+        path.write_text(text)
+        before = os.times()
+        subprocess.run([PROGRAM, path, '--quiet', '--threads', '1', '--out', folder], check=True)
+        after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
+
+
+def per_point(task, speeds, step, corners):
+    """Processor time of one operating point (s): what so many draws or reliefs more take."""
+    fewer, more = case_of(task, 1, step, corners), case_of(task, 1 + MORE, step, corners)
+    return median(processor_time(more) - processor_time(fewer) for _ in range(REPEATS)) / (MORE * speeds)
+
+
+def main():
+    report = Report('as_built', 'Whole turns of gears as built')
+    report.add(f'{machine()}, one thread. `data/as_built.nml` with a relief of 15 um: processor time of an operating point over a '
+               f'turn of {TEETH} teeth at the tolerance 1e-6, with its errors of teeth and its tables, and of one mesh period of perfect '
+               f'gears. Each is what {MORE} draws (or reliefs) more take, the median of {REPEATS} runs.\n')
+    rows = []
+    for corners in (False, True):
+        for speeds, step in ((327, 60), (1307, 15)):
+            turn, period = (per_point(task, speeds, step, corners) for task in ('as_built', 'sweep'))
+            rows.append(('A to E and beyond' if corners else 'A to E', str(speeds), f'{1e6 * turn:.0f} us', f'{1e6 * period:.2g} us',
+                         turn / (TEETH * period)))
+    report.table(('contact', 'speeds', 'a turn', 'a mesh period', f'turn over {TEETH} mesh periods'), rows)
+    report.tell(f'a turn of {TEETH} teeth takes {rows[0][2]} at 327 speeds and {rows[1][2]} at 1307, with contact beyond A and E '
+                f'{rows[2][2]} and {rows[3][2]}.')
+    report.save()
+
+
+main()
