@@ -689,8 +689,7 @@ contains
     character(*), parameter :: text = '&case tasks = ''as_built'', ''load'' / &pair module_mm = 3, face_width_mm = 20 / '// &
       '&pinion teeth = 21 '// &
       '/ &gear teeth = 34 / &load torque_nm = 100 / &mesh model = ''weber'', corner_contact = .false. / &sweep load_rpm = '// &
-      '9000 / '// &
-      '&as_built rpm = 9000 /'
+      '9000 / &as_built rpm = 9000 /'
     real(dp), parameter :: young = 206e9_dp, poisson = 0.3_dp
     type(answer_t) :: answer
     type(case_t) :: case

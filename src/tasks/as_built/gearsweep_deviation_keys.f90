@@ -49,8 +49,7 @@ contains
       call reader%get(group, trim(members(i))//'_class', choice%class(i), error, tasks=task, at_least=1, at_most=11, &
                       refused=unless(.not. is_prescribed(reader), needs_gears), otherwise='none', &
                       meaning='flank tolerance class of ISO 1328-1, from whose tolerances flanks are drawn at random: '// &
-                      'positions '// &
-                      'of the flanks, slopes of the profiles, run-out')
+                      'positions of the flanks, slopes of the profiles, run-out')
     end do
     with_class = any(choice%class > 0)
     call reader%get(group, 'seed', choice%seed, error, tasks=task, at_least=1, at_most=10**9, &
@@ -82,8 +81,7 @@ contains
 
     drawn = unless(.not. with_class, 'does not go with '//member//'class; remove one')
     call get_list('single_pitch_um', flanks%single_pitch, 'of each tooth the pitch to it from the tooth before, longer than '// &
-      'the '// &
-                  'mean pitch (+) or shorter (-), on the measuring circle; they add up to 0', drawn)
+                  'the mean pitch (+) or shorter (-), on the measuring circle; they add up to 0', drawn)
     call get_list('cumulative_pitch_um', flanks%cumulative_pitch, 'of each tooth how far its flank is out of place, ahead (+) '// &
                   'or behind (-) in the direction of counting, on the measuring circle, instead of single pitches', &
                   first_of(drawn, unless(.not. allocated(flanks%single_pitch), 'does not go with '//member// &
@@ -96,11 +94,9 @@ contains
                     'relative name lies beside the case')
     measured = first_of(drawn, unless(.not. allocated(file%name), 'does not go with '//member//'flanks_file; remove one'))
     call get_list('profile_slope_um', flanks%slope, 'profile slope deviation over the path of contact, more material to the '// &
-      'tip '// &
-                  '(+) or less (-): of all teeth, or of each', measured)
+                  'tip (+) or less (-): of all teeth, or of each', measured)
     call get_list('profile_form_um', flanks%form, 'profile form deviation as a parabola over the path of contact, more '// &
-      'material '// &
-                  'in the middle (+) or less (-): of all teeth, or of each', measured)
+                  'material in the middle (+) or less (-): of all teeth, or of each', measured)
     call reader%get(group, member//'runout_um', flanks%runout, error, unit='um', given=given, tasks=task, refused=drawn, &
                     at_least=0.0_dp, at_most=largest, otherwise='none', &
                     meaning='run-out F_r, twice the eccentricity: a wave of order 1 of half as much')
