@@ -3,8 +3,8 @@
 module gearsweep_published
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
-  use gearsweep_rows, only: find_rows, row_t
   use gearsweep_text, only: join, str, to_number
+  use gearsweep_text_rows, only: find_rows, row_t
   implicit none
   private
   public :: published_t, read_published, split_quantity

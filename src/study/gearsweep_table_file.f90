@@ -3,8 +3,8 @@ module gearsweep_table_file
   use gearsweep_kinds, only: dp
   use gearsweep_error, only: error_t, fail, code_input
   use gearsweep_files, only: read_text
-  use gearsweep_rows, only: find_lines, row_t
   use gearsweep_text, only: str, to_number
+  use gearsweep_text_rows, only: find_lines, row_t
   implicit none
   private
   public :: read_table

@@ -6,8 +6,8 @@
 module gearsweep_flank_file
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
-  use gearsweep_rows, only: find_rows, row_t
   use gearsweep_text, only: shown, str, to_number
+  use gearsweep_text_rows, only: find_rows, row_t
   implicit none
   private
   public :: flank_points_t, read_flank_points

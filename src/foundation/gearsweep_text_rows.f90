@@ -1,5 +1,5 @@
 !> The lines of a text, and the rows of one that has a header.
-module gearsweep_rows
+module gearsweep_text_rows
   use gearsweep_characters, only: find_control
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
@@ -73,4 +73,4 @@ contains
     end associate
     rows = rows(2:)
   end subroutine find_rows
-end module gearsweep_rows
+end module gearsweep_text_rows
