@@ -784,8 +784,7 @@ contains
   end subroutine classes
 
   !> Random numbers as L'Ecuyer prints the first of his generator (0.127011 and 0.318528); flanks with the distributions that the
-  !> page
-  !> tells, within five times the scatter of so many.
+  !> page tells, within five times the scatter of so many.
   subroutine drawn(t)
     type(tally_t), intent(inout) :: t
     real(dp), parameter :: first(2) = [0.127011_dp, 0.318528_dp]
@@ -793,7 +792,7 @@ contains
     type(random_stream_t) :: random
     type(flank_deviations_t) :: flanks
     type(tolerances_t) :: tolerances
-    real(dp) :: number(1)
+    real(dp) :: number(1), of_seed(3, many)
     integer :: i, within
 
     call random%draw_normal(number)
@@ -811,6 +810,15 @@ contains
       if (flanks%runout < 25*um) within = within + 1
     end do
     call check_close(t, 'run-outs within the tolerance', within/real(many, dp), 0.99_dp, absolute=5*sqrt(0.99_dp*0.01_dp/many))
+    ! Numbers of neighbouring seeds are independent.
+    do i = 1, many
+      random = begin_stream(i)
+      call random%draw_normal(of_seed(:, i))
+    end do
+    do i = 1, 20
+      call check_true(t, 'numbers of seeds beside', &
+                      all(abs(sum(of_seed(:, :many - i)*of_seed(:, 1 + i:), 2)) < 5*sqrt(real(many, dp))), str(i))
+    end do
 
   contains
 

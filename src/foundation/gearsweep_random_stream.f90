@@ -18,21 +18,36 @@ module gearsweep_random_stream
 
 contains
 
-  !> The stream of a seed.
+  !> The stream of a seed. Those of neighbouring seeds have nothing in common, as each number of the state is a hash of the seed.
   pure type(random_stream_t) function begin_stream(seed) result(stream)
     integer, intent(in) :: seed                  !< any
-    integer(int64), parameter :: least = 2147483647_int64
-    integer(int64) :: x
     integer :: i
 
-    ! Lehmer's generator spreads the seed over the state.
-    x = 1 + modulo(int(seed, int64), least - 1)
-    do i = 1, 20
-      x = modulo(48271*x, least)
-      if (i > 14 .and. i <= 17) stream%first(i - 14) = x
-      if (i > 17) stream%second(i - 17) = x
+    do i = 1, 3
+      stream%first(i) = 1 + modulo(hash(hash(int(seed, int64)) + i), m1 - 1)
+      stream%second(i) = 1 + modulo(hash(hash(int(seed, int64)) + i + 3), m2 - 1)
     end do
   end function begin_stream
+
+  !> 32 bits that depend on all 32 of a number. Source: Appleby 2011, MurmurHash3, finalizer `fmix32`.
+  elemental integer(int64) function hash(number) result(bits)
+    integer(int64), intent(in) :: number
+    integer(int64), parameter :: whole = 4294967295_int64
+
+    bits = iand(number, whole)
+    bits = times(ieor(bits, ishft(bits, -16)), 2246822507_int64)
+    bits = times(ieor(bits, ishft(bits, -13)), 3266489909_int64)
+    bits = ieor(bits, ishft(bits, -16))
+
+  contains
+
+    !> A product modulo 2**32, in two parts that 64 bits hold.
+    elemental integer(int64) function times(a, b)
+      integer(int64), intent(in) :: a, b
+
+      times = iand(a*iand(b, 65535_int64) + ishft(iand(a*ishft(b, -16), 65535_int64), 16), whole)
+    end function times
+  end function hash
 
   !> The next number, between 0 and 1, neither of which it is.
   pure subroutine next(stream, number)
