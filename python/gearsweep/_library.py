@@ -123,11 +123,12 @@ class Handle:
 
 def run(
     text: str, folder: str, threads: int, earlier: Handle | None, progress: Callable[[int, int], object] | None,
-    resume: str, keep: str, stop: threading.Event | None = None,
+    resume: str, keep: str, stop: threading.Event | None = None, seconds: float | None = None,
 ) -> tuple[Handle | None, Error | None, BaseException | None]:  # fmt: skip
     """The study, if there is one, the error that the run ended with, and what ended it from outside.
 
-    That is an exception that came up meanwhile, such as KeyboardInterrupt, one of `progress`, or `Stopped` after `stop`.
+    That is an exception that came up meanwhile, such as KeyboardInterrupt, one of `progress`, `Stopped` after `stop`, or `Late`
+    after `seconds`.
     """
     words = [_bytes(word) for word in (text, folder)]
     files = [_bytes(word) for word in (resume, keep)]
@@ -137,7 +138,7 @@ def run(
         # Refers to the earlier study, which so lives as long as the call, also one that nobody waits for.
         return _flat.gs_run(*words, team, earlier.address if earlier else 0, watch, *files)
 
-    (address, info, message), cause = watched(call, progress, lambda found: _free(found[0]), waits=bool(keep), stop=stop)
+    (address, info, message), cause = watched(call, progress, lambda found: _free(found[0]), waits=bool(keep), stop=stop, seconds=seconds)
     error = Error(_str(message).rstrip(), Code(info)) if info else None
     return Handle(address) if address else None, error, cause
 

@@ -72,22 +72,28 @@ class Stopped(Exception):
     """Another thread told the run to stop."""
 
 
+class Late(Exception):
+    """The run has not ended within its seconds."""
+
+
 def watched(
     call: Callable[[np.ndarray], Any],
     progress: Callable[[int, int], object] | None,
     drop: Callable[[Any], object],
     waits: bool = False,
     stop: threading.Event | None = None,
+    seconds: float | None = None,
 ) -> tuple[Any, BaseException | None]:
     """The results of `call(watch)`, and the exception that ended it, if any.
 
     `watch` is stop, points done and of how many; `progress` is told the last two by the calling thread. Where another
-    thread sets `stop`, that is as an exception `Stopped`. After an exception the call is told to stop. Where it is in a part that does not look, nobody waits for it: the exception
-    comes out, the call ends in the background, and `drop` gets its results. With `waits`, points that are under way
-    are waited for, as what is done by then is to be kept.
+    thread sets `stop`, that is as an exception `Stopped`, and `Late` where the call takes more than `seconds`. After an exception
+    the call is told to stop. Where it is in a part that does not look, nobody waits for it: the exception comes out, the call ends
+    in the background, and `drop` gets its results. With `waits`, points that are under way are waited for, as what is done by then
+    is to be kept.
     """
     watch = np.zeros(3, dtype=np.intc)
-    if progress is None and stop is None and threading.current_thread() is not threading.main_thread():
+    if progress is None and stop is None and seconds is None and threading.current_thread() is not threading.main_thread():
         return call(watch), None
     worker = _Worker(lambda: call(watch), drop)
     try:
@@ -96,10 +102,14 @@ def watched(
         return call(watch), None
     cause = None
     told = 0
+    looks = _INTERVAL if progress or stop else None
+    end = None if seconds is None else time.monotonic() + seconds
     try:
-        while not worker.done.wait(_INTERVAL if progress or stop else None):
+        while not worker.done.wait(looks if end is None else max(0.0, min(looks or _INTERVAL, end - time.monotonic()))):
             if stop and stop.is_set():
                 raise Stopped
+            if end is not None and time.monotonic() >= end:
+                raise Late
             if progress and watch[1] > told:
                 told = int(watch[1])
                 progress(told, int(watch[2]))
@@ -141,15 +151,16 @@ class _Bar:
 class Line:
     """A line on stderr that is written over: points done, per cent, time left."""
 
-    def __init__(self) -> None:
+    def __init__(self, noun: str = 'points') -> None:
+        self.noun = noun
         self.began = time.monotonic()
         self.first: int | None = None
         self.told = False
 
-    def __call__(self, done: int, total: int) -> None:
+    def __call__(self, done: int, total: int, failed: int = 0) -> None:
         if self.first is None:  # what a resumed run takes over tells nothing of the time
             self.first, self.began = done, time.monotonic()
-        line = f'{done} of {total} points, {100 * done // total} %'
+        line = f'{done} of {total} {self.noun}, {100 * done // total} %' + (f', {failed} failed' if failed else '')
         seconds = time.monotonic() - self.began
         if seconds > 1 and done > self.first:
             line += f', {_duration(seconds * (total - done) / (done - self.first))} left'

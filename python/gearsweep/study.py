@@ -16,7 +16,7 @@ import numpy as np
 from . import _library
 from ._files import replacing
 from ._library import Code, Error, PartialWarning, UnusedWarning
-from ._watch import bar
+from ._watch import Late, bar
 from .case import Case
 from .table import Table, as_html, meant
 
@@ -184,6 +184,7 @@ def _restored(about: dict[str, Any], columns: dict[tuple[str, str], np.ndarray])
 def run(
     case: Case, tasks: str | Iterable[str] | None = None, *, threads: int = 0, earlier: Study | None = None,
     progress: Callable[[int, int], object] | bool = False, keep: str | os.PathLike = '', resume: str | os.PathLike = '',
+    seconds: float | None = None,
 ) -> Study:  # fmt: skip
     """Everything that the case asks for.
 
@@ -208,6 +209,9 @@ def run(
     resume : path, optional
         Such a file: the run goes on from there, to the same bits as if it had not been interrupted. One of another
         case or version is refused. Interrupted again, it is written anew, unless `keep` names another file.
+    seconds : float, optional
+        The run ends after this time, as by Ctrl-C, with an `Error` of code `INTERRUPTED`. A stage that does not look at the time,
+        such as one finite-element solution, goes on in the background to its end.
 
     Returns
     -------
@@ -233,13 +237,17 @@ def run(
     """
     if not isinstance(case, Case):
         raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
+    if seconds is not None and not seconds > 0:
+        raise Error(f'seconds = {seconds}: must be above 0')
     if tasks is not None:
         case = case.changed(case={'tasks': tasks, 'published': None})
     elif case.unused:
         keys = ''.join(f'\n  for {line}' for line in case.unused)
         warnings.warn(f'keys that no task of this case uses:{keys}', UnusedWarning, stacklevel=2)
     with contextlib.closing(bar()) if progress is True else contextlib.nullcontext(progress or None) as shown:
-        study, error, cause = attempt(case, threads, earlier, shown, resume, keep or resume)
+        study, error, cause = attempt(case, threads, earlier, shown, resume, keep or resume, seconds=seconds)
+    if isinstance(cause, Late):
+        raise Error(f'the run is not done after {seconds:g} s', Code.INTERRUPTED) from error
     if cause is not None:
         raise cause from (error if error is not None and lost(error) else None)
     if study is None or (error is not None and error.code == Code.INTERRUPTED):
@@ -257,12 +265,17 @@ def lost(error: Error) -> bool:
 def attempt(
     case: Case, threads: int = 0, earlier: Study | None = None, progress: Callable[[int, int], object] | None = None,
     resume: str | os.PathLike = '', keep: str | os.PathLike = '', stop: threading.Event | None = None,
+    seconds: float | None = None,
 ) -> tuple[Study | None, Error | None, BaseException | None]:  # fmt: skip
     """The study as far as there is one, the error that the run ended with, and the exception that ended it."""
     if earlier is not None and not isinstance(earlier, Study):
         raise TypeError(f'earlier: must be a gearsweep.Study, not {type(earlier).__name__}')
     before = None if earlier is None else earlier._live('to start others from it')
-    found, error, cause = _library.run(case.text, case.folder, threads, before, progress, os.fspath(resume), os.fspath(keep), stop)
+    files = os.fspath(resume), os.fspath(keep)
+    try:
+        found, error, cause = _library.run(case.text, case.folder, threads, before, progress, *files, stop, seconds)
+    except Late as late:  # in a part that does not look at the time, and goes on
+        return None, None, late
     study = Study(case, _VERSION, error is None, json.loads(found.text('tables')), found) if found else None
     return study, error, cause
 

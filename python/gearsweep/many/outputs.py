@@ -1,0 +1,133 @@
+"""What is taken of each variant: columns of tables, and numbers that the caller's own function makes of a study."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._library import Error
+from ..study import Study
+from ..table import ROW, Table, meant
+
+Reals = NDArray[np.float64]
+Reduce = Callable[[Study], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Output:
+    """A column that is taken, without the dimensions that have one place only.
+
+    Attributes
+    ----------
+    name : str
+        'table.column', or what `reduce` calls it.
+    dims : tuple of str
+    shape : tuple of int
+    unit, meaning : str
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    unit: str = ''
+    meaning: str = ''
+
+
+@dataclass(frozen=True)
+class Taken:
+    """All that is taken of a study.
+
+    Attributes
+    ----------
+    columns : tuple of Output
+        Of tables.
+    reduced : tuple of Output
+        Of `reduce`.
+    coordinates : dict
+        By dimension: its table and values, which must be those of each variant.
+    """
+
+    columns: tuple[Output, ...]
+    reduced: tuple[Output, ...]
+    coordinates: dict[str, tuple[str, Reals]]
+
+    def of(self, study: Study, reduce: Reduce | None) -> dict[str, Reals]:
+        """The numbers of a variant.
+
+        Raises
+        ------
+        Error
+            Its results have other index columns than those of the first.
+        """
+        found = {}
+        for name, (table, values) in self.coordinates.items():
+            column = name.rpartition('.')[2]
+            there = np.asarray(study[table][column], float)
+            if not np.array_equal(there, values, equal_nan=True):
+                raise Error(f"table {table}: the values of {column} are not those of the other variants; take another column, or give reduce")
+        for one in self.columns:
+            table, _, column = one.name.partition('.')
+            found[one.name] = _shaped(one, study[table][column])
+        numbers = reduce(study) if reduce else {}
+        if set(numbers) != {one.name for one in self.reduced}:
+            raise Error(f'reduce: gives {", ".join(sorted(numbers))}; of the first variant it gave other numbers')
+        return found | {one.name: _shaped(one, numbers[one.name]) for one in self.reduced}
+
+
+def _shaped(one: Output, values: Any) -> Reals:
+    found = np.asarray(values, float)
+    if found.size != math.prod(one.shape):
+        raise Error(f'{one.name}: has {found.size} numbers, of the other variants {math.prod(one.shape)}')
+    return found.reshape(one.shape)
+
+
+def taken(study: Study, take: Sequence[str], reduce: Reduce | None) -> Taken:
+    """What the columns 'table.column' are like, and what `reduce` gives, by the study of one variant.
+
+    Raises
+    ------
+    Error
+        There is no such column, or it has words, or as many rows as come out.
+    """
+    coordinates: dict[str, tuple[str, Reals]] = {}
+    columns = tuple(_column(study, name, coordinates) for name in take)
+    reduced = []
+    for name, values in (reduce(study) if reduce else {}).items():
+        if name in take:
+            raise Error(f'reduce: {name}: is the name of a column that is taken')
+        shape = np.asarray(values, float).shape
+        reduced.append(Output(name, tuple(f'{name}.{at}' for at in range(len(shape))), shape))
+    return Taken(columns, tuple(reduced), coordinates)
+
+
+def _column(study: Study, name: str, coordinates: dict[str, tuple[str, Reals]]) -> Output:
+    table_name, _, column = name.partition('.')
+    if table_name not in study:
+        raise Error(f"take: {name}: the case has no table {table_name}{meant(table_name, study.tables)}; the case asks for {', '.join(study.case.tasks)}")
+    table = study[table_name]
+    if column not in table:
+        raise Error(f'take: {name}: the table {table_name} has no column {column}{meant(column, table)}')
+    values = np.asarray(table[column])
+    if values.dtype.kind == 'U':
+        raise Error(f'take: {name}: has words; take a column of numbers, or give reduce')
+    dims = table.dims[column]
+    if ROW in dims:
+        raise Error(f'take: {name}: the table {table_name} has as many rows as come out of a variant; give reduce, which makes numbers of them')
+    named = tuple((_named(table, dim, coordinates), size) for dim, size in zip(dims, values.shape) if size > 1)
+    return Output(name, tuple(dim for dim, _ in named), tuple(size for _, size in named), table.units[column], table.meanings[column])
+
+
+def _named(table: Table, dim: str, coordinates: dict[str, tuple[str, Reals]]) -> str:
+    """The name of a dimension: its own, unless another table has one of this name with other values."""
+    values = table[dim]
+    if values.dtype.kind == 'U':
+        raise Error(f'table {table.name}: its index column {dim} has words; give reduce')
+    values = np.asarray(values, float)
+    name = dim if dim not in coordinates or np.array_equal(coordinates[dim][1], values) else f'{table.name}.{dim}'
+    coordinates.setdefault(name, (table.name, values))
+    return name

@@ -1,0 +1,277 @@
+"""A plan: which keys of a case take which values in which variant."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _library
+from .._files import content
+from .._library import Error, declared
+from ..case import Case
+from . import points
+from .inputs import Input, case_with, input_of, inputs_of
+from .kernel import kernel
+
+Reals = NDArray[np.float64]
+#: Kinds of points that are a sample of their distributions.
+SAMPLES = ('sobol', 'random', 'lhs', 'saltelli')
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Variants of a case: each gives other values to some of its keys.
+
+    It is made by `sobol`, `random`, `lhs`, `saltelli`, `grid` or `table`. Groups are told as `Case.changed` takes them; a value is a
+    distribution of `scipy.stats` with its numbers (anything that has `ppf`), or a list, whose values are equally likely.
+
+    Attributes
+    ----------
+    base : Case
+        Keys that are not varied are as here.
+    kind : str
+    inputs : tuple of Input
+    n : int
+        How many variants there are.
+    seed : int
+    scrambles : int
+        Independent sets of Sobol' points among the variants, for the error of what is computed of them; 0: another kind of points.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> from gearsweep import many
+    >>> from scipy.stats import norm, randint
+    >>> case = gearsweep.Case('&pair module_mm = 3  face_width_mm = 20 / &pinion teeth = 21 / &gear teeth = 34 /')
+    >>> plan = many.Plan.random(case, n=1000, seed=1, gear={'teeth': randint(30, 40)}, load={'torque_nm': norm(100, 5)})
+    >>> plan.names
+    ('gear.teeth', 'load.torque_nm')
+    >>> bool((plan.rows(0, 1000)[400:500] == plan.rows(400, 500)).all())
+    True
+    """
+
+    base: Case
+    kind: str
+    inputs: tuple[Input, ...]
+    n: int
+    seed: int = 0
+    scrambles: int = 0
+    values: Reals | None = None
+
+    def __post_init__(self):
+        if not isinstance(self.base, Case):
+            raise TypeError(f'case: must be a gearsweep.Case, not {type(self.base).__name__}')
+        names = [one.name for one in self.inputs]
+        for name in names:
+            if names.count(name) > 1:
+                raise Error(f'{name}: is varied twice')
+        for name, low in (('n', 1), ('seed', 0)):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < low:
+                raise Error(f'{name} = {value!r}: must be a whole number of at least {low}')
+
+    @classmethod
+    def sobol(cls, case: Case, n: int, seed: int = 0, *, scrambles: int = 8, **groups: Mapping[str, Any]) -> Plan:
+        """Sobol' points: means and quantiles converge faster than with independent points.
+
+        Parameters
+        ----------
+        case : Case
+        n : int
+            How many variants: `scrambles` times a power of 2.
+        seed : int
+            The same gives the same points.
+        scrambles : int
+            Independent sets of n / scrambles points each, whose scatter gives the bands of `quantiles`; at least 2.
+        **groups
+            Keys with their distributions or lists.
+        """
+        _check_scrambles(n, scrambles)
+        return cls(case, 'sobol', inputs_of(groups), n, seed, scrambles)
+
+    @classmethod
+    def random(cls, case: Case, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
+        """Independent points."""
+        return cls(case, 'random', inputs_of(groups), n, seed)
+
+    @classmethod
+    def lhs(cls, case: Case, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
+        """A Latin hypercube: of each key one value in each of n equally likely intervals."""
+        return cls(case, 'lhs', inputs_of(groups), n, seed)
+
+    @classmethod
+    def saltelli(cls, case: Case, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
+        """What `sensitivity` needs: n base points, a power of 2, each with as many rows as there are keys, and two more.
+
+        The plan has n (d + 2) variants for d keys, in SALib's order without second order.
+        """
+        _check_power(n, 'n', n)
+        inputs = inputs_of(groups)
+        return cls(case, 'saltelli', inputs, n * (len(inputs) + 2), seed)
+
+    @classmethod
+    def grid(cls, case: Case, **groups: Mapping[str, Sequence[Any]]) -> Plan:
+        """All combinations of lists; the key that is named last changes fastest.
+
+        Name keys first that need a new stiffness (teeth, load, centre distance, face width): what neighbours share is computed once.
+        """
+        inputs = inputs_of(groups, only_lists=True)
+        return cls(case, 'grid', inputs, int(np.prod([len(one.given) for one in inputs], dtype=object)))
+
+    @classmethod
+    def table(cls, case: Case, frame: Mapping[str, Sequence[Any]]) -> Plan:
+        """The rows of a table, such as a pandas DataFrame, whose columns are called 'group.key'."""
+        columns = {str(name): list(frame[name]) for name in frame}
+        lengths = {len(column) for column in columns.values()}
+        if len(lengths) != 1 or lengths == {0}:
+            raise Error('table: its columns must have the same number of rows, and at least one')
+        inputs, values = [], []
+        for name, column in columns.items():
+            group, dot, key = name.partition('.')
+            if not dot:
+                raise Error(f"table: column {name}: must be called 'group.key', such as 'load.torque_nm'")
+            numbers = all(isinstance(one, (int, float, np.number)) and not isinstance(one, bool) for one in column)
+            one = input_of(group, key, column if numbers else _different(column))
+            at = np.arange(len(column)) if numbers else np.array([one.given.index(_fixed(word)) for word in column])
+            inputs.append(one)
+            values.append(one.at(at))
+        # Of numbers the table has the values itself.
+        inputs = [Input(one.key, ()) if one.key.choices is None else one for one in inputs]
+        return cls(case, 'table', tuple(inputs), lengths.pop(), values=np.column_stack(values))
+
+    names = property(lambda self: tuple(one.name for one in self.inputs))
+    keys = property(lambda self: tuple(one.key for one in self.inputs))
+
+    def __len__(self) -> int:
+        return self.n
+
+    def rows(self, first: int = 0, stop: int | None = None) -> Reals:
+        """The values of the variants from `first` to before `stop`, a row each, a column for each of `names`.
+
+        They are the same bits for any blocks. Of a key that takes words or lists, a row has the position in its list.
+        """
+        stop = self.n if stop is None else stop
+        if not 0 <= first <= stop <= self.n:
+            raise Error(f'rows {first} to {stop}: must be from 0 to {self.n}')
+        if self.values is not None:
+            return self.values[first:stop].copy()
+        if self.kind == 'grid':
+            sizes = [len(one.given) for one in self.inputs]
+            places = np.unravel_index(np.arange(first, stop), sizes)
+            return np.column_stack([one.at(place) for one, place in zip(self.inputs, places)])
+        u = self._unit(first, stop)
+        return np.column_stack([one.values(u[:, at]) for at, one in enumerate(self.inputs)])
+
+    def _unit(self, first: int, stop: int) -> Reals:
+        """The points in the unit cube."""
+        d = len(self.inputs)
+        if self.kind == 'random':
+            return points.random(first, stop, d, self.seed)
+        if self.kind == 'lhs':
+            return points.lhs(self.n, d, self.seed)[first:stop]
+        if self.kind == 'saltelli':
+            return points.saltelli(self._sobol, first, stop, d)
+        return self._sobol(first, stop)
+
+    @functools.cached_property
+    def _sobol(self) -> points.Sobol:
+        d = len(self.inputs)
+        return points.Sobol(2 * d, self.seed, 1) if self.kind == 'saltelli' else points.Sobol(d, self.seed, self.scrambles)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != '_sobol'}
+
+    def case(self, i: int) -> Case:
+        """The case of a variant."""
+        if not 0 <= i < self.n:
+            raise Error(f'variant {i}: must be from 0 to {self.n - 1}')
+        return case_with(self.base, self.keys, self.rows(i, i + 1)[0])
+
+    def told(self) -> dict[str, Any]:
+        """All that the numbers depend on, for JSON: what a store remembers, and what it is compared with."""
+        inputs = [one.told() for one in self.inputs]
+        if self.values is not None:
+            inputs.append({'values': hashlib.sha256(self.values.tobytes()).hexdigest()})
+        return {'version': _library.version(), 'OpenBLAS kernel': kernel(), 'kind': self.kind, 'n': int(self.n), 'seed': int(self.seed),
+                'scrambles': self.scrambles, 'case': self.base.text, 'files': self._files(), 'keys': inputs}  # fmt: skip
+
+    def _files(self) -> dict[str, str]:
+        """The files that the case names, each by what is in it."""
+        names = {str(one) for keys in self._words().values() for one in keys}
+        found = {}
+        for name in sorted(names):
+            path = os.path.join(self.base.folder, name)
+            if os.path.isfile(path):
+                found[name] = hashlib.sha256(content(path)).hexdigest()
+        return found
+
+    def _words(self) -> dict[str, list[str]]:
+        """What stands for keys that may name a file, in the case and in the plan."""
+        from .._given import given
+
+        files = {(one['group'], one['name']) for one in declared()['keys'] if one['kind'] == 'text' and 'file' in one['meaning']}
+        found = {f'{group}.{key}': [words.strip('\'"')] for group, keys in given(self.base.text).items()
+                 for key, words in keys.items() if (group, key) in files}  # fmt: skip
+        for one in self.inputs:
+            if (one.key.group, one.key.key) in files:
+                found[one.name] = [str(word) for word in one.key.choices or ()]
+        return found
+
+    def mark(self) -> str:
+        """SHA-256 of all that the numbers depend on: case, files, keys, distributions, kind, n, seed, version, OpenBLAS's kernel."""
+        return hashlib.sha256(json.dumps(self.told(), sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
+
+    def function(
+        self, take: str | Sequence[str], executor: Any = None, *, axis: int = 0, seconds: float | None = None
+    ) -> Callable[[Reals], Reals]:
+        """The variants as a function f(X) of the values of `names`, as SALib, SciPy, OpenTURNS and optuna take it.
+
+        Parameters
+        ----------
+        take : 'table.column' or several
+            A number of each variant, or several.
+        executor
+            As of `run`.
+        axis : {0, 1}
+            X has a row for each variant, as SALib and OpenTURNS have it, and f(X) too; 1: a column, as `scipy.stats.sobol_indices`.
+        seconds : float, optional
+            As of `run`.
+
+        Returns
+        -------
+        callable
+            f(X) of shape (n,), or (n, k) of several columns; with axis 1 (n,) or (k, n). A single row gives a single value. Variants
+            without a number are NaN, and a `PartialWarning` tells how many they are.
+        """
+        from .functions import function
+
+        return function(self, take, executor, axis, seconds)
+
+
+def _fixed(word: Any) -> Any:
+    return tuple(word) if isinstance(word, list) else word
+
+
+def _different(words: Sequence[Any]) -> list[Any]:
+    """Each once, in the order in which they come."""
+    return list(dict.fromkeys(_fixed(word) for word in words))
+
+
+def _check_power(count: Any, name: str, value: Any) -> None:
+    if not isinstance(count, (int, np.integer)) or count < 2 or count & (count - 1):
+        raise Error(f'{name} = {value!r}: must be a power of 2 of at least 2')
+
+
+def _check_scrambles(n: Any, scrambles: Any) -> None:
+    if isinstance(scrambles, bool) or not isinstance(scrambles, int) or not 2 <= scrambles <= 1000:
+        raise Error(f'scrambles = {scrambles!r}: must be a whole number from 2 to 1000')
+    if not isinstance(n, (int, np.integer)) or n < scrambles or n % scrambles or (n // scrambles) & (n // scrambles - 1):
+        raise Error(f'n = {n!r}: must be {scrambles} (scrambles) times a power of 2')

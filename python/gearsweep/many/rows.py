@@ -1,0 +1,130 @@
+"""Computes a block of variants: the values of its rows go in; columns, statuses and messages come out.
+
+This is all that runs in the processes of an executor. A call of the library that takes many rows at once belongs here.
+"""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _library
+from .._library import Code, Error
+from .._watch import Late
+from ..case import Case
+from ..study import Study, attempt
+from .inputs import Key, case_with
+from .kernel import kernel
+from .outputs import Reduce, Taken
+from .status import Status
+
+Reals = NDArray[np.float64]
+#: The last study of this thread, whose stiffness the next may take over.
+_last = threading.local()
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is the same for all blocks.
+
+    Attributes
+    ----------
+    base : Case
+    keys : tuple of Key
+        What the columns of the rows are.
+    taken : Taken
+    reduce : callable, optional
+        Makes a dictionary of numbers of a `Study`.
+    seconds : float, optional
+        Time that a variant has.
+    """
+
+    base: Case
+    keys: tuple[Key, ...]
+    taken: Taken
+    reduce: Reduce | None = None
+    seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Block:
+    """What came of some variants.
+
+    Attributes
+    ----------
+    columns : dict
+        By output: an array with a row for each variant, NaN where there is none.
+    status : array of int8
+    messages : list of str
+        Of variants without a plain result: why.
+    made_by : tuple of str
+        Version of the library and OpenBLAS's kernel.
+    """
+
+    columns: dict[str, Reals]
+    status: NDArray[np.int8]
+    messages: list[str]
+    made_by: tuple[str, str]
+
+
+def made_here() -> tuple[str, str]:
+    return _library.version(), kernel()
+
+
+def empty(taken: Taken, rows: int, status: Status = Status.PENDING, message: str = '') -> Block:
+    """A block of variants without numbers."""
+    columns = {one.name: np.full((rows, *one.shape), np.nan) for one in (*taken.columns, *taken.reduced)}
+    return Block(columns, np.full(rows, status, np.int8), [message] * rows, made_here())
+
+
+def compute(job: Job, values: Reals) -> Block:
+    """The block of variants with these values, a row each, on one thread. A variant that fails leaves the others as they are."""
+    block = empty(job.taken, len(values))
+    for at, row in enumerate(values):
+        status, message, numbers = _variant(job, row)
+        block.status[at], block.messages[at] = status, ' '.join(message.split())
+        for name, value in numbers.items():
+            block.columns[name][at] = value
+    return block
+
+
+def _variant(job: Job, row: Reals) -> tuple[Status, str, dict[str, Reals]]:
+    try:
+        study, error = study_of(case_with(job.base, job.keys, row), job.seconds)
+    except Error as refused:
+        return _status(refused), str(refused), {}
+    except Late:
+        return Status.LATE, f'not done after {job.seconds:g} s', {}
+    try:
+        numbers = job.taken.of(study, job.reduce)
+    except Error as refused:
+        return Status.REFUSED, str(refused), {}
+    except Exception as failure:  # of the caller's function
+        return Status.FAILED, f'reduce: {type(failure).__name__}: {failure}', {}
+    return (Status.PARTIAL, str(error), numbers) if error else (Status.OK, '', numbers)
+
+
+def study_of(case: Case, seconds: float | None) -> tuple[Study, Error | None]:
+    """The study of a case on one thread, and an error that some points have no result.
+
+    Raises
+    ------
+    Error
+        There is no study.
+    Late
+        It is not done after these seconds.
+    """
+    study, error, cause = attempt(case, 1, getattr(_last, 'study', None), seconds=seconds)
+    if cause is not None:
+        raise cause
+    if study is None or (error is not None and error.code != Code.PARTIAL):
+        raise error or Error('the run made no study', Code.NUMERICAL)
+    _last.study = study
+    return study, error
+
+
+def _status(error: Error) -> Status:
+    return Status.REFUSED if error.code == Code.INPUT else Status.FAILED

@@ -1,0 +1,216 @@
+"""Runs a plan over an executor into a store, and goes on where it was left."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._library import Code, Error
+from .._watch import Late, Line
+from . import reading, store as stores
+from .flow import Crew, Flow, Piece
+from .inputs import case_with
+from .outputs import Reduce, Taken, taken
+from .plan import Plan
+from .rows import Block, Job, empty, made_here, study_of
+from .status import ANSWERED, Status
+from .store import Store
+
+if TYPE_CHECKING:
+    import xarray
+
+#: A block shall last so many seconds, has no more variants than this, and a plan has at least so many blocks where it can.
+_SECONDS, _MOST, _BLOCKS = 10.0, 4096, 32
+#: So many variants are tried for what the columns are like.
+_TRIED = 16
+
+Progress = Callable[[int, int, int], object]
+
+
+def run(
+    plan: Plan, take: str | Sequence[str] = (), *, executor: Any = None, store: str | os.PathLike | None = None,
+    size: int | None = None, window: int | None = None, seconds: float | None = None,
+    progress: Progress | bool = False, reduce: Reduce | None = None, part: tuple[int, int] = (1, 1),
+) -> xarray.Dataset:  # fmt: skip
+    """Computes the variants of a plan, each on one thread, and keeps the columns that are wanted of them.
+
+    The numbers are the same bits for any executor, number of workers and size of blocks. What is in the store is not computed again:
+    a run that was interrupted goes on by the same call. Ctrl-C keeps all blocks that are done.
+
+    Parameters
+    ----------
+    plan : Plan
+        From `Plan.sobol` and its like.
+    take : 'table.column' or several
+        Columns of numbers. A column is an array over the index columns of its table, such as the speed; those must be the same in all
+        variants. Index columns of one value are left out.
+    executor : Executor, dask Client, int or callable, optional
+        What computes: any `concurrent.futures.Executor`, a `distributed.Client`, a number of processes on this machine, or a function
+        that makes an executor, which is called again where a worker died. None: this process.
+    store : path, optional
+        A folder in Zarr's format, that this process alone writes. None: in memory.
+    size : int, optional
+        Variants in a block, which is one task of the executor and one file of each array; by default so many as take some 10 s. A store
+        keeps the size that it was made with.
+    window : int, optional
+        Blocks under way at a time; by default three for each worker.
+    seconds : float, optional
+        A variant that takes longer is `LATE`.
+    progress : callable or bool
+        Called after each block with the number of variants that are done, of all, and of those without a result. True: a line on stderr.
+    reduce : callable, optional
+        A function, which the workers can import, that makes a dictionary of numbers, or arrays of one shape, of a `Study`.
+    part : (k, m)
+        The k-th of m runs, such as those of a job array, which share the store: each computes every m-th block.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `open` gives it.
+
+    Raises
+    ------
+    Error
+        The plan or a column is not usable, no variant tried has a result, the store is of another plan, version or OpenBLAS kernel or
+        cannot be written, or the executor is gone. What is done is kept.
+    """
+    job, kept = _begun(plan, [take] if isinstance(take, str) else list(take), store, size, seconds, reduce)
+    k, m = part
+    if not 1 <= k <= m:
+        raise Error(f'part {k}/{m}: must be from 1/{m} to {m}/{m}')
+    with kept.held(part), _told(progress) as told:
+        done = kept.status()
+        blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
+        counts = _Counts(kept, part, done, told)
+        if blocks:
+            crew = Crew(executor)
+            try:
+                _gather(plan, job, kept, crew, window, blocks, counts)
+            finally:
+                crew.close()
+    return reading.dataset(kept)
+
+
+def _begun(plan: Plan, take: list[str], path: Any, size: int | None, seconds: float | None, reduce: Reduce | None) -> tuple[Job, Store]:
+    """What the workers are told, and the store, which is made where there is none."""
+    if not isinstance(plan, Plan):
+        raise TypeError(f'plan: must be a Plan, not {type(plan).__name__}')
+    if not take and reduce is None:
+        raise Error("take: names no column; give 'table.column', such as 'sweep_worst.worst_dynamic_factor', or reduce")
+    if len(set(take)) < len(take):
+        raise Error('take: names a column twice')
+    for name, value in (('seconds', seconds), ('size', size)):
+        if value is not None and not value > 0:
+            raise Error(f'{name} = {value}: must be above 0')
+    if path is not None and os.path.exists(path):
+        kept = stores.read(path)
+        stores.check(kept, plan, take)
+    else:
+        found, took = _first(plan, take, reduce, seconds)
+        kept = stores.make(path, plan, found, min(size or _size(plan.n, took), plan.n))
+    return Job(plan.base, plan.keys, kept.taken, reduce, seconds), kept
+
+
+def _first(plan: Plan, take: list[str], reduce: Reduce | None, seconds: float | None) -> tuple[Taken, float]:
+    """What the columns are like, by the first variant that has a result, and the seconds that it took."""
+    failure: Exception | None = None
+    for row in plan.rows(0, min(plan.n, _TRIED)):
+        began = time.monotonic()
+        try:
+            study, _ = study_of(case_with(plan.base, plan.keys, row), seconds)
+        except (Error, Late) as error:
+            failure = failure or error
+            continue
+        took = time.monotonic() - began
+        return taken(study, take, reduce), took
+    said = f'not done after {seconds:g} s' if isinstance(failure, Late) else failure
+    raise Error(f'none of the first {min(plan.n, _TRIED)} variants has a result; of the first: {said}') from failure
+
+
+def _size(n: int, took: float) -> int:
+    return max(1, min(_MOST, int(_SECONDS / max(took, 1e-6)), -(-n // _BLOCKS)))
+
+
+class _Counts:
+    """How many variants are done and have no result."""
+
+    def __init__(self, kept: Store, part: tuple[int, int], status: np.ndarray, told: Progress | None):
+        mine = np.concatenate([status[first:stop] for first, stop in kept.blocks(part)] or [status[:0]])
+        self.total, self.told = len(mine), told
+        self.done, self.failed = 0, 0
+        self.add(mine[mine != Status.PENDING])
+
+    def add(self, status: np.ndarray) -> None:
+        self.done += len(status)
+        self.failed += int((~np.isin(status, ANSWERED)).sum())
+        if self.told:
+            self.told(self.done, self.total, self.failed)
+
+
+class _Values:
+    """The rows of blocks under way, of which each is asked for once, as Sobol' points are drawn in their order."""
+
+    def __init__(self, plan: Plan, size: int):
+        self.plan, self.size = plan, size
+        self.blocks: dict[int, np.ndarray] = {}
+
+    def __call__(self, first: int, stop: int) -> np.ndarray:
+        begin = first // self.size * self.size
+        if begin not in self.blocks:
+            self.blocks[begin] = self.plan.rows(begin, min(begin + self.size, self.plan.n))
+        return self.blocks[begin][first - begin : stop - begin]
+
+
+def _gather(
+    plan: Plan, job: Job, kept: Store, crew: Crew, window: int | None, blocks: list[tuple[int, int]], counts: _Counts
+) -> None:
+    """Writes each block when all of its pieces are there."""
+    values = _Values(plan, kept.size)
+    flow = Flow(crew, job, values, window)
+    waiting: dict[int, tuple[Block, int]] = {}  # by the number of the block: what is there, and how many variants are missing
+    for piece, found in flow.run(blocks):
+        if found is None:
+            found = empty(job.taken, 1, Status.CRASHED, 'the process that computes it ends, also where nothing else is computed')
+        _check_maker(found)
+        at = piece.first // kept.size
+        first, stop = at * kept.size, min((at + 1) * kept.size, kept.n)
+        whole, missing = waiting.pop(at, (None, stop - first))
+        if whole is None:
+            whole = found if missing == piece.stop - piece.first else empty(job.taken, stop - first)
+        if whole is not found:
+            _insert(whole, found, piece, first)
+        missing -= piece.stop - piece.first
+        if missing:
+            waiting[at] = whole, missing
+            continue
+        kept.put(first, values.blocks.pop(first), whole)
+        counts.add(whole.status)
+
+
+def _insert(whole: Block, found: Block, piece: Piece, first: int) -> None:
+    rows = slice(piece.first - first, piece.stop - first)
+    whole.status[rows], whole.messages[rows] = found.status, found.messages
+    for name, column in found.columns.items():
+        whole.columns[name][rows] = column
+
+
+def _check_maker(block: Block) -> None:
+    """Another version or kernel gives other bits."""
+    for what, here, there in zip(('version', 'OpenBLAS kernel'), made_here(), block.made_by):
+        if here != there:
+            hint = '; set OPENBLAS_CORETYPE for all, this process too' if what != 'version' else ''
+            raise Error(f'a worker has the {what} {there}, this process {here}{hint}', Code.INTERRUPTED)
+
+
+@contextlib.contextmanager
+def _told(progress: Progress | bool) -> Iterator[Progress | None]:
+    if progress is not True:
+        yield progress or None
+        return
+    with contextlib.closing(Line('variants')) as line:
+        yield line

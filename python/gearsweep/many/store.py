@@ -1,0 +1,247 @@
+"""The store: one Zarr group with an array for each input and output, written block by block, the statuses of a block last.
+
+A block is a chunk of each array and a file of its own, which Zarr replaces as a whole: what a status calls done is done. Several
+processes may write different blocks.
+"""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._library import Code, Error
+from .outputs import Output, Taken
+from .plan import Plan
+from .rows import Block
+from .status import Status
+
+Reals = NDArray[np.float64]
+FORMAT = 1
+#: Bytes of a message.
+_LETTERS = 512
+STATUS, MESSAGE, VARIANT = 'status', 'message', 'variant'
+
+
+class Store:
+    """What a run writes into and goes on from.
+
+    Attributes
+    ----------
+    group : zarr.Group
+    path : str
+        Empty: in memory.
+    """
+
+    def __init__(self, group: Any, path: str):
+        self.group, self.path = group, path
+        self.size, self.n = int(self.about['size']), int(self.about['n'])
+
+    about = property(lambda self: self.group.attrs['gearsweep'])
+
+    @property
+    def taken(self) -> Taken:
+        """What the store takes of each variant."""
+        about = self.about
+        outputs = [[Output(one['name'], tuple(one['dims']), tuple(one['shape']), one['unit'], one['meaning']) for one in about[what]]
+                   for what in ('columns', 'reduced')]  # fmt: skip
+        coordinates = {name: (table, self.group[name][:]) for name, table in about['coordinates'].items()}
+        return Taken(*map(tuple, outputs), coordinates)  # type: ignore[arg-type]
+
+    def blocks(self, part: tuple[int, int]) -> Iterator[tuple[int, int]]:
+        """First variant and the one behind the last of each block, of part k of m."""
+        for at in range(part[0] - 1, -(-self.n // self.size), part[1]):
+            yield at * self.size, min((at + 1) * self.size, self.n)
+
+    def status(self) -> NDArray[np.int8]:
+        return self.group[STATUS][:]
+
+    def put(self, first: int, values: Reals, block: Block) -> None:
+        """Writes a whole block.
+
+        Raises
+        ------
+        Error
+            It cannot be written, as where the disk is full; what was there before is as it was.
+        """
+        stop = first + len(values)
+        try:
+            for at, name in enumerate(self.about['names']):
+                self.group[name][first:stop] = values[:, at]
+            for name, column in block.columns.items():
+                self.group[name][first:stop] = column
+            if any(block.messages):
+                self.group[MESSAGE][first:stop] = _letters(block.messages)
+            self.group[STATUS][first:stop] = block.status
+        except OSError as error:
+            raise Error(f'cannot write {self.path}: {error.strerror or error}', Code.FILE) from error
+
+    @contextlib.contextmanager
+    def held(self, part: tuple[int, int]) -> Iterator[None]:
+        """Keeps other runs of the whole, or of this part, from computing the same.
+
+        Raises
+        ------
+        Error
+            Another process does.
+        """
+        if not self.path or os.name != 'posix':
+            yield
+            return
+        import fcntl
+
+        whole = part == (1, 1)
+        name = f'{self.path.rstrip("/")}.lock'
+        with _locked(name, fcntl.LOCK_EX if whole else fcntl.LOCK_SH, self.path):
+            with _locked(f'{name}-{part[0]}-{part[1]}', fcntl.LOCK_EX, self.path) if not whole else contextlib.nullcontext():
+                yield
+
+
+@contextlib.contextmanager
+def _locked(name: str, how: int, path: str) -> Iterator[None]:
+    import fcntl
+
+    with builtins.open(name, 'a') as file:
+        try:
+            fcntl.flock(file, how | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise Error(f'{path}: another run writes into it', Code.FILE) from error
+        except OSError:  # a file system without locks
+            yield
+            return
+        yield
+        with contextlib.suppress(OSError):
+            os.unlink(name)
+
+
+def _letters(messages: list[str]) -> NDArray[np.uint8]:
+    found = np.zeros((len(messages), _LETTERS), np.uint8)
+    for at, message in enumerate(messages):
+        words = np.frombuffer(message.encode('utf-8', 'replace')[:_LETTERS], np.uint8)
+        found[at, : len(words)] = words
+    return found
+
+
+def words(letters: NDArray[np.uint8]) -> str:
+    return letters.tobytes().rstrip(b'\0').decode('utf-8', 'replace')
+
+
+def read(path: str | os.PathLike) -> Store:
+    """Opens a store that is there.
+
+    Raises
+    ------
+    Error
+        There is none, or it is none of ours.
+    """
+    import zarr
+
+    path = os.fspath(path)
+    try:
+        group = zarr.open_group(path, mode='r+')
+        if group.attrs['gearsweep']['format'] != FORMAT:
+            raise Error(f'cannot read {path}: its format is not known to this version', Code.FILE)
+        return Store(group, path)
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        reason = 'No such file or directory' if not os.path.exists(path) else 'is no store of gearsweep.many'
+        raise Error(f'cannot read {path}: {reason}', Code.FILE) from error
+
+
+def check(store: Store, plan: Plan, take: list[str]) -> None:
+    """Raises an `Error` where the store is of another plan, version or kernel, or has other columns."""
+    about = store.about
+    if about['mark'] != plan.mark():
+        here, there = json.loads(json.dumps(plan.told())), about['plan']
+        off = [f'{name} is {_short(there.get(name))}, here {_short(here[name])}' for name in here if there.get(name) != here[name]]
+        hint = '; set OPENBLAS_CORETYPE' if there.get('OpenBLAS kernel') != here['OpenBLAS kernel'] else ''
+        raise Error(f'{store.path}: is of another plan: {"; ".join(off)}{hint}', Code.FILE)
+    names = [one['name'] for one in about['columns']]
+    if names != take:
+        raise Error(f'{store.path}: has the columns {", ".join(names) or "none"}; take asks for {", ".join(take) or "none"}', Code.FILE)
+
+
+def _short(value: Any) -> str:
+    said = value if isinstance(value, str) else json.dumps(value)
+    return said if len(said) <= 60 else 'another'
+
+
+def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int) -> Store:
+    """Makes a store under another name, which it gets when it is complete; in memory without a path.
+
+    Raises
+    ------
+    Error
+        It cannot be written.
+    """
+    import zarr
+    from zarr.storage import MemoryStore
+
+    if path is None:
+        return Store(_filled(zarr.create_group(MemoryStore()), plan, taken, size), '')
+    path = os.fspath(path)
+    new = f'{path.rstrip("/")}.{os.getpid()}.new'
+    try:
+        _filled(zarr.create_group(new, overwrite=True), plan, taken, size)
+        try:
+            os.rename(new, path)
+        except OSError:
+            if not os.path.isdir(path):
+                raise
+            # Another part was faster.
+        return read(path)
+    except OSError as error:
+        raise Error(f'cannot write {path}: {error.strerror or error}', Code.FILE) from error
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+
+
+def _filled(group: Any, plan: Plan, taken: Taken, size: int) -> Any:
+    """The group with its arrays, which have no values yet."""
+    import platform
+
+    import scipy
+
+    def add(name: str, shape: tuple[int, ...], kind: str, dims: tuple[str, ...], fill: float, **attributes: Any) -> Any:
+        chunks = (min(size, shape[0]), *shape[1:]) if dims[0] == VARIANT else shape
+        array = group.create_array(name, shape=shape, chunks=chunks, dtype=kind, fill_value=fill, dimension_names=dims)
+        array.attrs.update(attributes)
+        return array
+
+    n = plan.n
+    for name, (_, values) in taken.coordinates.items():
+        add(name, values.shape, 'float64', (name,), np.nan)[:] = values
+    units = {f'{one["group"]}.{one["name"]}': one for one in _declared()}
+    for one in plan.inputs:
+        add(one.name, (n,), 'float64', (VARIANT,), np.nan, units=units[one.name]['unit'], long_name=units[one.name]['meaning'])
+    points = {'points': plan.kind, 'scrambles': plan.scrambles, 'inputs': len(plan.inputs)}
+    for out in (*taken.columns, *taken.reduced):
+        add(out.name, (n, *out.shape), 'float64', (VARIANT, *out.dims), np.nan, units=out.unit, long_name=out.meaning, **points)
+    add(MESSAGE, (n, _LETTERS), 'uint8', (VARIANT, 'letter'), 0)
+    add(STATUS, (n,), 'int8', (VARIANT,), 0, flag_values=[int(one) for one in Status],
+        flag_meanings=' '.join(one.name.lower() for one in Status))  # fmt: skip
+    group.attrs['gearsweep'] = {
+        'format': FORMAT, 'mark': plan.mark(), 'plan': plan.told(), 'n': int(n), 'size': size, 'folder': plan.base.folder,
+        'names': list(plan.names),
+        'keys': [{'group': key.group, 'key': key.key, 'whole': key.whole, 'choices': key.choices} for key in plan.keys],
+        'columns': [_told(one) for one in taken.columns], 'reduced': [_told(one) for one in taken.reduced],
+        'coordinates': {name: table for name, (table, _) in taken.coordinates.items()},
+        'host': platform.platform(), 'numpy': np.__version__, 'scipy': scipy.__version__,
+    }  # fmt: skip
+    return group
+
+
+def _declared() -> list[dict[str, Any]]:
+    from .._library import declared
+
+    return declared()['keys']
+
+
+def _told(one: Output) -> dict[str, Any]:
+    return {'name': one.name, 'dims': one.dims, 'shape': one.shape, 'unit': one.unit, 'meaning': one.meaning}
