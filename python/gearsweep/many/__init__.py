@@ -25,6 +25,7 @@ for _package in ('scipy', 'xarray', 'zarr'):
 from .plan import Plan
 from .reading import case_of, counts, failures, open
 from .run import run
+from .statistics import quantiles, sensitivity
 from .status import Status
 
 PENDING, OK, PARTIAL, REFUSED, FAILED, CRASHED, LATE = Status
@@ -43,5 +44,20 @@ __all__ = [
     'counts',
     'failures',
     'open',
+    'plot_band',
+    'plot_distribution',
+    'plot_indices',
+    'plot_scatter',
+    'quantiles',
     'run',
+    'sensitivity',
 ]
+
+_PLOTS = ('plot_band', 'plot_distribution', 'plot_indices', 'plot_scatter')
+
+
+def __getattr__(name: str):
+    """Pictures, which load matplotlib."""
+    if name in _PLOTS:
+        return getattr(importlib.import_module('..plots.many', __name__), name)
+    raise AttributeError(f'module {__name__!r} has no attribute {name!r}')

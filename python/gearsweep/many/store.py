@@ -220,7 +220,7 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int) -> Any:
     units = {f'{one["group"]}.{one["name"]}': one for one in _declared()}
     for one in plan.inputs:
         add(one.name, (n,), 'float64', (VARIANT,), np.nan, units=units[one.name]['unit'], long_name=units[one.name]['meaning'])
-    points = {'points': plan.kind, 'scrambles': plan.scrambles, 'inputs': len(plan.inputs)}
+    points = {'points': plan.kind, 'scrambles': plan.scrambles, 'inputs': list(plan.names)}
     for out in (*taken.columns, *taken.reduced):
         add(out.name, (n, *out.shape), 'float64', (VARIANT, *out.dims), np.nan, units=out.unit, long_name=out.meaning, **points)
     add(MESSAGE, (n, _LETTERS), 'uint8', (VARIANT, 'letter'), 0)

@@ -1,0 +1,195 @@
+"""Many variants of a case: bands over an index column, distributions, Sobol' indices, and a number over each key that is varied."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .look import ACCENT, CROSS, FAINT, GREY, INK, MM, PAGE, VERMILION, canvas, style
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Between the first and the last of these quantiles is the outer band of `plot_band`, and so on inwards.
+BAND = (0.05, 0.25, 0.5, 0.75, 0.95)
+#: Rows of panels have at most so many.
+ACROSS = 3
+
+
+def plot_band(data: xarray.DataArray, ax: Axes | None = None, *, nan: str = 'refuse') -> Axes:
+    """Quantiles of the variants over an index column, such as the dynamic factor over speed: the median, and the bands that 50 % and 90 % of
+    the variants are in.
+
+    Parameters
+    ----------
+    data : DataArray
+        A column over `variant` and one more dimension.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    nan : {'refuse', 'drop'}
+        As of `many.quantiles`.
+
+    Returns
+    -------
+    Axes
+    """
+    from ..many import quantiles
+
+    (dim,) = _rest(data, 1)
+    found = quantiles(data, BAND, nan=nan)
+    x, value = found[dim].values, found['value'].values
+    with canvas(ax, height=70 * MM, width=PAGE) as ax:
+        ax.fill_between(x, value[0], value[-1], color=ACCENT, alpha=0.18, linewidth=0, label='5 to 95 %')
+        ax.fill_between(x, value[1], value[-2], color=ACCENT, alpha=0.3, linewidth=0, label='25 to 75 %')
+        ax.plot(x, value[2], color=ACCENT, label='median')
+        ax.set_xlabel(_axis(dim, found[dim].attrs))
+        ax.set_ylabel(_label(data))
+        ax.legend(loc='upper left', title=f'{found.attrs["variants"]} variants')
+    return ax
+
+
+def plot_distribution(data: xarray.DataArray, ax: Axes | None = None, *, q: float = 0.95, nan: str = 'refuse') -> Axes:
+    """Share of the variants that are at most so large, and one of its quantiles with its band.
+
+    Parameters
+    ----------
+    data : DataArray
+        A column of one number for each variant.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+    q : float
+        Probability of the quantile that is marked.
+    nan : {'refuse', 'drop'}
+        As of `many.quantiles`.
+
+    Returns
+    -------
+    Axes
+    """
+    from ..many import quantiles
+
+    _rest(data, 0)
+    found = quantiles(data, q, nan=nan)
+    lower, value, upper = (float(found[name][0]) for name in ('lower', 'value', 'upper'))
+    ordered = np.sort(data.values[np.isfinite(data.values)])
+    with canvas(ax) as ax:
+        ax.step(ordered, np.arange(1, len(ordered) + 1) / len(ordered), where='post', color=ACCENT)
+        if np.isfinite([lower, upper]).all():
+            ax.axvspan(lower, upper, color=FAINT, alpha=0.5, linewidth=0)
+        ax.plot([value, value], [0, q], color=INK, linewidth=0.7)
+        words = f'{100 * q:g} %: {value:.4g}\n{100 * found.attrs["confidence"]:g} % sure: {lower:.4g} to {upper:.4g}'
+        ax.annotate(words, (value, q), (-4, -4), textcoords='offset points', ha='right', va='top')
+        ax.set_ylim(0, 1)
+        ax.set_xlabel(_label(data))
+        ax.set_ylabel('Share of the variants (–)')
+    return ax
+
+
+def plot_indices(found: xarray.Dataset, ax: Axes | None = None) -> Axes:
+    """Sobol' indices of first and total order of each key, the largest on top, with whiskers over their bands.
+
+    Parameters
+    ----------
+    found : Dataset
+        What `many.sensitivity` gives of a column of one number for each variant.
+    ax : Axes, optional
+        Where to draw; otherwise a figure is made.
+
+    Returns
+    -------
+    Axes
+    """
+    order = np.argsort(found['ST'].values)
+    with canvas(ax) as ax:
+        for name, color, off, words in (('S1', ACCENT, 0.2, 'first order'), ('ST', GREY, -0.2, 'total')):
+            value, lower, upper = (found[end].values[order] for end in (name, f'{name}_lower', f'{name}_upper'))
+            place = np.arange(len(order)) + off
+            ax.barh(place, value, height=0.36, color=color, label=words)
+            # A percentile of the samples may lie on the other side of the estimate.
+            ends = np.maximum(0, [value - lower, upper - value])
+            ax.errorbar(value, place, xerr=ends, fmt='none', ecolor=INK, elinewidth=0.7, capsize=2)
+        ax.set_yticks(np.arange(len(order)), [_words(name) for name in found['input'].values[order]])
+        ax.axvline(0, color=INK, linewidth=0.6)
+        ax.set_xlabel("Sobol' index (–)")
+        ax.set_ylabel('Input')
+        ax.legend(loc='lower right')
+    return ax
+
+
+def plot_scatter(data: xarray.Dataset, name: str, figure: Figure | None = None) -> Figure:
+    """A number of each variant over each key that is varied; variants without one are crosses at the lower edge.
+
+    Parameters
+    ----------
+    data : Dataset
+        What `many.run` or `many.open` gives.
+    name : str
+        A column of one number for each variant.
+    figure : Figure, optional
+        Where to draw; otherwise one is made.
+
+    Returns
+    -------
+    Figure
+    """
+    column = data[name]
+    _rest(column, 0)
+    inputs = list(data.attrs['inputs'])
+    there = np.isfinite(column.values)
+    missing = ~there & (data['status'].values != 0)
+    with style():
+        if figure is None:
+            from matplotlib import pyplot
+
+            rows = -(-len(inputs) // ACROSS)
+            figure = pyplot.figure(figsize=(PAGE, 55 * MM * rows), layout='constrained')
+        axes = figure.subplots(-(-len(inputs) // ACROSS), min(ACROSS, len(inputs)), sharey=True, squeeze=False).ravel()
+        for ax, key in zip(axes, inputs):
+            ax.plot(data[key].values[there], column.values[there], '.', color=ACCENT, markersize=2, alpha=0.5)
+            ax.plot(data[key].values[missing], np.zeros(missing.sum()), color=VERMILION, transform=ax.get_xaxis_transform(),
+                    clip_on=False, **CROSS)  # fmt: skip
+            ax.set_xlabel(_axis(_words(key), data[key].attrs))
+        for ax in axes[len(inputs) :]:
+            ax.set_axis_off()
+        for ax in axes[:: min(ACROSS, len(inputs))]:
+            ax.set_ylabel(_label(column))
+        if missing.any():
+            axes[0].set_title(f'{missing.sum()} of {len(there)} without a result', loc='left', color=VERMILION)
+    return figure
+
+
+def _rest(data: xarray.DataArray, wanted: int) -> list[str]:
+    """The dimensions other than that of the variants.
+
+    Raises
+    ------
+    ValueError
+        They are not so many.
+    """
+    rest = [str(dim) for dim in data.dims if dim != 'variant']
+    if len(rest) != wanted or 'variant' not in data.dims:
+        raise ValueError(f'{data.name}: has the dimensions {", ".join(map(str, data.dims))}; must have variant and {wanted} more')
+    return rest
+
+
+def _words(name: str) -> str:
+    """A column or key as people say it."""
+    return name.rpartition('.')[2].replace('_', ' ')
+
+
+def _label(data: xarray.DataArray) -> str:
+    words = _axis(_words(str(data.name)), data.attrs)
+    return words[:1].upper() + words[1:]
+
+
+def _axis(words: str, attributes: dict[Any, Any]) -> str:
+    """With the unit in brackets, and not once more at the end of the name."""
+    if words in ('rpm',):
+        return 'Speed of the pinion (1/min)'
+    unit = attributes.get('units', '')
+    tail = ' ' + unit.replace('/', ' ').replace('·', ' ').lower()
+    words = words.replace('_', ' ').removesuffix(tail)
+    return f'{words[:1].upper()}{words[1:]} ({unit.replace("um", "µm") or "–"})'
