@@ -21,6 +21,7 @@ HELP = f"""gearsweep {__version__}: dynamic factor of a spur-gear pair over spee
 
 usage: gearsweep CASE.nml [options]      (- reads the case from standard input)
        gearsweep panel [CASE.nml]        the front panel in the browser (panel --help)
+       gearsweep many PLAN.toml          many variants of a case (many --help)
 
   --out FOLDER    where the tables and pictures go (results); it is made if missing
   --name NAME     how they are called (as the case; stdin for -)
@@ -65,6 +66,8 @@ def main(words: list[str] | None = None) -> int:
             from .panel import main as panel
 
             return panel(words[1:])
+        if words[:1] == ['many']:
+            return many(words[1:])
         told = what_is_told(words)
         if told is None:
             answer(arguments(words))
@@ -79,6 +82,15 @@ def main(words: list[str] | None = None) -> int:
             complain(str(error))
         return Code.FILE if lost(error) else error.code
     return Code.OK
+
+
+def many(words: list[str]) -> int:
+    """The command `gearsweep many`, which needs packages of its own."""
+    try:
+        from .many.shell import main as command_of_many
+    except ImportError as error:
+        raise Error(str(error), Code.USAGE) from error
+    return command_of_many(words)
 
 
 def what_is_told(words: list[str]) -> str | None:

@@ -85,7 +85,7 @@ class Store:
 
     @contextlib.contextmanager
     def held(self, part: tuple[int, int]) -> Iterator[None]:
-        """Keeps other runs of the whole, or of this part, from computing the same.
+        """Keeps other runs of the whole from computing the same; those of parts may be several.
 
         Raises
         ------
@@ -97,28 +97,15 @@ class Store:
             return
         import fcntl
 
-        whole = part == (1, 1)
-        name = f'{self.path.rstrip("/")}.lock'
-        with _locked(name, fcntl.LOCK_EX if whole else fcntl.LOCK_SH, self.path):
-            with _locked(f'{name}-{part[0]}-{part[1]}', fcntl.LOCK_EX, self.path) if not whole else contextlib.nullcontext():
-                yield
-
-
-@contextlib.contextmanager
-def _locked(name: str, how: int, path: str) -> Iterator[None]:
-    import fcntl
-
-    with builtins.open(name, 'a') as file:
-        try:
-            fcntl.flock(file, how | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise Error(f'{path}: another run writes into it', Code.FILE) from error
-        except OSError:  # a file system without locks
+        how = fcntl.LOCK_EX if part == (1, 1) else fcntl.LOCK_SH
+        with builtins.open(os.path.join(self.path, 'zarr.json'), 'r+') as file:
+            try:
+                fcntl.flock(file, how | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                raise Error(f'{self.path}: another run writes into it', Code.FILE) from error
+            except OSError:  # a file system without locks
+                pass
             yield
-            return
-        yield
-        with contextlib.suppress(OSError):
-            os.unlink(name)
 
 
 def _letters(messages: list[str]) -> NDArray[np.uint8]:

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .look import ACCENT, CROSS, FAINT, GREY, INK, MM, PAGE, VERMILION, canvas, style
+from .._library import declared
+from .look import ACCENT, CROSS, FAINT, GREY, HALO, INK, MM, PAGE, VERMILION, canvas, legends_above, style
 
 if TYPE_CHECKING:
     import xarray
@@ -81,7 +82,7 @@ def plot_distribution(data: xarray.DataArray, ax: Axes | None = None, *, q: floa
             ax.axvspan(lower, upper, color=FAINT, alpha=0.5, linewidth=0)
         ax.plot([value, value], [0, q], color=INK, linewidth=0.7)
         words = f'{100 * q:g} %: {value:.4g}\n{100 * found.attrs["confidence"]:g} % sure: {lower:.4g} to {upper:.4g}'
-        ax.annotate(words, (value, q), (-4, -4), textcoords='offset points', ha='right', va='top')
+        ax.text(0.98, 0.06, words, ha='right', va='bottom', transform=ax.transAxes, path_effects=HALO)
         ax.set_ylim(0, 1)
         ax.set_xlabel(_label(data))
         ax.set_ylabel('Share of the variants (–)')
@@ -111,11 +112,11 @@ def plot_indices(found: xarray.Dataset, ax: Axes | None = None) -> Axes:
             # A percentile of the samples may lie on the other side of the estimate.
             ends = np.maximum(0, [value - lower, upper - value])
             ax.errorbar(value, place, xerr=ends, fmt='none', ecolor=INK, elinewidth=0.7, capsize=2)
-        ax.set_yticks(np.arange(len(order)), [_words(name) for name in found['input'].values[order]])
+        ax.set_yticks(np.arange(len(order)), [_key(name) for name in found['input'].values[order]])
         ax.axvline(0, color=INK, linewidth=0.6)
         ax.set_xlabel("Sobol' index (–)")
         ax.set_ylabel('Input')
-        ax.legend(loc='lower right')
+        legends_above(ax, ('', ax.get_legend_handles_labels()[0]))
     return ax
 
 
@@ -149,8 +150,9 @@ def plot_scatter(data: xarray.Dataset, name: str, figure: Figure | None = None) 
         axes = figure.subplots(-(-len(inputs) // ACROSS), min(ACROSS, len(inputs)), sharey=True, squeeze=False).ravel()
         for ax, key in zip(axes, inputs):
             ax.plot(data[key].values[there], column.values[there], '.', color=ACCENT, markersize=2, alpha=0.5)
-            ax.plot(data[key].values[missing], np.zeros(missing.sum()), color=VERMILION, transform=ax.get_xaxis_transform(),
-                    clip_on=False, **CROSS)  # fmt: skip
+            if missing.any():
+                ax.plot(data[key].values[missing], np.zeros(missing.sum()), color=VERMILION, transform=ax.get_xaxis_transform(),
+                        clip_on=False, **CROSS)  # fmt: skip
             ax.set_xlabel(_axis(_words(key), data[key].attrs))
         for ax in axes[len(inputs) :]:
             ax.set_axis_off()
@@ -178,6 +180,13 @@ def _rest(data: xarray.DataArray, wanted: int) -> list[str]:
 def _words(name: str) -> str:
     """A column or key as people say it."""
     return name.rpartition('.')[2].replace('_', ' ')
+
+
+def _key(name: str) -> str:
+    """A key that is varied, without its unit, with its group."""
+    group, _, key = name.partition('.')
+    unit = next((one['unit'] for one in declared()['keys'] if (one['group'], one['name']) == (group, key)), '')
+    return f'{group}: {_axis(_words(key), {"units": unit}).rpartition(" (")[0].lower()}'
 
 
 def _label(data: xarray.DataArray) -> str:

@@ -1,0 +1,179 @@
+"""The command `gearsweep many PLAN.toml`."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._library import Code, Error
+from .._watch import Line
+from . import plan_file, reading
+from .run import run
+from .statistics import quantiles
+from .status import ANSWERED
+
+if TYPE_CHECKING:
+    import xarray
+
+HELP = """gearsweep many: many variants of a case, into a store
+
+usage: gearsweep many PLAN.toml [options]
+
+  --workers N           processes on this machine (as many as it has processors)
+  --scheduler ADDRESS   a Dask scheduler, such as tcp://node:8786, instead
+  --part K/M            the K-th of M runs that share the store, such as those of a job array
+  --quiet               print errors only
+  --help                print this
+
+The same command goes on where a run was left. doc/many.md describes PLAN.toml.
+
+exit code: 0 done, 4 some variants have no plain result, 130 interrupted: what is done is kept; otherwise as gearsweep"""
+
+#: Seconds between two lines where no one looks at a terminal.
+_INTERVAL = 60.0
+
+
+@dataclass
+class Arguments:
+    plan: str = ''
+    workers: int = 0
+    scheduler: str = ''
+    part: tuple[int, int] = (1, 1)
+    quiet: bool = False
+
+
+def main(words: list[str]) -> int:
+    """Runs the command line `words`; the exit code."""
+    from ..__main__ import complain, say
+
+    if any(word in ('--help', '-h') for word in words):
+        say(HELP)
+        return Code.OK
+    wanted = arguments(words)
+    told = plan_file.read(wanted.plan)
+    progress = None if wanted.quiet else _Progress()
+    try:
+        data = run(told.plan, told.take, executor=_executor(wanted), store=told.store, size=told.size, seconds=told.seconds,
+                   progress=progress or False, part=wanted.part)  # fmt: skip
+    except KeyboardInterrupt:
+        complain('interrupted; the same command goes on from here')
+        return Code.INTERRUPTED
+    finally:
+        if progress:
+            progress.close()
+    if not wanted.quiet:
+        say('\n'.join(report(data, told.store)))
+    plain = set(reading.counts(data)) <= {'ok', 'pending'}
+    return Code.OK if plain else Code.PARTIAL
+
+
+def arguments(words: list[str]) -> Arguments:
+    """The command line.
+
+    Raises
+    ------
+    Error
+        It is not usable.
+    """
+    found = Arguments()
+    rest = iter(words)
+    for word in rest:
+        if word == '--quiet':
+            found.quiet = True
+        elif word in ('--workers', '--scheduler', '--part'):
+            _option(found, word, next(rest, ''))
+        elif word.startswith('-'):
+            raise _usage(f'unknown option {word}')
+        elif found.plan:
+            raise _usage(f'one plan at a time: {found.plan} and {word}')
+        else:
+            found.plan = word
+    if not found.plan:
+        raise _usage('no plan given')
+    if found.workers and found.scheduler:
+        raise _usage('--workers: a scheduler has workers of its own')
+    return found
+
+
+def _option(found: Arguments, word: str, value: str) -> None:
+    if not value or value.startswith('--'):
+        raise _usage(f'{word}: a value must follow')
+    if word == '--scheduler':
+        found.scheduler = value
+    elif word == '--workers':
+        if not (value.isascii() and value.isdigit() and 1 <= int(value) <= 1024):
+            raise _usage(f'--workers {value}: must be an integer from 1 to 1024')
+        found.workers = int(value)
+    else:
+        match = re.fullmatch(r'(\d+)/(\d+)', value, re.ASCII)
+        if not match or not 1 <= int(match[1]) <= int(match[2]):
+            raise _usage(f'--part {value}: must be K/M, with K from 1 to M, such as 3/64')
+        found.part = int(match[1]), int(match[2])
+
+
+def _usage(message: str) -> Error:
+    return Error(f'{message}; gearsweep many --help tells more', Code.USAGE)
+
+
+def _executor(wanted: Arguments) -> Any:
+    if not wanted.scheduler:
+        count = wanted.workers or (len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count() or 1)
+        return count if count > 1 else None
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise _usage(f"--scheduler needs distributed, which is not installed: pip install 'gearsweep[many]' ({error})") from error
+    try:
+        return Client(wanted.scheduler, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise Error(f'cannot reach the scheduler {wanted.scheduler}: {str(error) or type(error).__name__}', Code.FILE) from error
+
+
+def report(data: xarray.Dataset, store: str) -> list[str]:
+    """What the command prints at the end."""
+    counts = reading.counts(data)
+    lines = [f'Variants           {data.sizes["variant"]}: {", ".join(f"{count} {name}" for name, count in counts.items())}']
+    lines += list(_quantiles(data)) if 'pending' not in counts else []
+    return [*lines, f'Wrote              {store}']
+
+
+def _quantiles(data: xarray.Dataset) -> Iterator[str]:
+    """Median and 95 % quantile of columns of one number for each variant."""
+    there = data.isel(variant=np.flatnonzero(np.isin(data.status.values, ANSWERED)))
+    if data.attrs['kind'] not in ('random', 'lhs', 'sobol'):
+        return
+    if there.sizes['variant'] < data.sizes['variant']:
+        yield 'Quantiles          none, as some variants have no number; many.quantiles leaves them out where told to'
+        return
+    for name, column in there.data_vars.items():
+        if column.dims == ('variant',) and 'points' in column.attrs and np.isfinite(column.values).all():
+            found = quantiles(column, (0.5, 0.95))
+            said = ', '.join(f'{100 * q:g} %: {value:.5g} ({lower:.5g} to {upper:.5g})' for q, value, lower, upper in
+                             zip(found.q.values, found.value.values, found.lower.values, found.upper.values))  # fmt: skip
+            yield f'{name}\n                   {said}'
+
+
+class _Progress:
+    """A line on a terminal that is written over; elsewhere one now and then."""
+
+    def __init__(self) -> None:
+        self.line = Line('variants') if sys.stderr.isatty() else None
+        self.last = time.monotonic()
+
+    def __call__(self, done: int, total: int, failed: int) -> None:
+        if self.line:
+            self.line(done, total, failed)
+        elif time.monotonic() - self.last > _INTERVAL:
+            self.last = time.monotonic()
+            print(f'gearsweep: {done} of {total} variants done, {total - done} left, {failed} failed', file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        if self.line:
+            self.line.close()
