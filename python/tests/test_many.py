@@ -288,11 +288,16 @@ def test_two_runs_do_not_write_into_one_store(tmp_path):
 
 @pytest.mark.parametrize(('match', 'take'), [
     ('has no table sweeep.*did you mean sweep', 'sweeep.dynamic_factor'), ('has no column dynamic_facto', 'sweep.dynamic_facto'),
-    ('has words', 'sweep.status'), ('as many rows as come out', 'resonances.rpm'), ('names a column twice', ['sweep.rpm', 'sweep.rpm']),
+    ('has words', 'sweep.status'), ('names a column twice', ['sweep.rpm', 'sweep.rpm']),
     ('names no column', []),
 ])  # fmt: skip
 def test_columns_that_cannot_be_taken_are_told(match, take):
     fails_with(match, many.run, plan_of(4), take)
+
+
+def test_tables_of_as_many_rows_as_come_out_are_told():
+    plan = many.Plan.grid(GEARS, gear={'teeth': [34, 35]})
+    fails_with('as many rows as come out of a variant; give reduce', many.run, plan, 'outline.x_mm')
 
 
 def test_variants_that_fail_leave_the_others_alone(tmp_path):
@@ -340,8 +345,8 @@ def test_no_variant_at_all_is_an_error():
 
 def test_seeds_of_deviations_are_varied():
     """Gears of a class: each seed draws others, and the same ones again."""
-    case = CASE.changed(case={'tasks': 'as_built'}, gear={'teeth': 25}, sweep={'rpm_first': 9000, 'rpm_last': 9000}, pair={'module_mm': 3},
-                        deviations={'pinion_class': 6})  # fmt: skip
+    case = GEARS.changed(case={'tasks': 'as_built'}, gear={'teeth': 21}, load={'torque_nm': 100}, mesh={'model': 'iso6336'},
+                         sweep={'rpm_first': 9000, 'rpm_last': 9000, 'rpm_step': 1}, deviations={'pinion_class': 6})  # fmt: skip
     plan = many.Plan.grid(case, deviations={'seed': [1, 2, 1]})
     found = many.run(plan, 'as_built.dynamic_factor')['as_built.dynamic_factor'].values
     assert found.shape == (3,) and found[0] == found[2] != found[1]

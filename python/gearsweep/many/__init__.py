@@ -14,13 +14,12 @@
 doc/many.md has it with processes, Dask, stores, statistics and pictures. It needs `pip install 'gearsweep[many]'`.
 """
 
-import importlib
+import importlib.util
 
+# They are loaded where they are used, which is not in the processes that compute.
 for _package in ('scipy', 'xarray', 'zarr'):
-    try:
-        importlib.import_module(_package)
-    except ImportError as _error:
-        raise ImportError(f"gearsweep.many needs {_package}, which is not installed: pip install 'gearsweep[many]'") from _error
+    if importlib.util.find_spec(_package) is None:
+        raise ModuleNotFoundError(f"gearsweep.many needs {_package}, which is not installed: pip install 'gearsweep[many]'", name=_package)
 
 from .plan import Plan
 from .reading import case_of, counts, failures, open

@@ -5,11 +5,12 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import pickle
 import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,19 +87,26 @@ class Crew:
         self.executor = self.make()
         return True
 
-    def close(self) -> None:
-        """Ends an executor of ours, with what it still computes."""
+    def close(self, at_once: bool = False) -> None:
+        """Ends an executor of ours; at once: with what it still computes."""
         if self.make is None:
             return
-        for process in list((getattr(self.executor, '_processes', None) or {}).values()):
+        for process in list((getattr(self.executor, '_processes', None) or {}).values()) if at_once else ():
             process.terminate()
         self.executor.shutdown(wait=True, cancel_futures=True)
+
+    def check(self, job: Job) -> None:
+        """Raises an `Error` where the work cannot be sent to processes, before they are asked."""
+        if isinstance(self.executor, ProcessPoolExecutor):
+            try:
+                pickle.dumps(job)
+            except Exception as error:
+                raise Error(f'reduce: cannot be sent to other processes: {error}; a function of a module that they can import can') from error
 
 
 def _processes(count: int) -> Executor:
     """Processes that leave Ctrl-C to this one."""
     import multiprocessing
-    from concurrent.futures import ProcessPoolExecutor
 
     context = multiprocessing.get_context('spawn')
     return ProcessPoolExecutor(count, mp_context=context, initializer=_heeds_no_ctrl_c)

@@ -90,9 +90,12 @@ def run(
         if blocks:
             crew = Crew(executor)
             try:
+                crew.check(job)
                 _gather(plan, job, kept, crew, window, blocks, counts)
-            finally:
-                crew.close()
+            except BaseException:
+                crew.close(at_once=True)
+                raise
+            crew.close()
     return reading.dataset(kept)
 
 

@@ -1,0 +1,284 @@
+"""Workers, schedulers, disks and keys that stop a run of many variants: what is done is kept, and goes on to the same bits."""
+
+import concurrent.futures
+import os
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+
+import gearsweep
+from gearsweep import Code, Error
+
+many = pytest.importorskip('gearsweep.many')
+import many_faults  # noqa: E402
+from test_many import TAKE, digest, plan_of  # noqa: E402
+
+HERE = os.path.dirname(__file__)
+PLAN = plan_of(64, 4)
+#: Of its variants one ends its process, and it is not the first, which tells what the columns are like.
+(BAD,) = np.flatnonzero(PLAN.rows()[:, 2] == PLAN.rows()[:, 2].max())
+
+
+@pytest.fixture(autouse=True)
+def one_bad_variant():
+    """The limit of what goes wrong lies between the largest damping ratio of the plan and the next."""
+    ratios = np.sort(PLAN.rows()[:, 2])
+    assert ratios[-2] < many_faults.LIMIT < ratios[-1] and BAD > 16
+
+
+@pytest.fixture(autouse=True)
+def heeds_ctrl_c():
+    """As in a terminal, also where the tests run in the background and Ctrl-C is ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture(scope='module')
+def expected():
+    return many.run(PLAN, TAKE, reduce=many_faults.slow)
+
+
+def same_but(data, expected, bad, status):
+    """All variants but the bad ones have the numbers that they have without faults."""
+    fine = np.setdiff1d(np.arange(expected.sizes['variant']), bad)
+    assert (data.status.values[bad] == status).all() and (data.status.values[fine] == many.OK).all()
+    for name in (*TAKE, 'worst'):
+        np.testing.assert_array_equal(data[name].values[fine], expected[name].values[fine])
+        assert np.isnan(data[name].values[bad]).all()
+
+
+def test_a_variant_that_ends_its_process_is_found_alone(expected, tmp_path):
+    store = tmp_path / 'x.zarr'
+    data = many.run(PLAN, TAKE, reduce=many_faults.poison, executor=2, store=store, size=16)
+    same_but(data, expected, [BAD], many.CRASHED)
+    told = many.failures(store)
+    assert told.variant.tolist() == [BAD] and told.status[0] == 'crashed' and 'also where nothing else is computed' in told.message[0]
+    assert told['dynamics.damping_ratio'][0] == PLAN.rows()[BAD, 2]
+
+
+def test_a_worker_that_dies_once_costs_nothing(expected, tmp_path, monkeypatch):
+    monkeypatch.setenv('MANY_ONCE', str(tmp_path / 'died'))
+    data = many.run(PLAN, TAKE, reduce=many_faults.once, executor=2, store=tmp_path / 'x.zarr', size=16)
+    assert (tmp_path / 'died').exists() and digest(data) == digest(expected)
+
+
+def test_a_pool_of_the_callers_that_breaks_is_told_and_the_rest_kept(expected, tmp_path, monkeypatch):
+    monkeypatch.setenv('MANY_ONCE', str(tmp_path / 'died'))
+    store = tmp_path / 'x.zarr'
+
+    def go():
+        with concurrent.futures.ProcessPoolExecutor(1) as pool:
+            return many.run(PLAN, TAKE, reduce=many_faults.once, executor=pool, store=store, size=8, window=1)
+
+    with pytest.raises(Error, match='a worker process ended, and the pool with it') as caught:
+        go()
+    assert caught.value.code == Code.INTERRUPTED
+    done = many.counts(many.open(store))
+    assert done == {'pending': 64 - done['ok'], 'ok': BAD // 8 * 8}
+    assert digest(go()) == digest(expected)
+
+
+def test_dask_finds_the_variant_that_ends_its_worker(expected, tmp_path):
+    dask = pytest.importorskip('dask')
+    distributed = pytest.importorskip('distributed')
+    # One death of a worker is enough, which saves three more for each part; a scheduler's own is 3.
+    with (
+        dask.config.set({'distributed.scheduler.allowed-failures': 0}),
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        data = many.run(PLAN, TAKE, reduce=many_faults.poison, executor=client, store=tmp_path / 'x.zarr', size=32)
+    same_but(data, expected, [BAD], many.CRASHED)
+
+
+def test_a_variant_that_takes_too_long_is_late(tmp_path):
+    """A million speeds, which take a minute, among variants of fifteen."""
+    store = tmp_path / 'x.zarr'
+    plan = many.Plan.grid(PLAN.base.changed(dynamics={'damping_ratio': 0.01}), sweep={'rpm_step': [1000, 2000, 0.014, 4000]})
+    began = time.monotonic()
+    data = many.run(plan, TAKE[0], seconds=0.5, store=store)
+    assert time.monotonic() - began < 10
+    assert data.status.values.tolist() == [many.OK, many.OK, many.LATE, many.OK]
+    assert many.failures(store).message.tolist() == ['not done after 0.5 s']
+
+
+def test_a_run_has_seconds():
+    case = PLAN.base.changed(sweep={'rpm_step': 0.014})
+    with pytest.raises(Error, match=r'^the run is not done after 0.3 s$') as caught:
+        gearsweep.run(case, seconds=0.3)
+    assert caught.value.code == Code.INTERRUPTED
+    with pytest.raises(Error, match='seconds = 0: must be above 0'):
+        gearsweep.run(case, seconds=0)
+    assert gearsweep.run(PLAN.base, seconds=60).is_complete
+
+
+def test_a_run_that_is_late_keeps_what_is_done(tmp_path):
+    """Half a minute of points of which some are done by then."""
+    case = PLAN.base.changed(dynamics={'damping_ratio': 0.01}, relief={'amount_um': [0, 2, 15]}, sweep={'rpm_step': 2})
+    with pytest.raises(Error, match='not done'):
+        gearsweep.run(case, seconds=0.5, keep=tmp_path / 'kept')
+    assert (tmp_path / 'kept').exists()
+
+
+@pytest.mark.parametrize('executor', [None, 2], ids=['here', 'processes'])
+def test_ctrl_c_keeps_what_is_done(expected, tmp_path, executor):
+    store, sent = tmp_path / 'x.zarr', []
+
+    def progress(done, total, failed):
+        if done >= 16 and not sent:
+            sent.append(done)
+            threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+
+    options = dict(reduce=many_faults.slow, store=store, size=8)
+    with pytest.raises(KeyboardInterrupt):
+        many.run(PLAN, TAKE, executor=executor, progress=progress, **options)
+        time.sleep(5)
+    done = many.counts(many.open(store))
+    assert done['ok'] >= 16 and done['pending'] > 0
+    assert digest(many.run(PLAN, TAKE, executor=executor, **options)) == digest(expected)
+
+
+WHOLE = f"""
+import sys
+sys.path.insert(0, {HERE!r})
+
+if __name__ == '__main__':
+    from gearsweep import many
+    from many_faults import slow
+    from test_many import TAKE, plan_of
+
+    many.run(plan_of(64, 4), TAKE, reduce=slow, executor=2, store=sys.argv[1], size=8)
+"""
+
+
+def test_the_whole_group_killed_again_and_again_gives_the_same_bits(expected, tmp_path):
+    """Each time some blocks more are there, until a run comes to its end."""
+    store, script = tmp_path / 'x.zarr', tmp_path / 'whole.py'
+    script.write_text(WHOLE)
+    seen = [0]
+    for _ in range(2):
+        running = subprocess.Popen([sys.executable, script, store], start_new_session=True, stderr=subprocess.DEVNULL)
+        until = time.monotonic() + 60
+        while time.monotonic() < until and running.poll() is None and done_in(store) < seen[-1] + 8:
+            time.sleep(0.02)
+        os.killpg(running.pid, signal.SIGKILL)
+        running.wait()
+        seen.append(done_in(store))
+    assert seen == sorted(set(seen)) and seen[-1] < 64, seen
+    subprocess.run([sys.executable, script, store], check=True)
+    assert digest(many.open(store)) == digest(expected)
+
+
+def done_in(store):
+    try:
+        return int((many.open(store).status.values != many.PENDING).sum())
+    except Error:
+        return 0
+
+
+def test_statuses_are_written_last(tmp_path, monkeypatch):
+    """A store that is killed between two arrays of a block has the block as not done."""
+    from gearsweep.many import store as stores
+
+    written = []
+
+    class Array:
+        def __init__(self, name):
+            self.name = name
+
+        def __setitem__(self, place, values):
+            written.append(self.name)
+
+    many.run(plan_of(4), TAKE, store=tmp_path / 'x.zarr')
+    kept = stores.read(tmp_path / 'x.zarr')
+    block = many.rows.empty(kept.taken, 4, many.FAILED, 'why')
+    group = type('Group', (), {'attrs': kept.group.attrs, '__getitem__': lambda self, name: Array(name)})()
+    monkeypatch.setattr(kept, 'group', group)
+    kept.put(0, plan_of(4).rows(), block)
+    assert written[-1] == 'status' and set(written[:-1]) == {*PLAN.names, *TAKE, 'message'}
+
+
+def test_a_full_disk_is_told_and_what_is_there_goes_on(expected, tmp_path):
+    """Files of more than a few hundred bytes cannot be written, as a limit of the process says."""
+    store = tmp_path / 'x.zarr'
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    options = dict(reduce=many_faults.slow, store=store, size=16)
+
+    def full(done, total, failed):
+        if done == 16:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (300, before[1]))
+
+    try:
+        with pytest.raises(Error, match='cannot write .*x.zarr: File too large') as caught:
+            many.run(PLAN, TAKE, progress=full, **options)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert caught.value.code == Code.FILE
+    assert many.counts(many.open(store)) == {'pending': 48, 'ok': 16}
+    assert digest(many.run(PLAN, TAKE, **options)) == digest(expected)
+
+
+def test_a_store_that_cannot_be_made_leaves_nothing(tmp_path):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
+        with pytest.raises(Error, match='cannot write .*x.zarr: ') as caught:
+            many.run(plan_of(4), TAKE, store=tmp_path / 'x.zarr')
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert caught.value.code == Code.FILE and not list(tmp_path.iterdir())
+
+
+def test_a_scheduler_that_dies_is_told_and_what_is_there_goes_on(expected, tmp_path):
+    distributed = pytest.importorskip('distributed')
+    store, file = tmp_path / 'x.zarr', tmp_path / 'scheduler.json'
+    environment = os.environ | {'PYTHONPATH': HERE}
+    quiet = dict(stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, env=environment, cwd=tmp_path)
+    command = [sys.executable, '-m', 'distributed.cli.dask_scheduler', '--host', '127.0.0.1', '--port', '0', '--no-dashboard']
+    scheduler = subprocess.Popen([*command, '--scheduler-file', file], **quiet)
+    worker = subprocess.Popen([sys.executable, '-m', 'distributed.cli.dask_worker', '--scheduler-file', file, '--nthreads', '1', '--no-nanny',
+                               '--no-dashboard', '--death-timeout', '20'], **quiet)  # fmt: skip
+    options = dict(reduce=many_faults.slow, store=store, size=8)
+    try:
+        until = time.monotonic() + 30
+        while not file.exists() and time.monotonic() < until:
+            time.sleep(0.05)
+        with distributed.Client(scheduler_file=str(file), timeout=20, set_as_default=False) as client:
+            with pytest.raises(Error, match='the scheduler is gone|takes no work') as caught:
+                many.run(PLAN, TAKE, executor=client, progress=lambda done, total, failed: done >= 16 and scheduler.kill(), **options)
+            assert caught.value.code == Code.INTERRUPTED
+    finally:
+        for process in (scheduler, worker):
+            process.kill()
+            process.wait()
+    done = many.counts(many.open(store))
+    assert done['ok'] >= 16 and done['pending'] > 0
+    assert digest(many.run(PLAN, TAKE, **options)) == digest(expected)
+
+
+def test_a_worker_with_another_kernel_is_refused(monkeypatch):
+    """Its bits would be others."""
+    monkeypatch.setattr(many.rows, 'made_here', lambda: ('0.1.0', 'Prescott'))
+    with pytest.raises(Error, match='a worker has the OpenBLAS kernel Prescott, this process .*set OPENBLAS_CORETYPE'):
+        many.run(plan_of(4), TAKE)
+
+
+def test_a_task_that_cannot_be_sent_is_told():
+    with pytest.raises(Error, match='reduce: cannot be sent to other processes: .*lambda'):
+        many.run(plan_of(4), TAKE, reduce=lambda study: {'x': 1}, executor=1)
+
+
+@pytest.mark.parametrize('given', ['two', 2.5, object()])
+def test_what_is_no_executor_is_told(given):
+    with pytest.raises(TypeError, match='executor: must be an Executor'):
+        many.run(plan_of(4), TAKE, executor=given)
+    with pytest.raises(Error, match='executor = 0: must be a number of processes'):
+        many.run(plan_of(4), TAKE, executor=0)
