@@ -12,7 +12,6 @@ import time
 import numpy as np
 import pytest
 
-
 import gearsweep
 from gearsweep import Code, Error
 
@@ -86,16 +85,30 @@ def test_a_pool_of_the_callers_that_breaks_is_told_and_the_rest_kept(expected, t
     assert digest(go()) == digest(expected)
 
 
-def test_dask_finds_the_variant_that_ends_its_worker(expected, tmp_path):
+@pytest.fixture(scope='module')
+def cluster():
+    """Processes of Dask, of which one death is enough to give up a block, which saves three more each time; a scheduler's own number is 3."""
     dask = pytest.importorskip('dask')
     distributed = pytest.importorskip('distributed')
-    # One death of a worker is enough, which saves three more for each part; a scheduler's own is 3.
     with (
         dask.config.set({'distributed.scheduler.allowed-failures': 0}),
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster,
-        distributed.Client(cluster) as client,
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50) as made,
+        distributed.Client(made) as client,
     ):
-        data = many.run(PLAN, TAKE, reduce=many_faults.poison, executor=client, store=tmp_path / 'x.zarr', size=32)
+        yield made, client
+
+
+def test_the_same_bits_by_dask_with_any_number_of_workers(cluster, tmp_path):
+    made, client = cluster
+    expected = digest(many.run(PLAN, TAKE))
+    for workers in (1, 2, 3):
+        made.scale(workers)
+        client.wait_for_workers(workers)
+        assert digest(many.run(PLAN, TAKE, executor=client, store=tmp_path / f'{workers}.zarr', size=9)) == expected
+
+
+def test_dask_finds_the_variant_that_ends_its_worker(cluster, expected, tmp_path):
+    data = many.run(PLAN, TAKE, reduce=many_faults.poison, executor=cluster[1], store=tmp_path / 'x.zarr', size=32)
     same_but(data, expected, [BAD], many.CRASHED)
 
 
@@ -217,7 +230,7 @@ def test_a_full_disk_is_told_and_what_is_there_goes_on(expected, tmp_path):
             resource.setrlimit(resource.RLIMIT_FSIZE, (300, before[1]))
 
     try:
-        with pytest.raises(Error, match='cannot write .*x.zarr: File too large') as caught:
+        with pytest.raises(Error, match=r'cannot write .*x.zarr: File too large') as caught:
             many.run(PLAN, TAKE, progress=full, **options)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -230,7 +243,7 @@ def test_a_store_that_cannot_be_made_leaves_nothing(tmp_path):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     try:
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
-        with pytest.raises(Error, match='cannot write .*x.zarr: ') as caught:
+        with pytest.raises(Error, match=r'cannot write .*x.zarr: ') as caught:
             many.run(plan_of(4), TAKE, store=tmp_path / 'x.zarr')
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -252,7 +265,7 @@ def test_a_scheduler_that_dies_is_told_and_what_is_there_goes_on(expected, tmp_p
         while not file.exists() and time.monotonic() < until:
             time.sleep(0.05)
         with distributed.Client(scheduler_file=str(file), timeout=20, set_as_default=False) as client:
-            with pytest.raises(Error, match='the scheduler is gone|takes no work') as caught:
+            with pytest.raises(Error, match=r'the scheduler is gone|takes no work') as caught:
                 many.run(PLAN, TAKE, executor=client, progress=lambda done, total, failed: done >= 16 and scheduler.kill(), **options)
             assert caught.value.code == Code.INTERRUPTED
     finally:
@@ -267,12 +280,12 @@ def test_a_scheduler_that_dies_is_told_and_what_is_there_goes_on(expected, tmp_p
 def test_a_worker_with_another_kernel_is_refused(monkeypatch):
     """Its bits would be others."""
     monkeypatch.setattr(many.rows, 'made_here', lambda: ('0.1.0', 'Prescott'))
-    with pytest.raises(Error, match='a worker has the OpenBLAS kernel Prescott, this process .*set OPENBLAS_CORETYPE'):
+    with pytest.raises(Error, match=r'a worker has the OpenBLAS kernel Prescott, this process .*set OPENBLAS_CORETYPE'):
         many.run(plan_of(4), TAKE)
 
 
 def test_a_task_that_cannot_be_sent_is_told():
-    with pytest.raises(Error, match='reduce: cannot be sent to other processes: .*lambda'):
+    with pytest.raises(Error, match=r'reduce: cannot be sent to other processes: .*lambda'):
         many.run(plan_of(4), TAKE, reduce=lambda study: {'x': 1}, executor=1)
 
 

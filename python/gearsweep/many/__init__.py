@@ -14,19 +14,16 @@
 doc/many.md has it with processes, Dask, stores, statistics and pictures. It needs `pip install 'gearsweep[many]'`.
 """
 
-import importlib.util
+import importlib
 
-# They are loaded where they are used, which is not in the processes that compute.
-for _package in ('scipy', 'xarray', 'zarr'):
-    if importlib.util.find_spec(_package) is None:
-        raise ModuleNotFoundError(f"gearsweep.many needs {_package}, which is not installed: pip install 'gearsweep[many]'", name=_package)
-
+from . import needs as _needs
 from .plan import Plan
 from .reading import case_of, counts, failures, open
 from .run import run
 from .statistics import quantiles, sensitivity
 from .status import Status
 
+_needs.check()
 PENDING, OK, PARTIAL, REFUSED, FAILED, CRASHED, LATE = Status
 
 __all__ = [

@@ -92,7 +92,7 @@ class Crew:
         if self.make is None:
             return
         for process in list((getattr(self.executor, '_processes', None) or {}).values()) if at_once else ():
-            process.terminate()
+            process.kill()
         self.executor.shutdown(wait=True, cancel_futures=True)
 
     def check(self, job: Job) -> None:
@@ -105,18 +105,29 @@ class Crew:
 
 
 def _processes(count: int) -> Executor:
-    """Processes that leave Ctrl-C to this one."""
+    """Processes that leave Ctrl-C to this one, and end with it."""
     import multiprocessing
 
     context = multiprocessing.get_context('spawn')
-    return ProcessPoolExecutor(count, mp_context=context, initializer=_heeds_no_ctrl_c)
+    return ProcessPoolExecutor(count, mp_context=context, initializer=_follow)
 
 
-def _heeds_no_ctrl_c() -> None:
+def _follow() -> None:
+    """In a process that computes: Ctrl-C and SIGTERM are the parent's, and where that is killed, nobody else would end this one."""
+    import multiprocessing
     import signal
+    import threading
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    for one in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(one, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def end() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=end, daemon=True).start()
 
 
 @dataclass(frozen=True)

@@ -49,12 +49,12 @@ class Taken:
     reduced : tuple of Output
         Of `reduce`.
     coordinates : dict
-        By dimension: its table and values, which must be those of each variant.
+        By dimension: its table, its values, which must be those of each variant, and their unit.
     """
 
     columns: tuple[Output, ...]
     reduced: tuple[Output, ...]
-    coordinates: dict[str, tuple[str, Reals]]
+    coordinates: dict[str, tuple[str, NDArray[Any], str]]
 
     def of(self, study: Study, reduce: Reduce | None) -> dict[str, Reals]:
         """The numbers of a variant.
@@ -65,10 +65,9 @@ class Taken:
             Its results have other index columns than those of the first.
         """
         found = {}
-        for name, (table, values) in self.coordinates.items():
+        for name, (table, values, _) in self.coordinates.items():
             column = name.rpartition('.')[2]
-            there = np.asarray(study[table][column], float)
-            if not np.array_equal(there, values, equal_nan=True):
+            if not np.array_equal(study[table][column], values):
                 raise Error(f"table {table}: the values of {column} are not those of the other variants; take another column, or give reduce")
         for one in self.columns:
             table, _, column = one.name.partition('.')
@@ -94,7 +93,7 @@ def taken(study: Study, take: Sequence[str], reduce: Reduce | None) -> Taken:
     Error
         There is no such column, or it has words, or as many rows as come out.
     """
-    coordinates: dict[str, tuple[str, Reals]] = {}
+    coordinates: dict[str, tuple[str, NDArray[Any], str]] = {}
     columns = tuple(_column(study, name, coordinates) for name in take)
     reduced = []
     for name, values in (reduce(study) if reduce else {}).items():
@@ -105,7 +104,7 @@ def taken(study: Study, take: Sequence[str], reduce: Reduce | None) -> Taken:
     return Taken(columns, tuple(reduced), coordinates)
 
 
-def _column(study: Study, name: str, coordinates: dict[str, tuple[str, Reals]]) -> Output:
+def _column(study: Study, name: str, coordinates: dict[str, tuple[str, NDArray[Any], str]]) -> Output:
     table_name, _, column = name.partition('.')
     if table_name not in study:
         raise Error(f"take: {name}: the case has no table {table_name}{meant(table_name, study.tables)}; the case asks for {', '.join(study.case.tasks)}")
@@ -122,12 +121,9 @@ def _column(study: Study, name: str, coordinates: dict[str, tuple[str, Reals]]) 
     return Output(name, tuple(dim for dim, _ in named), tuple(size for _, size in named), table.units[column], table.meanings[column])
 
 
-def _named(table: Table, dim: str, coordinates: dict[str, tuple[str, Reals]]) -> str:
+def _named(table: Table, dim: str, coordinates: dict[str, tuple[str, NDArray[Any], str]]) -> str:
     """The name of a dimension: its own, unless another table has one of this name with other values."""
-    values = table[dim]
-    if values.dtype.kind == 'U':
-        raise Error(f'table {table.name}: its index column {dim} has words; give reduce')
-    values = np.asarray(values, float)
+    values = np.asarray(table[dim])
     name = dim if dim not in coordinates or np.array_equal(coordinates[dim][1], values) else f'{table.name}.{dim}'
-    coordinates.setdefault(name, (table.name, values))
+    coordinates.setdefault(name, (table.name, values, table.units[dim]))
     return name

@@ -42,7 +42,7 @@ def dataset(kept: Store) -> xarray.Dataset:
     about = kept.about
     plan = about['plan']
     names = [*about['names'], *(one['name'] for what in ('columns', 'reduced') for one in about[what]), STATUS]
-    data = data[names].assign_coords({name: data[name] for name in about['coordinates']})
+    data = data[names].assign_coords({name: (name, kept.along(name), {'units': one['unit']}) for name, one in about['coordinates'].items()})
     data.attrs = {'store': kept.path, 'mark': about['mark'], 'kind': plan['kind'], 'seed': plan['seed'], 'version': plan['version'],
                   'OpenBLAS kernel': plan['OpenBLAS kernel'], 'inputs': list(about['names'])}  # fmt: skip
     return data
@@ -94,7 +94,7 @@ def _values(kept: Store, at: np.ndarray) -> np.ndarray:
 
 
 def _messages(kept: Store, at: np.ndarray) -> list[str]:
-    return [stores.words(row) for row in kept.group[stores.MESSAGE].oindex[at]] if at.size else []
+    return [stores.message(row) for row in kept.group[stores.MESSAGE].oindex[at]] if at.size else []
 
 
 def counts(data: xarray.Dataset) -> dict[str, int]:

@@ -12,7 +12,8 @@ import numpy as np
 
 from .._library import Code, Error
 from .._watch import Late, Line
-from . import reading, store as stores
+from . import reading
+from . import store as stores
 from .flow import Crew, Flow, Piece
 from .inputs import case_with
 from .outputs import Reduce, Taken, taken

@@ -71,7 +71,7 @@ def quantiles(
     value = np.quantile(values, wanted, axis=0)
     lower, upper = (_of_scrambles(values, group, count, wanted, value, confidence) if kind == 'sobol'
                     else _of_order(values, wanted, confidence))  # fmt: skip
-    coords = {'q': wanted} | {dim: data[dim] for dim in rest if dim in data.coords}
+    coords: dict[Any, Any] = {'q': wanted} | {dim: data[dim] for dim in rest if dim in data.coords}
     arrays = {name: (('q', *rest), one) for name, one in (('value', value), ('lower', lower), ('upper', upper))}
     return xarray.Dataset(arrays, coords, {**data.attrs, 'name': str(data.name), 'variants': len(values), 'confidence': confidence})
 
@@ -80,7 +80,7 @@ def _without_nan(values: Reals, who: str, nan: str) -> NDArray[np.bool_]:
     """Which variants have all of their numbers."""
     if nan not in ('refuse', 'drop'):
         raise Error(f"{who}: nan = {nan!r}: must be 'refuse' or 'drop'")
-    kept = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+    kept = np.asarray(np.isfinite(values.reshape(len(values), -1)).all(axis=1))
     missing = int((~kept).sum())
     if missing and nan == 'refuse':
         raise Error(f"{who}: {missing} of {len(values)} variants have no number; many.failures names them, nan='drop' leaves them out")
@@ -173,11 +173,12 @@ def sensitivity(data: xarray.DataArray, *, confidence: float = 0.95, nan: str = 
         raise Error('sensitivity: all numbers are equal; no key changes them')
     n = len(base)
     drawn = np.random.default_rng(seed).multinomial(n, np.full(n, 1 / n), _RESAMPLES) / n
-    found, (lower, upper) = {}, np.quantile(_indices(base, drawn), [(1 - confidence) / 2, (1 + confidence) / 2], axis=0)
+    found: dict[str, Reals] = {}
+    lower, upper = np.quantile(_indices(base, drawn), [(1 - confidence) / 2, (1 + confidence) / 2], axis=0)
     for at, (name, value) in enumerate(zip(('S1', 'ST'), _indices(base, np.full((1, n), 1 / n))[0])):
         found |= {name: value, f'{name}_lower': lower[at], f'{name}_upper': upper[at]}
-    coords: dict[str, Any] = {'input': names} | {dim: data[dim] for dim in rest if dim in data.coords}
-    arrays = {name: (('input', *rest), one) for name, one in found.items()}
+    coords: dict[Any, Any] = {'input': names} | {dim: data[dim] for dim in rest if dim in data.coords}
+    arrays: dict[Any, Any] = {name: (('input', *rest), one) for name, one in found.items()}
     return xarray.Dataset(arrays, coords, {**data.attrs, 'name': str(data.name), 'base_points': len(base), 'confidence': confidence})
 
 

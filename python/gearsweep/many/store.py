@@ -52,8 +52,13 @@ class Store:
         about = self.about
         outputs = [[Output(one['name'], tuple(one['dims']), tuple(one['shape']), one['unit'], one['meaning']) for one in about[what]]
                    for what in ('columns', 'reduced')]  # fmt: skip
-        coordinates = {name: (table, self.group[name][:]) for name, table in about['coordinates'].items()}
-        return Taken(*map(tuple, outputs), coordinates)  # type: ignore[arg-type]
+        coordinates = {name: (one['table'], self.along(name), one['unit']) for name, one in about['coordinates'].items()}
+        return Taken(tuple(outputs[0]), tuple(outputs[1]), coordinates)
+
+    def along(self, dim: str) -> NDArray[Any]:
+        """The values of an index column; words stand in the attributes, as Zarr has no lasting form for them."""
+        words = self.about['coordinates'][dim]['words']
+        return self.group[dim][:] if words is None else np.array(words)
 
     def blocks(self, part: tuple[int, int]) -> Iterator[tuple[int, int]]:
         """First variant and the one behind the last of each block, of part k of m."""
@@ -116,7 +121,7 @@ def _letters(messages: list[str]) -> NDArray[np.uint8]:
     return found
 
 
-def words(letters: NDArray[np.uint8]) -> str:
+def message(letters: NDArray[np.uint8]) -> str:
     return letters.tobytes().rstrip(b'\0').decode('utf-8', 'replace')
 
 
@@ -132,7 +137,7 @@ def read(path: str | os.PathLike) -> Store:
 
     path = os.fspath(path)
     try:
-        group = zarr.open_group(path, mode='r+')
+        group: Any = zarr.open_group(path, mode='r+')
         if group.attrs['gearsweep']['format'] != FORMAT:
             raise Error(f'cannot read {path}: its format is not known to this version', Code.FILE)
         return Store(group, path)
@@ -202,7 +207,10 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int) -> Any:
         return array
 
     n = plan.n
-    for name, (_, values) in taken.coordinates.items():
+    words = {name: values.tolist() if values.dtype.kind == 'U' else None for name, (_, values, _) in taken.coordinates.items()}
+    for name, (_, values, _) in taken.coordinates.items():
+        if words[name] is not None:
+            continue
         add(name, values.shape, 'float64', (name,), np.nan)[:] = values
     units = {f'{one["group"]}.{one["name"]}': one for one in _declared()}
     for one in plan.inputs:
@@ -218,7 +226,7 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int) -> Any:
         'names': list(plan.names),
         'keys': [{'group': key.group, 'key': key.key, 'whole': key.whole, 'choices': key.choices} for key in plan.keys],
         'columns': [_told(one) for one in taken.columns], 'reduced': [_told(one) for one in taken.reduced],
-        'coordinates': {name: table for name, (table, _) in taken.coordinates.items()},
+        'coordinates': {name: {'table': table, 'words': words[name], 'unit': unit} for name, (table, _, unit) in taken.coordinates.items()},
         'host': platform.platform(), 'numpy': np.__version__, 'scipy': scipy.__version__,
     }  # fmt: skip
     return group

@@ -196,7 +196,7 @@ def _label(data: xarray.DataArray) -> str:
 
 def _axis(words: str, attributes: dict[Any, Any]) -> str:
     """With the unit in brackets, and not once more at the end of the name."""
-    if words in ('rpm',):
+    if words == 'rpm':
         return 'Speed of the pinion (1/min)'
     unit = attributes.get('units', '')
     tail = ' ' + unit.replace('/', ' ').replace('·', ' ').lower()

@@ -1,0 +1,156 @@
+"""`gearsweep many PLAN.toml`: the plan as a file, and what the command prints, leaves and returns."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from gearsweep import Code, Error
+from gearsweep.__main__ import main
+
+many = pytest.importorskip('gearsweep.many')
+from test_many import CASE, TAKE, digest, plan_of  # noqa: E402
+
+from gearsweep.many import plan_file  # noqa: E402
+
+PLAN = """
+case = 'case.nml'
+kind = 'random'
+n = 96
+seed = 3
+take = ['sweep_worst.worst_dynamic_factor', 'sweep.dynamic_factor']
+size = 16
+
+[change.relief]
+amount_um = 10
+
+[vary.load]
+normal_force_n = {distribution = 'norm', loc = 7000, scale = 300}
+[vary.relief]
+amount_um = {distribution = 'truncnorm', a = -3, b = 3, loc = 15, scale = 1.5}
+[vary.dynamics]
+damping_ratio = {distribution = 'uniform', loc = 0.1, scale = 0.14}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    CASE.write(tmp_path / 'case.nml')
+    (tmp_path / 'plan.toml').write_text(PLAN)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_file_tells_the_plan_that_python_makes(folder):
+    told = plan_file.read('plan.toml')
+    np.testing.assert_array_equal(told.plan.rows(), plan_of().rows())
+    assert told.plan.names == plan_of().names and told.take == TAKE and (told.size, told.seconds) == (16, None)
+    assert told.plan.base.get('relief', 'amount_um') == 10 and told.store == 'plan.zarr'
+
+
+@pytest.mark.parametrize(('line', 'instead', 'match'), [
+    ("case = 'case.nml'", '', 'plan.toml: case: missing; must be the name of a file'),
+    ("case = 'case.nml'", "case = 'none.nml'", 'plan.toml: cannot read none.nml: No such file'),
+    ("kind = 'random'", "kind = 'randm'", "kind = 'randm': must be one of sobol, random, lhs"),
+    ('n = 96', 'n = 9.6', 'n = 9.6: must be a whole number'),
+    ('n = 96', 'n = true', 'n = True: must be a whole number'),
+    ('n = 96', 'n = 0', 'n = 0: must be a whole number of at least 1'),
+    ('n = 96', '', 'n: missing'),
+    ('seed = 3', 'sead = 3', r'sead: unknown \(did you mean seed\?\)'),
+    ('seed = 3', 'scrambles = 4', "scrambles: is not used with kind = 'random'"),
+    ('seed = 3', 'seed = 3 4', 'plan.toml: is no TOML'),
+    ('[vary.load]', '[vary.loads]', 'no group loads.*did you mean load|unknown group.*load'),
+    ('normal_force_n = {', 'normal_force = {', r'\[vary.load\]: &load normal_force'),
+    ("distribution = 'norm'", "distribution = 'nrom'", r"\[vary.load\] normal_force_n: distribution = 'nrom': must be one of scipy.stats.*did you mean norm"),
+    ('loc = 7000, scale', 'mean = 7000, scale', r'\[vary.load\] normal_force_n: mean = 7000: norm has the numbers loc, scale'),
+    ("scale = 300", "scale = '300'", r"normal_force_n: scale = '300': must be a number"),
+    ('scale = 300', 'scale = -300', 'norm is not possible with loc = 7000, scale = -300'),
+    ('a = -3, ', '', r'\[vary.relief\] amount_um: a: missing; truncnorm has the numbers a, b, loc, scale'),
+    ("{distribution = 'norm', loc = 7000, scale = 300}", '7000', r'\[vary.load\] normal_force_n = 7000: must be a list of values, or \{distribution'),
+    ("{distribution = 'norm', loc = 7000, scale = 300}", '[]', r'\[vary.load\]: &load normal_force_n: the list is empty'),
+    ('amount_um = 10', "amount_um = 10\namont_um = 1", 'did you mean amount_um'),
+    ("take = [", "take = [3, ", "take = 3: must be a column 'table.column'"),
+])  # fmt: skip
+def test_what_is_wrong_in_a_file_is_told_with_its_place(folder, line, instead, match):
+    (folder / 'plan.toml').write_text(PLAN.replace(line, instead, 1))
+    with pytest.raises(Error, match=match):
+        plan_file.read('plan.toml')
+
+
+def test_a_table_and_a_grid_are_told_by_files(folder):
+    (folder / 'rows.csv').write_text('# made by hand\nrelief.amount_um,sweep.direction\n1.5,up\n2.5,down\n')
+    (folder / 'plan.toml').write_text("case = 'case.nml'\nkind = 'table'\ntable = 'rows.csv'\ntake = 'sweep.dynamic_factor'\n")
+    plan = plan_file.read('plan.toml').plan
+    assert plan.case(1).get('relief', 'amount_um') == 2.5 and plan.case(1).get('sweep', 'direction') == 'down'
+    (folder / 'plan.toml').write_text("case = 'case.nml'\nkind = 'grid'\ntake = 'sweep.dynamic_factor'\n[vary.relief]\namount_um = [1, 2, 3]\n")
+    assert plan_file.read('plan.toml').plan.n == 3
+    (folder / 'rows.csv').write_text('relief.amount_um\n')
+    (folder / 'plan.toml').write_text("case = 'case.nml'\nkind = 'table'\ntable = 'rows.csv'\ntake = 'sweep.dynamic_factor'\n")
+    with pytest.raises(Error, match=r'rows.csv: must be a table \(CSV\) with a line of names'):
+        plan_file.read('plan.toml')
+
+
+def test_the_command_prints_quantiles_and_leaves_a_store(folder, capsys):
+    assert main(['many', 'plan.toml', '--workers', '1']) == Code.OK
+    said = capsys.readouterr().out
+    data = many.open('plan.zarr')
+    found = many.quantiles(data[TAKE[0]], 0.95)
+    assert 'Variants           96: 96 ok' in said and 'Wrote              plan.zarr' in said
+    assert f'95 %: {found["value"][0]:.5g} ({found["lower"][0]:.5g} to {found["upper"][0]:.5g})' in said
+    assert digest(data) == digest(many.run(plan_of(), TAKE))
+    # Again: nothing is left to do.
+    assert main(['many', 'plan.toml', '--quiet']) == Code.OK and capsys.readouterr().out == ''
+
+
+def test_parts_of_the_command_make_the_whole(folder, capsys):
+    assert main(['many', 'plan.toml', '--workers', '1', '--part', '2/2']) == Code.OK
+    assert '48 pending, 48 ok' in capsys.readouterr().out
+    assert main(['many', 'plan.toml', '--workers', '1', '--part', '1/2', '--quiet']) == Code.OK
+    assert digest(many.open('plan.zarr')) == digest(many.run(plan_of(), TAKE))
+
+
+def test_variants_without_a_result_are_in_the_exit_code(folder, capsys):
+    (folder / 'plan.toml').write_text("case = 'case.nml'\nkind = 'grid'\ntake = 'sweep.dynamic_factor'\n[vary.dynamics]\ndamping_ratio = [0.1, -1]\n")
+    assert main(['many', 'plan.toml', '--workers', '1']) == Code.PARTIAL
+    assert 'Variants           2: 1 ok, 1 refused' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(('words', 'match'), [
+    ([], 'no plan given'), (['a', 'b'], 'one plan at a time'), (['a', '--part', '4/3'], '--part 4/3: must be K/M'),
+    (['a', '--part'], '--part: a value must follow'), (['a', '--workers', '0'], '--workers 0: must be an integer from 1'),
+    (['a', '--fast'], 'unknown option --fast'), (['a', '--workers', '2', '--scheduler', 'tcp://x:1'], 'a scheduler has workers of its own'),
+])  # fmt: skip
+def test_command_lines_that_are_no_use(words, match, capsys):
+    assert main(['many', *words]) == Code.USAGE
+    assert match in capsys.readouterr().err
+
+
+def test_help_and_a_scheduler_that_is_not_there(folder, capsys):
+    assert main(['many', '--help']) == Code.OK and '--scheduler ADDRESS' in capsys.readouterr().out
+    assert main(['many', 'plan.toml', '--scheduler', 'nonsense://x']) == Code.FILE
+    assert 'cannot reach the scheduler nonsense://x' in capsys.readouterr().err
+
+
+def test_ctrl_c_ends_the_command_and_its_processes(folder):
+    """To the whole group, as a terminal sends it: what is done is kept, and one line says how to go on."""
+    (folder / 'plan.toml').write_text(PLAN.replace('n = 96', 'n = 100000').replace('[change.relief]', '[change.sweep]\nrpm_step = 100\n[change.relief]'))
+    code = ('import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); from gearsweep.__main__ import main; '
+            "sys.exit(main(['many', 'plan.toml', '--workers', '2']))")  # fmt: skip
+    running = subprocess.Popen([sys.executable, '-c', code], start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    until = time.monotonic() + 60
+    while time.monotonic() < until and not (folder / 'plan.zarr/status/c/2').exists():
+        time.sleep(0.05)
+    os.killpg(running.pid, signal.SIGINT)
+    out, said = running.communicate(timeout=30)
+    assert running.returncode == Code.INTERRUPTED and not out
+    assert said == 'gearsweep: interrupted; the same command goes on from here\n'
+    assert many.counts(many.open('plan.zarr'))['ok'] >= 48
+    with pytest.raises(ProcessLookupError):
+        until = time.monotonic() + 10
+        while time.monotonic() < until:
+            os.killpg(running.pid, 0)
+            time.sleep(0.05)
