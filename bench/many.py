@@ -12,11 +12,12 @@ import sys
 import tempfile
 import time
 
-import gearsweep
 import numpy as np
-from gearsweep import many
 from report import BENCH, Report, machine
 from scipy.stats import norm, truncnorm, uniform
+
+import gearsweep
+from gearsweep import many
 
 WORKERS = 2
 TAKE = ['sweep_worst.worst_dynamic_factor', 'sweep.dynamic_factor']

@@ -121,6 +121,8 @@ def test_a_variant_that_takes_too_long_is_late(tmp_path):
     assert time.monotonic() - began < 10
     assert data.status.values.tolist() == [many.OK, many.OK, many.LATE, many.OK]
     assert many.failures(store).message.tolist() == ['not done after 0.5 s']
+    again = many.run(plan, TAKE[0], seconds=0.2, store=store, again=[many.LATE])
+    assert many.failures(store).message.tolist() == ['not done after 0.2 s'] and again[TAKE[0]].equals(data[TAKE[0]])
 
 
 def test_a_run_has_seconds():

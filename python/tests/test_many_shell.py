@@ -1,6 +1,7 @@
 """`gearsweep many PLAN.toml`: the plan as a file, and what the command prints, leaves and returns."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import time
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
 from gearsweep import Code, Error
 from gearsweep.__main__ import main
@@ -92,6 +94,16 @@ def test_a_table_and_a_grid_are_told_by_files(folder):
     (folder / 'plan.toml').write_text("case = 'case.nml'\nkind = 'table'\ntable = 'rows.csv'\ntake = 'sweep.dynamic_factor'\n")
     with pytest.raises(Error, match=r'rows.csv: must be a table \(CSV\) with a line of names'):
         plan_file.read('plan.toml')
+
+
+def test_the_plan_of_the_page_can_be_read(tmp_path):
+    page = (ROOT / 'doc/many.md').read_text()
+    (tmp_path / 'data').symlink_to(ROOT / 'data')
+    (tmp_path / 'plan.toml').write_text(re.search(r'```toml\n(.*?)```', page, re.DOTALL)[1])
+    told = plan_file.read(str(tmp_path / 'plan.toml'))
+    assert told.plan.n == 4096 and told.seconds == 60 and told.store == str(tmp_path / 'scatter.zarr')
+    assert told.plan.names == ('load.line_load_n_mm', 'dynamics.damping_ratio', 'relief.amount_um')
+    assert told.plan.base.get('sweep', 'load_rpm') is None and 'published' not in told.plan.base.text.replace('! ', '')
 
 
 def test_the_command_prints_quantiles_and_leaves_a_store(folder, capsys):

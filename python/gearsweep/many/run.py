@@ -37,6 +37,7 @@ def run(
     plan: Plan, take: str | Sequence[str] = (), *, executor: Any = None, store: str | os.PathLike | None = None,
     size: int | None = None, window: int | None = None, seconds: float | None = None,
     progress: Progress | bool = False, reduce: Reduce | None = None, part: tuple[int, int] = (1, 1),
+    again: Sequence[Status] = (),
 ) -> xarray.Dataset:  # fmt: skip
     """Computes the variants of a plan, each on one thread, and keeps the columns that are wanted of them.
 
@@ -68,6 +69,8 @@ def run(
         A function, which the workers can import, that makes a dictionary of numbers, or arrays of one shape, of a `Study`.
     part : (k, m)
         The k-th of m runs, such as those of a job array, which share the store: each computes every m-th block.
+    again : sequence of Status, optional
+        Blocks with variants of which this came are computed again, such as those that are `LATE`, with more `seconds`.
 
     Returns
     -------
@@ -86,6 +89,7 @@ def run(
         raise Error(f'part {k}/{m}: must be from 1/{m} to {m}/{m}')
     with kept.held(part), _told(progress) as told:
         done = kept.status()
+        done[_of_blocks(np.isin(done, again), kept.size)] = Status.PENDING
         blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
         counts = _Counts(kept, part, done, told)
         if blocks:
@@ -117,6 +121,7 @@ def _begun(plan: Plan, take: list[str], path: Any, size: int | None, seconds: fl
     else:
         found, took = _first(plan, take, reduce, seconds)
         kept = stores.make(path, plan, found, min(size or _size(plan.n, took), plan.n))
+        stores.check(kept, plan, take)  # where another part was faster, it is that one's
     return Job(plan.base, plan.keys, kept.taken, reduce, seconds), kept
 
 
@@ -138,6 +143,11 @@ def _first(plan: Plan, take: list[str], reduce: Reduce | None, seconds: float | 
 
 def _size(n: int, took: float) -> int:
     return max(1, min(_MOST, int(_SECONDS / max(took, 1e-6)), -(-n // _BLOCKS)))
+
+
+def _of_blocks(rows: np.ndarray, size: int) -> np.ndarray:
+    """All rows of blocks that have one of these."""
+    return np.isin(np.arange(len(rows)) // size, np.flatnonzero(rows) // size)
 
 
 class _Counts:

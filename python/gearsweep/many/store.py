@@ -10,6 +10,7 @@ import builtins
 import contextlib
 import json
 import os
+import platform
 import shutil
 from collections.abc import Iterator
 from typing import Any
@@ -178,7 +179,7 @@ def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int) ->
     if path is None:
         return Store(_filled(zarr.create_group(MemoryStore()), plan, taken, size), '')
     path = os.fspath(path)
-    new = f'{path.rstrip("/")}.{os.getpid()}.new'
+    new = f'{path.rstrip("/")}.{platform.node()}-{os.getpid()}.new'
     try:
         _filled(zarr.create_group(new, overwrite=True), plan, taken, size)
         try:
@@ -196,8 +197,6 @@ def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int) ->
 
 def _filled(group: Any, plan: Plan, taken: Taken, size: int) -> Any:
     """The group with its arrays, which have no values yet."""
-    import platform
-
     import scipy
 
     def add(name: str, shape: tuple[int, ...], kind: str, dims: tuple[str, ...], fill: float, **attributes: Any) -> Any:
