@@ -286,6 +286,14 @@ def test_a_worker_with_another_kernel_is_refused(monkeypatch):
         many.run(plan_of(4), TAKE)
 
 
+def test_a_script_without_its_guard_is_told(tmp_path):
+    """Its processes read the script again, and would start processes themselves."""
+    script = tmp_path / 'bare.py'
+    script.write_text(WHOLE.replace("if __name__ == '__main__':", 'if True:'))
+    done = subprocess.run([sys.executable, script, tmp_path / 'x.zarr'], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 1 and "processes end as they start: a script that starts some has its own lines below if __name__" in done.stderr
+
+
 def test_a_task_that_cannot_be_sent_is_told():
     with pytest.raises(Error, match=r'reduce: cannot be sent to other processes: .*lambda'):
         many.run(plan_of(4), TAKE, reduce=lambda study: {'x': 1}, executor=1)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._library import Code, Error
-from .rows import Block, Job, compute
+from .rows import Block, Job, compute, made_here
 
 Reals = NDArray[np.float64]
 #: A block whose worker died is cut into so many parts: with Dask each part that holds the cause costs several workers.
@@ -96,12 +96,21 @@ class Crew:
         self.executor.shutdown(wait=True, cancel_futures=True)
 
     def check(self, job: Job) -> None:
-        """Raises an `Error` where the work cannot be sent to processes, before they are asked."""
+        """Raises an `Error` where the work cannot be sent to processes, or these end as they start, before they are asked."""
         if isinstance(self.executor, ProcessPoolExecutor):
             try:
                 pickle.dumps(job)
             except Exception as error:
                 raise Error(f'reduce: cannot be sent to other processes: {error}; a function of a module that they can import can') from error
+            try:
+                first = self.executor.submit(made_here)
+            except BrokenExecutor:  # long before: told by the first block
+                return
+            try:
+                first.result()
+            except BrokenExecutor as error:
+                raise Error("processes end as they start: a script that starts some has its own lines below if __name__ == '__main__'",
+                            Code.INTERRUPTED) from error  # fmt: skip
 
 
 def _processes(count: int) -> Executor:

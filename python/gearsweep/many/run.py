@@ -126,8 +126,9 @@ def _begun(plan: Plan, take: list[str], path: Any, size: int | None, seconds: fl
 
 
 def _first(plan: Plan, take: list[str], reduce: Reduce | None, seconds: float | None) -> tuple[Taken, float]:
-    """What the columns are like, by the first variant that has a result, and the seconds that it took."""
+    """What the columns are like, by the first variant that has a result, and the seconds that the next one takes."""
     failure: Exception | None = None
+    found, took = None, 0.0
     for row in plan.rows(0, min(plan.n, _TRIED)):
         began = time.monotonic()
         try:
@@ -136,7 +137,11 @@ def _first(plan: Plan, take: list[str], reduce: Reduce | None, seconds: float | 
             failure = failure or error
             continue
         took = time.monotonic() - began
-        return taken(study, take, reduce), took
+        if found is not None:  # and may have taken over what the first one made
+            break
+        found = taken(study, take, reduce)
+    if found is not None:
+        return found, took
     said = f'not done after {seconds:g} s' if isinstance(failure, Late) else failure
     raise Error(f'none of the first {min(plan.n, _TRIED)} variants has a result; of the first: {said}') from failure
 
