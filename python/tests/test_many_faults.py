@@ -107,6 +107,19 @@ def test_the_same_bits_by_dask_with_any_number_of_workers(cluster, tmp_path):
         assert digest(many.run(PLAN, TAKE, executor=client, store=tmp_path / f'{workers}.zarr', size=9)) == expected
 
 
+def test_the_command_asks_a_scheduler(cluster, tmp_path, monkeypatch, capfd):
+    from gearsweep.__main__ import main
+    from test_many import CASE
+    from test_many_shell import PLAN as TEXT
+
+    CASE.write(tmp_path / 'case.nml')
+    (tmp_path / 'plan.toml').write_text(TEXT)
+    monkeypatch.chdir(tmp_path)
+    assert main(['many', 'plan.toml', '--scheduler', cluster[0].scheduler_address]) == Code.OK
+    assert 'Variants           96: 96 ok' in capfd.readouterr().out
+    assert digest(many.open('plan.zarr')) == digest(many.run(plan_of(), TAKE))
+
+
 def test_dask_finds_the_variant_that_ends_its_worker(cluster, expected, tmp_path):
     data = many.run(PLAN, TAKE, reduce=many_faults.poison, executor=cluster[1], store=tmp_path / 'x.zarr', size=32)
     same_but(data, expected, [BAD], many.CRASHED)

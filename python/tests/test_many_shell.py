@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-from gearsweep import Code, Error
+from gearsweep import Code, Error, PartialWarning
 from gearsweep.__main__ import main
 
 many = pytest.importorskip('gearsweep.many')
@@ -145,6 +145,66 @@ def test_help_and_a_scheduler_that_is_not_there(folder, capsys):
     assert main(['many', '--help']) == Code.OK and '--scheduler ADDRESS' in capsys.readouterr().out
     assert main(['many', 'plan.toml', '--scheduler', 'nonsense://x']) == Code.FILE
     assert 'cannot reach the scheduler nonsense://x' in capsys.readouterr().err
+
+
+@pytest.fixture
+def stored(folder):
+    """A store of 64 variants of which some fail, and its dataset."""
+    from many_faults import fails
+
+    many.run(plan_of(64), TAKE, reduce=fails, store='x.zarr')
+    return many.open('x.zarr')
+
+
+def test_the_page_of_a_store_has_its_numbers_pictures_and_failures(stored):
+    from gearsweep.many.page import page
+
+    text = page('x.zarr')
+    bad = many.failures('x.zarr')
+    assert len(bad) > 0 and f'<td>failed</td><td>{len(bad)}</td>' in text and text.count('<td>reduce: ValueError: no such number</td>') == len(bad)
+    with pytest.warns(PartialWarning):
+        found = many.quantiles(stored[TAKE[0]], 0.95, nan='drop')
+    assert f'{float(found["value"][0]):.5g} ({float(found["lower"][0]):.4g} to {float(found["upper"][0]):.4g})' in text
+    assert f'quantiles: {len(bad)} of 64 variants have no number and are left out' in text
+    assert '<td>load.normal_force_n</td><td>norm(7000, 300)</td>' in text and 'sweep.dynamic_factor over rpm' in text
+    # Two numbers over the keys and as a distribution, and one over speed.
+    assert text.count('<figure>') == 5
+    names = re.findall(r' id="([^"]+)"', text)
+    assert len(names) == len(set(names)), 'names inside drawings clash'
+
+
+def test_the_page_of_a_plan_for_indices(folder):
+    from gearsweep.many.page import page
+
+    plan = many.Plan.saltelli(CASE, 8, 1, dynamics={'damping_ratio': [0.1, 0.15, 0.2]}, relief={'amount_um': [0, 10, 20]})
+    data = many.run(plan, TAKE[0], store='x.zarr')
+    found = many.sensitivity(data[TAKE[0]])
+    assert f'<td>dynamics.damping_ratio</td><td>{float(found["S1"][0]):.5g} (' in page('x.zarr')
+
+
+def test_the_command_writes_the_page(folder):
+    assert main(['many', 'plan.toml', '--workers', '1', '--quiet', '--report', 'page.html']) == Code.OK
+    assert '<td>ok</td><td>96</td>' in (folder / 'page.html').read_text()
+
+
+def test_the_panel_shows_a_store(stored):
+    import threading
+    import urllib.request
+
+    from gearsweep import panel
+
+    server = panel.listen(panel.desk_of(''), 0)
+    server.store = 'x.zarr'
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        with urllib.request.urlopen(server.address, timeout=60) as answer:
+            assert '<td>ok</td>' in answer.read().decode()
+        server.store = 'none.zarr'
+        with pytest.raises(urllib.error.HTTPError, match='404'):
+            urllib.request.urlopen(server.address, timeout=60)
+    finally:
+        server.shutdown()
+        server.server_close()
 
 
 def test_ctrl_c_ends_the_command_and_its_processes(folder):

@@ -15,6 +15,7 @@ import numpy as np
 from .._library import Code, Error
 from .._watch import Line
 from . import plan_file, reading
+from .page import write
 from .run import run
 from .statistics import quantiles
 from .status import ANSWERED
@@ -29,6 +30,7 @@ usage: gearsweep many PLAN.toml [options]
   --workers N           processes on this machine (as many as it has processors)
   --scheduler ADDRESS   a Dask scheduler, such as tcp://node:8786, instead
   --part K/M            the K-th of M runs that share the store, such as those of a job array
+  --report FILE         also write one page of HTML with numbers, pictures and what failed
   --quiet               print errors only
   --help                print this
 
@@ -46,6 +48,7 @@ class Arguments:
     workers: int = 0
     scheduler: str = ''
     part: tuple[int, int] = (1, 1)
+    report: str = ''
     quiet: bool = False
 
 
@@ -58,9 +61,10 @@ def main(words: list[str]) -> int:
         return Code.OK
     wanted = arguments(words)
     told = plan_file.read(wanted.plan)
+    executor = _executor(wanted)
     progress = None if wanted.quiet else _Progress()
     try:
-        data = run(told.plan, told.take, executor=_executor(wanted), store=told.store, size=told.size, seconds=told.seconds,
+        data = run(told.plan, told.take, executor=executor, store=told.store, size=told.size, seconds=told.seconds,
                    progress=progress or False, part=wanted.part)  # fmt: skip
     except KeyboardInterrupt:
         complain('interrupted; the same command goes on from here')
@@ -68,6 +72,10 @@ def main(words: list[str]) -> int:
     finally:
         if progress:
             progress.close()
+        if wanted.scheduler:
+            executor.close()
+    if wanted.report:
+        write(told.store, wanted.report)
     if not wanted.quiet:
         say('\n'.join(report(data, told.store)))
     plain = set(reading.counts(data)) <= {'ok', 'pending'}
@@ -87,7 +95,7 @@ def arguments(words: list[str]) -> Arguments:
     for word in rest:
         if word == '--quiet':
             found.quiet = True
-        elif word in ('--workers', '--scheduler', '--part'):
+        elif word in ('--workers', '--scheduler', '--part', '--report'):
             _option(found, word, next(rest, ''))
         elif word.startswith('-'):
             raise _usage(f'unknown option {word}')
@@ -105,8 +113,8 @@ def arguments(words: list[str]) -> Arguments:
 def _option(found: Arguments, word: str, value: str) -> None:
     if not value or value.startswith('--'):
         raise _usage(f'{word}: a value must follow')
-    if word == '--scheduler':
-        found.scheduler = value
+    if word in ('--scheduler', '--report'):
+        setattr(found, word[2:], value)
     elif word == '--workers':
         if not (value.isascii() and value.isdigit() and 1 <= int(value) <= 1024):
             raise _usage(f'--workers {value}: must be an integer from 1 to 1024')

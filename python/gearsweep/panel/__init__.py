@@ -16,11 +16,12 @@ from .places import Places
 from .server import Server
 
 PORT = 8642
-HELP = f"""usage: gearsweep panel [CASE.nml | FOLDER] [options]
+HELP = f"""usage: gearsweep panel [CASE.nml | FOLDER | STORE.zarr] [options]
 
 Opens the front panel in the browser, on this machine alone: http://127.0.0.1:{PORT}/
 With a case it begins with that; the cases of its folder, or of FOLDER (the current one), are offered beside
-those of papers. Files that a case names are read in its folder alone.
+those of papers. Files that a case names are read in its folder alone. With a store of `gearsweep many` it shows its
+numbers and pictures, also while it is written.
 
   --port N        another port; 0 is any that is free ({PORT}, or where that is taken any)
   --no-browser    print the address only
@@ -35,7 +36,10 @@ def main(words: list[str]) -> int:
         print(HELP)
         return Code.OK
     path, port, opens = arguments(words)
-    server = listen(desk_of(path), port)
+    is_store = bool(path) and os.path.isfile(os.path.join(path, 'zarr.json'))
+    server = listen(desk_of('' if is_store else path), port)
+    if is_store:
+        server.store = path
     try:  # Ctrl-C may come as soon as the address is told
         print(f'The panel is at {server.address} (Ctrl-C ends it)', flush=True)
         if opens and not show(server.address):

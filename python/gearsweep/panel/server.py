@@ -38,6 +38,7 @@ class Server(ThreadingHTTPServer):
 
     def __init__(self, desk: Desk, port: int):
         self.desk = desk
+        self.store = ''  # of many variants, which is shown instead of a case
         super().__init__(('127.0.0.1', port), Handler)
         self.names = {f'{name}:{self.server_port}' for name in ('127.0.0.1', 'localhost')}
 
@@ -66,7 +67,9 @@ class Handler(BaseHTTPRequestHandler):
         address = urlsplit(self.path)
         if not self._is_ours():
             return
-        if address.path == '/' or address.path.startswith('/static/'):
+        if address.path == '/' and self.server.store:
+            self._store()
+        elif address.path == '/' or address.path.startswith('/static/'):
             self._static(address.path.removeprefix('/static/') if address.path != '/' else 'index.html')
         elif address.path.startswith('/file/'):
             asked = dict(parse_qsl(address.query))
@@ -109,6 +112,18 @@ class Handler(BaseHTTPRequestHandler):
             self.close_connection = True
             self._say(403, {'error': {'message': 'this page answers to this machine alone'}})
         return is_ours
+
+    def _store(self) -> None:
+        """The page of a store, as it is now."""
+        try:
+            from ..many.page import page
+
+            content = page(self.server.store)
+        except Exception as error:
+            code, failure = _failure(error)
+            self._say(code, {'error': failure})
+            return
+        self._send(200, content.encode('utf-8', 'replace'), 'text/html; charset=utf-8')
 
     def _static(self, name: str) -> None:
         path = STATIC / name
