@@ -108,9 +108,10 @@ def test_the_same_bits_by_dask_with_any_number_of_workers(cluster, tmp_path):
 
 
 def test_the_command_asks_a_scheduler(cluster, tmp_path, monkeypatch, capfd):
-    from gearsweep.__main__ import main
     from test_many import CASE
     from test_many_shell import PLAN as TEXT
+
+    from gearsweep.__main__ import main
 
     CASE.write(tmp_path / 'case.nml')
     (tmp_path / 'plan.toml').write_text(TEXT)
