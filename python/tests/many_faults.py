@@ -21,7 +21,7 @@ def poison(study):
 
 
 def slow(study):
-    time.sleep(0.02)
+    time.sleep(0.012)
     return {'worst': worst(study)}
 
 

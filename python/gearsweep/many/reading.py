@@ -11,7 +11,7 @@ from .._library import Error
 from ..case import Case
 from . import store as stores
 from .inputs import Key, case_with
-from .status import ANSWERED, Status
+from .status import Status
 from .store import STATUS, Store
 
 if TYPE_CHECKING:
@@ -101,8 +101,3 @@ def counts(data: xarray.Dataset) -> dict[str, int]:
     """How many variants have which status."""
     status = data.status.values
     return {one.name.lower(): int((status == one).sum()) for one in Status if (status == one).any()}
-
-
-def answered(status: np.ndarray) -> np.ndarray:
-    """Have the variants numbers?"""
-    return np.isin(status, ANSWERED)
