@@ -19,6 +19,7 @@ import importlib
 from . import needs as _needs
 from .plan import Plan
 from .reading import case_of, counts, failures, open
+from .robust import Robust, robust
 from .run import run
 from .statistics import quantiles, sensitivity
 from .status import Status
@@ -35,6 +36,7 @@ __all__ = [
     'PENDING',
     'REFUSED',
     'Plan',
+    'Robust',
     'Status',
     'case_of',
     'counts',
@@ -45,6 +47,7 @@ __all__ = [
     'plot_indices',
     'plot_scatter',
     'quantiles',
+    'robust',
     'run',
     'sensitivity',
 ]

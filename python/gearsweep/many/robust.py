@@ -1,0 +1,235 @@
+"""Robust relief: the candidate whose gears as built have the least quantile of the largest dynamic factor."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._library import Error, PartialWarning
+from ..case import Case
+from ..study import Study
+from . import clusters
+from .plan import Plan
+from .run import Progress, run
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+Reals = NDArray[np.float64]
+WORST = 'as_built_worst.dynamic_factor'
+#: What `reduce` gives besides.
+NOMINAL, LACKS = 'nominal_factor', 'speeds_without_result'
+
+
+@dataclass(frozen=True, eq=False)
+class Robust:
+    """Candidates, nominal and as built.
+
+    Attributes
+    ----------
+    table : Dataset
+        A row for each `candidate`, with the keys that are varied as coordinates.
+
+        - `nominal`: largest dynamic factor over the speeds without deviations
+        - `median`, `value`: the median and the wanted quantile of the same as built
+        - `lower`, `upper`: band of `value`; NaN where there are too few draws for this end
+        - `worse`, `worse_lower`, `worse_upper`: by how much `value` is above that of the best candidate, with the band of this difference
+        - `best_share`: in which share of samples of the draws the candidate is the best
+
+        `attrs` have quantile, confidence, draws, assemblies, and draws and candidates that are left out.
+    factors : DataArray
+        The numbers that all follow from, over load, candidate, draw and assembly.
+    plan : Plan
+        What was computed.
+    """
+
+    table: xarray.Dataset
+    factors: xarray.DataArray
+    plan: Plan
+
+    @property
+    def best(self) -> xarray.Dataset:
+        """The row of the candidate with the least quantile as built."""
+        return self._row('value')
+
+    @property
+    def nominal(self) -> xarray.Dataset:
+        """The row of the candidate that is best without deviations, and what it is worth as built."""
+        return self._row('nominal')
+
+    @property
+    def alike(self) -> xarray.Dataset:
+        """The rows that these draws cannot tell from the best, which is among them: the band of the difference has 0 in it."""
+        return self.table.isel(candidate=np.flatnonzero(self.table['worse_lower'] <= 0))
+
+    def case(self, candidate: int | None = None) -> Case:
+        """The case of a candidate, of the best where none is given, with the first load."""
+        return self.plan.case(int(self.best['candidate']) if candidate is None else candidate)
+
+    def plot(self, figure: Figure | None = None) -> Figure:
+        """The valley, as `gearsweep.plots.robust.plot_valley` draws it."""
+        from ..plots.robust import plot_valley
+
+        return plot_valley(self, figure)
+
+    def _row(self, column: str) -> xarray.Dataset:
+        return self.table.isel(candidate=int(np.nanargmin(self.table[column].values)))
+
+    def __str__(self) -> str:
+        from .robust_report import report
+
+        return report(self)
+
+    __repr__ = __str__
+
+
+def robust(
+    case: Case, *, spectrum: Mapping[str, Mapping[float, float]] | None = None, quantile: float = 0.95, confidence: float = 0.95,
+    nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
+    progress: Progress | bool = False, **groups: Mapping[str, Sequence[Any]],
+) -> Robust:  # fmt: skip
+    """Which of some reliefs, or values of any other keys, stands the deviations of its gears best.
+
+    All candidates have the same gears, drawn at random as the case's `&deviations` say (class, `draws`, `seed`), so that they are compared
+    in pairs. With `assembly = 'all'` each pair of gears is put together in each way. The number of each is its largest dynamic factor
+    over the speeds, and the candidate with the least quantile over draws, assemblies and loads is the best.
+
+    The band of a quantile runs between order statistics, by the binomial distribution, as `quantiles` has it. Assemblies of one pair
+    of gears and its loads are not independent: they count as so many independent points as the scatter of the draws' shares below
+    the quantile says, at least the number of draws (Korn and Graubard 1998, Survey Methodology 24). Bands of differences are
+    percentiles of samples of whole draws, the same draws for both candidates. Each holds for one comparison.
+
+    Parameters
+    ----------
+    case : Case
+        Gears, speeds and deviations.
+    spectrum : dict, optional
+        One key of `&load` with its loads and their shares of the time, as in `{'torque_nm': {80: 0.7, 120: 0.3}}`.
+    quantile : float
+        Its probability.
+    confidence : float
+        Of each band, both ends together.
+    nan : {'refuse', 'drop'}
+        What to do where a motion has no result at some speed: an error; or to leave out candidates without any result, and then draws,
+        whole and for all candidates, which a `PartialWarning` tells. What has no result is rarely the best, so that the quantiles
+        may be too low then.
+    executor, store, seconds, progress : optional
+        As of `run`; a candidate with one load is a variant.
+    **groups
+        Keys with lists of values, as in `relief={'amount_um': [8, 10, 12], 'shape': ['linear', 'parabolic']}`: each combination is a
+        candidate.
+
+    Returns
+    -------
+    Robust
+
+    Raises
+    ------
+    Error
+        There are no candidates or no drawn gears, a case is not usable, or numbers are missing.
+    """
+    for name, value in (('quantile', quantile), ('confidence', confidence)):
+        if not 0 < value < 1:
+            raise Error(f'robust: {name} = {value}: must be between 0 and 1')
+    if nan not in ('refuse', 'drop'):
+        raise Error(f"robust: nan = {nan!r}: must be 'refuse' or 'drop'")
+    if not isinstance(case, Case):
+        raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
+    if not groups:
+        raise Error("robust: there are no candidates; give lists, such as relief={'amount_um': [8, 10, 12]}")
+    loads, shares = _spectrum(spectrum, groups)
+    plan = Plan.grid(case.changed(case={'tasks': 'as_built'}), **loads, **groups)
+    _check(plan, nan)
+    data = run(plan, WORST, reduce=reduced, executor=executor, store=store, seconds=seconds, progress=progress)
+    nominal, factors = _factors(data, plan, shares, bool(loads))
+    kept, draws = _kept(factors.values, nan)
+    table = _table(nominal[kept], factors.isel(candidate=kept, draw=draws), shares, quantile, confidence)
+    table.attrs |= {'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~kept).sum())}
+    return Robust(table, factors, plan)
+
+
+def reduced(study: Study) -> dict[str, Any]:
+    """What a variant gives besides its column: the nominal factor, NaN where it has no result at some speed, and at how many speeds each
+    draw and assembly has none."""
+    table = study.as_built
+    return {NOMINAL: table.nominal_factor[0, 0, 0].max(), LACKS: np.isnan(table.dynamic_factor[0]).sum(axis=-1)}
+
+
+def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any], Reals]:
+    """The list of loads for the plan, and the share of each."""
+    if spectrum is None:
+        return {}, np.ones(1)
+    if not isinstance(spectrum, Mapping) or len(spectrum) != 1:
+        raise Error("spectrum: must be one key of &load with its loads and their shares, such as {'torque_nm': {80: 0.7, 120: 0.3}}")
+    if 'load' in groups:
+        raise Error('load: is varied by spectrum, and cannot tell candidates apart')
+    ((key, loads),) = spectrum.items()
+    shares = np.array(list(loads.values()), float) if isinstance(loads, Mapping) else np.zeros(0)
+    if not shares.size or not np.isfinite(shares).all() or not (shares > 0).all():
+        raise Error(f'spectrum: {key} = {loads!r}: must be loads with their shares, each above 0')
+    return {'load': {key: list(loads)}}, shares / shares.sum()
+
+
+def _check(plan: Plan, nan: str) -> None:
+    """Refuses what no candidate may be, before anything is computed."""
+    first = plan.case(0)
+    if not any(first.get('deviations', f'{gear}_class') for gear in ('pinion', 'gear')):
+        raise Error('robust: the case draws no gears; give &deviations pinion_class or gear_class')
+    if (draws := first.get('deviations', 'draws')) < 2:
+        raise Error(f'robust: &deviations draws = {draws}: must be at least 2')
+    if isinstance(amounts := first.get('relief', 'amount_um'), tuple):
+        raise Error(f"robust: &relief amount_um has {len(amounts)} values; give them as relief={{'amount_um': [...]}}")
+    for at in range(plan.n if nan == 'refuse' else 0):
+        plan.case(at).complete()
+
+
+def _factors(data: xarray.Dataset, plan: Plan, shares: Reals, has_loads: bool) -> tuple[Reals, xarray.DataArray]:
+    """Nominal factors (candidate, load), and those as built; NaN where the motion has no result at some speed."""
+    import xarray
+
+    lacks, loads = data[LACKS].values, len(shares)
+    values = np.where(lacks == 0, data[WORST].values.reshape(lacks.shape), np.nan).reshape(loads, -1, *lacks.shape[1:])
+    coords: dict[str, Any] = {'share': ('load', shares), 'candidate': np.arange(values.shape[1])}
+    for at, one in enumerate(plan.inputs):
+        labels = [one.key.written(value) for value in plan.rows()[:, at]]
+        labels = [', '.join(map(str, label)) if isinstance(label, tuple) else label for label in labels]
+        is_load = has_loads and at == 0
+        coords[one.name] = ('load' if is_load else 'candidate', labels[:: values.shape[1]] if is_load else labels[: values.shape[1]],
+                            data[one.name].attrs)  # fmt: skip
+    factors = xarray.DataArray(values, coords, ('load', 'candidate', 'draw', 'assembly'), 'largest_dynamic_factor')
+    return data[NOMINAL].values.reshape(loads, -1).T, factors.transpose('candidate', 'draw', 'assembly', 'load')
+
+
+def _kept(values: Reals, nan: str) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which candidates have any result, and which draws have all of theirs."""
+    there = np.isfinite(values).all(axis=(2, 3))
+    kept = there.any(axis=1)
+    draws = there[kept].all(axis=0)
+    said = f'{(~kept).sum()} of {len(kept)} candidates have no result, {(~draws).sum()} of {len(draws)} draws lack some'
+    complete = bool(kept.all() and draws.all())
+    if nan == 'refuse' and not complete:
+        raise Error(f"robust: {said}; nan='drop' leaves them out, and quantiles may be too low then")
+    if draws.sum() < 2:
+        raise Error(f'robust: {said}; nothing is left to compare')
+    if not complete:
+        warnings.warn(f'robust: {said}; they are left out', PartialWarning, stacklevel=3)
+    return kept, draws
+
+
+def _table(nominal: Reals, factors: xarray.DataArray, shares: Reals, q: float, confidence: float) -> xarray.Dataset:
+    """All numbers of all candidates."""
+    import xarray
+
+    candidates, draws, assemblies, _ = factors.shape
+    columns = {'nominal': np.array([clusters.quantile(one[None], shares, q, np.ones((1, 1)))[0] for one in nominal])}
+    columns |= clusters.compare(factors.values.reshape(candidates, draws, -1), np.tile(shares, assemblies) / assemblies, q, confidence)
+    coords = {name: one for name, one in factors.coords.items() if one.dims == ('candidate',)}
+    attributes = {'quantile': q, 'confidence': confidence, 'draws': draws, 'assemblies': assemblies, 'loads': len(shares)}
+    return xarray.Dataset({name: ('candidate', column) for name, column in columns.items()}, coords, attributes)

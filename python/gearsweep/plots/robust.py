@@ -1,0 +1,87 @@
+"""The valley of robust reliefs: dynamic factor over the amount of relief, nominal and as built."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .as_built import NOMINAL
+from .look import ACCENT, GREY, HALO, INK, MM, PAGE, legends_above, style
+from .many import ACROSS, _axis, _words
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ..many import Robust
+
+
+def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | None = None) -> Figure:
+    """Nominal largest dynamic factor, and median and quantile as built with its band, over one of the keys that are varied; the best of each
+    is marked. A panel for each combination of the other keys.
+
+    Parameters
+    ----------
+    found : Robust
+        What `many.robust` gives.
+    figure : Figure, optional
+        Where to draw; otherwise one is made.
+    along : str, optional
+        The key to draw over, as in 'relief.amount_um'; otherwise the first that has numbers.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        No such key is varied.
+    """
+    table = found.table
+    keys = [str(name) for name in table.coords if name != 'candidate']
+    numbers = [name for name in keys if table[name].dtype.kind in 'if']
+    along = along or next(iter(numbers), None)
+    if along not in numbers:
+        raise ValueError(f'along = {along!r}: must be one of {", ".join(numbers) or "no key, as none has numbers"}')
+    others = [name for name in keys if name != along]
+    words = np.array([', '.join(f'{_words(name)} {table[name].values[at]}' for name in others) for at in range(table.sizes['candidate'])])
+    panels = list(dict.fromkeys(words.tolist()))
+    with style():
+        if figure is None:
+            from matplotlib import pyplot
+
+            figure = pyplot.figure(figsize=(PAGE, 70 * MM * -(-len(panels) // ACROSS)), layout='constrained')
+        across = min(ACROSS, len(panels))
+        axes = figure.subplots(-(-len(panels) // across), across, sharex=True, sharey=True, squeeze=False).ravel()
+        for ax, title in zip(axes, panels):
+            _panel(ax, table.isel(candidate=np.flatnonzero(words == title)).sortby(along), along)
+            ax.set_xlabel(_axis(_words(along), table[along].attrs))
+            ax.set_title(title, loc='right')
+        for ax in axes[len(panels) :]:
+            ax.set_axis_off()
+        for column, color, va in (('value', ACCENT, 'bottom'), ('nominal', INK, 'top')):
+            at = int(np.nanargmin(table[column].values))
+            _mark(axes[panels.index(words[at])], float(table[along][at]), float(table[column][at]), color, va)
+        legends_above(axes[0], ('', axes[0].get_legend_handles_labels()[0]), gap=1.5 * bool(others))
+        for ax in axes[::across]:
+            ax.set_ylabel('Largest dynamic factor (–)')
+    return figure
+
+
+def _panel(ax: Axes, table: xarray.Dataset, along: str) -> None:
+    """Curves of candidates that differ in one key."""
+    x, of = table[along].values, table.attrs
+    ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'{100 * of["confidence"]:g} % sure')
+    ax.plot(x, table['value'], '.-', color=ACCENT, label=f'{100 * of["quantile"]:g} % as built')
+    ax.plot(x, table['median'], color=GREY, label='median as built')
+    ax.plot(x, table['nominal'], label='nominal', **NOMINAL)
+
+
+def _mark(ax: Axes, x: float, y: float, color: str, va: str) -> None:
+    """The best of its kind."""
+    ax.plot(x, y, 'D', color=color, markersize=4)
+    ax.annotate(f'{x:g}: {y:.4g}', (x, y), (0, 4 if va == 'bottom' else -4), textcoords='offset points', va=va, ha='center', color=color,
+                path_effects=HALO)  # fmt: skip
