@@ -32,10 +32,13 @@ def compare(values: Reals, shares: Reals, q: float, confidence: float) -> dict[s
     samples = np.array([quantile(one, shares, q, drawn) for one in values])
     best = int(value.argmin())
     lower, upper = np.quantile(samples - samples[best], [(1 - confidence) / 2, (1 + confidence) / 2], axis=1)
+    known = np.isfinite(bands).all(axis=1)
+    lower[~(known & known[best])] = upper[~(known & known[best])] = np.nan  # too few draws to sample
     is_best = np.arange(len(values))[:, None] == samples.argmin(axis=0)
     return {'median': np.array([quantile(one, shares, 0.5, once)[0] for one in values]),
             'value': value, 'lower': bands[:, 0], 'upper': bands[:, 1],
-            'worse': value - value[best], 'worse_lower': lower, 'worse_upper': upper, 'best_share': is_best.mean(axis=1)}  # fmt: skip
+            'worse': value - value[best], 'worse_lower': lower, 'worse_upper': upper,
+            'best_share': is_best.mean(axis=1) if known.all() else np.full(len(values), np.nan)}  # fmt: skip
 
 
 def quantile(values: Reals, shares: Reals, q: float, drawn: Reals) -> Reals:

@@ -40,8 +40,9 @@ class Robust:
         - `nominal`: largest dynamic factor over the speeds without deviations
         - `median`, `value`: the median and the wanted quantile of the same as built
         - `lower`, `upper`: band of `value`; NaN where there are too few draws for this end
-        - `worse`, `worse_lower`, `worse_upper`: by how much `value` is above that of the best candidate, with the band of this difference
-        - `best_share`: in which share of samples of the draws the candidate is the best
+        - `worse`, `worse_lower`, `worse_upper`: by how much `value` is above that of the best candidate, with the band of this difference,
+          NaN where one of the two bands lacks an end
+        - `best_share`: in which share of samples of the draws the candidate is the best; NaN where a band lacks an end
 
         `attrs` have quantile, confidence, draws, assemblies, and draws and candidates that are left out.
     factors : DataArray
@@ -66,8 +67,8 @@ class Robust:
 
     @property
     def alike(self) -> xarray.Dataset:
-        """The rows that these draws cannot tell from the best, which is among them: the band of the difference has 0 in it."""
-        return self.table.isel(candidate=np.flatnonzero(self.table['worse_lower'] <= 0))
+        """The rows that these draws cannot tell from the best, which is among them: the band of the difference has 0 in it, or is not known."""
+        return self.table.isel(candidate=np.flatnonzero(~(self.table['worse_lower'].values > 0)))
 
     def case(self, candidate: int | None = None) -> Case:
         """The case of a candidate, of the best where none is given, with the first load."""
@@ -80,7 +81,10 @@ class Robust:
         return plot_valley(self, figure)
 
     def _row(self, column: str) -> xarray.Dataset:
-        return self.table.isel(candidate=int(np.nanargmin(self.table[column].values)))
+        values = self.table[column].values
+        if np.isnan(values).all():
+            raise Error('robust: no candidate has a result without deviations at all speeds')
+        return self.table.isel(candidate=int(np.nanargmin(values)))
 
     def __str__(self) -> str:
         from .robust_report import report
@@ -209,9 +213,9 @@ def _factors(data: xarray.Dataset, plan: Plan, shares: Reals, has_loads: bool) -
 
 def _kept(values: Reals, nan: str) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which candidates have any result, and which draws have all of theirs."""
-    there = np.isfinite(values).all(axis=(2, 3))
-    kept = there.any(axis=1)
-    draws = there[kept].all(axis=0)
+    there: NDArray[np.bool_] = np.isfinite(values).reshape(*values.shape[:2], -1).min(axis=2)
+    kept: NDArray[np.bool_] = there.max(axis=1)
+    draws: NDArray[np.bool_] = there[kept].min(axis=0, initial=True)
     said = f'{(~kept).sum()} of {len(kept)} candidates have no result, {(~draws).sum()} of {len(draws)} draws lack some'
     complete = bool(kept.all() and draws.all())
     if nan == 'refuse' and not complete:

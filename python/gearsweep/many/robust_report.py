@@ -17,28 +17,43 @@ def report(found: Robust) -> str:
     """The table and what follows from it, in plain words."""
     table, of = found.table, found.table.attrs
     names = [str(name) for name in table.coords if name != 'candidate']
-    sure = f'{100 * of["confidence"]:g} % sure'
-    loads = f', {of["loads"]} loads' if of['loads'] > 1 else ''
-    rows = [[*(name.partition('.')[2] for name in names), 'nominal', 'median', f'{100 * of["quantile"]:g} %', sure, 'above the best', sure, 'best in']]
-    for at in range(table.sizes['candidate']):
-        row = table.isel(candidate=at)
-        value = {str(name): float(row[name]) for name in table.data_vars}
-        rows.append([*(_said(row[name]) for name in names), *(f'{value[name]:.4f}' for name in ('nominal', 'median', 'value')),
-                     _range(value, '', '.4f'), f'{value["worse"]:+.4f}', _range(value, 'worse_', '+.4f'), f'{100 * value["best_share"]:.0f} %'])  # fmt: skip
+    each = [table.isel(candidate=at) for at in range(table.sizes['candidate'])]
+    rows = [_heading(names, of), *(_row(one, names) for one in each)]
     wide = [max(map(len, column)) for column in zip(*rows)]
-    lines = ['  '.join(cell.rjust(size) for cell, size in zip(row, wide)) for row in rows]
-    best, nominal = found.best, found.nominal
-    gap = {str(name): float(nominal[name]) for name in table.data_vars}
-    others = [_name(found.alike.isel(candidate=at), names) for at in range(found.alike.sizes['candidate'])]
-    others.remove(_name(best, names))
-    left = f'; left out: {of["draws_left_out"]} draws, {of["candidates_left_out"]} candidates' if of['draws_left_out'] or of['candidates_left_out'] else ''
-    return '\n'.join([
-        f'Largest dynamic factor over the speeds; pairs of gears: {of["draws"]}, assemblies of each: {of["assemblies"]}{loads}{left}',
-        *lines,
-        f'Best as built: {_name(best, names)}: {float(best["value"]):.4f}',
-        f'Best nominal: {_name(nominal, names)}: {gap["nominal"]:.4f}, as built {gap["value"]:.4f}',
-        f'Not told from the best by these draws: {"; ".join(others) or "none"}',
-    ])  # fmt: skip
+    best = found.best
+    others = [_name(one, names) for one in each if not float(one['worse_lower']) > 0 and int(one['candidate']) != int(best['candidate'])]
+    lines = [_counts(of), *('  '.join(cell.rjust(size) for cell, size in zip(row, wide)) for row in rows)]
+    lines.append(f'Best as built: {_name(best, names)}: {float(best["value"]):.4f}')
+    if not np.isnan(table['nominal']).all():
+        one = found.nominal
+        lines.append(f'Best nominal: {_name(one, names)}: {float(one["nominal"]):.4f}, as built {float(one["value"]):.4f}')
+    lines.append(f'Not told from the best by these draws: {"; ".join(others) or "none"}')
+    if np.isnan([float(one[end]) for one in each for end in ('lower', 'upper')]).any():
+        lines.append('?: too few draws for this quantile and confidence')
+    return '\n'.join(lines)
+
+
+def _counts(of: Mapping[Any, Any]) -> str:
+    said = f'Largest dynamic factor over the speeds; pairs of gears: {of["draws"]}, assemblies of each: {of["assemblies"]}'
+    if of['loads'] > 1:
+        said += f', loads: {of["loads"]}'
+    if of['draws_left_out'] or of['candidates_left_out']:
+        said += f'; left out: {of["draws_left_out"]} draws, {of["candidates_left_out"]} candidates'
+    return said
+
+
+def _heading(names: Sequence[str], of: Mapping[Any, Any]) -> list[str]:
+    sure = f'{100 * of["confidence"]:g} % sure'
+    keys = [name.partition('.')[2] for name in names]
+    return [*keys, 'nominal', 'median', f'{100 * of["quantile"]:g} %', sure, 'above the best', sure, 'best in']
+
+
+def _row(one: xarray.Dataset, names: Sequence[str]) -> list[str]:
+    value = {str(name): float(one[name]) for name in one.data_vars}
+    share = value['best_share']
+    numbers = [f'{value[name]:.4f}' for name in ('nominal', 'median', 'value')]
+    return [*(_said(one[name]) for name in names), *numbers, _range(value, '', '.4f'), f'{value["worse"]:+.4f}',
+            _range(value, 'worse_', '+.4f'), '?' if np.isnan(share) else f'{100 * share:.0f} %']  # fmt: skip
 
 
 def _range(value: Mapping[str, float], prefix: str, digits: str) -> str:
