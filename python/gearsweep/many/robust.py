@@ -220,7 +220,7 @@ def _kept(values: Reals, nan: str) -> tuple[NDArray[np.bool_], NDArray[np.bool_]
     complete = bool(kept.all() and draws.all())
     if nan == 'refuse' and not complete:
         raise Error(f"robust: {said}; nan='drop' leaves them out, and quantiles may be too low then")
-    if draws.sum() < 2:
+    if not kept.any() or draws.sum() < 2:
         raise Error(f'robust: {said}; nothing is left to compare')
     if not complete:
         warnings.warn(f'robust: {said}; they are left out', PartialWarning, stacklevel=3)

@@ -74,10 +74,11 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
 def _panel(ax: Axes, table: xarray.Dataset, along: str) -> None:
     """Curves of candidates that differ in one key."""
     x, of = table[along].values, table.attrs
-    ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'{100 * of["confidence"]:g} % sure')
+    ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'its band, {100 * of["confidence"]:g} % sure')
     ax.plot(x, table['value'], '.-', color=ACCENT, label=f'{100 * of["quantile"]:g} % as built')
     ax.plot(x, table['median'], color=GREY, label='median as built')
     ax.plot(x, table['nominal'], label='nominal', **NOMINAL)
+    ax.margins(y=0.12)
 
 
 def _mark(ax: Axes, x: float, y: float, color: str, va: str) -> None:
