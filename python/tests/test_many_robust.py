@@ -16,11 +16,11 @@ from scipy import stats  # noqa: E402
 from gearsweep.many import clusters  # noqa: E402
 
 MODULE = sys.modules['gearsweep.many.robust']
-AS_BUILT = Path(__file__).resolve().parents[2] / 'data' / 'as_built.nml'
+DATA = Path(__file__).resolve().parents[2] / 'data'
 CASE = Case('''&case tasks = 'as_built' / &pair module_mm = 3  face_width_mm = 20 / &pinion teeth = 10  profile_shift = 0.4 / &gear teeth = 15 /
     &load torque_nm = 100 / &relief amount_um = 5 / &mesh model = 'iso6336' /
-    &sweep rpm_first = 9000  rpm_last = 13000  rpm_step = 2000 /
-    &deviations pinion_class = 6  gear_class = 6  draws = 3  assembly = 'all' /''')  # fmt: skip
+    &sweep rpm_first = 9000  rpm_last = 12000  rpm_step = 3000 /
+    &deviations pinion_class = 6  gear_class = 6  draws = 2  assembly = 'all' /''')  # fmt: skip
 AMOUNTS = {'amount_um': [5, 10, 15]}
 ONE = np.ones(1)
 
@@ -87,13 +87,13 @@ def test_what_all_candidates_share_does_not_blur_them():
 
 
 def test_candidates_that_differ_by_chance_are_told_apart_so_often_as_is_said():
-    """Two with the same distribution: a band without 0 in 5 % of 200 sets at most, and three standard errors of that."""
+    """Two with the same distribution: a band without 0 in 5 % of 100 sets at most, and three standard errors of that."""
     rng, apart = np.random.default_rng(6), 0
-    for _ in range(200):
+    for _ in range(100):
         values = rng.standard_normal((1, 80, 1)) + 0.5 * rng.standard_normal((2, 80, 1))
         found = clusters.compare(values, ONE, 0.95, 0.95)
         apart += (found['worse_lower'] > 0).any()
-    assert apart / 200 < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 200)
+    assert apart / 100 < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 100)
 
 
 # The call, with numbers whose quantiles are known.
@@ -206,7 +206,7 @@ def test_numbers_are_those_of_the_task(found):
     study = gearsweep.run(CASE.changed(relief={'amount_um': [5, 10, 15]}))
     np.testing.assert_array_equal(found.factors.values[..., 0], study.as_built_worst.dynamic_factor)
     np.testing.assert_array_equal(found.table['nominal'], study.as_built_summary.nominal_factor)
-    assert found.factors.shape == (3, 3, 5, 1) and found.table['relief.amount_um'].attrs['units'] == 'um'
+    assert found.factors.shape == (3, 2, 5, 1) and found.table['relief.amount_um'].attrs['units'] == 'um'
 
 
 def test_the_same_by_a_pool_and_from_a_store(found, tmp_path):
@@ -220,8 +220,21 @@ def test_the_same_by_a_pool_and_from_a_store(found, tmp_path):
     assert float(many.robust(CASE, relief=AMOUNTS, quantile=0.5, store=tmp_path / 'x.zarr').best['value']) == 1
 
 
+def test_the_nominal_optimum_is_not_the_best_as_built():
+    """Case 1 in class 6: an independent prototype (Taylor series of 26th order, its own draws, 300 of them, 327 speeds to 20000 1/min) has
+    95 % quantiles of 1.339 at 10 um and 1.377 at 15 um, with a standard deviation of 0.007 each. Here the speeds about the largest peaks."""
+    case = Case.read(DATA / 'case1.nml').changed(deviations={'pinion_class': 6, 'gear_class': 6, 'draws': 80},
+                                                 sweep={'rpm_first': 8000, 'rpm_last': 14000, 'rpm_step': 600})  # fmt: skip
+    found = many.robust(case, relief={'amount_um': [10, 15]})
+    assert float(found.best['relief.amount_um']) == 10 and float(found.nominal['relief.amount_um']) == 15
+    assert float(found.nominal['worse_lower']) > 0
+    for at, expected in enumerate((1.339, 1.377)):
+        row = found.table.isel(candidate=at)
+        assert float(row['lower']) - 2 * 0.007 <= expected <= float(row['upper']) + 2 * 0.007
+
+
 def test_the_picture_has_the_numbers_of_the_table(monkeypatch):
-    """A panel for each shape; a line each of quantile, median and nominal, and the two best marked."""
+    """A panel for each shape; a line each of quantile, median and nominal, the two best marked, and the nominal one as built."""
     pyplot = pytest.importorskip('matplotlib.pyplot')
     faked(monkeypatch, valley)
     found = many.robust(CASE, relief={'shape': ['linear', 'parabolic'], 'amount_um': [5, 15, 10]})
@@ -231,7 +244,8 @@ def test_the_picture_has_the_numbers_of_the_table(monkeypatch):
     for line, name in zip(lines, ('value', 'median', 'nominal')):
         assert line.get_xdata().tolist() == [5, 10, 15]
         np.testing.assert_array_equal(line.get_ydata(), found.table[name].values[[3, 5, 4]])
-    assert [tuple(line.get_xydata()[0]) for line in figure.axes[0].lines[3:]] == [(10, float(found.best['value'])), (15, 1.0)]
+    assert [tuple(line.get_xydata()[0]) for line in figure.axes[0].lines[3:]] == \
+        [(10, float(found.best['value'])), (15, 1.0), (15, float(found.nominal['value']))]
     assert figure.axes[0].get_xlabel() == 'Amount (µm)' and figure.axes[0].get_ylabel() == 'Largest dynamic factor (–)'
     with pytest.raises(ValueError, match=r'must be one of relief\.amount_um'):
         gearsweep.plots.robust.plot_valley(found, along='relief.shape')

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | None = None) -> Figure:
-    """Nominal largest dynamic factor, and median and quantile as built with its band, over one of the keys that are varied; the best of each
-    is marked. A panel for each combination of the other keys.
+    """Nominal largest dynamic factor, and median and quantile as built with its band, over one of the keys that are varied. The best as built is
+    marked, and the best nominal with what it is worth as built. A panel for each combination of the other keys.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
             ax.set_title(title, loc='right')
         for ax in axes[len(panels) :]:
             ax.set_axis_off()
-        for column, color, va in (('value', ACCENT, 'bottom'), ('nominal', INK, 'top')):
-            at = int(np.nanargmin(table[column].values))
+        for best, column, color, va in (('value', 'value', ACCENT, 'bottom'), ('nominal', 'nominal', INK, 'top'), ('nominal', 'value', INK, 'bottom')):
+            at = int(np.nanargmin(table[best].values))
             _mark(axes[panels.index(words[at])], float(table[along][at]), float(table[column][at]), color, va)
         legends_above(axes[0], ('', axes[0].get_legend_handles_labels()[0]), gap=1.5 * bool(others))
         for ax in axes[::across]:
@@ -74,7 +74,7 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
 def _panel(ax: Axes, table: xarray.Dataset, along: str) -> None:
     """Curves of candidates that differ in one key."""
     x, of = table[along].values, table.attrs
-    ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'its band, {100 * of["confidence"]:g} % sure')
+    ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'its {100 * of["confidence"]:g} % band')
     ax.plot(x, table['value'], '.-', color=ACCENT, label=f'{100 * of["quantile"]:g} % as built')
     ax.plot(x, table['median'], color=GREY, label='median as built')
     ax.plot(x, table['nominal'], label='nominal', **NOMINAL)
