@@ -71,8 +71,9 @@ class Robust:
         return self.table.isel(candidate=np.flatnonzero(~(self.table['worse_lower'].values > 0)))
 
     def case(self, candidate: int | None = None) -> Case:
-        """The case of a candidate, of the best where none is given, with the first load."""
-        return self.plan.case(int(self.best['candidate']) if candidate is None else candidate)
+        """The case of a candidate, of the best where none is given, with the first load and seed."""
+        seeds = self.plan.n // (self.factors.sizes['load'] * self.factors.sizes['candidate'])
+        return self.plan.case(seeds * (int(self.best['candidate']) if candidate is None else candidate))
 
     def plot(self, figure: Figure | None = None) -> Figure:
         """The valley, as `gearsweep.plots.robust.plot_valley` draws it."""
@@ -95,8 +96,8 @@ class Robust:
 
 
 def robust(
-    case: Case, *, spectrum: Mapping[str, Mapping[float, float]] | None = None, quantile: float = 0.95, confidence: float = 0.95,
-    nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
+    case: Case, *, spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: Sequence[int] | None = None,
+    quantile: float = 0.95, confidence: float = 0.95, nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
     progress: Progress | bool = False, **groups: Mapping[str, Sequence[Any]],
 ) -> Robust:  # fmt: skip
     """Which of some reliefs, or values of any other keys, stands the deviations of its gears best.
@@ -116,6 +117,8 @@ def robust(
         Gears, speeds and deviations.
     spectrum : dict, optional
         One key of `&load` with its loads and their shares of the time, as in `{'torque_nm': {80: 0.7, 120: 0.3}}`.
+    seeds : list of int, optional
+        Draws for each of these, in place of the case's one `seed`: as many variants of a candidate, for many workers.
     quantile : float
         Its probability.
     confidence : float
@@ -125,7 +128,7 @@ def robust(
         whole and for all candidates, which a `PartialWarning` tells. What has no result is rarely the best, so that the quantiles
         may be too low then.
     executor, store, seconds, progress : optional
-        As of `run`; a candidate with one load is a variant.
+        As of `run`; a candidate with one load and one seed is a variant.
     **groups
         Keys with lists of values, as in `relief={'amount_um': [8, 10, 12], 'shape': ['linear', 'parabolic']}`: each combination is a
         candidate.
@@ -149,10 +152,11 @@ def robust(
     if not groups:
         raise Error("robust: there are no candidates; give lists, such as relief={'amount_um': [8, 10, 12]}")
     loads, shares = _spectrum(spectrum, groups)
-    plan = Plan.grid(case.changed(case={'tasks': 'as_built'}), **loads, **groups)
-    _check(plan, nan)
+    plan = Plan.grid(case.changed(case={'tasks': 'as_built'}), **loads, **_seeded(groups, seeds))
+    count = 1 if seeds is None else len(seeds)
+    _check(plan, nan, count)
     data = run(plan, WORST, reduce=reduced, executor=executor, store=store, seconds=seconds, progress=progress)
-    nominal, factors = _factors(data, plan, shares, bool(loads))
+    nominal, factors = _factors(data, plan, shares if loads else None, count)
     kept, draws = _kept(factors.values, nan)
     table = _table(nominal[kept], factors.isel(candidate=kept, draw=draws), shares, quantile, confidence)
     table.attrs |= {'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~kept).sum())}
@@ -181,34 +185,56 @@ def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any],
     return {'load': {key: list(loads)}}, shares / shares.sum()
 
 
-def _check(plan: Plan, nan: str) -> None:
+def _seeded(groups: Mapping[str, Any], seeds: Sequence[int] | None) -> dict[str, Any]:
+    """The groups with seeds as the key that changes fastest."""
+    if seeds is None:
+        return dict(groups)
+    if len(set(seeds)) < len(seeds):
+        raise Error('seeds: one is there twice, and would draw the same gears')
+    deviations = groups.get('deviations', {})
+    if 'seed' in deviations:
+        raise Error('&deviations seed: is varied by seeds, and cannot tell candidates apart')
+    return {name: keys for name, keys in groups.items() if name != 'deviations'} | {'deviations': {**deviations, 'seed': list(seeds)}}
+
+
+def _check(plan: Plan, nan: str, seeds: int) -> None:
     """Refuses what no candidate may be, before anything is computed."""
     first = plan.case(0)
     if not any(first.get('deviations', f'{gear}_class') for gear in ('pinion', 'gear')):
         raise Error('robust: the case draws no gears; give &deviations pinion_class or gear_class')
-    if (draws := first.get('deviations', 'draws')) < 2:
+    if (draws := first.get('deviations', 'draws')) * seeds < 2:
         raise Error(f'robust: &deviations draws = {draws}: must be at least 2')
     if isinstance(amounts := first.get('relief', 'amount_um'), tuple):
         raise Error(f"robust: &relief amount_um has {len(amounts)} values; give them as relief={{'amount_um': [...]}}")
-    for at in range(plan.n if nan == 'refuse' else 0):
+    for at in range(0, plan.n if nan == 'refuse' else 0, seeds):
         plan.case(at).complete()
 
 
-def _factors(data: xarray.Dataset, plan: Plan, shares: Reals, has_loads: bool) -> tuple[Reals, xarray.DataArray]:
+def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int) -> tuple[Reals, xarray.DataArray]:
     """Nominal factors (candidate, load), and those as built; NaN where the motion has no result at some speed."""
     import xarray
 
-    lacks, loads = data[LACKS].values, len(shares)
-    values = np.where(lacks == 0, data[WORST].values.reshape(lacks.shape), np.nan).reshape(loads, -1, *lacks.shape[1:])
-    coords: dict[str, Any] = {'share': ('load', shares), 'candidate': np.arange(values.shape[1])}
+    lacks = data[LACKS].values
+    loads = 1 if shares is None else len(shares)
+    candidates = plan.n // (loads * seeds)
+    values = np.where(lacks == 0, data[WORST].values.reshape(lacks.shape), np.nan)
+    coords: dict[str, Any] = {'share': ('load', np.ones(1) if shares is None else shares), 'candidate': np.arange(candidates)}
+    # The load is the first key, and changes slowest; the seed is the last.
     for at, one in enumerate(plan.inputs):
-        labels = [one.key.written(value) for value in plan.rows()[:, at]]
-        labels = [', '.join(map(str, label)) if isinstance(label, tuple) else label for label in labels]
-        is_load = has_loads and at == 0
-        coords[one.name] = ('load' if is_load else 'candidate', labels[:: values.shape[1]] if is_load else labels[: values.shape[1]],
-                            data[one.name].attrs)  # fmt: skip
-    factors = xarray.DataArray(values, coords, ('load', 'candidate', 'draw', 'assembly'), 'largest_dynamic_factor')
-    return data[NOMINAL].values.reshape(loads, -1).T, factors.transpose('candidate', 'draw', 'assembly', 'load')
+        is_load = shares is not None and at == 0
+        labels = [_label(one.key.written(value)) for value in plan.rows()[:, at]]
+        if one.name != 'deviations.seed' or seeds == 1:
+            labels = labels[:: candidates * seeds] if is_load else labels[: candidates * seeds : seeds]
+            coords[one.name] = 'load' if is_load else 'candidate', labels, data[one.name].attrs
+    factors = xarray.DataArray(values.reshape(loads, candidates, -1, lacks.shape[-1]), coords,
+                               ('load', 'candidate', 'draw', 'assembly'), 'largest_dynamic_factor')  # fmt: skip
+    nominal = data[NOMINAL].values.reshape(loads, candidates, seeds)[..., 0].T
+    return nominal, factors.transpose('candidate', 'draw', 'assembly', 'load')
+
+
+def _label(value: Any) -> Any:
+    """The value of a key as a label: a list as text."""
+    return ', '.join(map(str, value)) if isinstance(value, tuple) else value
 
 
 def _kept(values: Reals, nan: str) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
