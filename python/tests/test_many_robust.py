@@ -184,8 +184,8 @@ def test_too_few_draws_tell_nothing_apart(monkeypatch):
     ('quantile = 95: must be between 0 and 1', {'relief': AMOUNTS, 'quantile': 95}), ("nan = 'keep'", {'relief': AMOUNTS, 'nan': 'keep'}),
     ('spectrum: must be one key of &load', {'relief': AMOUNTS, 'spectrum': {}}),
     ('torque_nm = .*: must be loads with their shares, each above 0', {'relief': AMOUNTS, 'spectrum': {'torque_nm': {100: -1}}}),
-    ('seeds: one is there twice', {'relief': AMOUNTS, 'seeds': [1, 1]}),
-    ('seed: is varied by seeds', {'deviations': {'seed': [1]}, 'seeds': [1, 2]}),
+    ('seeds = 0: must be a whole number from 1', {'relief': AMOUNTS, 'seeds': 0}),
+    ('seed: is varied by seeds', {'deviations': {'seed': [1]}, 'seeds': 2}),
     ('load: is varied by spectrum', {'load': {'torque_nm': [1]}, 'spectrum': {'torque_nm': {100: 1}}}),
     ('&load: give one of torque_nm', {'relief': AMOUNTS, 'spectrum': {'normal_force_n': {100: 1}}}),
 ])  # fmt: skip
@@ -238,8 +238,10 @@ def test_the_nominal_optimum_is_not_the_best_as_built():
 def test_seeds_draw_more_gears():
     """Those that each seed of the case draws, one after the other, for each candidate and load."""
     options = {'relief': {'amount_um': [5, 10]}, 'quantile': 0.5, 'spectrum': {'torque_nm': {100: 1, 80: 2}}}
-    each = [many.robust(CASE.changed(deviations={'seed': seed}), **options).factors.values for seed in (1, 7)]
-    found = many.robust(CASE, seeds=[1, 7], **options)
+    found = many.robust(CASE, seeds=2, **options)
+    seeds = found.plan.rows()[:, -1].astype(int)
+    assert (seeds.reshape(4, 2) == seeds[:2]).all() and len(set(seeds)) == 2
+    each = [many.robust(CASE.changed(deviations={'seed': seed}), **options).factors.values for seed in seeds[:2]]
     np.testing.assert_array_equal(found.factors.values, np.concatenate(each, axis=1))
     assert found.case(1).get('relief', 'amount_um') == 10 and found.case(1).get('load', 'torque_nm') == 100
     assert found.table['relief.amount_um'].values.tolist() == [5, 10] and found.factors['load.torque_nm'].values.tolist() == [100, 80]

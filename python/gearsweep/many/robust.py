@@ -96,7 +96,7 @@ class Robust:
 
 
 def robust(
-    case: Case, *, spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: Sequence[int] | None = None,
+    case: Case, *, spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: int = 1,
     quantile: float = 0.95, confidence: float = 0.95, nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
     progress: Progress | bool = False, **groups: Mapping[str, Sequence[Any]],
 ) -> Robust:  # fmt: skip
@@ -117,8 +117,8 @@ def robust(
         Gears, speeds and deviations.
     spectrum : dict, optional
         One key of `&load` with its loads and their shares of the time, as in `{'torque_nm': {80: 0.7, 120: 0.3}}`.
-    seeds : list of int, optional
-        Draws for each of these, in place of the case's one `seed`: as many variants of a candidate, for many workers.
+    seeds : int
+        Above 1: so many variants of each candidate, for many workers, each with the case's `draws` of a seed of its own.
     quantile : float
         Its probability.
     confidence : float
@@ -152,11 +152,11 @@ def robust(
     if not groups:
         raise Error("robust: there are no candidates; give lists, such as relief={'amount_um': [8, 10, 12]}")
     loads, shares = _spectrum(spectrum, groups)
-    plan = Plan.grid(case.changed(case={'tasks': 'as_built'}), **loads, **_seeded(groups, seeds))
-    count = 1 if seeds is None else len(seeds)
-    _check(plan, nan, count)
+    case = case.changed(case={'tasks': 'as_built'})
+    plan = Plan.grid(case, **loads, **_seeded(case, groups, seeds))
+    _check(plan, nan, seeds)
     data = run(plan, WORST, reduce=reduced, executor=executor, store=store, seconds=seconds, progress=progress)
-    nominal, factors = _factors(data, plan, shares if loads else None, count)
+    nominal, factors = _factors(data, plan, shares if loads else None, seeds)
     kept, draws = _kept(factors.values, nan)
     table = _table(nominal[kept], factors.isel(candidate=kept, draw=draws), shares, quantile, confidence)
     table.attrs |= {'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~kept).sum())}
@@ -185,16 +185,17 @@ def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any],
     return {'load': {key: list(loads)}}, shares / shares.sum()
 
 
-def _seeded(groups: Mapping[str, Any], seeds: Sequence[int] | None) -> dict[str, Any]:
-    """The groups with seeds as the key that changes fastest."""
-    if seeds is None:
+def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]:
+    """The groups with seeds as the key that changes fastest. They are random, as what neighbouring seeds draw is not independent."""
+    if isinstance(seeds, bool) or not isinstance(seeds, int) or not 1 <= seeds <= 1_000_000:
+        raise Error(f'robust: seeds = {seeds!r}: must be a whole number from 1 to 1000000')
+    if seeds == 1:
         return dict(groups)
-    if len(set(seeds)) < len(seeds):
-        raise Error('seeds: one is there twice, and would draw the same gears')
     deviations = groups.get('deviations', {})
     if 'seed' in deviations:
         raise Error('&deviations seed: is varied by seeds, and cannot tell candidates apart')
-    return {name: keys for name, keys in groups.items() if name != 'deviations'} | {'deviations': {**deviations, 'seed': list(seeds)}}
+    drawn = 1 + np.random.default_rng(case.get('deviations', 'seed', 1)).choice(10**9, seeds, replace=False)
+    return {name: keys for name, keys in groups.items() if name != 'deviations'} | {'deviations': {**deviations, 'seed': drawn}}
 
 
 def _check(plan: Plan, nan: str, seeds: int) -> None:
