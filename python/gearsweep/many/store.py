@@ -104,11 +104,11 @@ class Store:
         import fcntl
 
         how = fcntl.LOCK_EX if part == (1, 1) else fcntl.LOCK_SH
-        try:
-            file = builtins.open(os.path.join(self.path, 'zarr.json'), 'r+')
-        except OSError as error:
-            raise Error(f'cannot write {self.path}: {error.strerror}', Code.FILE) from error
-        with file:
+        with contextlib.ExitStack() as stack:
+            try:
+                file = stack.enter_context(builtins.open(os.path.join(self.path, 'zarr.json'), 'r+'))
+            except OSError as error:
+                raise Error(f'cannot write {self.path}: {error.strerror}', Code.FILE) from error
             try:
                 fcntl.flock(file, how | fcntl.LOCK_NB)
             except BlockingIOError as error:
