@@ -13,8 +13,9 @@ module gearsweep_fe_stiffness
   use gearsweep_own_flattening, only: edge_share, even_flattening, flattening_t
   use gearsweep_pair, only: pair_t
   use gearsweep_piecewise, only: piecewise_t, spline
+  use gearsweep_teeth, only: teeth_t
   use gearsweep_text, only: str
-  use gearsweep_tooth_compliance, only: fe_options_t, tooth_compliance, tooth_t
+  use gearsweep_tooth_compliance, only: fe_options_t, tooth_t
   implicit none
   private
   public :: fe_options_t, fe_stiffness, fe_deflection
@@ -36,7 +37,9 @@ contains
   !> the flattening is taken at (secant stiffness). Equal gears share the work.
   !>
   !> With corner contact the curve reaches beyond A and E, to where a pair may be in contact (`contact_reach`).
-  subroutine fe_stiffness(pair, material, options, line_load, curve, disc, error, flattening)
+  !>
+  !> `teeth`: those that are known already, and afterwards those of this pair.
+  subroutine fe_stiffness(pair, material, options, line_load, curve, disc, error, flattening, teeth)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)
     type(fe_options_t), intent(in) :: options
@@ -45,6 +48,7 @@ contains
     type(disc_t), intent(out) :: disc
     type(error_t), allocatable, intent(out) :: error
     type(flattening_t), intent(out), optional :: flattening
+    type(teeth_t), intent(inout), optional :: teeth
     type(tooth_t) :: tooth(2)
     real(dp), allocatable :: s(:), half_width(:), total(:)
     type(flattening_t) :: own
@@ -61,7 +65,7 @@ contains
     associate (r1 => pair%curvature(1, s), r2 => pair%curvature(2, s), strain => options%section%plane_strain)
       half_width = contact_half_width(material(1), material(2), strain, line_load, r1, r2)
       call check_contact(maxval(half_width), pair%gear(1)%spec%module, line_load, error)
-      if (.not. allocated(error)) call both_teeth(pair, material, options, tooth, error)
+      if (.not. allocated(error)) call both_teeth(pair, material, options, tooth, error, teeth)
       if (allocated(error)) return
       associate (flat1 => surface_to_depth(material(1), strain, half_width, pair%gear(1)%spec%module), &
                  flat2 => surface_to_depth(material(2), strain, half_width, pair%gear(2)%spec%module))
@@ -212,16 +216,19 @@ contains
   end subroutine check_compliance
 
   !> Teeth of both gears; equal gears have equal ones.
-  subroutine both_teeth(pair, material, options, tooth, error)
+  subroutine both_teeth(pair, material, options, tooth, error, teeth)
     type(pair_t), intent(in) :: pair
     type(material_t), intent(in) :: material(2)
     type(fe_options_t), intent(in) :: options
     type(tooth_t), intent(out) :: tooth(2)
     type(error_t), allocatable, intent(inout) :: error
+    type(teeth_t), intent(inout), optional :: teeth  !< those that are known, and afterwards these too
+    type(teeth_t) :: known
     type(fe_options_t) :: own
     real(dp) :: ends(2)
     integer :: i
 
+    if (present(teeth)) known = teeth
     do i = 1, 2
       own = options
       ! A rim that its web holds on a narrow strip: free below, between the sides of the section.
@@ -234,10 +241,11 @@ contains
       if (i == 2 .and. are_equal(pair, material, options)) then
         tooth(2) = tooth(1)
       else
-        call tooth_compliance(pair%gear(i), material(i), own, minval(ends), maxval(ends), tooth(i), error)
+        call known%find(pair%gear(i), material(i), own, minval(ends), maxval(ends), tooth(i), error)
         if (allocated(error)) return
       end if
     end do
+    if (present(teeth)) teeth = known
   end subroutine both_teeth
 
   !> Do both gears deflect alike?

@@ -12,6 +12,7 @@ module gearsweep_mesh_stage
   use gearsweep_products, only: study_t
   use gearsweep_section, only: section_options_t
   use gearsweep_first_stages, only: build_profile_error, build_stiffness, check_load, find_load, place_mesh, rim_teeth, rims
+  use gearsweep_teeth, only: teeth_t
   use gearsweep_text, only: str
   implicit none
   private
@@ -53,6 +54,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(study_t), intent(in), optional :: earlier
     type(section_options_t) :: body
+    character(40) :: how
     logical :: known
 
     ! The unloaded teeth may be coarser.
@@ -66,6 +68,7 @@ contains
       study%load/study%case%spec(1)%face_width)
     known = .false.
     if (present(earlier)) known = allocated(earlier%elements_inputs)
+    if (known) study%teeth%list = earlier%teeth%list
     if (known) known = same(study%elements_inputs, earlier%elements_inputs)
     if (known) then
       study%mesh%stiffness = earlier%mesh%stiffness
@@ -73,8 +76,11 @@ contains
       study%mesh%flattening = earlier%mesh%flattening
       call study%running%note('mesh: pair stiffness by model fe, taken over')
     else
-      call by_elements(study%elements_inputs, study%mesh, error)
-      call study%running%note('mesh: pair stiffness by model fe')
+      call by_elements(study%elements_inputs, study%mesh, study%teeth, error)
+      how = ''
+      if (study%teeth%taken > 0) how = ', one gear''s teeth taken over'
+      if (study%teeth%taken > 0 .and. study%teeth%solved == 0) how = ', the teeth taken over'
+      call study%running%note('mesh: pair stiffness by model fe'//trim(how))
     end if
   end subroutine find_by_elements
 
@@ -94,13 +100,14 @@ contains
     end do
   end subroutine find_friction_arms
 
-  subroutine by_elements(inputs, mesh, error)
+  subroutine by_elements(inputs, mesh, teeth, error)
     type(elements_inputs_t), intent(in) :: inputs
     type(mesh_t), intent(inout) :: mesh
+    type(teeth_t), intent(inout) :: teeth
     type(error_t), allocatable, intent(inout) :: error
 
     call fe_stiffness(inputs%pair, inputs%material, inputs%options, inputs%line_load, mesh%stiffness, mesh%disc, error, &
-                      mesh%flattening)
+                      mesh%flattening, teeth)
   end subroutine by_elements
 
   !> One oscillator for each relief.

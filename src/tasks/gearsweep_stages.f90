@@ -13,6 +13,7 @@ module gearsweep_stages
   use gearsweep_stiffness, only: iso_options_t
   use gearsweep_sweep_state, only: all_motions, both, counter_t, each, progress_of_sweep, sweep_options_t, sweep_state_t
   use gearsweep_task, only: stage, task_t
+  use gearsweep_teeth, only: teeth_t
   implicit none
   private
   public :: runnable_t, running_t, stages_t, points_of
@@ -37,6 +38,7 @@ module gearsweep_stages
     type(body_inputs_t) :: body_inputs           !< of that body
     type(solid_inputs_t) :: solid_inputs         !< of the same in three dimensions
     type(elements_inputs_t), allocatable :: elements_inputs  !< of the pair stiffness, where that is by finite elements
+    type(teeth_t) :: teeth                       !< by finite elements: those of this pair, and some of earlier studies
     type(mesh_t), allocatable :: mesh            !< without relief
     real(dp) :: base_pitch = 0                   !< m; 0: not known of a prescribed mesh
     real(dp) :: load = 0                         !< static load on the line of action, N
