@@ -71,25 +71,26 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     integer, parameter :: fewest = 5
 
-    call demand(spec%teeth >= fewest, 'number of teeth', str(spec%teeth), 'must be at least '//str(fewest))
-    call demand(spec%module > 0, 'module (m)', str(spec%module), 'must be above 0')
-    call demand(spec%face_width > 0, 'face width (m)', str(spec%face_width), 'must be above 0')
+    call demand(spec%teeth >= fewest, 'number of teeth', real(spec%teeth, dp), 'must be at least '//str(fewest))
+    call demand(spec%module > 0, 'module (m)', spec%module, 'must be above 0')
+    call demand(spec%face_width > 0, 'face width (m)', spec%face_width, 'must be above 0')
     call demand(spec%pressure_angle(drive) > 0.05_dp .and. spec%pressure_angle(drive) < 0.8_dp, 'pressure angle (rad)', &
-                str(spec%pressure_angle(drive)), 'must lie between 0.05 and 0.8')
+                spec%pressure_angle(drive), 'must lie between 0.05 and 0.8')
     call demand(spec%pressure_angle(coast) > 0.05_dp .and. spec%pressure_angle(coast) < 0.8_dp, 'coast angle (rad)', &
-                str(spec%pressure_angle(coast)), 'must lie between 0.05 and 0.8')
-    call demand(spec%addendum > 0, 'addendum', str(spec%addendum), 'must be above 0')
-    call demand(spec%dedendum > 0, 'dedendum', str(spec%dedendum), 'must be above 0')
-    call demand(all(spec%rack_tip_radius >= 0), 'rack tip radius', str(minval(spec%rack_tip_radius)), 'must be at least 0')
-    call demand(abs(spec%profile_shift) < 5, 'profile shift', str(spec%profile_shift), 'must lie between -5 and 5')
+                spec%pressure_angle(coast), 'must lie between 0.05 and 0.8')
+    call demand(spec%addendum > 0, 'addendum', spec%addendum, 'must be above 0')
+    call demand(spec%dedendum > 0, 'dedendum', spec%dedendum, 'must be above 0')
+    call demand(all(spec%rack_tip_radius >= 0), 'rack tip radius', minval(spec%rack_tip_radius), 'must be at least 0')
+    call demand(abs(spec%profile_shift) < 5, 'profile shift', spec%profile_shift, 'must lie between -5 and 5')
 
   contains
 
     subroutine demand(met, quantity, value, allowed)
       logical, intent(in) :: met
-      character(*), intent(in) :: quantity, value, allowed
+      character(*), intent(in) :: quantity, allowed
+      real(dp), intent(in) :: value
 
-      if (.not. met) call fail(error, code_input, trim(spec%name)//' '//quantity//' = '//value//': '//allowed)
+      if (.not. met) call fail(error, code_input, trim(spec%name)//' '//quantity//' = '//str(value)//': '//allowed)
     end subroutine demand
   end subroutine check_spec
 
