@@ -1,4 +1,4 @@
-/* gearsweep for C and C++: ten calls, whose arguments never change.
+/* gearsweep for C and C++: eleven calls, whose arguments never change.
  *
  * But for gsc_free, every call returns a code and leaves a message, which is empty where the code is 0.
  *
@@ -54,7 +54,9 @@ int gsc_describe(const char *what, char *buffer, size_t buffer_size, size_t *len
    "change"    the case with another value of one key; the rest of the text stays as it is, with its remarks. group, key:
                without &; a group that is missing is added; value: as it stands in a case, such as "0, 5, 10" or "'fe'";
                empty: the key is taken out. A key that no case has is refused, with the closest, unless it is taken out
-               of a text that has it. Whether this case allows the key and the value is told by the run
+               of a text that has it. Whether this case allows the key and the value is told by the run.
+               With group and key empty, value has several keys as a case has them, such as
+               "&load line_load_n_mm = 250 / &relief amount_um = 0, 5 /"
    "unused"    the keys that the case gives but does not use, mostly for tasks that it does not name: for each use that
                they would have, a line "use: &group key, key; &group key"
    "new"       a case for the tasks in text, separated by blanks, with every key of theirs and its default
@@ -78,6 +80,24 @@ int gsc_edit(const char *action, const char *text, size_t text_length, const cha
    study    what was found; untouched after an error */
 int gsc_run(const char *text, size_t text_length, const char *folder, int threads, const gsc_study *earlier, int *watch,
             const char *resume, const char *keep, gsc_study **study, char *message, size_t message_size);
+
+/* Runs a case once for each row of values of some of its keys. Its text is read once, and what an earlier row has of the same
+   inputs is taken over; each row gives the same bits as the case with its values run alone.
+   text, folder, threads, earlier, watch as of gsc_run; watch[1]: rows done, watch[2]: of how many
+   names    the keys, each as group.key, with blanks between them, such as "load.line_load_n_mm relief.amount_um"; each takes one
+            number: of a list, the only one
+   rows     how many, at least 1
+   values   those of the first row, one for each name, then those of the second, and so on. A key that takes integers takes
+            whole numbers
+   take     the columns that are wanted, each as table.column, with blanks between them; numbers, no words. How many rows a table
+            has is told by the first row of values that runs
+   study    has the table "rows" with a code and a message for each row of values ("code", "message"), and of the tables in take these
+            columns, which hold all their numbers of the first row of values, then those of the second, and so on; NaN for a row
+            without a result. It has no texts but "tables", no files, and can be the earlier of others. A column that is not there
+            is an error of the call; where rows have a code other than GSC_OK it ends with GSC_PARTIAL, or GSC_INTERRUPTED */
+int gsc_rows(const char *text, size_t text_length, const char *folder, int threads, const gsc_study *earlier, int *watch,
+             const char *names, int rows, const double *values, const char *take, gsc_study **study, char *message,
+             size_t message_size);
 
 /* One of the texts of a study. what: "report", what the program prints; "log", which stages ran, which were taken over and
    which left out, a line each; "tables", in JSON, the tables with their columns, units and meanings; "case", the case

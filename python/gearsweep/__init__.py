@@ -23,7 +23,7 @@ from . import _library
 from ._library import Code, Error, PartialWarning, UnusedWarning
 from ._sound import write_sound
 from .case import Case
-from .study import Study, read, run
+from .study import Rows, Study, read, run, run_rows
 from .table import Table
 
 __version__ = _library.version()
@@ -33,16 +33,18 @@ __all__ = [
     'Code',
     'Error',
     'PartialWarning',
+    'Rows',
     'Study',
     'Table',
     'UnusedWarning',
     'read',
     'run',
+    'run_rows',
     'write_sound',
 ]
 
 
-for _one in (Code, Error, PartialWarning, UnusedWarning, Study, Table, Case):
+for _one in (Code, Error, PartialWarning, UnusedWarning, Rows, Study, Table, Case):
     _one.__module__ = __name__  # a traceback names them as people do
 
 #: In `gearsweep.plots`, which is loaded with the first of them.

@@ -116,6 +116,12 @@ class Handle:
             words.append(_str(word.item()).rstrip())
         return np.array(words, dtype=np.str_)
 
+    def word(self, table: str, name: str, row: int) -> str:
+        """The words of a column in one row, which is counted from 0."""
+        word = np.array(b' ' * _checked(_flat.gs_size(self.address, _bytes(table), _bytes(name)))[2] or b' ')
+        _checked(_flat.gs_words(self.address, _bytes(table), _bytes(name), row + 1, word))
+        return _str(word.item()).rstrip()
+
     def write(self, folder: str, name: str) -> list[str]:
         """Writes its tables and grids as files; their paths."""
         return _text(_flat.gs_write, self.address, _bytes(folder), _bytes(name)).splitlines()
@@ -139,6 +145,24 @@ def run(
         return _flat.gs_run(*words, team, earlier.address if earlier else 0, watch, *files)
 
     (address, info, message), cause = watched(call, progress, lambda found: _free(found[0]), waits=bool(keep), stop=stop, seconds=seconds)
+    error = Error(_str(message).rstrip(), Code(info)) if info else None
+    return Handle(address) if address else None, error, cause
+
+
+def run_rows(
+    text: str, folder: str, names: str, values: np.ndarray, take: str, threads: int, earlier: Handle | None,
+    progress: Callable[[int, int], object] | None, stop: threading.Event | None = None,
+) -> tuple[Handle | None, Error | None, BaseException | None]:  # fmt: skip
+    """The same for a case with rows of values (row, name) of some of its keys."""
+    words = [_bytes(word) for word in (text, folder)]
+    keys, columns = _bytes(names), _bytes(take)
+    rows, team = len(values), _threads(threads)
+    numbers = np.append(np.ravel(values), 0.0)  # never without one
+
+    def call(watch: np.ndarray) -> tuple:
+        return _flat.gs_rows(*words, team, earlier.address if earlier else 0, watch, keys, rows, numbers, columns)
+
+    (address, info, message), cause = watched(call, progress, lambda found: _free(found[0]), waits=stop is not None, stop=stop)
     error = Error(_str(message).rstrip(), Code(info)) if info else None
     return Handle(address) if address else None, error, cause
 

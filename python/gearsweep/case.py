@@ -98,9 +98,17 @@ class Case:
             this case allows the value is told where it is used.
         """
         text = self.text
+        new: dict[str, dict[str, str]] = {}  # what one edit does
         for group, keys in groups.items():
             for key, value in keys.items():
-                text = _library.edit('change', text, group, key, written(value))
+                word = written(value)
+                if word and word.isprintable() and f'{group}{key}'.isidentifier():
+                    new.setdefault(group.lower(), {})[key.lower()] = word
+                else:
+                    text = _library.edit('change', text, group, key, word)
+        if new:
+            lines = [' '.join([f'&{group}', *(f'{key} = {word}' for key, word in keys.items()), '/']) for group, keys in new.items()]
+            text = _library.edit('change', text, value=' '.join(lines))
         return Case(text, self.folder)
 
     def get(self, group: str, key: str, default: Any = None) -> Any:

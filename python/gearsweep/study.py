@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -16,8 +17,8 @@ import numpy as np
 from . import _library
 from ._files import replacing
 from ._library import Code, Error, PartialWarning, UnusedWarning
-from ._watch import Late, bar
-from .case import Case
+from ._watch import Late, Stopped, bar
+from .case import Case, written
 from .table import Table, as_html, meant
 
 if TYPE_CHECKING:
@@ -240,7 +241,7 @@ def run(
     if seconds is not None and not seconds > 0:
         raise Error(f'seconds = {seconds}: must be above 0')
     if tasks is not None:
-        case = case.changed(case={'tasks': tasks, 'published': None})
+        case = _asking(case, tasks)
     elif case.unused:
         keys = ''.join(f'\n  for {line}' for line in case.unused)
         warnings.warn(f'keys that no task of this case uses:{keys}', UnusedWarning, stacklevel=2)
@@ -255,6 +256,14 @@ def run(
     if error is not None:
         warnings.warn(str(error), PartialWarning, stacklevel=2)
     return study
+
+
+def _asking(case: Case, tasks: str | Iterable[str]) -> Case:
+    """The case with these tasks: as it is, where a line of it names them, and it names no published values."""
+    same = rf'^\s*(&case\s+)?tasks\s*=\s*{re.escape(written(tasks))}\s*(/|&end|^\s*\w+\s*=)'
+    if re.search(same, case.text, re.MULTILINE | re.IGNORECASE) and 'published' not in case.text.lower():
+        return case
+    return case.changed(case={'tasks': tasks, 'published': None})
 
 
 def lost(error: Error) -> bool:
@@ -278,6 +287,104 @@ def attempt(
         return None, None, late
     study = Study(case, _VERSION, error is None, json.loads(found.text('tables')), found) if found else None
     return study, error, cause
+
+
+@dataclass
+class Rows:
+    """What a case answers for each row of values.
+
+    Attributes
+    ----------
+    columns : dict of str to array
+        By 'table.column' the numbers of each row, (row, number); NaN where a row has no result. Where no row ran, no numbers.
+    codes : array
+        A `Code` for each row: OK, PARTIAL (some operating points are NaN), INTERRUPTED (not run), or why there is none.
+    messages : list of str
+        The same in words; empty where all is well.
+    """
+
+    columns: dict[str, np.ndarray]
+    codes: np.ndarray
+    messages: list[str]
+    _source: _library.Handle
+
+
+def run_rows(
+    case: Case, names: Iterable[str], values: Any, take: Iterable[str], *, threads: int = 1, earlier: Rows | Study | None = None,
+    progress: Callable[[int, int], object] | None = None, stop: threading.Event | None = None,
+) -> Rows:  # fmt: skip
+    """Runs a case once for each row of values of some of its keys, in one call: for a thousand variants and more.
+
+    Each row gives the same bits as `run(case.changed(...))`, at a small part of the time: the case is read once, and teeth, stiffness
+    and whatever else is made of the same inputs are taken over from row to row.
+
+    Parameters
+    ----------
+    case : Case
+        With its tasks, as it stands; its own values of the keys in `names` do not count.
+    names : several str
+        The keys, as 'load.line_load_n_mm'. Each takes one number; of a list, the only one.
+    values : array (row, name)
+        Numbers in the keys' units. A key that takes integers takes whole numbers, such as 25.0.
+    take : several str
+        Columns of numbers, as 'sweep.dynamic_factor'. How many numbers a row has is told by the first row that runs; one with
+        more or fewer has the code INPUT.
+    threads : int
+        For the sweep of each row; 0: all. The answer is the same for any number.
+    earlier : Rows or Study, optional
+        Whatever of it was made of the same inputs is taken over: of the rows before, the last that ran.
+    progress : callable, optional
+        Called now and then with the number of rows that are done, and of all. An exception that it raises ends the run and
+        comes out.
+    stop : threading.Event, optional
+        Once it is set, rows that are not done get the code INTERRUPTED.
+
+    Raises
+    ------
+    Error
+        The case has no such key, its tables no such column, or the text cannot be read. Whatever is wrong with the
+        values of a row is told by its code and message.
+
+    Examples
+    --------
+    >>> import gearsweep
+    >>> case = gearsweep.Case('''&case tasks = 'geometry' / &pair module_mm = 3 face_width_mm = 20 /
+    ...     &pinion teeth = 21 / &gear teeth = 34 /''')
+    >>> rows = gearsweep.run_rows(case, ['gear.teeth', 'pair.module_mm'], [[34, 3], [3, 3], [35, 3]], ['geometry.contact_ratio'])
+    >>> print(rows.columns['geometry.contact_ratio'].ravel().round(4), rows.codes)
+    [1.6248    nan 1.6285] [0 1 0]
+    >>> rows.messages[1]
+    '&gear teeth = 3: must be at least 5...
+    """
+    if not isinstance(case, Case):
+        raise TypeError(f'case: must be a gearsweep.Case, not {type(case).__name__}')
+    if earlier is not None and not isinstance(earlier, (Rows, Study)):
+        raise TypeError(f'earlier: must be a gearsweep.Rows or a gearsweep.Study, not {type(earlier).__name__}')
+    names, take = _several('names', names), _several('take', take)
+    values = np.asarray(values, np.float64)
+    if values.ndim != 2 or values.shape[1] != len(names):
+        raise Error(f'values: must have a column for each of {len(names)} names, not the shape {values.shape}')
+    before = earlier._live('to start others from it') if isinstance(earlier, Study) else earlier._source if earlier else None
+    found, error, cause = _library.run_rows(case.text, case.folder, ' '.join(names), values, ' '.join(take), threads, before,
+                                            progress, stop)  # fmt: skip
+    if cause is not None and not isinstance(cause, Stopped):
+        raise cause
+    if found is None:
+        raise error or Error('the run made no rows')
+    codes = found.column('rows', 'code')
+    messages = [found.word('rows', 'message', row) if code else '' for row, code in enumerate(codes)]
+    there = {table['name'] for table in json.loads(found.text('tables'))}
+    columns = {name: found.column(*name.split('.')).reshape(len(values), -1) if name.split('.')[0] in there
+               else np.empty((len(values), 0)) for name in take}  # fmt: skip
+    return Rows(columns, codes, messages, found)
+
+
+def _several(what: str, names: Iterable[str]) -> list[str]:
+    names = [names] if isinstance(names, str) else list(names)
+    for name in names:
+        if not re.fullmatch(r'\w+\.\w+', name):
+            raise Error(f'{what} = {name}: must be two names with a point between them')
+    return names
 
 
 def read(path: str | os.PathLike) -> Study:

@@ -3,18 +3,20 @@ module gearsweep_api
   use, intrinsic :: iso_c_binding, only: c_loc
   use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_case, only: case_t
-  use gearsweep_case_reader, only: check_key, complete_case, read_case
+  use gearsweep_case_reader, only: check_keys, complete_case, read_case
   use gearsweep_describe, only: describe_case => describe
   use gearsweep_checkpoint, only: drop_checkpoint, load_record, save_record, try_checkpoint
-  use gearsweep_edit, only: change_key
-  use gearsweep_error, only: code_input, code_ok, code_partial, code_stopped, error_t, fail
+  use gearsweep_edit, only: change_key, change_keys
+  use gearsweep_error, only: code_input, code_ok, error_t, fail
   use gearsweep_files, only: check_folder, check_name, make_folder, remove_folder
   use gearsweep_kept, only: fail_name, find_column, find_table, kept_t, list_tables, release, take
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory, release_claim
+  use gearsweep_namelist, only: namelist_t
   use gearsweep_new_case, only: write_new_case
   use gearsweep_output, only: write_results
-  use gearsweep_report, only: failed_points, write_report
+  use gearsweep_report, only: write_report
+  use gearsweep_rows, only: judge, run_rows
   use gearsweep_study, only: record_t, run_study, study_t
   use gearsweep_table, only: column_t, kind_text, table_t
   use gearsweep_tables, only: make_table, table_names
@@ -22,7 +24,8 @@ module gearsweep_api
   use gearsweep_traps, only: begin_call => set_traps_aside, bring_traps_back
   implicit none
   private
-  public :: begin_call, end_call, describe, edit, run, text_of, size_of, numbers_of, word_of, write_files, give, release
+  public :: begin_call, end_call, describe, edit, run, run_with_rows, text_of, size_of, numbers_of, word_of, write_files
+  public :: give, release
   public :: error_t, int64
 
   integer, parameter :: most_threads = 1024
@@ -61,14 +64,15 @@ contains
     if (what == 'tables') words = '["'//join(table_names(), '", "')//'"]'
   end subroutine describe
 
-  !> A case's text with every default (`complete`), with another value of a key (`change`), what it gives but does
-  !> not use (`unused`), or a case to begin with for the tasks that `text` names with blanks between them, `--short` before them or
-  !> not (`new`).
+  !> A case's text with every default (`complete`), with another value of a key or, where `group` and `key` are empty, of all
+  !> keys that `value` has as a case has them (`change`), what it gives but does not use (`unused`), or a case to begin with
+  !> for the tasks that `text` names with blanks between them, `--short` before them or not (`new`).
   subroutine edit(action, text, group, key, value, words, error)
     character(*), intent(in) :: action, text, group, key, value
     character(:), allocatable, intent(out) :: words
     type(error_t), allocatable, intent(inout) :: error
     character(63), allocatable :: names(:)
+    type(namelist_t) :: keys
     type(case_t) :: case
 
     call check_length(text, error)
@@ -84,9 +88,16 @@ contains
       call split(text, names)
       if (.not. allocated(error)) call write_new_case(names, words, error)
     case ('change')
-      call change_key(text, group, key, value, words, error)
+      if (len(group) == 0 .and. len(key) == 0) then
+        call change_keys(text, value, words, keys, error)
+      else
+        call change_key(text, group, key, value, words, error)
+        allocate (keys%entries(1))
+        keys%entries(1)%group = group
+        keys%entries(1)%key = key
+      end if
       if (allocated(error)) return
-      if (len(value) > 0 .or. words == text) call check_key(group, key, error)
+      if (len(value) > 0 .or. words == text) call check_keys(words, keys, error)
     case default
       call fail_name('action', action, [character(8) :: 'complete', 'change', 'unused', 'new'], error)
     end select
@@ -102,20 +113,14 @@ contains
     integer(int64), intent(inout) :: study
     type(error_t), allocatable, intent(inout) :: error
     type(case_t) :: case
-    type(kept_t), pointer :: kept, before
-    type(study_t), pointer :: earlier_study      ! one that is not associated counts as not passed
+    type(kept_t), pointer :: kept
+    type(study_t), pointer :: before             ! one that is not associated counts as not passed
     type(record_t), allocatable :: record        ! one that is not allocated counts as not passed
     type(error_t), allocatable :: lost           ! why what was done is not kept
     character(:), allocatable :: names(:)
     integer :: i
 
-    call check_length(text, error)
-    if (allocated(error)) return
-    nullify (earlier_study)
-    if (earlier /= 0) call take(earlier, before, error)
-    if (earlier /= 0 .and. .not. allocated(error)) earlier_study => before%study
-    if (threads < 0 .or. threads > most_threads) &
-      call fail(error, code_input, 'threads = '//str(threads)//': must lie between 0 (all) and '//str(most_threads))
+    call check_run(text, threads, earlier, before, error)
     if (.not. allocated(error)) call read_case(text, case, error)
     if (resume /= '' .or. keep /= '') allocate (record)
     if (.not. allocated(error) .and. resume /= '') call load_record(resume, case, place(folder), record, error)
@@ -123,7 +128,7 @@ contains
     if (allocated(error)) return
     allocate (kept)
     call run_study(case, place(folder), threads, kept%study, error, watch=watch, record=record, &
-                   earlier=earlier_study)
+                   earlier=before)
     names = table_names()
     allocate (kept%tables(size(names)))
     do i = 1, size(names)
@@ -138,15 +143,59 @@ contains
       return
     end if
     study = transfer(c_loc(kept), study)
-    if (kept%study%stopped) then
-      call fail(error, code_stopped, 'interrupted: what was computed by then is there; points that were not have the '// &
-                'status stopped')
-      if (allocated(lost)) error%message = error%message//'; it is not kept: '//lost%message
-    else if (failed_points(kept%study) > 0) then
-      call fail(error, code_partial, str(failed_points(kept%study))//' operating points have no answer (NaN); their '// &
-                'status says why')
-    end if
+    call judge(kept%study, error)
+    if (allocated(lost)) error%message = error%message//'; it is not kept: '//lost%message
   end subroutine run
+
+  !> Runs a case once for each row of `values` of the keys in `names`; see gearsweep_rows. The study, which the caller owns, has the
+  !> columns in `take`; it is there also after an error with the codes `code_partial` and `code_stopped`.
+  subroutine run_with_rows(text, folder, threads, earlier, watch, names, rows, values, take, study, error)
+    character(*), intent(in) :: text, folder, names, take
+    integer, intent(in) :: threads, rows
+    integer(int64), intent(in) :: earlier
+    integer, intent(inout), target :: watch(3)
+    real(dp), intent(in) :: values(*)            !< those of a row one after the other
+    integer(int64), intent(inout) :: study
+    type(error_t), allocatable, intent(inout) :: error
+    type(kept_t), pointer :: kept
+    type(study_t), pointer :: before
+    character(1), allocatable :: words(:)
+
+    call check_run(text, threads, earlier, before, error)
+    if (rows < 1) call fail(error, code_input, 'rows = '//str(rows)//': must be at least 1')
+    if (allocated(error)) return
+    call split(names, words)
+    allocate (kept)
+    associate (n => size(words))
+      call run_rows(text, place(folder), threads, before, watch, names, reshape(values(:n*rows), [n, rows]), take, kept, error)
+    end associate
+    if (.not. allocated(kept%tables)) then
+      deallocate (kept)
+    else
+      study = transfer(c_loc(kept), study)
+    end if
+  end subroutine run_with_rows
+
+  !> What every run needs; `before` is the earlier study, where one is given.
+  subroutine check_run(text, threads, earlier, before, error)
+    character(*), intent(in) :: text
+    integer, intent(in) :: threads
+    integer(int64), intent(in) :: earlier
+    type(study_t), pointer, intent(out) :: before
+    type(error_t), allocatable, intent(inout) :: error
+    type(kept_t), pointer :: kept
+
+    nullify (before)
+    call check_length(text, error)
+    if (allocated(error)) return
+    if (earlier /= 0) then
+      call take(earlier, kept, error)
+      ! Of rows of values none may have run.
+      if (allocated(kept%study%tasks)) before => kept%study
+    end if
+    if (threads < 0 .or. threads > most_threads) &
+      call fail(error, code_input, 'threads = '//str(threads)//': must lie between 0 (all) and '//str(most_threads))
+  end subroutine check_run
 
   !> One of a study's texts.
   subroutine text_of(study, what, words, error)
@@ -157,6 +206,7 @@ contains
     type(kept_t), pointer :: kept
 
     call take(study, kept, error)
+    if (what /= 'tables') call check_whole(kept, error)
     if (.not. allocated(error)) call claim_memory(text_bytes, 'the text', error)
     if (allocated(error)) return
     select case (what)
@@ -172,6 +222,15 @@ contains
       call fail_name('what', what, [character(6) :: 'report', 'log', 'tables', 'case'], error)
     end select
   end subroutine text_of
+
+  !> Refuses a study of rows of values.
+  subroutine check_whole(kept, error)
+    type(kept_t), pointer, intent(in) :: kept
+    type(error_t), allocatable, intent(inout) :: error
+
+    if (allocated(error)) return
+    if (kept%is_of_rows) call fail(error, code_input, 'study: is of rows of values, of which there are numbers only')
+  end subroutine check_whole
 
   !> How many rows a table has, of what kind a column of it is, and how long its longest text is.
   subroutine size_of(study, table_name, column_name, rows, kind, width, error)
@@ -255,6 +314,7 @@ contains
     logical :: made
 
     call take(study, kept, error)
+    call check_whole(kept, error)
     if (folder == '') call fail(error, code_input, 'folder: is empty; the current one is .')
     call check_folder(folder, error)
     call check_name(name, error)

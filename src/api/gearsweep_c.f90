@@ -2,14 +2,14 @@
 module gearsweep_c
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_null_char, c_null_ptr, c_ptr, &
                                          c_size_t
-  use gearsweep_api, only: begin_call, describe, edit, end_call, error_t, int64, longest_text, numbers_of, release, run, size_of, &
-                           text_of, word_of, write_files
+  use gearsweep_api, only: begin_call, describe, edit, end_call, error_t, int64, longest_text, numbers_of, release, run, &
+                           run_with_rows, size_of, text_of, word_of, write_files
   use gearsweep_error, only: code_input, code_memory, fail
   use gearsweep_text, only: str
   use gearsweep_version, only: version
   implicit none
   private
-  public :: gsc_version, gsc_describe, gsc_edit, gsc_run, gsc_text, gsc_size, gsc_column, gsc_words, gsc_write, gsc_free
+  public :: gsc_version, gsc_describe, gsc_edit, gsc_run, gsc_rows, gsc_text, gsc_size, gsc_column, gsc_words, gsc_write, gsc_free
 
 contains
 
@@ -83,6 +83,36 @@ contains
     if (number /= 0) study = transfer(number, study)
     info = ended(error, message, message_size)
   end function gsc_run
+
+  integer(c_int) function gsc_rows(text, text_length, folder, threads, earlier, watch, names, rows, values, take, study, &
+                                   message, message_size) result(info) bind(c)
+    type(c_ptr), value :: text, folder, earlier, names, take, message
+    integer(c_size_t), value :: text_length, message_size
+    integer(c_int), value :: threads, rows
+    integer(c_int), intent(inout), target, optional :: watch(3)
+    real(c_double), intent(in), optional :: values(*)
+    type(c_ptr), intent(inout), optional :: study
+    type(error_t), allocatable :: error
+    character(:), allocatable :: case, place, keys, columns
+    integer(int64) :: number
+    integer, target :: unwatched(3)
+
+    call begin_call()
+    call take_text('text', text, text_length, case, error)
+    call take_string('folder', folder, place, error)
+    call take_string('names', names, keys, error)
+    call take_string('take', take, columns, error)
+    if (.not. present(study)) call fail(error, code_input, 'study: is a null pointer')
+    if (.not. present(values)) call fail(error, code_input, 'values: is a null pointer')
+    number = 0
+    unwatched = 0
+    if (.not. allocated(error) .and. present(watch)) &
+      call run_with_rows(case, place, threads, transfer(earlier, number), watch, keys, rows, values, columns, number, error)
+    if (.not. allocated(error) .and. .not. present(watch)) &
+      call run_with_rows(case, place, threads, transfer(earlier, number), unwatched, keys, rows, values, columns, number, error)
+    if (number /= 0) study = transfer(number, study)
+    info = ended(error, message, message_size)
+  end function gsc_rows
 
   integer(c_int) function gsc_text(study, what, buffer, buffer_size, length, message, message_size) result(info) bind(c)
     type(c_ptr), value :: study, what, buffer, message

@@ -1,4 +1,4 @@
-! The calls for Fortran 77, for Python (python/gearsweep/flat.pyf), and for whatever can call them: the same ten as for C, with
+! The calls for Fortran 77, for Python (python/gearsweep/flat.pyf), and for whatever can call them: the same eleven as for C, with
 ! the same arguments, which never change. include/gearsweep.h tells what each does and what its arguments are. Here
 !
 ! study, earlier  are integer*8; 0: none.
@@ -81,6 +81,25 @@ subroutine gs_run(text, folder, threads, earlier, watch, resume, keep, study, in
   call run(text, trim(folder), threads, earlier, watch, trim(resume), trim(keep), study, error)
   call end_call(error, info, message)
 end subroutine gs_run
+
+!> Runs a case once for each row of values of some of its keys.
+subroutine gs_rows(text, folder, threads, earlier, watch, names, rows, values, take, study, info, message)
+  use gearsweep_api, only: begin_call, end_call, error_t, int64, run_with_rows
+  implicit none
+  character(*), intent(in) :: text, folder, names, take
+  integer, intent(in) :: threads, rows
+  integer(int64), intent(in) :: earlier
+  integer, intent(inout), target :: watch(3)
+  double precision, intent(in) :: values(*)
+  integer(int64), intent(inout) :: study
+  integer, intent(out) :: info
+  character(*), intent(out) :: message
+  type(error_t), allocatable :: error
+
+  call begin_call()
+  call run_with_rows(text, trim(folder), threads, earlier, watch, names, rows, values, take, study, error)
+  call end_call(error, info, message)
+end subroutine gs_rows
 
 !> One of the texts of a study.
 subroutine gs_text(study, what, buffer, length, info, message)

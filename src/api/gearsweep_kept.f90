@@ -14,6 +14,7 @@ module gearsweep_kept
   !> Nothing in it changes once it is made, so that any number of threads may read it.
   type :: kept_t
     type(study_t) :: study
+    logical :: is_of_rows = .false.              !< its tables have what came of rows of values, of which the study is one
     type(table_t), allocatable :: tables(:)      !< its results; those that it lacks are not there
   end type kept_t
 

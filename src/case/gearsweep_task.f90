@@ -75,6 +75,7 @@ module gearsweep_task
 
   !> A task with the values of its keys and, after its run, its result.
   type, abstract :: task_t
+    integer :: needs(size(stage_words)) = 0      !< of `stage`, as its description says; the rest 0
     ! Keys that several tasks have, each in its own group:
     real(dp), allocatable :: own_rpm(:)          !< 1/min; not allocated: it takes the speeds of &sweep
     real(dp), allocatable :: own_relief(:)       !< m; not allocated: it takes all of the case
@@ -137,10 +138,8 @@ contains
   pure logical function uses_stage(self, which) result(uses)
     class(task_t), intent(in) :: self
     integer, intent(in) :: which                 !< of `stage`
-    type(task_info_t) :: info
 
-    call self%describe(info)
-    uses = any(info%needs == which) .and. .not. (which == stage%speeds .and. allocated(self%own_rpm))
+    uses = any(self%needs == which) .and. .not. (which == stage%speeds .and. allocated(self%own_rpm))
   end function uses_stage
 
   !> Stands the same in its files as in those of the other, which has the same keys?
@@ -276,8 +275,8 @@ contains
     integer, intent(in) :: which                 !< of `stage`
     integer, intent(in), optional :: other
     character(sentence_length) :: words
-    character(task_length) :: names(size(slots))
-    integer :: i, n
+    character(task_length + 4) :: word
+    integer :: list(size(slots)), i, n, last
     logical :: used
 
     n = 0
@@ -286,13 +285,15 @@ contains
       if (present(other)) used = used .or. slots(i)%task%uses(other)
       if (.not. used) cycle
       n = n + 1
-      names(n) = slots(i)%info%name
+      list(n) = i
     end do
     words = ''
+    last = 0
     do i = 1, n
-      if (i > 1) words = trim(words)//trim(merge(' or', ',  ', i == n))
-      words = trim(words)//' '//names(i)
+      word = slots(list(i))%info%name
+      if (i > 1) word = trim(merge(' or', ',  ', i == n))//' '//word
+      words(last + 1:last + len(word)) = word
+      last = last + len_trim(word)
     end do
-    words = adjustl(words)
   end function sentence_of
 end module gearsweep_task

@@ -10,13 +10,14 @@ module gearsweep_case_reader
   use gearsweep_material_keys, only: read_materials
   use gearsweep_mesh_keys, only: read_load, read_model, read_path, read_relief
   use gearsweep_motion_keys, only: read_dynamics, read_numerics, read_sweep
-  use gearsweep_reader, only: open_reader, reader_t
+  use gearsweep_namelist, only: namelist_t, parse_namelist
+  use gearsweep_reader, only: open_list, open_reader, reader_t
   use gearsweep_task, only: task_length
   use gearsweep_tasks, only: list_task_names, list_tasks
   use gearsweep_text, only: join
   implicit none
   private
-  public :: read_case, complete_case, check_key, list_keys
+  public :: read_case, read_list, complete_case, check_keys, list_keys
 
 contains
 
@@ -26,12 +27,37 @@ contains
     character(*), intent(in) :: text
     type(case_t), intent(out) :: case
     type(error_t), allocatable, intent(out) :: error
+
+    type(namelist_t) :: list
+
+    call parse_namelist(text, list, error)
+    ! Without memory for the text there is none for the keys.
+    if (.not. allocated(error)) call read_list(text, list, case, error)
+  end subroutine read_case
+
+  !> The same for a text whose form has been read as `list`.
+  subroutine read_list(text, list, case, error)
+    character(*), intent(in) :: text
+    type(namelist_t), intent(in) :: list
+    type(case_t), intent(out) :: case
+    type(error_t), allocatable, intent(out) :: error
+
+    call read_once(text, list, .true., case, error)
+    ! The message may name keys that the case does not give.
+    if (allocated(error)) call read_once(text, list, .false., case, error)
+  end subroutine read_list
+
+  subroutine read_once(text, list, is_brief, case, error)
+    character(*), intent(in) :: text
+    type(namelist_t), intent(in) :: list
+    logical, intent(in) :: is_brief
+    type(case_t), intent(out) :: case
+    type(error_t), allocatable, intent(out) :: error
     type(reader_t) :: reader
 
-    call open_reader(text, reader, error)
-    ! Without memory for the text there is none for the keys.
-    if (.not. allocated(error)) call read_all(text, reader, case, error)
-  end subroutine read_case
+    call open_list(list, reader, is_brief)
+    call read_all(text, reader, case, error)
+  end subroutine read_once
 
   !> Reads and checks a case and writes it with all its defaults.
   subroutine complete_case(text, complete, error)
@@ -46,7 +72,27 @@ contains
     if (.not. allocated(error)) call reader%write_complete(complete)
   end subroutine complete_case
 
-  !> Fails where no case has such a key; the error names the closest one.
+  !> Fails where no case has such a key as one of these, which the text has; the error names the closest one.
+  subroutine check_keys(text, keys, error)
+    character(*), intent(in) :: text
+    type(namelist_t), intent(in) :: keys
+    type(error_t), allocatable, intent(inout) :: error
+    type(case_t) :: case
+    type(reader_t) :: reader
+    type(error_t), allocatable :: unusable
+    integer :: i
+
+    if (allocated(error)) return
+    ! Whether this case may be run does not matter here.
+    call open_reader(text, reader, unusable, is_brief=.true.)
+    if (.not. allocated(unusable)) call read_all(text, reader, case, unusable)
+    do i = 1, size(keys%entries)
+      associate (entry => keys%entries(i))
+        if (.not. reader%has_used(entry%group, entry%key)) call check_key(entry%group, entry%key, error)
+      end associate
+    end do
+  end subroutine check_keys
+
   subroutine check_key(group, key, error)
     character(*), intent(in) :: group, key
     type(error_t), allocatable, intent(inout) :: error
@@ -55,6 +101,7 @@ contains
     type(error_t), allocatable :: missing
 
     ! Reading asks for every key; that this case lacks some does not matter here.
+    if (allocated(error)) return
     call open_reader('&case tasks = ''geometry'' /', reader, error)
     if (allocated(error)) return
     call read_all('', reader, case, missing)

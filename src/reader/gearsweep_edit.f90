@@ -6,7 +6,7 @@ module gearsweep_edit
   use gearsweep_text, only: lower, shown
   implicit none
   private
-  public :: change_key
+  public :: change_key, change_keys
 
   character, parameter :: lf = new_line('a')
   character(*), parameter :: blanks = ' '//achar(9)
@@ -53,6 +53,27 @@ contains
       changed = changed//'&'//group//' '//key//' = '//value//' /'//lf
     end if
   end subroutine change_key
+
+  !> The same for all keys of another text; `keys` has them.
+  pure subroutine change_keys(text, changes, changed, keys, error)
+    character(*), intent(in) :: text, changes
+    character(:), allocatable, intent(out) :: changed
+    type(namelist_t), intent(out) :: keys
+    type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: next
+    integer :: i
+
+    call parse_namelist(changes, keys, error)
+    if (allocated(error)) return
+    changed = text
+    do i = 1, size(keys%entries)
+      associate (entry => keys%entries(i))
+        call change_key(changed, entry%group, entry%key, changes(entry%first:entry%last), next, error)
+      end associate
+      if (allocated(error)) return
+      call move_alloc(next, changed)
+    end do
+  end subroutine change_keys
 
   !> Group, key and value must make one assignment and nothing else.
   pure subroutine check_value(group, key, value, error)

@@ -4,7 +4,7 @@ module gearsweep_entries
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
   use gearsweep_memory, only: claim_memory
-  use gearsweep_text, only: shown, str
+  use gearsweep_text, only: lower, shown, str
   implicit none
   private
   public :: value_t, entry_t, namelist_t, builder_t, fail_at
@@ -38,6 +38,8 @@ module gearsweep_entries
     character(name_length), allocatable :: groups(:)
     integer, allocatable :: ends(:)              !< places in the text where the groups are closed
     type(entry_t), allocatable :: entries(:)
+  contains
+    procedure :: position
   end type namelist_t
 
   !> A namelist that grows, and what is open. Every failure names the line.
@@ -62,6 +64,25 @@ module gearsweep_entries
   character(*), parameter :: figures = '0123456789', letters = 'abcdefghijklmnopqrstuvwxyz_'
 
 contains
+
+  !> Of the entry of this key; 0 where it is not given.
+  pure integer function position(self, group, key) result(at)
+    class(namelist_t), intent(in) :: self
+    character(*), intent(in) :: group, key
+    integer :: group_length, key_length
+
+    at = 0
+    if (.not. allocated(self%entries)) return
+    group_length = len_trim(group)
+    key_length = len_trim(key)
+    do at = size(self%entries), 1, -1
+      associate (entry => self%entries(at))
+        ! Lengths first, as this is asked for every key beside every entry.
+        if (len(entry%key) /= key_length .or. len(entry%group) /= group_length) cycle
+        if (entry%key == lower(key) .and. entry%group == lower(group)) return
+      end associate
+    end do
+  end function position
 
   !> `name` in lower case.
   pure subroutine open_group(self, name, line, error)

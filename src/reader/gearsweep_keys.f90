@@ -86,10 +86,9 @@ contains
   pure logical function has(self, group, name)
     class(keys_t), intent(in) :: self
     character(*), intent(in) :: group, name
+    integer :: i
 
-    associate (key => self%key(:self%known))
-      has = any(key%group == group .and. key%name == name)
-    end associate
+    has = any([(self%key(i)%group == group .and. self%key(i)%name == name, i=1, self%known)])
   end function has
 
   !> Why there is no such key, and which would be right.

@@ -18,13 +18,14 @@ module gearsweep_reader
                              read_texts, tell_number
   implicit none
   private
-  public :: reader_t, open_reader
+  public :: reader_t, open_list, open_reader
 
   type :: reader_t
     private
     type(namelist_t), public :: list
     type(keys_t), public :: keys
     logical :: keeps_defaults = .false.
+    logical :: is_brief = .false.                !< keys that are not given, and need not be, are not kept
     character(:), allocatable :: tasks           !< those that are wanted, a blank in front of and behind each
     !> The first key found missing; told last, as a misspelt key is missing too.
     type(error_t), allocatable :: missing
@@ -33,25 +34,39 @@ module gearsweep_reader
     !> `call reader%get(group, key, value, error, meaning, [unit], [given], [required], [tasks], [lacks], [refused], ...)`
     generic :: get => get_real, get_reals, get_integer, get_logical, get_text, get_texts
     procedure, private :: get_real, get_reals, get_integer, get_logical, get_text, get_texts
-    procedure :: add_group, want, wants, has, has_group, finish, check_key, write_complete
-    procedure, private :: find, miss, set_default, check_names, check_group
+    procedure :: add_group, want, wants, has, has_used, has_group, finish, check_key, write_complete
+    procedure, private :: passes, find, miss, set_default, check_names, check_group
   end type reader_t
 
 contains
 
   !> Reads the text's form; then the format's groups are added. `keeps_defaults`: `write_complete` will be called, or
-  !> the keys be described.
-  pure subroutine open_reader(text, reader, error, keeps_defaults)
+  !> the keys be described. `is_brief`: for a text that will be read in full where this ends with an error, whose message
+  !> does not count.
+  pure subroutine open_reader(text, reader, error, keeps_defaults, is_brief)
     character(*), intent(in) :: text
     type(reader_t), intent(out) :: reader
     type(error_t), allocatable, intent(inout) :: error
-    logical, intent(in), optional :: keeps_defaults
+    logical, intent(in), optional :: keeps_defaults, is_brief
 
     if (present(keeps_defaults)) reader%keeps_defaults = keeps_defaults
+    if (present(is_brief)) reader%is_brief = is_brief
     reader%tasks = ''
     reader%missing_too = ''
     call parse_namelist(text, reader%list, error)
   end subroutine open_reader
+
+  !> The same for a text whose form has been read.
+  pure subroutine open_list(list, reader, is_brief)
+    type(namelist_t), intent(in) :: list
+    type(reader_t), intent(out) :: reader
+    logical, intent(in) :: is_brief
+
+    reader%is_brief = is_brief
+    reader%tasks = ''
+    reader%missing_too = ''
+    reader%list = list
+  end subroutine open_list
 
   !> A group of the format and what it is about.
   pure subroutine add_group(self, name, meaning)
@@ -93,6 +108,8 @@ contains
     real(dp) :: scale
     integer :: at
 
+    if (present(given)) given = .false.
+    if (self%passes(group, key, required)) return
     call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
     call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
     call self%find(wanted, at, error, given, lacks, refused)
@@ -122,6 +139,8 @@ contains
     real(dp) :: scale
     integer :: at
 
+    if (present(given)) given = .false.
+    if (self%passes(group, key, required)) return
     call declare(wanted, group, key, meaning, kind_number, unit, tasks, otherwise, required, one_of)
     call bound_real(wanted%bounds, wanted%unit, above, at_least, below, at_most)
     call wanted%allow_list(min_size, max_size)
@@ -149,6 +168,8 @@ contains
     real(dp), allocatable :: numbers(:)
     integer :: at
 
+    if (present(given)) given = .false.
+    if (self%passes(group, key, required)) return
     call declare(wanted, group, key, meaning, kind_integer, '', tasks, otherwise, required, one_of)
     call bound_integer(wanted%bounds, at_least, at_most)
     call self%find(wanted, at, error, given, lacks, refused)
@@ -172,6 +193,8 @@ contains
     type(key_t) :: wanted
     integer :: at
 
+    if (present(given)) given = .false.
+    if (self%passes(group, key, required)) return
     call declare(wanted, group, key, meaning, kind_logical, '', tasks, otherwise, required, one_of)
     call self%find(wanted, at, error, given, lacks, refused)
     if (.not. present(given)) call self%keys%set_default(trim(merge('.true. ', '.false.', value)))
@@ -195,6 +218,8 @@ contains
     character(:), allocatable :: texts(:)
     integer :: at
 
+    if (present(given)) given = .false.
+    if (self%passes(group, key, required)) return
     call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
     if (present(allowed)) wanted%words = allowed
     call self%find(wanted, at, error, given, lacks, refused)
@@ -221,6 +246,8 @@ contains
     type(key_t) :: wanted
     integer :: at
 
+    if (present(given)) given = .false.
+    if (self%passes(group, key, required)) return
     call declare(wanted, group, key, meaning, kind_text, '', tasks, otherwise, required, one_of)
     if (present(allowed)) wanted%words = allowed
     call wanted%allow_list(min_size, max_size)
@@ -236,8 +263,19 @@ contains
     class(reader_t), intent(in) :: self
     character(*), intent(in) :: group, key
 
-    has = position(self%list, group, key) > 0
+    has = self%list%position(group, key) > 0
   end function has
+
+  !> The key is given, with a value, and has been asked for.
+  pure logical function has_used(self, group, key)
+    class(reader_t), intent(in) :: self
+    character(*), intent(in) :: group, key
+    integer :: at
+
+    at = self%list%position(group, key)
+    has_used = at > 0
+    if (has_used) has_used = self%list%entries(at)%used
+  end function has_used
 
   !> The group is there, be it empty.
   pure logical function has_group(self, group)
@@ -337,6 +375,17 @@ contains
     call self%keys%set_default(join(words, ', '))
   end subroutine set_default
 
+  !> Is there nothing to do for this key?
+  pure logical function passes(self, group, key, required)
+    class(reader_t), intent(in) :: self
+    character(*), intent(in) :: group, key
+    logical, intent(in), optional :: required
+
+    passes = self%is_brief
+    if (passes .and. present(required)) passes = .not. required
+    if (passes) passes = .not. self%has(group, key)
+  end function passes
+
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.
   pure subroutine find(self, key, at, error, given, lacks, refused)
     class(reader_t), intent(inout) :: self
@@ -348,13 +397,12 @@ contains
     logical :: may_be
 
     at = 0
-    if (present(given)) given = .false.
     if (present(lacks)) key%lacks = trim(lacks)
     if (present(refused)) key%refused = trim(refused)
     if (len(key%lacks) == 0 .and. .not. key%is_for(self%tasks)) key%lacks = key%tasks
     may_be = len(key%refused) == 0
     if (.not. allocated(error)) then
-      at = position(self%list, key%group, key%name)
+      at = self%list%position(key%group, key%name)
       if (at > 0 .and. .not. may_be) call fail_entry(self%list%entries(at), key%refused, error)
       if (.not. may_be) at = 0
     end if
@@ -384,18 +432,4 @@ contains
     if (allocated(self%missing)) self%missing_too = self%missing_too//', &'//trim(key%group)//' '//trim(key%name)
     call fail(self%missing, code_input, '&'//trim(key%group)//' '//trim(key%name)//': missing; must be '//rule)
   end subroutine miss
-
-  pure integer function position(list, group, key) result(at)
-    type(namelist_t), intent(in) :: list
-    character(*), intent(in) :: group, key
-    character(name_length) :: in_group, of_name
-
-    in_group = lower(group)
-    of_name = lower(key)
-    at = 0
-    if (.not. allocated(list%entries)) return
-    do at = size(list%entries), 1, -1
-      if (list%entries(at)%key == of_name .and. list%entries(at)%group == in_group) return
-    end do
-  end function position
 end module gearsweep_reader

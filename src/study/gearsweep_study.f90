@@ -16,7 +16,7 @@ module gearsweep_study
   use gearsweep_first_stages, only: build_pair
   use gearsweep_stages, only: points_of, runnable_t
   use gearsweep_stop, only: wants_stop
-  use gearsweep_sweep_state, only: progress_of_sweep
+  use gearsweep_sweep_state, only: progress_of_sweep, untold
   use gearsweep_taken, only: has_begun, is_taken, take_up, taken_of, tell_taken
   use gearsweep_task, only: stage, task_info_t, task_slot_t
   use gearsweep_text, only: str
@@ -32,8 +32,9 @@ contains
   !> `watch(1)` not 0 ends the run soon, whoever sets it: another thread, a signal, `progress`; what is done by then is
   !> in the study, and points that are not have the status `stopped`. `watch(2)` and `watch(3)` tell how many operating
   !> points are done, of how many. With the `record` of a run that was ended, the next one takes over what was done.
-  !> What an `earlier` study has whole, made from the same inputs, is taken over; the result is the same bits.
-  subroutine run_study(case, folder, threads, study, error, progress, watch, record, earlier)
+  !> What an `earlier` study has whole, made from the same inputs, is taken over; the result is the same bits. Without `is_told`,
+  !> `watch` is for ending only, as of many runs.
+  subroutine run_study(case, folder, threads, study, error, progress, watch, record, earlier, is_told)
     type(case_t), intent(in) :: case
     character(*), intent(in) :: folder
     integer, intent(in) :: threads
@@ -43,12 +44,14 @@ contains
     integer(c_int), intent(inout), target, optional :: watch(3)
     type(record_t), intent(inout), target, optional :: record
     type(study_t), intent(in), target, optional :: earlier
+    logical, intent(in), optional :: is_told
 
     allocate (study%running)
     study%running%threads = threads
     if (present(progress)) study%running%progress => progress
     study%running%log = ''
-    if (present(watch)) watch(2:3) = 0
+    if (present(is_told)) study%running%all_points = merge(0, untold, is_told)
+    if (present(watch) .and. study%running%all_points == 0) watch(2:3) = 0
     if (present(record)) then
       if (taken_of(record, case) /= 'nothing') call study%running%note('resumed: '//trim(taken_of(record, case)))
       study%running%states => record%states

@@ -79,6 +79,9 @@ contains
       n = n + 1
       allocate (room(n)%task, source=task)
       call task%describe(room(n)%info)
+      associate (needs => room(n)%info%needs)
+        room(n)%task%needs(:size(needs)) = needs
+      end associate
     end subroutine add
   end subroutine list_tasks
 

@@ -20,6 +20,9 @@ module gearsweep_sweep_state
   !> More points than this are refused: 1 GB of results.
   integer, parameter, public :: most_points = 10**7
 
+  !> So many points in all, and those of the run, are not told.
+  integer, parameter, public :: untold = -10**9
+
   !> Sweeps of one search for the best relief.
   integer, parameter, public :: most_sweeps = 5
 
@@ -175,6 +178,7 @@ contains
     integer(c_int), pointer :: mark(:)
     integer :: done
 
+    if (self%total < 0) return
     done = self%before + int(self%units/self%parts)
     if (c_associated(self%watch)) then
       call c_f_pointer(self%watch, mark, [3])
