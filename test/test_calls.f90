@@ -1,14 +1,17 @@
 !> What the calls of all languages do, under run-time checks: what they give, what they refuse, what they leave alone. That
 !> Fortran 77, C and Python get just this is told by test/test_callers.sh.
 module test_calls
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_api, only: begin_call, describe, edit, end_call, error_t, give, int64, numbers_of, release, run_case => run, &
-                           size_of, text_of, word_of, write_files
+                           run_with_rows, size_of, text_of, word_of, write_files
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
-  use gearsweep_error, only: code_file, code_input
+  use gearsweep_edit, only: change_key
+  use gearsweep_error, only: code_file, code_input, code_ok, code_partial, code_stopped
   use gearsweep_kinds, only: dp
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: column_t, kind_text, table_t
+  use gearsweep_text, only: str
   use gearsweep_tables, only: make_table, table_names
   use testing, only: check_equal, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
   implicit none
@@ -32,6 +35,7 @@ contains
     if (t%wants('columns')) call test_columns(t)
     if (t%wants('texts')) call test_texts(t)
     if (t%wants('refusals')) call test_refusals(t)
+    if (t%wants('rows')) call test_rows(t)
     if (t%wants('edit')) call test_edit(t)
     if (t%wants('files')) call test_files(t)
   end subroutine run
@@ -202,6 +206,99 @@ contains
     call release(study)
   end subroutine test_refusals
 
+  !> Each row has what the case with its values has by itself, to the last bit, also behind one that is refused.
+  subroutine test_rows(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: n = 5, bad = 3
+    character(*), parameter :: names = 'load.normal_force_n relief.amount_um gear.teeth', groups(3) = [character(6) :: 'load', &
+      'relief', 'gear'], keys(3) = [character(14) :: 'normal_force_n', 'amount_um', 'teeth']
+    character(*), parameter :: take = 'sweep.dynamic_factor geometry.contact_ratio sweep.rpm'
+    real(dp), parameter :: values(3, n) = reshape([4000.0_dp, 10.0_dp, 34.0_dp, 4001.5_dp, 10.0_dp, 34.0_dp, -1.0_dp, 10.0_dp, &
+                                                   34.0_dp, 4000.0_dp, 1/3.0_dp, 35.0_dp, 4000.0_dp, 0.0_dp, 34.0_dp], [3, n])
+    character(:), allocatable :: case, changed, word
+    type(error_t), allocatable :: error
+    integer(int64) :: study, alone, later
+    real(dp) :: code(n), found(4*n), expected(4), ratio(n), one(1)
+    integer :: watch(3), i, k, rows, kind, width
+
+    case = '&case tasks = ''sweep'' / '//pair//'&sweep rpm_first = 3000 rpm_last = 6000 rpm_step = 1000 /'
+    watch = 0
+    study = 0
+    call run_with_rows(case, '', 2, 0_int64, watch, names, n, [values], take, study, error)
+    call check_equal(t, 'a row that is refused', error%code, code_partial)
+    call check_equal(t, 'a row that is refused: what is said', error%message, &
+                     '1 of 5 rows of values lack results; their code and message say why')
+    deallocate (error)
+    call check_true(t, 'all rows are told', all(watch == [0, n, n]))
+    call numbers_of(study, 'rows', 'code', n, code, error)
+    call numbers_of(study, 'sweep', 'dynamic_factor', size(found), found, error)
+    call numbers_of(study, 'geometry', 'contact_ratio', n, ratio, error)
+    call size_of(study, 'sweep', 'dynamic_factor', rows, kind, width, error)
+    call check_equal(t, 'as many numbers of each row', rows, size(found))
+    do i = 1, n
+      changed = case
+      do k = 1, 3
+        call change_key(changed, trim(groups(k)), trim(keys(k)), str(values(k, i), 17), word, error)
+        call move_alloc(word, changed)
+      end do
+      call word_of(study, 'rows', 'message', i, 1, word, error)
+      call make(changed, alone, error)
+      if (i == bad) then
+        call check_equal(t, 'the message of its own run', error%message, word)
+        call check_true(t, 'no numbers', nint(code(i)) == code_input .and. all(ieee_is_nan(found(4*i - 3:4*i))))
+        deallocate (error)
+        cycle
+      end if
+      call numbers_of(alone, 'sweep', 'dynamic_factor', 4, expected, error)
+      call numbers_of(alone, 'geometry', 'contact_ratio', 1, one, error)
+      call check_true(t, 'the bits of row '//str(i), nint(code(i)) == code_ok .and. word == '' .and. &
+                      all(transfer([found(4*i - 3:4*i), ratio(i)], [0_int64]) == transfer([expected, one], [0_int64])))
+      call release(alone)
+    end do
+    call check_no_error(t, 'rows and their own runs', error)
+    call text_of(study, 'tables', word, error)
+    call check_true(t, 'the tables of rows', index(word, '{"name": "rows", ') > 0 .and. index(word, '{"name": "sweep", ') > 0)
+    call text_of(study, 'report', word, error)
+    call refused(t, 'rows have no report', error, 'study: is of rows of values')
+    call write_files(study, '.', 'rows', word, error)
+    call refused(t, 'rows have no files', error, 'study: is of rows of values')
+    later = 0
+    call run_case(case, '', 1, study, watch, '', '', later, error)
+    call text_of(later, 'log', word, error)
+    call check_true(t, 'rows can be earlier', index(word, 'pair stiffness by model fe, t') > 0)
+    call release(later)
+    call release(study)
+    watch(1) = 1
+    call run_with_rows(case, '', 1, 0_int64, watch, names, n, [values], take, study, error)
+    call check_equal(t, 'interrupted', error%code, code_stopped)
+    deallocate (error)
+    call numbers_of(study, 'rows', 'code', n, code, error)
+    call check_true(t, 'what is not run', all(nint(code) == code_stopped))
+    call size_of(study, 'sweep', 'dynamic_factor', rows, kind, width, error)
+    call refused(t, 'nothing is there of what is not run', error, 'table = sweep: unknown')
+    call release(study)
+    watch = 0
+    study = -7
+    call refuse('gear.tooth', 'sweep.rpm', 1, '&gear tooth: unknown key (did you mean teeth?)')
+    call refuse('gear.teeth', 'sweep.rps', 1, 'column of sweep = rps: unknown (did you mean rpm?)')
+    call refuse('gear.teeth', 'sweeep.rpm', 1, 'table = sweeep: unknown (did you mean sweep?)')
+    call refuse('gear.teeth', 'sweep.status', 1, 'column = status: has words, not numbers')
+    call refuse('gear', 'sweep.rpm', 1, 'names = gear: must be two names')
+    call refuse('gear.teeth', 'sweep', 1, 'take = sweep: must be two names')
+    call refuse('gear.teeth', 'sweep.rpm', 0, 'rows = 0: must be at least 1')
+
+  contains
+
+    subroutine refuse(names, take, rows, begin)
+      character(*), intent(in) :: names, take, begin
+      integer, intent(in) :: rows
+
+      call run_with_rows(case, '', 1, 0_int64, watch, names, rows, [34.0_dp], take, study, error)
+      call refused(t, 'rows: '//begin, error, begin)
+      call check_true(t, 'no study: '//begin, study == -7)
+    end subroutine refuse
+  end subroutine test_rows
+
   subroutine test_edit(t)
     type(tally_t), intent(inout) :: t
     character(:), allocatable :: changed
@@ -221,6 +318,11 @@ contains
     call refused(t, 'a misspelt key taken out', error, '&pair modul_mm: unknown key')
     call change('change', '&pair modul_mm = 3 /', 'pair', 'modul_mm', '')
     call check_true(t, 'one that the text has is taken out', index(changed, 'modul') == 0)
+    call change('change', text, '', '', '&pair module_mm = 3.5 backlash_um = 5 / &numerics tolerance = 1e-5 /')
+    call check_true(t, 'several keys are changed', index(changed, 'module_mm = 3.5 face') > 0 .and. &
+                    index(changed, 'backlash_um = 5 /') > 0 .and. index(changed, '&numerics tolerance = 1e-5 /') > 0)
+    call change('change', text, '', '', '&pair module_mm = 3.5 backlash = 5 /')
+    call refused(t, 'one of several is misspelt', error, '&pair backlash: unknown key')
     call change('complete', text, '', '', '')
     call check_true(t, 'defaults', index(changed, 'damping_ratio = 0.17') > 0)
     call change('unused', '&case tasks = ''geometry'' / '//text(index(text, '/') + 1:), '', '', '')

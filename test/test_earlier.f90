@@ -32,7 +32,8 @@ contains
     integer, parameter :: n = 40
     character(n), parameter :: fe = 'stiffness by model fe, taken over', modes = 'modes, taken over', &
       shared = 'transmission error, taken over', swept = 'operating points, taken over', root = 'of the load, taken over', &
-      followed = 'over the path, taken over', factored = 'factored'
+      followed = 'over the path, taken over', factored = 'factored', teeth = 'the teeth taken over', &
+      tooth = 'one gear''s teeth taken over'
     type(study_t) :: study
     type(case_t) :: case
     type(error_t), allocatable :: error
@@ -47,8 +48,17 @@ contains
     call try('pinion', 'effective_mass_kg', '0.6', [fe, modes, root], [swept, followed])
     call try('static', 'positions', '6', [fe, modes, swept], [root])
     call try('modal', 'modes', '4', [fe, root, swept], [modes])
-    call try('section', 'elements_across', '5', [character(n) ::], [fe, modes, root, swept])
-    call try('load', 'normal_force_n', '4001', [modes, root], [fe, shared, swept])
+    call try('section', 'elements_across', '5', [character(n) ::], [fe, teeth, modes, root, swept])
+    call try('load', 'normal_force_n', '4001', [teeth, modes, root], [fe, shared, swept])
+    ! What a tooth does not know: its width, the masses at the bores, densities and how it is measured.
+    call try('pair', 'face_width_mm', '21', [teeth], [fe, swept])
+    call try('gear', 'hub_inertia_kgm2', '1e-4', [teeth], [fe, swept])
+    call try('gear', 'pin_diameter_mm', '6', [teeth], [fe])
+    ! What it does: its own body, the part of its flank that touches, the grid.
+    call try('gear', 'bore_mm', '20', [tooth], [fe, teeth])
+    call try('pair', 'centre_distance_mm', '82.6', [character(n) ::], [fe, teeth, tooth])
+    call try('mesh', 'tooth_coupling', '.false.', [character(n) ::], [fe, teeth, tooth])
+    call try('material', 'young_gpa', '200', [character(n) ::], [fe, teeth, tooth])
 
   contains
 

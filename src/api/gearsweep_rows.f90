@@ -79,10 +79,7 @@ contains
     do row = 1, size(values, 2)
       if (wants_stop(c_loc(watch))) exit
       if (allocated(wrong)) deallocate (wrong)
-      do k = 1, size(at)
-        list%entries(at(k))%values(1)%text = trim(told(values(k, row)))
-      end do
-      call read_list(whole, list, case, wrong)
+      call read_row(whole, list, at, values(:, row), case, wrong)
       allocate (now)
       if (.not. allocated(wrong)) call run_study(case, folder, threads, now, wrong, watch=watch, earlier=before, is_told=.false.)
       if (.not. allocated(wrong)) then
@@ -173,6 +170,29 @@ contains
       at(i) = list%position(keys(i)%first, keys(i)%second)
     end do
   end subroutine put_keys
+
+  !> The case with one row's values.
+  subroutine read_row(text, list, at, values, case, error)
+    character(*), intent(in) :: text
+    type(namelist_t), intent(inout) :: list
+    integer, intent(in) :: at(:)                 !< which entries have the keys
+    real(dp), intent(in) :: values(:)
+    type(case_t), intent(out) :: case
+    type(error_t), allocatable, intent(out) :: error
+    character(30) :: words
+    integer :: k, pass
+
+    do pass = 1, 2
+      do k = 1, size(at)
+        write (words, '(es24.16e3)') values(k)
+        ! For messages as it would be written, and always so for keys that take integers.
+        if (pass == 2 .or. .not. abs(values(k) - anint(values(k))) > 0) words = told(values(k))
+        list%entries(at(k))%values(1)%text = trim(adjustl(words))
+      end do
+      call read_list(text, list, case, error)
+      if (.not. allocated(error)) return
+    end do
+  end subroutine read_row
 
   !> A number in so many digits that it reads back to the same bits.
   function told(value) result(words)
