@@ -291,7 +291,8 @@ contains
     last = 0
     do i = 1, n
       word = slots(list(i))%info%name
-      if (i > 1) word = trim(merge(' or', ',  ', i == n))//' '//word
+      if (i > 1) word = ', '//slots(list(i))%info%name
+      if (i > 1 .and. i == n) word = ' or '//slots(list(i))%info%name
       words(last + 1:last + len(word)) = word
       last = last + len_trim(word)
     end do
