@@ -1,4 +1,5 @@
 """Many variants of one case: run one by one, and as rows of one call, in turn; each row must have the bits of its own run.
+Processor time of one thread, so that a busy machine counts little.
 
     python bench/rows.py PROGRAMS           (bench/run.sh rows sets up and does this)
 """
@@ -7,7 +8,7 @@ from statistics import median
 
 import gearsweep
 import numpy as np
-from report import BENCH, Report
+from report import BENCH, Report, machine
 
 ROUNDS, ROWS = 5, 40
 NAMES = ['load.line_load_n_mm', 'dynamics.damping_ratio', 'relief.amount_um']
@@ -34,7 +35,7 @@ def values(names, seed):
 def one_by_one(case, names, rows):
     """Each row as a case of its own, from the study of the case."""
     base = gearsweep.run(case, 'sweep', threads=1)
-    start = time.perf_counter()
+    start = time.process_time()
     found = []
     for row in rows:
         groups = {}
@@ -43,18 +44,17 @@ def one_by_one(case, names, rows):
             groups.setdefault(group, {})[key] = value
         study = gearsweep.run(case.changed(**groups), 'sweep', threads=1, earlier=base)
         found.append(study.sweep.dynamic_factor.ravel())
-    return np.array(found), time.perf_counter() - start
+    return np.array(found), time.process_time() - start
 
 
 def in_rows(case, names, rows):
-    if not hasattr(gearsweep, 'run_rows'):
-        return None, float('nan')
-    start = time.perf_counter()
+    start = time.process_time()
     found = gearsweep.run_rows(case, names, rows, [TAKE], threads=1)
-    return found.columns[TAKE], time.perf_counter() - start
+    return found.columns[TAKE], time.process_time() - start
 
 
 report = Report('rows', 'Many variants of one case')
+report.add(f'{machine()}, processor time of one thread for each variant, medians. `data/case1.nml` with the task sweep and one relief.\n')
 table = []
 for scene, (case, names) in SCENES.items():
     taken = []
@@ -62,7 +62,7 @@ for scene, (case, names) in SCENES.items():
         rows = values(names, seed)
         alone, slow = one_by_one(case, names, rows)
         together, fast = in_rows(case, names, rows)
-        if together is not None and not np.array_equal(alone, together):
+        if not np.array_equal(alone, together):
             raise SystemExit(f'{scene}: rows differ from their own runs')
         taken.append((slow, fast))
     ms = [1000 * median(one) / ROWS for one in zip(*taken)]

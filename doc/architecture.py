@@ -31,7 +31,7 @@ ROOMS = {
     'catalogue': 'all tasks and keys together: reading of cases, help, cases to begin with',
     'study': 'from a case to its results, stage by stage, task by task',
     'results': 'tables of results, and what is written from them',
-    'api': 'ten calls for Fortran 77, C and Python',
+    'api': 'eleven calls for Fortran 77, C and Python',
     'facade': '`use gearsweep`: the public names',
     'app': 'the program: the only place that prints or stops',
 }

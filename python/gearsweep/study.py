@@ -352,7 +352,7 @@ def run_rows(
     ...     &pinion teeth = 21 / &gear teeth = 34 /''')
     >>> rows = gearsweep.run_rows(case, ['gear.teeth', 'pair.module_mm'], [[34, 3], [3, 3], [35, 3]], ['geometry.contact_ratio'])
     >>> print(rows.columns['geometry.contact_ratio'].ravel().round(4), rows.codes)
-    [1.6248    nan 1.6285] [0 1 0]
+    [1.6248    nan 1.6279] [0 1 0]
     >>> rows.messages[1]
     '&gear teeth = 3: must be at least 5...
     """

@@ -101,7 +101,7 @@ def test_what_is_wrong_with_the_call():
     fails('has words', take=['sweep.status'])
     fails('values: must have a column', values=[[34, 35]])
     fails('rows = 0', values=np.empty((0, 1)))
-    fails('there is no group', case=Case('no case'), names=[], values=[[]])
+    fails('there is no group', case=Case(''), names=[], values=[[]])
     with pytest.raises(TypeError, match='case'):
         gearsweep.run_rows('&pair /', [], [[]], [])
     with pytest.raises(TypeError, match='earlier'):
