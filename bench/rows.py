@@ -6,9 +6,10 @@ Processor time of one thread, so that a busy machine counts little.
 import time
 from statistics import median
 
-import gearsweep
 import numpy as np
 from report import BENCH, Report, machine
+
+import gearsweep
 
 ROUNDS, ROWS = 5, 40
 NAMES = ['load.line_load_n_mm', 'dynamics.damping_ratio', 'relief.amount_um']

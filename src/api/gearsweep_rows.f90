@@ -303,7 +303,7 @@ contains
     tables(1)%name = 'rows'
     call tables(1)%begin('what came of each row of values', size(outcomes), error)
     if (allocated(error)) return
-    call tables(1)%add('code', '', 'what went wrong: 0 is nothing, the others are those of a run', outcomes%code)
+    call tables(1)%add('code', '', 'what went wrong: 0 is nothing, the others are those of a run', [outcomes%code])
     call tables(1)%add_words('message', 'the same in words', messages)
     do i = 1, merge(size(places), 0, allocated(taken))
       k = findloc(places%first == places(i)%first, .true., 1)

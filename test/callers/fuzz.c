@@ -186,11 +186,17 @@ static void spoilt_call(void)
   static const char *const columns[] = {"dynamic_factor", "dynamic_factor", "status", "rpm", "rmp", "", "\n", "*"};
   static const char *const kinds[] = {"report", "log", "tables", "case", "logs", "", "\x01"};
   static const int some_threads[] = {1, 1, 2, 0, -1, 1025, INT_MAX, INT_MIN};
+  static const char *const names[] = {"relief.amount_um", "relief.amount_um gear.teeth", "", "gear", "a.b", "\xff.\n",
+                                      "gear.teeth gear.teeth"};
+  static const char *const takes[] = {"sweep.dynamic_factor", "geometry.contact_ratio sweep.rpm", "sweep.status", "swep.rpm",
+                                      "", "."};
+  static const double some_numbers[] = {10, 34, 35, -1, 0.5, 1e308};
   const gsc_study *study = below(12) ? shared : NULL;
   gsc_study *made = NULL;
   size_t length = 0;
-  int a, info = -1, which = 10 + (int)below(7);
+  int a, info = -1, which = 10 + (int)below(8);
   char name[20];
+  double numbers[4];
   switch (which) {
     case 10: a = (int)below(20000), info = gsc_text(study, ANY(kinds), fresh(a, 1), a, &length, message, words_room()); break;
     case 11: info = gsc_size(study, ANY(tables), ANY(columns), I(1), I(1), I(1), message, words_room()); break;
@@ -209,6 +215,14 @@ static void spoilt_call(void)
                      below(2) ? shared : NULL, NULL, NULL, NULL, below(20) ? &made : NULL, message, words_room());
       check("a study where there is one", which, info, (info == GSC_OK) == (made != NULL));
       gsc_free(&made), gsc_free(&made);
+      break;
+    case 16:
+      for (a = 0; a < 4; a++) numbers[a] = ANY(some_numbers);
+      info = gsc_rows(below(20) ? geared : NULL, below(20) ? strlen(geared) : (size_t)-1, NULL, ANY(some_threads),
+                      below(2) ? shared : NULL, NULL, below(20) ? ANY(names) : NULL, below(9) ? 2 : 0, below(20) ? numbers : NULL,
+                      ANY(takes), below(20) ? &made : NULL, message, words_room());
+      check("rows where there are some", which, info, (info == GSC_OK || info == GSC_PARTIAL) == (made != NULL));
+      gsc_free(&made);
       break;
     default: a = (int)below(10), info = gsc_version(fresh(a, 1), a, message, words_room());
   }

@@ -1,6 +1,7 @@
 /* Prints every number and word of every table that a case gives, a line each with its table and column, then the report; for
    run times their table and column alone, as they differ from run to run. Then it runs the case again, with another title,
-   from the first study, prints the log, and writes files into `written`. What results.f and results.py print, line by line.
+   from the first study, prints the log, writes files into `written`, and runs
+   two rows of values, of which the second is refused. What results.f and results.py print, line by line.
 
      cc results.c $(pkg-config --cflags --libs gearsweep) */
 #include <math.h>
@@ -67,6 +68,7 @@ int main(int count, char **argument)
 {
   size_t n = fread(text, 1, sizeof text - 1, stdin), length;
   gsc_study *study = NULL, *again = NULL;
+  double values[] = {5, 0.25, -1, 0.25};
   char *list, *report, *line, table[64] = "", column[64];
   check(gsc_run(text, n, NULL, 2, NULL, NULL, NULL, NULL, &study, M));
   /* Each table and each column has a line of its own. */
@@ -84,6 +86,17 @@ int main(int count, char **argument)
   check(gsc_write(again, "written", count > 1 ? argument[1] : "case", other, sizeof other, &length, M));
   fputs(other, stdout);
   free(report);
+  gsc_free(&again);
+  check(gsc_edit("change", text, n, "case", "tasks", "'mesh'", other, sizeof other, &length, M));
+  if (gsc_rows(other, length, NULL, 1, study, NULL, "relief.amount_um dynamics.damping_ratio", 2, values,
+               "motion.natural_frequency_hz", &again, M) != GSC_PARTIAL)
+    exit(1);
+  puts(message);
+  check(gsc_words(again, "rows", "message", 1, other, sizeof other, M));
+  puts(other);
+  check(gsc_column(again, "motion", "natural_frequency_hz", 2, values, M));
+  show("rows of motion", "natural_frequency_hz", values[0]);
+  show("rows of motion", "natural_frequency_hz", values[1]);
   gsc_free(&again), gsc_free(&study);
   return study != NULL;
 }

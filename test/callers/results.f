@@ -1,7 +1,8 @@
 C     Prints every number and word of every table that a case gives, a
-C     line each with its table and column, then the report, and runs the
-C     case again from the first study: what results.c and results.py
-C     print, line by line. The case comes from the standard input.
+C     line each with its table and column, then the report, runs the case
+C     again from the first study, and two rows of values, of which the
+C     second is refused: what results.c and results.py print, line by
+C     line. The case comes from the standard input.
 C
 C       gfortran results.f $(pkg-config --cflags --libs gearsweep)
 C
@@ -13,7 +14,9 @@ C
       CHARACTER*64 TABLE, COLUMN
       INTEGER LENGTH, INFO, WATCH(3), USED, FROM, TO
       INTEGER*8 STUDY, AGAIN, NONE
+      DOUBLE PRECISION VALUES(4)
       DATA WATCH /3*0/
+      DATA VALUES /5D0, 0.25D0, -1D0, 0.25D0/
       CASE = ' '
       USED = 0
    10 READ (*, '(A)', END=20) LINE
@@ -61,6 +64,23 @@ C     Each table and each column has a line of its own.
       CALL GS_WRITE(AGAIN, 'written', OTHER, LIST, LENGTH, INFO, MESSAG)
       CALL CHECK(INFO, MESSAG)
       WRITE (*, '(A)') LIST(:LENGTH-1)
+      CALL GS_FREE(AGAIN)
+      CALL GS_EDIT('change', CASE(:USED), 'case', 'tasks', '''mesh''',
+     1  OTHER, LENGTH, INFO, MESSAG)
+      CALL CHECK(INFO, MESSAG)
+      CALL GS_ROWS(OTHER(:LENGTH), ' ', 1, STUDY, WATCH,
+     1  'relief.amount_um dynamics.damping_ratio', 2, VALUES,
+     2  'motion.natural_frequency_hz', AGAIN, INFO, MESSAG)
+      IF (INFO .NE. 4) STOP 1
+      WRITE (*, '(A)') MESSAG(:LEN_TRIM(MESSAG))
+      CALL GS_WORDS(AGAIN, 'rows', 'message', 2, LINE, INFO, MESSAG)
+      CALL CHECK(INFO, MESSAG)
+      WRITE (*, '(A)') LINE(:LEN_TRIM(LINE))
+      CALL GS_COLUMN(AGAIN, 'motion', 'natural_frequency_hz', 2, VALUES,
+     1  INFO, MESSAG)
+      CALL CHECK(INFO, MESSAG)
+      WRITE (*, '(''rows of motion.natural_frequency_hz,'', ES25.16E3)')
+     1  VALUES(1), VALUES(2)
       CALL GS_FREE(AGAIN)
       CALL GS_FREE(STUDY)
       IF (STUDY .NE. 0) STOP 1

@@ -26,3 +26,9 @@ print(study.report(), end='')
 again = gearsweep.run(case.changed(case={'title': 'again'}), threads=1, earlier=study)
 print(again.log, end='')
 print(*again.write('written', sys.argv[2]), sep='\n')
+rows = gearsweep.run_rows(case.changed(case={'tasks': 'mesh'}), ['relief.amount_um', 'dynamics.damping_ratio'],
+                          [[5, 0.25], [-1, 0.25]], ['motion.natural_frequency_hz'], earlier=study)  # fmt: skip
+print('1 of 2 rows of values lack results; their code and message say why')
+print(rows.messages[1])
+for value in rows.columns['motion.natural_frequency_hz'].ravel():
+    print(f'rows of motion.natural_frequency_hz,{shown(value)}')
