@@ -9,7 +9,7 @@ import re
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -306,7 +306,16 @@ class Rows:
     columns: dict[str, np.ndarray]
     codes: np.ndarray
     messages: list[str]
-    _source: _library.Handle
+    _source: _library.Handle | None = field(default=None, repr=False, compare=False)
+
+    def __reduce__(self) -> tuple:
+        return Rows, (self.columns, self.codes, self.messages)  # without the library's memory
+
+    def _live(self) -> _library.Handle:
+        if self._source is None:
+            raise Error('these rows hold their numbers only, as they come from another process: run one of them again to start '
+                        'others from it')  # fmt: skip
+        return self._source
 
 
 def run_rows(
@@ -364,7 +373,9 @@ def run_rows(
     values = np.asarray(values, np.float64)
     if values.ndim != 2 or values.shape[1] != len(names):
         raise Error(f'values: must have a column for each of {len(names)} names, not the shape {values.shape}')
-    before = earlier._live('to start others from it') if isinstance(earlier, Study) else earlier._source if earlier else None
+    before = None
+    if earlier is not None:
+        before = earlier._live('to start others from it') if isinstance(earlier, Study) else earlier._live()
     found, error, cause = _library.run_rows(case.text, case.folder, ' '.join(names), values, ' '.join(take), threads, before,
                                             progress, stop)  # fmt: skip
     if cause is not None and not isinstance(cause, Stopped):

@@ -1,5 +1,6 @@
 """Many rows of values in one call: each gives what its case gives by itself, to the last bit, whatever the rows beside it do."""
 
+import pickle
 import threading
 
 import numpy as np
@@ -95,6 +96,7 @@ def test_what_is_wrong_with_the_call():
     fails('did you mean teeth', names=['gear.teet'])
     fails('did you mean &gear', names=['gearr.teeth'])
     fails('two names with a point', names=['teeth'])
+    fails('is given twice', names=['gear.teeth', 'gear.Teeth'], values=[[34, 34]])
     fails('each pair once', names=['gear.teeth', 'gear.teeth'], values=[[34, 34]])
     fails('did you mean contact_ratio', take=['geometry.contact_rati'])
     fails('did you mean geometry', take=['geometri.contact_ratio'])
@@ -113,6 +115,15 @@ def test_no_row_runs():
     assert rows.codes.tolist() == [1, 1] and rows.columns['geometry.contact_ratio'].shape == (2, 0)
     again = gearsweep.run_rows(CASE, ['gear.teeth'], [[34]], ['geometry.contact_ratio'], earlier=rows)
     assert again.codes.tolist() == [0]
+
+
+def test_rows_can_be_sent():
+    rows = gearsweep.run_rows(CASE, ['gear.teeth'], [[34], [1]], ['geometry.contact_ratio'])
+    sent = pickle.loads(pickle.dumps(rows))
+    assert sent.columns[TAKE[1]].tobytes() == rows.columns[TAKE[1]].tobytes()
+    assert sent.codes.tolist() == [0, 1] and sent.messages == rows.messages
+    with pytest.raises(Error, match='another process'):
+        gearsweep.run_rows(CASE, ['gear.teeth'], [[34]], ['geometry.contact_ratio'], earlier=sent)
 
 
 def test_rows_can_be_stopped_and_watched():

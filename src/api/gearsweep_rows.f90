@@ -13,7 +13,7 @@ module gearsweep_rows
   use gearsweep_report, only: failed_points
   use gearsweep_stop, only: wants_stop
   use gearsweep_study, only: run_study, study_t
-  use gearsweep_table, only: axis, column_t, kind_text, no_number, table_t
+  use gearsweep_table, only: column_t, kind_text, no_number, table_t
   use gearsweep_tables, only: make_table, table_names
   use gearsweep_text, only: shown, split, str, to_number
   implicit none
@@ -66,7 +66,6 @@ contains
 
     call split_places('names', names, keys, error)
     call split_places('take', take, places, error)
-    if (size(values, 2) < 1) call fail(error, code_input, 'rows = '//str(size(values, 2))//': must be at least 1')
     if (allocated(error)) return
     call put_keys(text, keys, values, whole, list, at, error)
     call claim_memory(200.0_dp*size(values, 2), 'rows = '//str(size(values, 2)), error)
@@ -168,6 +167,8 @@ contains
     if (allocated(error)) return
     do i = 1, size(keys)
       at(i) = list%position(keys(i)%first, keys(i)%second)
+      if (any(at(:i - 1) == at(i))) call fail(error, code_input, 'names = '//trim(keys(i)%first)//'.'//trim(keys(i)%second)// &
+        ': is given twice')
     end do
   end subroutine put_keys
 
