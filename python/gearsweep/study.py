@@ -370,7 +370,7 @@ def run_rows(
     if earlier is not None and not isinstance(earlier, (Rows, Study)):
         raise TypeError(f'earlier: must be a gearsweep.Rows or a gearsweep.Study, not {type(earlier).__name__}')
     names, take = _several('names', names), _several('take', take)
-    values = np.asarray(values, np.float64)
+    values = np.ma.filled(np.ma.asanyarray(values).astype(np.float64, casting='same_kind'), np.nan)
     if values.ndim != 2 or values.shape[1] != len(names):
         raise Error(f'values: must have a column for each of {len(names)} names, not the shape {values.shape}')
     before = None

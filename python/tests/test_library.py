@@ -200,7 +200,7 @@ def test_signatures_are_those_of_the_flat_layer():
 
     ours = {name: re.sub(r'\s', '', words) for name, words in heads(ROOT / 'python/gearsweep/flat.pyf')}
     theirs = {name: re.sub(r'\s', '', words) for name, words in heads(ROOT / 'src/api/gearsweep_flat_calls.f90')}
-    assert ours == theirs and len(ours) == 10
+    assert ours == theirs and len(ours) == 11
     text = (ROOT / 'python/gearsweep/flat.pyf').read_text()
     assert not re.search(r'^\s*real', text, re.MULTILINE)
     assert text.count('threadsafe') == len(ours)

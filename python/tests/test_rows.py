@@ -110,6 +110,15 @@ def test_what_is_wrong_with_the_call():
         gearsweep.run_rows(CASE, [], [[]], [], earlier=CASE)
 
 
+def test_numbers_that_no_row_has():
+    """Of an array nothing is lost: imaginary parts and masks are refused, not left out."""
+    masked = np.ma.array([[34.0], [35.0]], mask=[[False], [True]])
+    assert gearsweep.run_rows(CASE, ['gear.teeth'], masked, TAKE[1:2]).codes.tolist() == [0, 1]
+    for values in ([[1j]], [['34 / &x']], [[None]]):
+        with pytest.raises((TypeError, ValueError)):
+            gearsweep.run_rows(CASE, ['gear.teeth'], np.array(values), TAKE[1:2])
+
+
 def test_no_row_runs():
     rows = gearsweep.run_rows(CASE, ['gear.teeth'], [[1], [2]], ['geometry.contact_ratio'])
     assert rows.codes.tolist() == [1, 1] and rows.columns['geometry.contact_ratio'].shape == (2, 0)
