@@ -92,8 +92,8 @@ int gsc_run(const char *text, size_t text_length, const char *folder, int thread
    take     the columns that are wanted, each as table.column, with blanks between them; numbers, no words. How many rows a table
             has is told by the first row of values that runs
    study    has the table "rows" with a code and a message for each row of values ("code", "message"), and of the tables in take these
-            columns, which hold all their numbers of the first row of values, then those of the second, and so on; NaN for a row
-            without a result. It has no texts but "tables", no files, and can be the earlier of others. A column that is not there
+            columns, which hold all their numbers of the first row of values, then those of the second, and so on, as GSC_REAL;
+            NaN for a row without a result. It has no texts but "tables", no files, and can be the earlier of others. A column that is not there
             is an error of the call; where rows have a code other than GSC_OK it ends with GSC_PARTIAL, or GSC_INTERRUPTED */
 int gsc_rows(const char *text, size_t text_length, const char *folder, int threads, const gsc_study *earlier, int *watch,
              const char *names, int rows, const double *values, const char *take, gsc_study **study, char *message,

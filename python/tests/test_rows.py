@@ -119,6 +119,11 @@ def test_numbers_that_no_row_has():
             gearsweep.run_rows(CASE, ['gear.teeth'], np.array(values), TAKE[1:2])
 
 
+def test_whole_numbers_leave_room_for_none():
+    rows = gearsweep.run_rows(CASE, ['gear.teeth'], [[34], [1], [35]], ['gears.teeth'])
+    np.testing.assert_array_equal(rows.columns['gears.teeth'], [[21, 34], [np.nan, np.nan], [21, 35]])
+
+
 def test_no_row_runs():
     rows = gearsweep.run_rows(CASE, ['gear.teeth'], [[1], [2]], ['geometry.contact_ratio'])
     assert rows.codes.tolist() == [1, 1] and rows.columns['geometry.contact_ratio'].shape == (2, 0)

@@ -315,8 +315,8 @@ contains
                            size(one%numbers), error)
         end if
         if (allocated(error)) return
+        ! Whole numbers as real ones, as a row without a result has NaN.
         call table%add(one%column%name, one%column%unit, one%column%meaning, reshape(one%numbers, [size(one%numbers)]))
-        table%columns(size(table%columns))%kind = one%column%kind
       end associate
     end do
   end subroutine fill_tables
