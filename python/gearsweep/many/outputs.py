@@ -16,6 +16,7 @@ from ..table import ROW, Table, meant
 
 Reals = NDArray[np.float64]
 Reduce = Callable[[Study], Mapping[str, Any]]
+OTHER_INDEX = 'table {}: the values of {} are not those of the other variants; take another column, or give reduce'
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Taken:
         for name, (table, values, _) in self.coordinates.items():
             column = name.rpartition('.')[2]
             if not np.array_equal(study[table][column], values):
-                raise Error(f"table {table}: the values of {column} are not those of the other variants; take another column, or give reduce")
+                raise Error(OTHER_INDEX.format(table, column))
         for one in self.columns:
             table, _, column = one.name.partition('.')
             found[one.name] = _shaped(one, study[table][column])
@@ -76,6 +77,19 @@ class Taken:
         if set(numbers) != {one.name for one in self.reduced}:
             raise Error(f'reduce: gives {", ".join(sorted(numbers))}; of the first variant it gave other numbers')
         return found | {one.name: _shaped(one, numbers[one.name]) for one in self.reduced}
+
+
+    def indices(self) -> dict[str, Reals] | None:
+        """By 'table.column', the index columns of what is taken with a value for each of its rows; None where one has words."""
+        found = {}
+        for one in self.columns:
+            for at, dim in enumerate(one.dims):
+                table, values, _ = self.coordinates[dim]
+                if values.dtype.kind not in 'iuf':
+                    return None
+                along = values.astype(float).reshape([-1 if axis == at else 1 for axis in range(len(one.dims))])
+                found[f'{table}.{dim.rpartition(".")[2]}'] = np.broadcast_to(along, one.shape).ravel()
+        return found
 
 
 def _shaped(one: Output, values: Any) -> Reals:

@@ -1,6 +1,6 @@
 """Computes a block of variants: the values of its rows go in; columns, statuses and messages come out.
 
-This is all that runs in the processes of an executor. A call of the library that takes many rows at once belongs here.
+This is all that runs in the processes of an executor.
 """
 
 from __future__ import annotations
@@ -15,15 +15,17 @@ from .. import _library
 from .._library import Code, Error
 from .._watch import Late
 from ..case import Case
-from ..study import Study, attempt
+from ..study import Study, attempt, run_rows
 from .inputs import Key, case_with
 from .kernel import kernel
-from .outputs import Reduce, Taken
-from .status import Status
+from .outputs import OTHER_INDEX, Reduce, Taken
+from .status import ANSWERED, Status
 
 Reals = NDArray[np.float64]
-#: The last study of this thread, whose stiffness the next may take over.
+#: The last `study` and the last `rows` of this thread, whose stiffness the next may take over.
 _last = threading.local()
+#: What a code means for a variant; others: a method failed.
+_STATUS = {Code.OK: Status.OK, Code.PARTIAL: Status.PARTIAL, Code.INPUT: Status.REFUSED}
 
 
 @dataclass(frozen=True)
@@ -82,12 +84,41 @@ def empty(taken: Taken, rows: int, status: Status = Status.PENDING, message: str
 
 def compute(job: Job, values: Reals) -> Block:
     """The block of variants with these values, a row each, on one thread. A variant that fails leaves the others as they are."""
+    if (found := _in_one_call(job, values)) is not None:
+        return found
     block = empty(job.taken, len(values))
     for at, row in enumerate(values):
         status, message, numbers = _variant(job, row)
         block.status[at], block.messages[at] = status, ' '.join(message.split())
         for name, value in numbers.items():
             block.columns[name][at] = value
+    return block
+
+
+def _in_one_call(job: Job, values: Reals) -> Block | None:
+    """The block by one call of the library; None where each variant needs a study of its own, or the call does not say what is wrong
+    with which."""
+    indices = job.taken.indices()
+    if job.reduce or job.seconds or indices is None or any(key.choices is not None for key in job.keys):
+        return None
+    names = [one.name for one in job.taken.columns]
+    try:
+        found = run_rows(job.base, [key.name for key in job.keys], values, [*dict.fromkeys([*names, *indices])],
+                         earlier=getattr(_last, 'rows', None))  # fmt: skip
+    except Error:
+        return None
+    _last.rows = found
+    block = empty(job.taken, len(values))
+    for at, (code, message) in enumerate(zip(found.codes, found.messages)):
+        block.status[at], block.messages[at] = _STATUS.get(Code(code), Status.FAILED), ' '.join(message.split())
+        if block.status[at] not in ANSWERED:
+            continue
+        other = next((name for name, expected in indices.items() if not np.array_equal(found.columns[name][at], expected)), None)
+        if other:
+            block.status[at], block.messages[at] = Status.REFUSED, OTHER_INDEX.format(*other.split('.'))
+            continue
+        for one in job.taken.columns:
+            block.columns[one.name][at] = found.columns[one.name][at].reshape(one.shape)
     return block
 
 
@@ -127,4 +158,4 @@ def study_of(case: Case, seconds: float | None) -> tuple[Study, Error | None]:
 
 
 def _status(error: Error) -> Status:
-    return Status.REFUSED if error.code == Code.INPUT else Status.FAILED
+    return _STATUS.get(error.code, Status.FAILED)
