@@ -23,6 +23,7 @@ ROOMS = {
     'dynamics/step': 'one step and one period: collocation, contact events, load peaks',
     'dynamics/solve': 'one operating point: steady motion, its stability, its error',
     'dynamics/analyses': 'many points: sweep, optimum, response, stability, Poincare section',
+    'dynamics/quick': 'whole turns of many pairs of gears to 1e-3, in few long steps',
     'bifurcation': 'branches of periodic motions, and where the motion changes its kind along them',
     'sensitivity': 'how a motion changes with each number of its oscillator',
     'reader': 'the form of a case: groups, keys and values of a text, each key declared once',

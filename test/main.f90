@@ -8,6 +8,7 @@ program check
   use extreme_table, only: print_limits
   use test_sparse, only: run_sparse => run
   use test_as_built, only: run_as_built => run
+  use test_quick_turns, only: run_quick_turns => run
   use test_attractors, only: run_attractors => run
   use test_beyond, only: run_beyond => run
   use test_bifurcations, only: run_bifurcations => run
@@ -112,6 +113,7 @@ program check
     & suite_t('branches', run_branches), &
     & suite_t('attractors', run_attractors), &
     & suite_t('as_built', run_as_built), &
+    & suite_t('quick_turns', run_quick_turns), &
     & suite_t('bifurcations', run_bifurcations), &
     & suite_t('sensitivity', run_sensitivity), &
     & suite_t('energy', run_energy), &

@@ -28,7 +28,7 @@ module test_as_built
   use testing, only: check_close, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
-  public :: run
+  public :: run, given_t, read_given
 
   real(dp), parameter :: um = 1e-6_dp
   !> Gears without profile shift, whose flanks are measured; lengths in mm, from Euclid: reference, base and tip circles, and the

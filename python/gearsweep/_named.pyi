@@ -746,6 +746,8 @@ class AsBuiltSummaryTable(Table):
     """the largest"""
     rpm: NDArray[float64]
     """1/min: speed at which that is"""
+    sample_error: NDArray[float64]
+    """with `quick`, by how much the dynamic factors of the pairs of gears that were computed both ways differ at most; else NaN"""
     draws: NDArray[int64]
     """pairs of gears that were drawn"""
     assemblies: NDArray[int64]

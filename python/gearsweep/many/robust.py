@@ -118,7 +118,7 @@ def robust(
     spectrum : dict, optional
         One key of `&load` with its loads and their shares of the time, as in `{'torque_nm': {80: 0.7, 120: 0.3}}`.
     seeds : int
-        Above 1: so many variants of each candidate, for many workers, each with the case's `draws` of a seed of its own.
+        Above 1: so many variants of each candidate, for many workers, each with the case's `draws` of a seed of its own, from the case's on.
     quantile : float
         Its probability.
     confidence : float
@@ -186,7 +186,7 @@ def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any],
 
 
 def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]:
-    """The groups with seeds as the key that changes fastest. They are random, as what neighbouring seeds draw is not independent."""
+    """The groups with seeds, from the case's on, as the key that changes fastest."""
     if isinstance(seeds, bool) or not isinstance(seeds, int) or not 1 <= seeds <= 1_000_000:
         raise Error(f'robust: seeds = {seeds!r}: must be a whole number from 1 to 1000000')
     if seeds == 1:
@@ -194,7 +194,7 @@ def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]
     deviations = groups.get('deviations', {})
     if 'seed' in deviations:
         raise Error('&deviations seed: is varied by seeds, and cannot tell candidates apart')
-    drawn = 1 + np.random.default_rng(case.get('deviations', 'seed', 1)).choice(10**9, seeds, replace=False)
+    drawn = case.get('deviations', 'seed', 1) + np.arange(seeds)
     return {name: keys for name, keys in groups.items() if name != 'deviations'} | {'deviations': {**deviations, 'seed': drawn}}
 
 

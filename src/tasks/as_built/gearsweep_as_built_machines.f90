@@ -19,7 +19,7 @@ module gearsweep_as_built_machines
   use gearsweep_turn, only: find_turn, turn_t
   implicit none
   private
-  public :: machine_t, tooth_t, run_machines, sweep_each, follow_turn
+  public :: machine_t, tooth_t, draw_machines, run_exactly, deviating, sweep_each, follow_turn
 
   !> Where a largest load is.
   type :: tooth_t
@@ -32,7 +32,7 @@ module gearsweep_as_built_machines
   !> Two gears, put together with certain teeth meeting.
   type :: machine_t
     type(flank_deviations_t) :: flanks(2)
-    integer :: turn = 1                          !< mesh periods after which the errors repeat
+    type(deviations_t) :: deviations             !< that follow
     integer :: offset = 0                        !< by how many teeth of the gear the assembly is not the stated one
     type(sweep_t) :: sweep
     type(tooth_t), allocatable :: worst(:)       !< (relief)
@@ -40,19 +40,15 @@ module gearsweep_as_built_machines
 
 contains
 
-  !> All pairs of gears: (assembly, draw). Ends early where the caller stops the run.
-  subroutine run_machines(choice, stages, which, rpm, assemblies, machines, first, error)
+  !> All pairs of gears: (assembly, draw).
+  subroutine draw_machines(choice, stages, assemblies, machines, error)
     type(deviations_choice_t), intent(in) :: choice
     type(stages_t), intent(in) :: stages
-    integer, intent(in) :: which(:)              !< reliefs of the case
-    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
     integer, intent(in) :: assemblies
     type(machine_t), allocatable, intent(out) :: machines(:, :)
-    type(oscillator_t), allocatable, intent(out) :: first(:)         !< of the first gears and assembly; (relief)
     type(error_t), allocatable, intent(inout) :: error
     type(flank_deviations_t) :: flanks(2)
     type(random_stream_t) :: random(2)
-    type(oscillator_t), allocatable :: osc(:)
     type(frame_t) :: frame
     integer :: draw, i
 
@@ -67,20 +63,28 @@ contains
       flanks = choice%flanks
       call draw_flanks(choice, stages, random, flanks, error)
       do i = 1, assemblies
-        if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
-        associate (motion => stages%motion(which(1)), machine => machines(i, draw))
-          osc = deviating(stages%motion(which), &
-                          lay_deviations(flanks, frame, motion%mesh%teeth, motion%mesh%contact_ratio, i - 1), error)
-          if (.not. allocated(first)) first = osc
+        associate (mesh => stages%motion(1)%mesh, machine => machines(i, draw))
           machine%flanks = flanks
-          machine%turn = osc(1)%mesh%deviations%periods
           machine%offset = i - 1
-          call sweep_each(stages, osc, rpm, machine%sweep, error)
-          if (.not. allocated(error)) call find_worst(stages, osc, machine, error)
+          machine%deviations = lay_deviations(flanks, frame, mesh%teeth, mesh%contact_ratio, i - 1)
         end associate
       end do
     end do
-  end subroutine run_machines
+  end subroutine draw_machines
+
+  !> All speeds and reliefs of a pair of gears, each to the tolerance, and its worst teeth.
+  subroutine run_exactly(stages, which, rpm, machine, osc, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: which(:)              !< reliefs of the case
+    real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
+    type(machine_t), intent(inout) :: machine
+    type(oscillator_t), allocatable, intent(out) :: osc(:)           !< (relief)
+    type(error_t), allocatable, intent(inout) :: error
+
+    osc = deviating(stages%motion(which), machine%deviations, error)
+    call sweep_each(stages, osc, rpm, machine%sweep, error)
+    if (.not. allocated(error)) call find_worst(stages, osc, machine, error)
+  end subroutine run_exactly
 
   !> Draws the flanks of the gears that have a class.
   subroutine draw_flanks(choice, stages, random, flanks, error)

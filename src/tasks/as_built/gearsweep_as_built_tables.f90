@@ -90,7 +90,7 @@ contains
                    micro*[(((machines(a, d)%sweep%dte_rms(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('dte_peak_to_peak_um', 'um', 'largest less least dynamic transmission error', &
                    micro*[(((machines(a, d)%sweep%dte_range(:, r), a=1, m), d=1, n), r=1, k)])
-    periods = machines(1, 1)%turn*[(((machines(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
+    periods = machines(1, 1)%deviations%periods*[(((machines(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
     call table%add('mesh_periods', '', of_periods, periods)
     call table%add('multiplier', '', 'largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion '// &
                    'repels', [(((machines(a, d)%sweep%mesh_multiplier(:, r), a=1, m), d=1, n), r=1, k)])
@@ -142,10 +142,11 @@ contains
   end subroutine fill_worst
 
   !> Of each relief, what the largest dynamic factors of all gears and assemblies are.
-  subroutine fill_summary(amount, nominal, machines, table, error)
+  subroutine fill_summary(amount, nominal, machines, sample_error, table, error)
     real(dp), intent(in) :: amount(:)            ! m; (relief)
     type(sweep_t), intent(in) :: nominal
     type(machine_t), intent(in) :: machines(:, :)          ! (assembly, draw)
+    real(dp), intent(in) :: sample_error(:)      ! (relief)
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :), factor(:), rpm(:)
@@ -171,6 +172,8 @@ contains
     call table%add('quantile_95_factor', '', 'what 95 % of them are at most', values(:, 4))
     call table%add('largest_factor', '', 'the largest', values(:, 5))
     call table%add('rpm', '1/min', 'speed at which that is', values(:, 6))
+    call table%add('sample_error', '', 'with `quick`, by how much the dynamic factors of the pairs of gears that were computed '// &
+                   'both ways differ at most; else NaN', sample_error)
     call table%add('draws', '', 'pairs of gears that were drawn', spread(size(machines, 2), 1, size(amount)))
     call table%add('assemblies', '', 'assemblies of each', spread(size(machines, 1), 1, size(amount)))
   end subroutine fill_summary

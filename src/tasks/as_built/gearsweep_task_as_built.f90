@@ -3,7 +3,7 @@
 !> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of the first gears and
 !> assembly are followed over the turn at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_task_as_built
-  use gearsweep_as_built_machines, only: follow_turn, machine_t, run_machines, sweep_each
+  use gearsweep_as_built_machines, only: draw_machines, follow_turn, machine_t, run_exactly, sweep_each
   use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_tolerances, fill_worst
   use gearsweep_coefficient_table, only: scheme_collocation
   use gearsweep_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
@@ -17,11 +17,13 @@ module gearsweep_task_as_built
   use gearsweep_order_tables, only: fill_orders, fill_turn, fill_waterfall
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_points, only: factor_in
+  use gearsweep_quick_machines, only: run_mostly_quickly
   use gearsweep_reader, only: reader_t
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_status, only: has_result
   use gearsweep_stop, only: wants_stop
   use gearsweep_sweep, only: sweep_t
+  use gearsweep_table, only: no_number
   use gearsweep_task, only: case_facts_t, check_reliefs, members, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_turn, only: turn_t
@@ -34,6 +36,7 @@ module gearsweep_task_as_built
     real(dp), allocatable :: turn_rpm(:)         !< speeds at which the motion is followed; without, that of the largest load
     integer :: mesh_orders = 3                   !< up to which orders are told
     logical :: waterfall = .false.               !< orders at all speeds are wanted
+    logical :: quick = .false.                   !< most pairs of gears to 1e-3 only
   contains
     procedure, nopass :: describe
     procedure :: read_keys, check, take_files, count_points, run, add_report
@@ -71,6 +74,9 @@ contains
                     meaning='mesh orders up to which orders of the transmission error are told')
     call reader%get(group, 'waterfall', self%waterfall, error, tasks=group, &
                     meaning='whether these orders are told at all speeds, for the first relief')
+    call reader%get(group, 'quick', self%quick, error, tasks=group, &
+                    meaning='whether dynamic factors are found to 1e-3 only, in a small part of the time. The first pair '// &
+                    'of gears and one in ten, ten at most, are computed to the tolerance too; sample_error tells the difference')
     call read_deviations(reader, self%deviations, error)
     allocate (self%files(count([(allocated(self%deviations%files(i)%name), i=1, 2)])))
     k = 0
@@ -90,6 +96,9 @@ contains
     if (facts%scheme /= scheme_collocation) call fail(error, code_input, &
       '&numerics method: the methods of the literature know nominal teeth only; with the task as_built it must be collocation')
     call check_deviations(self%deviations, facts%spec, error)
+    if (self%quick .and. self%deviations%draws == 1 .and. .not. self%deviations%all_assemblies) call fail(error, code_input, &
+      '&as_built quick: does not go with a single pair of gears, as that is computed to the tolerance; needs &deviations draws '// &
+      'above 1 or assembly = ''all''')
   end subroutine check
 
   !> The files of measured flanks, in the order of `read_keys`.
@@ -144,7 +153,7 @@ contains
     type(turn_t), allocatable :: turns(:, :)               ! (speed, relief)
     type(turn_t), allocatable :: waterfall(:)              ! (speed)
     type(sweep_t) :: nominal
-    real(dp), allocatable :: rpm(:)
+    real(dp), allocatable :: rpm(:), sample_error(:)
     integer, allocatable :: which(:)
     integer :: assemblies, draw, i
 
@@ -155,7 +164,14 @@ contains
                       '&deviations draws: '//str(self%deviations%draws)//' pairs of gears', error)
     if (allocated(error)) return
     call sweep_each(stages, stages%motion(which), rpm, nominal, error)
-    call run_machines(self%deviations, stages, which, rpm, assemblies, machines, first, error)
+    call draw_machines(self%deviations, stages, assemblies, machines, error)
+    if (allocated(error)) return
+    allocate (sample_error(size(which)), source=no_number())
+    if (self%quick) then
+      call run_mostly_quickly(stages, which, rpm, machines, first, sample_error, error)
+    else
+      call run_all(stages, which, rpm, machines, first, error)
+    end if
     if (allocated(error)) return
     self%is_stopped = wants_stop(stages%accuracy%steady%stop)
     if (self%is_stopped) then
@@ -167,7 +183,7 @@ contains
     if (allocated(error)) return
     associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth)
       call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
-      call fill_summary(amount, nominal, machines, self%tables(self%place('as_built_summary')), error)
+      call fill_summary(amount, nominal, machines, sample_error, self%tables(self%place('as_built_summary')), error)
       call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
       call fill_loads(stages, amount, turns, machines(1, 1), self%tables(self%place('as_built_loads')), error)
       call fill_turn(first, amount, turns, self%tables(self%place('as_built_turn')), error)
@@ -186,6 +202,26 @@ contains
         str(1e6_dp*self%deviations%files(i)%rest, 3)//' um (root mean square) of '//trim(members(i))//'_flanks_file'
     end do
   end subroutine run
+
+  !> All pairs of gears to the tolerance. Ends early where the caller stops the run.
+  subroutine run_all(stages, which, rpm, machines, first, error)
+    type(stages_t), intent(in) :: stages
+    integer, intent(in) :: which(:)
+    real(dp), intent(in) :: rpm(:)
+    type(machine_t), intent(inout) :: machines(:, :)       ! (assembly, draw)
+    type(oscillator_t), allocatable, intent(out) :: first(:)         ! of the first gears and assembly; (relief)
+    type(error_t), allocatable, intent(inout) :: error
+    type(oscillator_t), allocatable :: osc(:)
+    integer :: draw, i
+
+    do draw = 1, size(machines, 2)
+      do i = 1, size(machines, 1)
+        if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
+        call run_exactly(stages, which, rpm, machines(i, draw), osc, error)
+        if (.not. allocated(first)) call move_alloc(osc, first)
+      end do
+    end do
+  end subroutine run_all
 
   !> The motions of the first gears and assembly over the turn.
   subroutine follow(self, stages, osc, rpm, machine, turns, waterfall, error)
