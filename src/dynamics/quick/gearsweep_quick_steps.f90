@@ -14,6 +14,7 @@ module gearsweep_quick_steps
   use gearsweep_deviations, only: wave_t
   use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi
+  use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: damping, mobility, oscillator_t
   use gearsweep_smooth_intervals, only: smooth_intervals
   implicit none
@@ -73,37 +74,41 @@ contains
     type(wave_t), intent(in) :: waves(:)         !< of the gears: gear and order count
     real(dp), intent(in) :: longest              !< length of a step, mesh phase
     type(quick_steps_t), intent(out) :: steps    !< none where more pairs than `most_pairs` may be in contact
-    integer, allocatable :: counts(:)
-    integer :: i, j, k, pairs
+    real(dp), allocatable :: ends(:)
+    integer :: i, j, k, n, pairs
 
     steps%osc = osc
     steps%intervals = smooth_intervals(osc%mesh, osc%friction > 0)
     pairs = maxval(steps%intervals%pairs)
     if (pairs > most_pairs) return
-    counts = max(1, ceiling((steps%intervals%last - steps%intervals%first)/longest - 1e-9_dp))
-    associate (n => sum(counts))
-      allocate (steps%begins(n), source=.false.)
-      allocate (steps%left(n), steps%width(n), steps%springs(n), steps%phase(3*n), steps%law(0:2**pairs - 1, n))
-      allocate (steps%along(3*n, pairs), steps%nominal(pairs, 3*n), source=0.0_dp)
-      steps%interval = [((i, k=1, counts(i)), i=1, size(counts))]
-      steps%pairs = steps%intervals(steps%interval)%pairs
-      steps%offset = steps%intervals(steps%interval)%offset
-    end associate
-    do i = 1, size(counts)
+    allocate (ends(0), steps%interval(0))
+    do i = 1, size(steps%intervals)
       associate (interval => steps%intervals(i))
-        do k = 1, counts(i)
-          steps%steps = steps%steps + 1
-          associate (n => steps%steps, middle => osc%mesh%contact_ratio/2)
-            steps%width(n) = (interval%last - interval%first)/counts(i)
-            steps%left(n) = interval%first + (k - 1)*steps%width(n)
-            steps%phase(3*n - 2:3*n) = steps%left(n) + steps%width(n)*[0.0_dp, 0.5_dp, 1.0_dp]
-            do j = 1, interval%pairs
-              steps%along(3*n - 2:3*n, j) = max(-middle, min(middle, interval%place(steps%phase(3*n - 2:3*n), j) - middle))
-            end do
-            call springs_at(osc%mesh, interval, steps%phase(3*n - 2:3*n), steps%springs(n))
-            steps%nominal(:interval%pairs, 3*n - 2:3*n) = transpose(steps%springs(n)%profile_error)
-          end associate
+        n = max(1, ceiling((interval%last - interval%first)/longest - 1e-9_dp))
+        do k = 1, n
+          call add_steps(osc%mesh, interval, interval%first + (k - 1)*(interval%last - interval%first)/n, &
+                         interval%first + k*(interval%last - interval%first)/n, ends)
         end do
+        steps%interval = [steps%interval, (i, k=size(steps%interval) + 1, size(ends))]
+      end associate
+    end do
+    n = size(ends)
+    steps%steps = n
+    steps%pairs = steps%intervals(steps%interval)%pairs
+    steps%offset = steps%intervals(steps%interval)%offset
+    steps%left = [0.0_dp, ends(:n - 1)]
+    steps%width = ends - steps%left
+    allocate (steps%begins(n), source=.false.)
+    allocate (steps%springs(n), steps%phase(3*n), steps%law(0:2**pairs - 1, n))
+    allocate (steps%along(3*n, pairs), steps%nominal(pairs, 3*n), source=0.0_dp)
+    do k = 1, n
+      associate (interval => steps%intervals(steps%interval(k)), middle => osc%mesh%contact_ratio/2)
+        steps%phase(3*k - 2:3*k) = steps%left(k) + steps%width(k)*[0.0_dp, 0.5_dp, 1.0_dp]
+        do j = 1, interval%pairs
+          steps%along(3*k - 2:3*k, j) = max(-middle, min(middle, interval%place(steps%phase(3*k - 2:3*k), j) - middle))
+        end do
+        call springs_at(osc%mesh, interval, steps%phase(3*k - 2:3*k), steps%springs(k))
+        steps%nominal(:interval%pairs, 3*k - 2:3*k) = transpose(steps%springs(k)%profile_error)
       end associate
     end do
     do i = 1, steps%steps
@@ -116,6 +121,32 @@ contains
       steps%sine(:, i) = sin(2*pi*waves(i)%order/osc%mesh%teeth(waves(i)%gear)*steps%phase)
     end do
   end subroutine lay_steps
+
+  !> Adds the ends of steps from one phase to another: one step or, where the stiffness of a pair is not near its parabola, as
+  !> beside A and E where a tip corner takes over, halves.
+  pure recursive subroutine add_steps(mesh, interval, from, to, ends)
+    type(mesh_t), intent(in) :: mesh
+    type(interval_t), intent(in) :: interval
+    real(dp), intent(in) :: from, to
+    real(dp), allocatable, intent(inout) :: ends(:)
+    real(dp), parameter :: shortest = 1e-3_dp, near = 2e-4_dp
+    type(springs_t) :: springs
+    logical :: is_near
+    integer :: j
+
+    is_near = to - from < shortest
+    if (.not. is_near) then
+      call springs_at(mesh, interval, from + (to - from)*[0.0_dp, 0.5_dp, 1.0_dp, 0.25_dp], springs)
+      is_near = all([(abs(parabola(springs%stiffness(:3, j), 0.25_dp) - springs%stiffness(4, j)) <= near*springs%stiffness(4, j), &
+                      j=1, interval%pairs)])
+    end if
+    if (is_near) then
+      ends = [ends, to]
+    else
+      call add_steps(mesh, interval, from, (from + to)/2, ends)
+      call add_steps(mesh, interval, (from + to)/2, to, ends)
+    end if
+  end subroutine add_steps
 
   !> Are the pairs at the begin of a step what they are at the end of the one before?
   pure logical function goes_on(steps, step)

@@ -385,7 +385,8 @@ contains
     end associate
   end subroutine change
 
-  !> Goes through a step in small parts.
+  !> Goes through a step in small parts. Where a pair begins or ceases to touch within a part, it does so where the straight line
+  !> through the gaps at its ends says.
   pure subroutine go_through(steps, errors, step, period, span, state, motion)
     type(quick_steps_t), intent(inout) :: steps
     real(dp), contiguous, intent(in) :: errors(:, :)
@@ -394,25 +395,55 @@ contains
     type(state_t), intent(inout) :: state
     type(quick_motion_t), intent(inout) :: motion
     integer, parameter :: parts = 24
-    real(dp) :: r(3, 1), x(1), v(1)
+    type(state_t) :: before
+    real(dp) :: at, from, r(3), to
     integer :: j, k
 
     do k = 1, parts
-      r(:, 1) = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step, steps%pairs(step))
-      x = state%x
-      v = state%v
-      call advance(steps%law(state%set, step), span, (k - 1.0_dp)/parts, real(k, dp)/parts, 1, r, x, v)
-      state%x = x(1)
-      state%v = v(1)
-      call close_gaps(steps, errors, step, real(k, dp)/parts, state)
-      do j = 1, steps%pairs(step)
-        call raise(steps, step, period, real(k, dp)/parts, &
-                   parabola(steps%law(state%set, step)%effective(j, :), real(k, dp)/parts)*state%gap(j), j, motion)
-      end do
+      from = (k - 1.0_dp)/parts
+      to = real(k, dp)/parts
+      before = state
+      call go_on(steps, errors, step, span, from, to, state)
+      associate (p => steps%pairs(step))
+        do j = 1, p
+          state%gap(j) = state%x - parabola(touching_of(steps%law(state%set, step), errors, step, j, p), to)
+          if (btest(state%set, j - 1) .neqv. state%gap(j) > 0) exit
+        end do
+        if (j <= p) then
+          at = before%gap(j)/(before%gap(j) - state%gap(j))
+          at = from + (to - from)*merge(at, 0.0_dp, at > 0 .and. at < 1)
+          state = before
+          call go_on(steps, errors, step, span, from, at, state)
+          state%set = ieor(state%set, ibset(0, j - 1))
+          call go_on(steps, errors, step, span, at, to, state)
+        end if
+        call close_gaps(steps, errors, step, to, state)
+        do j = 1, p
+          call raise(steps, step, period, to, parabola(steps%law(state%set, step)%effective(j, :), to)*state%gap(j), j, motion)
+        end do
+      end associate
     end do
-    r(:, 1) = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step, steps%pairs(step))
-    state%r = r(3, 1)
+    r = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step, steps%pairs(step))
+    state%r = r(3)
   end subroutine go_through
+
+  !> Follows the motion over a part of a step under the law of its contact set.
+  pure subroutine go_on(steps, errors, step, span, from, to, state)
+    type(quick_steps_t), intent(inout) :: steps
+    real(dp), contiguous, intent(in) :: errors(:, :)
+    integer, intent(in) :: step
+    real(dp), intent(in) :: span, from, to
+    type(state_t), intent(inout) :: state
+    real(dp) :: r(3, 1), x(1), v(1)
+
+    if (.not. steps%law(state%set, step)%is_known) call need_law(steps, state%set, step)
+    r(:, 1) = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step, steps%pairs(step))
+    x = state%x
+    v = state%v
+    call advance(steps%law(state%set, step), span, from, to, 1, r, x, v)
+    state%x = x(1)
+    state%v = v(1)
+  end subroutine go_on
 
   !> The largest loads within a step.
   pure subroutine look_inside(steps, errors, step, period, span, state, next, motion)
