@@ -38,7 +38,7 @@ def processor_time(text, read=None):
         before = os.times()
         subprocess.run([PROGRAM, path, '--quiet', '--threads', '1', '--out', folder], check=True)
         after = os.times()
-        if read:
+        if read is not None:
             read.append(sample_error(pathlib.Path(folder)))
     return after.children_user + after.children_system - before.children_user - before.children_system
 

@@ -19,7 +19,7 @@ module gearsweep_as_built_machines
   use gearsweep_turn, only: find_turn, turn_t
   implicit none
   private
-  public :: machine_t, tooth_t, draw_machines, run_exactly, deviating, sweep_each, follow_turn
+  public :: machine_t, tooth_t, draw_machines, run_exactly, deviating, sweep_each, follow_turn, unit_root_stress
 
   !> Where a largest load is.
   type :: tooth_t
@@ -170,20 +170,17 @@ contains
   end subroutine find_worst
 
   !> The motion of one oscillator over the turn.
-  subroutine follow_turn(osc, rpm, stages, turn, error)
+  subroutine follow_turn(osc, rpm, stages, turn, error, unit_stress)
     type(oscillator_t), intent(in) :: osc
-    real(dp), intent(in) :: rpm
+    real(dp), intent(in) :: rpm                  !< speed of the pinion, 1/min
     type(stages_t), intent(in) :: stages
     type(turn_t), intent(out) :: turn
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), intent(in), optional :: unit_stress(:, :)    !< of `unit_root_stress`; without it, there is no stress
     type(levels_t), allocatable :: levels
 
     allocate (levels)
-    if (allocated(stages%pair)) then
-      call find_turn(osc, rpm, stages%accuracy, levels, turn, unit_root_stress(stages%pair))
-    else
-      call find_turn(osc, rpm, stages%accuracy, levels, turn)
-    end if
+    call find_turn(osc, rpm, stages%accuracy, levels, turn, unit_stress)
     if (turn%lacks) call fail(error, code_memory, 'as_built at '//str(rpm)//' 1/min: the memory does not hold the motion')
   end subroutine follow_turn
 

@@ -3,7 +3,7 @@
 !> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of the first gears and
 !> assembly are followed over the turn at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_task_as_built
-  use gearsweep_as_built_machines, only: draw_machines, follow_turn, machine_t, run_exactly, sweep_each
+  use gearsweep_as_built_machines, only: draw_machines, follow_turn, machine_t, run_exactly, sweep_each, unit_root_stress
   use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_tolerances, fill_worst
   use gearsweep_coefficient_table, only: scheme_collocation
   use gearsweep_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
@@ -232,17 +232,19 @@ contains
     type(machine_t), intent(in) :: machine
     type(turn_t), allocatable, intent(out) :: turns(:, :), waterfall(:)
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: unit_stress(:, :)
     integer :: i, k, n
 
+    if (allocated(stages%pair)) unit_stress = unit_root_stress(stages%pair)
     n = 1
     if (allocated(self%turn_rpm)) n = size(self%turn_rpm)
     allocate (turns(n, size(osc)), waterfall(merge(size(rpm), 0, self%waterfall)))
     do i = 1, size(osc)
       do k = 1, n
         if (allocated(self%turn_rpm)) then
-          call follow_turn(osc(i), self%turn_rpm(k), stages, turns(k, i), error)
+          call follow_turn(osc(i), self%turn_rpm(k), stages, turns(k, i), error, unit_stress)
         else if (machine%worst(i)%rpm > 0) then
-          call follow_turn(osc(i), machine%worst(i)%rpm, stages, turns(k, i), error)
+          call follow_turn(osc(i), machine%worst(i)%rpm, stages, turns(k, i), error, unit_stress)
         end if
         if (allocated(error)) return
       end do
