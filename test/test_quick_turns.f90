@@ -183,8 +183,8 @@ contains
   end subroutine alone
 
   !> By keys, with contact beyond A and E and teeth that share compliance, in class 8 with friction and teeth that strike: each
-  !> dynamic factor within 1e-3 of that to the tolerance, and the sample tells so, the range of the transmission error within 2e-3 of
-  !> itself; what is in the sample to the same bits.
+  !> dynamic factor within 1e-3 of that to the tolerance, and the sample tells so, the range of the transmission error within 2e-3
+  !> of itself; what is in the sample to the same bits.
   subroutine by_keys(t)
     type(tally_t), intent(inout) :: t
     character(*), parameter :: quick = '&as_built quick = .true. / '
