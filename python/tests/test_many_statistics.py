@@ -13,6 +13,8 @@ import xarray  # noqa: E402
 from scipy import stats  # noqa: E402
 from test_many import TAKE, plan_of  # noqa: E402
 
+from gearsweep.many.statistics import with_band  # noqa: E402
+
 CASE = Case('&pair module_mm = 3 /')
 PI = np.pi
 
@@ -253,3 +255,8 @@ def test_pictures_of_other_dimensions_are_refused(data):
         many.plot_distribution(data[TAKE[1]])
     with pytest.raises(AttributeError, match='no attribute'):
         _ = many.plot_everything
+
+
+def test_an_open_end_of_a_band_is_a_question_mark():
+    found = many.quantiles(column(np.arange(10.0), points='random'), 0.95)
+    assert with_band(*(float(found[name][0]) for name in ('value', 'lower', 'upper'))).endswith(' to ?)')

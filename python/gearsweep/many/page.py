@@ -19,7 +19,7 @@ from .._library import Error
 from .._page import STYLE
 from . import reading
 from . import store as stores
-from .statistics import quantiles, sensitivity
+from .statistics import quantiles, sensitivity, with_band
 from .store import VARIANT
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def _results(data: xarray.Dataset, pending: bool) -> Iterator[str]:
 
 
 def _band(found: xarray.Dataset, value: str, lower: str, upper: str) -> str:
-    return f'{float(found[value]):.5g} ({float(found[lower]):.4g} to {float(found[upper]):.4g})'
+    return with_band(*(float(found[name]) for name in (value, lower, upper)))
 
 
 def _columns(data: xarray.Dataset, more: int) -> Iterator[xarray.DataArray]:

@@ -17,7 +17,7 @@ from .._watch import Line
 from . import plan_file, reading
 from .page import write
 from .run import run
-from .statistics import quantiles
+from .statistics import quantiles, with_band
 from .status import ANSWERED
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def _quantiles(data: xarray.Dataset) -> Iterator[str]:
     for name, column in there.data_vars.items():
         if column.dims == ('variant',) and 'points' in column.attrs and np.isfinite(column.values).all():
             found = quantiles(column, (0.5, 0.95))
-            said = ', '.join(f'{100 * q:g} %: {value:.5g} ({lower:.5g} to {upper:.5g})' for q, value, lower, upper in
+            said = ', '.join(f'{100 * q:g} %: {with_band(*band)}' for q, *band in
                              zip(found.q.values, found.value.values, found.lower.values, found.upper.values))  # fmt: skip
             yield f'{name}\n                   {said}'
 

@@ -76,6 +76,12 @@ def quantiles(
     return xarray.Dataset(arrays, coords, {**data.attrs, 'name': str(data.name), 'variants': len(values), 'confidence': confidence})
 
 
+def with_band(value: float, lower: float, upper: float) -> str:
+    """A number with its band in words; a question mark for an end for which there are too few points."""
+    ends = ' to '.join('?' if np.isnan(end) else f'{end:.5g}' for end in (lower, upper))
+    return f'{value:.5g} ({ends})'
+
+
 def _without_nan(values: Reals, who: str, nan: str) -> NDArray[np.bool_]:
     """Which variants have all of their numbers."""
     if nan not in ('refuse', 'drop'):

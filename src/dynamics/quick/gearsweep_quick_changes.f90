@@ -1,5 +1,5 @@
-!> What happens within a step of a quick turn (gearsweep_quick_turn): where a pair begins or ceases to touch, the motion is corrected
-!> from there on by a series; where more happens, the step is gone through in small parts; and the largest loads.
+!> What happens within a step of a quick turn (gearsweep_quick_turn): where a pair begins or ceases to touch, the motion is
+!> corrected from there on by a series; where more happens, the step is gone through in small parts; and the largest loads.
 module gearsweep_quick_changes
   use gearsweep_kinds, only: dp
   use gearsweep_quick_steps, only: advance, most_pairs, need_law, parabola, quick_law_t, quick_steps_t
