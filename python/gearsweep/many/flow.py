@@ -79,6 +79,11 @@ class Crew:
             self.looked = time.monotonic()
         return self.count
 
+    def submit(self, call: Callable, *arguments: Any) -> Future:
+        """As the executor does it, which may start a process for it."""
+        with _ctrl_c_later() if self.make else contextlib.nullcontext():
+            return self.executor.submit(call, *arguments)
+
     def renew(self) -> bool:
         """Makes a new executor for one that broke; False: it is the caller's, who alone can."""
         if self.make is None:
@@ -119,6 +124,21 @@ def _processes(count: int) -> Executor:
 
     context = multiprocessing.get_context('spawn')
     return ProcessPoolExecutor(count, mp_context=context, initializer=_follow)
+
+
+@contextlib.contextmanager
+def _ctrl_c_later() -> Iterator[None]:
+    """Ctrl-C waits, and processes that are started here do not get it, also while they begin, before `_follow`."""
+    import signal
+
+    if not hasattr(signal, 'pthread_sigmask'):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _follow() -> None:
@@ -204,7 +224,7 @@ class Flow:
     def _submit(self, piece: Piece) -> bool:
         values = self.rows(piece.first, piece.stop)
         try:
-            future = self.crew.executor.submit(compute, self.job, values)
+            future = self.crew.submit(compute, self.job, values)
         except BrokenExecutor:  # a worker died between two blocks
             self.suspects.append(piece)
             if not self.flying:
