@@ -128,7 +128,7 @@ def _processes(count: int) -> Executor:
 
 @contextlib.contextmanager
 def _ctrl_c_later() -> Iterator[None]:
-    """Ctrl-C waits, and processes that are started here do not get it, also while they begin, before `_follow`."""
+    """Ctrl-C comes later here, and not at all to processes that are started, also while they begin, before `_follow`."""
     import signal
 
     if not hasattr(signal, 'pthread_sigmask'):  # Windows
