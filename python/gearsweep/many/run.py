@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -207,8 +209,26 @@ def _gather(
         if missing:
             waiting[at] = whole, missing
             continue
-        kept.put(first, values.blocks.pop(first), whole)
+        with _interrupts_later():
+            kept.put(first, values.blocks.pop(first), whole)
         counts.add(whole.status)
+
+
+@contextlib.contextmanager
+def _interrupts_later() -> Iterator[None]:
+    """Ctrl-C takes effect at the end: a file that is half written would leave tasks of Zarr behind, which complain as the process ends."""
+    came: list[tuple] = []
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda *what: came.append(what))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if came:
+            before(*came[0])
 
 
 def _insert(whole: Block, found: Block, piece: Piece, first: int) -> None:

@@ -149,7 +149,8 @@ contains
 
     orders = list_orders(teeth, mesh_orders)
     call table%over('orders of the dynamic transmission error over the speed', error, &
-                    axis('rpm', '1/min', of_speed, turns%rpm), axis('order', '', of_order, orders%cycles))
+                    axis('rpm', '1/min', of_speed, [(turns(k)%rpm, k=1, size(turns))]), &
+                    axis('order', '', of_order, [(orders(k)%cycles, k=1, size(orders))]))
     if (allocated(error)) return
     allocate (values(size(orders), size(turns)), source=no_number())
     do k = 1, size(turns)
