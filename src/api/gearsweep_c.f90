@@ -67,6 +67,7 @@ contains
     character(:), allocatable :: case, place, before, later
     integer(int64) :: number
     integer, target :: unwatched(3)
+    integer, pointer, contiguous :: watching(:)
 
     call begin_call()
     call take_text('text', text, text_length, case, error)
@@ -76,10 +77,9 @@ contains
     if (.not. present(study)) call fail(error, code_input, 'study: is a null pointer')
     number = 0
     unwatched = 0
-    if (.not. allocated(error) .and. present(watch)) &
-      call run(case, place, threads, transfer(earlier, number), watch, before, later, number, error)
-    if (.not. allocated(error) .and. .not. present(watch)) &
-      call run(case, place, threads, transfer(earlier, number), unwatched, before, later, number, error)
+    watching => unwatched
+    if (present(watch)) watching => watch
+    if (.not. allocated(error)) call run(case, place, threads, transfer(earlier, number), watching, before, later, number, error)
     if (number /= 0) study = transfer(number, study)
     info = ended(error, message, message_size)
   end function gsc_run
@@ -96,6 +96,7 @@ contains
     character(:), allocatable :: case, place, keys, columns
     integer(int64) :: number
     integer, target :: unwatched(3)
+    integer, pointer, contiguous :: watching(:)
 
     call begin_call()
     call take_text('text', text, text_length, case, error)
@@ -106,10 +107,10 @@ contains
     if (.not. present(values)) call fail(error, code_input, 'values: is a null pointer')
     number = 0
     unwatched = 0
-    if (.not. allocated(error) .and. present(watch)) &
-      call run_with_rows(case, place, threads, transfer(earlier, number), watch, keys, rows, values, columns, number, error)
-    if (.not. allocated(error) .and. .not. present(watch)) &
-      call run_with_rows(case, place, threads, transfer(earlier, number), unwatched, keys, rows, values, columns, number, error)
+    watching => unwatched
+    if (present(watch)) watching => watch
+    if (.not. allocated(error)) call run_with_rows(case, place, threads, transfer(earlier, number), watching, keys, rows, values, &
+                                                   columns, number, error)
     if (number /= 0) study = transfer(number, study)
     info = ended(error, message, message_size)
   end function gsc_rows

@@ -15,7 +15,8 @@ module gearsweep_rows
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: column_t, kind_text, no_number, table_t
   use gearsweep_tables, only: make_table, table_names
-  use gearsweep_text, only: shown, split, str, to_number
+  use gearsweep_text, only: shown, split, str
+  use gearsweep_values, only: tell_number
   implicit none
   private
   public :: run_rows, judge
@@ -195,19 +196,15 @@ contains
     end do
   end subroutine read_row
 
-  !> A number in so many digits that it reads back to the same bits.
+  !> A number in the fewest digits that read back to the same bits.
   function told(value) result(words)
     real(dp), intent(in) :: value
     character(30) :: words
-    real(dp) :: back
-    logical :: ok
-    integer :: digits
+    real(dp) :: number
+    logical :: found
 
-    do digits = 15, 17
-      words = str(value, digits)
-      call to_number(trim(words), back, ok)
-      if (ok .and. .not. abs(back - value) > 0) exit
-    end do
+    words = str(value)
+    if (abs(value) <= huge(value)) call tell_number(value, 1.0_dp, words, number, found)
   end function told
 
   !> The numbers of the columns into this row of `taken`; `wrong` where this row has others than the first. What the first that

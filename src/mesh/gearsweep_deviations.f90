@@ -34,6 +34,7 @@ module gearsweep_deviations
     type(wave_t), allocatable :: waves(:)
   contains
     procedure :: any => deviate
+    procedure :: of_both_teeth
     procedure :: of_pair
     procedure :: wave_at
     procedure :: largest
@@ -86,15 +87,12 @@ contains
     deviate = allocated(self%waves)
   end function deviate
 
-  !> The polynomial (m) of the pair with this number, about s = 0; (0:degree). Beyond A and E a constant.
-  pure function of_pair(self, number, contact_ratio, s) result(c)
+  !> The polynomial (m) of the pair with this number over s - contact ratio/2: both teeth's; (0:degree).
+  pure subroutine of_both_teeth(self, number, c)
     class(deviations_t), intent(in) :: self
     integer, intent(in) :: number                !< k
-    real(dp), intent(in) :: contact_ratio
-    real(dp), intent(in) :: s                    !< path coordinate in the interval for which it is wanted
-    real(dp), allocatable :: c(:)
-    real(dp) :: centre
-    integer :: degree, i, n
+    real(dp), allocatable, intent(out) :: c(:)
+    integer :: degree, n
 
     degree = 0
     if (allocated(self%pinion)) degree = ubound(self%pinion, 1)
@@ -108,6 +106,20 @@ contains
       n = ubound(self%gear, 1)
       c(:n) = c(:n) + self%gear(:, 1 + modulo(number + self%offset, self%teeth(2)))
     end if
+  end subroutine of_both_teeth
+
+  !> The polynomial (m) of the pair with this number, about s = 0; (0:degree). Beyond A and E a constant.
+  pure function of_pair(self, number, contact_ratio, s) result(c)
+    class(deviations_t), intent(in) :: self
+    integer, intent(in) :: number                !< k
+    real(dp), intent(in) :: contact_ratio
+    real(dp), intent(in) :: s                    !< path coordinate in the interval for which it is wanted
+    real(dp), allocatable :: c(:)
+    real(dp) :: centre
+    integer :: degree, i, n
+
+    call self%of_both_teeth(number, c)
+    degree = ubound(c, 1)
     if (s < 0 .or. s > contact_ratio) then
       centre = sign(contact_ratio/2, s)
       c(0) = sum([(c(i)*centre**i, i=0, degree)])

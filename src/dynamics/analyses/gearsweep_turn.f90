@@ -13,7 +13,7 @@ module gearsweep_turn
   use gearsweep_trace, only: trace_t
   implicit none
   private
-  public :: turn_t, find_turn
+  public :: turn_t, find_turn, length_of
 
   type :: turn_t
     real(dp) :: rpm = 0                          !< speed of the pinion, 1/min
@@ -65,6 +65,14 @@ contains
       call gather_steps(trace, periods, turn%left, turn%width, turn%error)
     end associate
   end subroutine find_turn
+
+  !> How many values there are; none where there is no motion.
+  pure integer function length_of(values)
+    real(dp), allocatable, intent(in) :: values(:)         !< of a turn
+
+    length_of = 0
+    if (allocated(values)) length_of = size(values)
+  end function length_of
 
   !> Raises the largest loads of the pairs.
   pure subroutine read_loads(trace, before, pairs, turn)

@@ -16,8 +16,9 @@ contains
     type(quick_steps_t), intent(in) :: steps
     type(deviations_t), intent(in) :: deviations           !< whose waves have the orders of the steps' ones
     real(dp), allocatable, intent(inout) :: errors(:, :, :)
-    real(dp) :: c(0:8), cosine, e, rate, sine
-    integer :: degree, first, i, j, k, last, n
+    real(dp), allocatable :: c(:)
+    real(dp) :: cosine, e, rate, sine
+    integer :: first, i, j, k, last, n
 
     if (.not. allocated(errors)) allocate (errors(most_pairs, size(steps%phase), 0:deviations%periods - 1), source=0.0_dp)
     associate (teeth => deviations%teeth)
@@ -27,22 +28,10 @@ contains
           first = last + 1
           last = first + count(steps%interval == steps%interval(first)) - 1
           do j = 1, steps%pairs(first)
-            c = 0
-            degree = 0
-            n = k - (j + steps%offset(first) - 1)
-            if (allocated(deviations%pinion)) then
-              degree = ubound(deviations%pinion, 1)
-              c(:degree) = deviations%pinion(:, 1 + modulo(n, teeth(1)))
-            end if
-            if (allocated(deviations%gear)) then
-              degree = max(degree, ubound(deviations%gear, 1))
-              associate (own => ubound(deviations%gear, 1))
-                c(:own) = c(:own) + deviations%gear(:, 1 + modulo(n + deviations%offset, teeth(2)))
-              end associate
-            end if
+            call deviations%of_both_teeth(k - (j + steps%offset(first) - 1), c)
             do i = 3*first - 2, 3*last
-              e = c(degree)
-              do n = degree - 1, 0, -1
+              e = c(ubound(c, 1))
+              do n = ubound(c, 1) - 1, 0, -1
                 e = e*steps%along(i, j) + c(n)
               end do
               errors(j, i, k) = e + steps%nominal(j, i)

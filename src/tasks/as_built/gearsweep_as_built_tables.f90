@@ -15,7 +15,7 @@ module gearsweep_as_built_tables
   use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_task, only: members
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
-  use gearsweep_turn, only: turn_t
+  use gearsweep_turn, only: length_of, turn_t
   implicit none
   private
   public :: fill_tolerances, fill_points, fill_worst, fill_summary, fill_loads
@@ -204,13 +204,13 @@ contains
 
     teeth = stages%motion(1)%mesh%teeth
     call table%begin('largest load of each pair of teeth over the turn, in the order in which the pairs enter at A', &
-                     sum([((pairs_in(turns(k, i)), k=1, size(turns, 1)), i=1, size(turns, 2))]), error)
+                     sum([((length_of(turns(k, i)%load), k=1, size(turns, 1)), i=1, size(turns, 2))]), error)
     if (allocated(error)) return
     allocate (values(table%rows, 7), stress(2, table%rows))
     row = 0
     do i = 1, size(turns, 2)
       do k = 1, size(turns, 1)
-        do n = 1, pairs_in(turns(k, i))
+        do n = 1, length_of(turns(k, i)%load)
           row = row + 1
           values(row, :) = [in_um(amount(i)), turns(k, i)%rpm, real(n, dp), &
                             real(tooth_number(machine%flanks(1), teeth(1), n - 1), dp), &
@@ -240,11 +240,4 @@ contains
                      'while this pair passes through the mesh, of the load where it acts', stress(i, :)/1e6_dp)
     end do
   end subroutine fill_loads
-
-  pure integer function pairs_in(turn)
-    type(turn_t), intent(in) :: turn
-
-    pairs_in = 0
-    if (allocated(turn%load)) pairs_in = size(turn%load)
-  end function pairs_in
 end module gearsweep_as_built_tables

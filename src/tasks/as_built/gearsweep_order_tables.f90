@@ -10,7 +10,7 @@ module gearsweep_order_tables
   use gearsweep_spectrum, only: find_spectrum, spectrum_t
   use gearsweep_table, only: axis, no_number, table_t
   use gearsweep_text, only: str
-  use gearsweep_turn, only: turn_t
+  use gearsweep_turn, only: length_of, turn_t
   implicit none
   private
   public :: fill_turn, fill_orders, fill_waterfall
@@ -46,7 +46,7 @@ contains
     rows = 0
     do i = 1, size(osc)
       call share_load(osc(i)%mesh, osc(i)%load, samples, at_rest(i))
-      rows = rows + size(at_rest(i)%phase) + sum([(steps_of(turns(k, i)), k=1, size(turns, 1))])
+      rows = rows + size(at_rest(i)%phase) + sum([(length_of(turns(k, i)%left), k=1, size(turns, 1))])
     end do
     call table%begin('transmission error along the line of action over the turn, at rest (rpm 0) and in motion', rows, error)
     if (allocated(error)) return
@@ -55,7 +55,7 @@ contains
     do i = 1, size(osc)
       call put(0.0_dp, at_rest(i)%phase, at_rest(i)%error)
       do k = 1, size(turns, 1)
-        if (steps_of(turns(k, i)) > 0) call put(turns(k, i)%rpm, turns(k, i)%left, turns(k, i)%error(0, :))
+        if (length_of(turns(k, i)%left) > 0) call put(turns(k, i)%rpm, turns(k, i)%left, turns(k, i)%error(0, :))
       end do
     end do
     call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
@@ -80,13 +80,6 @@ contains
       row = row + size(tau)
     end subroutine put
   end subroutine fill_turn
-
-  pure integer function steps_of(turn)
-    type(turn_t), intent(in) :: turn
-
-    steps_of = 0
-    if (allocated(turn%left)) steps_of = size(turn%left)
-  end function steps_of
 
   !> Orders of the transmission error.
   subroutine fill_orders(osc, amount, turns, mesh_orders, table, error)

@@ -283,6 +283,8 @@ contains
                          right(str(worst%number('pinion_tooth', row)), 15)//right(str(worst%number('gear_tooth', row)), 13))
         end if
       end do
+      if (self%quick) call lines%add('   found quickly; those of a sample differ from those to the tolerance by at most '// &
+                                     str(maxval([(summary%number('sample_error', row), row=1, summary%rows)]), 2))
     end associate
   end subroutine add_report
 end module gearsweep_task_as_built
