@@ -94,12 +94,14 @@ def arrows(rooms):
 
 def draw(rooms):
     """One box a room, the program on top; arrows from who uses to what is used."""
-    height, gap, width, left = 40, 18, 520, 70
+    height, gap, width = 40, 18, 610
     shown = [room for room in reversed(ROOMS) if room in rooms]
     top = {room: 10 + i * (height + gap) for i, room in enumerate(shown)}
+    drawn = sorted(arrows(rooms), key=lambda pair: (top[pair[1]] - top[pair[0]], pair))
+    left = 40 + 5 * sum(top[below] - top[room] > height + gap for room, below in drawn)  # room for those past the boxes, half on each side
     parts = []
     far = 0
-    for room, below in sorted(arrows(rooms), key=lambda pair: (top[pair[1]] - top[pair[0]], pair)):
+    for room, below in drawn:
         start, end = top[room] + height, top[below]
         if end - start == gap:
             parts.append(f'<path d="M{left + 60} {start}V{end - 2}"/>')

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import _library
 from ._files import replacing
+from ._given import given
 from ._library import Code, Error, PartialWarning, UnusedWarning
 from ._watch import Late, Stopped, bar
 from .case import Case, written
@@ -259,9 +260,9 @@ def run(
 
 
 def _asking(case: Case, tasks: str | Iterable[str]) -> Case:
-    """The case with these tasks: as it is, where a line of it names them, and it names no published values."""
-    same = rf'^\s*(&case\s+)?tasks\s*=\s*{re.escape(written(tasks))}\s*(/|&end|^\s*\w+\s*=)'
-    if re.search(same, case.text, re.MULTILINE | re.IGNORECASE) and 'published' not in case.text.lower():
+    """The case with these tasks: as it is, where it names just them and no published values."""
+    said = given(case.text).get('case', {})
+    if said.get('tasks') == written(tasks) and 'published' not in said:
         return case
     return case.changed(case={'tasks': tasks, 'published': None})
 
