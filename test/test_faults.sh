@@ -201,7 +201,7 @@ for wait in 0.1 0.2 0.3 0.4 0.5 0.6 0.7 0.8; do
   "$program" large.nml --out out >/dev/null 2>&1 &
   victim=$!
   sleep $wait
-  kill -9 $victim
+  kill -9 $victim 2>/dev/null
   wait $victim 2>/dev/null
   mkdir -p out
   for table in out/*.csv; do

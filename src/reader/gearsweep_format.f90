@@ -84,13 +84,14 @@ contains
   pure subroutine finish(self, error)
     class(format_t), intent(in) :: self
     type(error_t), allocatable, intent(inout) :: error
+    character(:), allocatable :: others
 
     if (allocated(error)) return
     call self%check_names(error)
     if (.not. allocated(self%missing)) return
-    associate (others => self%missing_too//self%keys%lacking_choice())
-      if (len(others) > 0) call fail(error, self%missing%code, self%missing%message//'; missing too: '//others(3:))
-    end associate
+    call self%keys%find_lacking(others)
+    others = self%missing_too//others
+    if (len(others) > 0) call fail(error, self%missing%code, self%missing%message//'; missing too: '//others(3:))
     call fail(error, self%missing%code, self%missing%message)
   end subroutine finish
 

@@ -18,7 +18,7 @@ module gearsweep_keys
     type(key_t), allocatable :: key(:)           !< the first `known` count
     integer :: known = 0, last = 0               !< the key added last
   contains
-    procedure :: add_group, add, set_default, list_groups, has, why_unknown, lacking_choice, list_waiting, write_case, write_given
+    procedure :: add_group, add, set_default, list_groups, has, why_unknown, find_lacking, list_waiting, write_case, write_given
   end type keys_t
 
 contains
@@ -113,9 +113,9 @@ contains
   end subroutine why_unknown
 
   !> Keys of which exactly one must be given, if none is, with a comma in front; else empty.
-  pure function lacking_choice(self) result(words)
+  pure subroutine find_lacking(self, words)
     class(keys_t), intent(in) :: self
-    character(:), allocatable :: words
+    character(:), allocatable, intent(out) :: words
     integer :: i
 
     words = ''
@@ -128,7 +128,7 @@ contains
       end associate
     end do
     if (i <= self%known) words = ''
-  end function lacking_choice
+  end subroutine find_lacking
 
   !> The given keys that are not used: for each set of tasks a line `tasks: &group key, key; &group key`.
   pure subroutine list_waiting(self, text)
