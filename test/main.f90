@@ -70,9 +70,9 @@ program check
   use testing, only: suite_t, tally_t
   implicit none
   !> With run-time checks these take longer than all others together; `--short` leaves them out.
-  character(*), parameter :: long(12) = [character(24) :: 'inputs', 'methods', 'bifurcations', 'elastic_modes', 'body_modes', &
+  character(*), parameter :: long(13) = [character(24) :: 'inputs', 'methods', 'bifurcations', 'elastic_modes', 'body_modes', &
                                          'elastic_corner', 'scenes', 'reliefs', 'transient', 'precision', 'points', &
-                                         'attractors']
+                                         'attractors', 'as_built']
   integer :: passed = 0, failed = 0
   character(:), allocatable :: ignored
 
