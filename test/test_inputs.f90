@@ -162,6 +162,8 @@ contains
     call add('as_built turn_rpm', '15000')
     call add('as_built mesh_orders', '2')
     call add('as_built waterfall', '.true.')
+    call add('as_built with_ste', '.true.')
+    call add('as_built with_root_stress', '.true.', 'g')
     call add('as_built quick', '.true.', 'g', 'gear teeth 28;deviations assembly ''all''')
     call add('pinion teeth', '22', 'p')
     call add('gear teeth', '35', 'p', rubbing)

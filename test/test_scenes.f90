@@ -34,7 +34,7 @@ module test_scenes
     '&static positions = 5 field_position = 0 /'// &
     '&dynamics damping_ratio = 0.1 / &sweep rpm_first = 4000 rpm_last = 9000 rpm_step = 250 load_rpm = 5000 /'// &
     '&body_modes nodal_diameters = 2 elements_across = 2 /'// &
-    '&as_built waterfall = .true. / &deviations pinion_class = 6 /'// &
+    '&as_built waterfall = .true. with_ste = .true. with_root_stress = .true. / &deviations pinion_class = 6 /'// &
     '&torque rpm = 5000 / &flank rpm = 5000 / &rating rpm = 5000 / &transient rpm = 5000 modes = 4 samples = 20 /'// &
     '&harmonic frequency_hz = 0, 1e5 modes = 3 /'// &
     '&life rpm = 5000 duration_h = 1 tensile_strength_mpa = 900 /'// &

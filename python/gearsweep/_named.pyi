@@ -724,6 +724,8 @@ class AsBuiltTable(Table):
     """um: root mean square of what the dynamic transmission error differs from its mean"""
     dte_peak_to_peak_um: NDArray[float64]
     """um: largest less least dynamic transmission error"""
+    nominal_dte_peak_to_peak_um: NDArray[float64]
+    """um: the same of gears without deviations"""
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
     multiplier: NDArray[float64]
@@ -776,6 +778,18 @@ class AsBuiltWorstTable(Table):
     """where it is: path coordinate of this pair, in base pitches from A"""
     first_gear_tooth: NDArray[float64]
     """number of the gear's tooth that enters at A with the pinion's stated tooth at the time 0"""
+    ste_peak_to_peak_um: NDArray[float64]
+    """um: largest less least static transmission error over the turn"""
+    nominal_ste_peak_to_peak_um: NDArray[float64]
+    """um: the same of gears without deviations"""
+    pinion_root_stress_mpa: NDArray[float64]
+    """MPa: largest nominal tooth root stress sigma_F0 of ISO 6336-3 over the turn, of the load where it acts, in motion at the speed of the largest DF"""
+    nominal_pinion_root_stress_mpa: NDArray[float64]
+    """MPa: the same of gears without deviations, at the speed of their largest DF"""
+    gear_root_stress_mpa: NDArray[float64]
+    """MPa: largest nominal tooth root stress sigma_F0 of ISO 6336-3 over the turn, of the load where it acts, in motion at the speed of the largest DF"""
+    nominal_gear_root_stress_mpa: NDArray[float64]
+    """MPa: the same of gears without deviations, at the speed of their largest DF"""
 
 class AsBuiltLoadsTable(Table):
     """largest load of each pair of teeth over the turn, in the order in which the pairs enter at A"""

@@ -39,7 +39,7 @@ def studies() -> list[gearsweep.Study]:
               'transient': {'rpm': 1600, 'modes': 2, 'samples': 2}, 'harmonic': {'frequency_hz': [0, 1e5], 'modes': 2},
               'life': {'rpm': 1600, 'duration_h': 1, 'tensile_strength_mpa': 900}, 'pinion': {'bore_mm': 20},
               'body_modes': {'nodal_diameters': 1, 'elements_across': 2, 'shapes': 1},
-              'as_built': {'waterfall': True}, 'deviations': {'pinion_class': 6}}  # fmt: skip
+              'as_built': {'waterfall': True, 'with_ste': True, 'with_root_stress': True}, 'deviations': {'pinion_class': 6}}  # fmt: skip
     whole = gearsweep.run(gearsweep.Case.read(ROOT / 'data/case1.nml').changed(**coarse), tasks)
     printed = gearsweep.Case.read(ROOT / 'data/hassan.nml').changed(case={'tasks': 'geometry'})
     with warnings.catch_warnings():

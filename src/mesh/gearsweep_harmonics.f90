@@ -11,9 +11,10 @@ module gearsweep_harmonics
   use gearsweep_quadrature, only: gauss_legendre
   use gearsweep_segments, only: balance_t, carrying, segment_t, smooth_segments
   use gearsweep_sharing, only: solve_equilibrium_at
+  use gearsweep_smooth_intervals, only: smooth_intervals
   implicit none
   private
-  public :: harmonics_t, find_harmonics
+  public :: harmonics_t, find_harmonics, static_range
 
   type :: harmonics_t
     real(dp) :: mean = 0                         !< of the static transmission error, m
@@ -89,6 +90,58 @@ contains
     harmonics%error_estimate = 2*f%scale*harmonics%error_estimate/mesh%deviations%periods
     harmonics%samples = harmonics%samples + points*size(segments)
   end subroutine find_harmonics
+
+  !> Largest less least static transmission error (m) of `mesh` under `load` (N), without the search for where pairs begin and cease
+  !> to carry: where there are many turns, that takes most of the time. The smooth intervals are sampled, and what may pass the
+  !> outermost samples is narrowed down.
+  pure real(dp) function static_range(mesh, load)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: load
+    real(dp), parameter :: samples = 48, of_wave = 16      ! of a mesh period, and of a wave of a flank
+    type(interval_t), allocatable :: intervals(:)
+    type(integrand_t) :: f
+    real(dp), allocatable :: x(:, :)
+    real(dp) :: per_period, outermost(2)
+    integer, allocatable :: steps(:)
+    integer :: i, k, way
+
+    f%mesh = mesh
+    f%load = load
+    intervals = smooth_intervals(mesh, .false.)
+    per_period = samples
+    associate (of => mesh%deviations)
+      if (of%any()) per_period = per_period + of_wave*maxval([0.0_dp, of%waves%order/real(of%teeth(of%waves%gear), dp)])
+    end associate
+    steps = 4 + nint(per_period*(intervals%last - intervals%first))
+    allocate (x(0:maxval(steps), size(intervals)))
+    do i = 1, size(intervals)
+      x(:steps(i), i) = [(error_at(f, intervals(i), phase(i, k)), k=0, steps(i))]
+      x(steps(i) + 1:, i) = x(0, i)
+    end do
+    do way = 1, 2
+      ! The least is the largest of what is turned over.
+      if (way == 2) x = -x
+      outermost(way) = maxval(x)
+      do i = 1, size(intervals)
+        do k = 0, steps(i)
+          associate (before => max(0, k - 1), behind => min(steps(i), k + 1))
+            if (x(k, i) < max(x(before, i), x(behind, i)) .or. &
+                2*x(k, i) - min(x(before, i), x(behind, i)) <= outermost(way)) cycle
+            outermost(way) = max(outermost(way), summit(f, intervals(i), phase(i, before), phase(i, behind), 3 - 2*way))
+          end associate
+        end do
+      end do
+    end do
+    static_range = sum(outermost)
+
+  contains
+
+    pure real(dp) function phase(i, k)
+      integer, intent(in) :: i, k
+
+      phase = intervals(i)%first + (intervals(i)%last - intervals(i)%first)*k/steps(i)
+    end function phase
+  end function static_range
 
   pure real(dp) function peak_to_peak(self)
     class(harmonics_t), intent(in) :: self

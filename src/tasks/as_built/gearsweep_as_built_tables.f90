@@ -90,6 +90,8 @@ contains
                    micro*[(((machines(a, d)%sweep%dte_rms(:, r), a=1, m), d=1, n), r=1, k)])
     call table%add('dte_peak_to_peak_um', 'um', 'largest less least dynamic transmission error', &
                    micro*[(((machines(a, d)%sweep%dte_range(:, r), a=1, m), d=1, n), r=1, k)])
+    call table%add('nominal_dte_peak_to_peak_um', 'um', 'the same of gears without deviations', &
+                   micro*[(((nominal%dte_range(:, r), a=1, m), d=1, n), r=1, k)])
     periods = machines(1, 1)%deviations%periods*[(((machines(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
     call table%add('mesh_periods', '', of_periods, periods)
     call table%add('multiplier', '', 'largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion '// &

@@ -3,6 +3,7 @@
 !> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of the first gears and
 !> assembly are followed over the turn at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_task_as_built
+  use gearsweep_as_built_extremes, only: add_extremes, extremes_t, find_extremes
   use gearsweep_as_built_machines, only: draw_machines, follow_turn, machine_t, run_exactly, sweep_each, unit_root_stress
   use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_tolerances, fill_worst
   use gearsweep_coefficient_table, only: scheme_collocation
@@ -27,6 +28,7 @@ module gearsweep_task_as_built
   use gearsweep_task, only: case_facts_t, check_reliefs, members, stage, task_info_t
   use gearsweep_text, only: str
   use gearsweep_turn, only: turn_t
+  use gearsweep_uses, only: is_prescribed, needs_gears, unless
   implicit none
   private
   public :: as_built_task_t
@@ -37,6 +39,7 @@ module gearsweep_task_as_built
     integer :: mesh_orders = 3                   !< up to which orders are told
     logical :: waterfall = .false.               !< orders at all speeds are wanted
     logical :: quick = .false.                   !< most pairs of gears to 1e-3 only
+    logical :: with_ste = .false., with_root_stress = .false.        !< these are told of each pair of gears
   contains
     procedure, nopass :: describe
     procedure :: read_keys, check, take_files, count_points, run, add_report
@@ -77,6 +80,12 @@ contains
     call reader%get(group, 'quick', self%quick, error, tasks=group, &
                     meaning='whether dynamic factors are found to 1e-3 only, in a small part of the time. The first pair '// &
                     'of gears and one in ten, ten at most, are computed to the tolerance too; sample_error tells the difference')
+    call reader%get(group, 'with_ste', self%with_ste, error, tasks=group, &
+                    meaning='whether the peak-to-peak static transmission error of each pair of gears and assembly is told')
+    call reader%get(group, 'with_root_stress', self%with_root_stress, error, tasks=group, &
+                    refused=unless(.not. is_prescribed(reader), needs_gears), &
+                    meaning='whether the largest root stress of each pair of gears and assembly is told, in motion at the '// &
+                    'speed of its largest dynamic factor')
     call read_deviations(reader, self%deviations, error)
     allocate (self%files(count([(allocated(self%deviations%files(i)%name), i=1, 2)])))
     k = 0
@@ -153,6 +162,7 @@ contains
     type(turn_t), allocatable :: turns(:, :)               ! (speed, relief)
     type(turn_t), allocatable :: waterfall(:)              ! (speed)
     type(sweep_t) :: nominal
+    type(extremes_t) :: extremes
     real(dp), allocatable :: rpm(:), sample_error(:)
     integer, allocatable :: which(:)
     integer :: assemblies, draw, i
@@ -173,6 +183,8 @@ contains
       call run_all(stages, which, rpm, machines, first, error)
     end if
     if (allocated(error)) return
+    call find_extremes(stages, which, nominal, machines, self%with_ste, self%with_root_stress, extremes, error)
+    if (allocated(error)) return
     self%is_stopped = wants_stop(stages%accuracy%steady%stop)
     if (self%is_stopped) then
       self%log = 'as_built: interrupted'
@@ -185,6 +197,7 @@ contains
       call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
       call fill_summary(amount, nominal, machines, sample_error, self%tables(self%place('as_built_summary')), error)
       call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
+      if (.not. allocated(error)) call add_extremes(extremes, self%tables(self%place('as_built_worst')))
       call fill_loads(stages, amount, turns, machines(1, 1), self%tables(self%place('as_built_loads')), error)
       call fill_turn(first, amount, turns, self%tables(self%place('as_built_turn')), error)
       call fill_orders(first, amount, turns, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
