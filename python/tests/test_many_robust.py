@@ -109,7 +109,7 @@ def faked(monkeypatch, factor, lacks=lambda rows: 0):
         rows['as_built_worst.dynamic_factor'] = ('variant', 'draw', 'assembly'), values
         rows['speeds_without_result'] = ('variant', 'draw', 'assembly'), missing
         rows['relief.amount_um'].attrs['units'] = 'um'
-        rows['nominal_factor'] = 'variant', 1 + 0.001 * (rows['relief.amount_um'].values - 15) ** 2
+        rows['nominal'] = 'variant', 1 + 0.001 * (rows['relief.amount_um'].values - 15) ** 2
         return rows
 
     monkeypatch.setattr(MODULE, 'run', run)
@@ -238,10 +238,11 @@ def test_the_nominal_optimum_is_not_the_best_as_built():
 def test_seeds_draw_more_gears():
     """Those that each seed of the case draws, one after the other, for each candidate and load."""
     options = {'relief': {'amount_um': [5, 10]}, 'quantile': 0.5, 'spectrum': {'torque_nm': {100: 1, 80: 2}}}
-    found = many.robust(CASE, seeds=2, **options)
+    case = CASE.changed(sweep={'rpm_last': 9000}, deviations={'assembly': 'stated'})
+    found = many.robust(case, seeds=2, **options)
     seeds = found.plan.rows()[:, -1].astype(int)
     assert (seeds.reshape(4, 2) == seeds[:2]).all() and len(set(seeds)) == 2
-    each = [many.robust(CASE.changed(deviations={'seed': seed}), **options).factors.values for seed in seeds[:2]]
+    each = [many.robust(case.changed(deviations={'seed': seed}), **options).factors.values for seed in seeds[:2]]
     np.testing.assert_array_equal(found.factors.values, np.concatenate(each, axis=1))
     assert found.case(1).get('relief', 'amount_um') == 10 and found.case(1).get('load', 'torque_nm') == 100
     assert found.table['relief.amount_um'].values.tolist() == [5, 10] and found.factors['load.torque_nm'].values.tolist() == [100, 80]

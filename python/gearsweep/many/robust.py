@@ -1,4 +1,4 @@
-"""Robust relief: the candidate whose gears as built have the least quantile of the largest dynamic factor."""
+"""Robust relief: the candidate whose gears as built have the least quantile of a worst number, such as the largest dynamic factor."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from .._library import Error, PartialWarning
 from ..case import Case
-from ..study import Study
 from . import clusters
+from .judged import LACKS, NOMINAL, find
 from .plan import Plan
 from .run import Progress, run
 
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Reals = NDArray[np.float64]
-WORST = 'as_built_worst.dynamic_factor'
-#: What `reduce` gives besides.
-NOMINAL, LACKS = 'nominal_factor', 'speeds_without_result'
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,16 +34,16 @@ class Robust:
     table : Dataset
         A row for each `candidate`, with the keys that are varied as coordinates.
 
-        - `nominal`: largest dynamic factor over the speeds without deviations
+        - `nominal`: the judged number, such as the largest dynamic factor over the speeds, without deviations
         - `median`, `value`: the median and the wanted quantile of the same as built
         - `lower`, `upper`: band of `value`; NaN where there are too few draws for this end
         - `worse`, `worse_lower`, `worse_upper`: by how much `value` is above that of the best candidate, with the band of this difference,
           NaN where one of the two bands lacks an end
         - `best_share`: in which share of samples of the draws the candidate is the best; NaN where a band lacks an end
 
-        `attrs` have quantile, confidence, draws, assemblies, and draws and candidates that are left out.
+        `attrs` have what is judged, quantile, confidence, draws, assemblies, and draws and candidates that are left out.
     factors : DataArray
-        The numbers that all follow from, over load, candidate, draw and assembly.
+        The judged numbers that all follow from, over load, candidate, draw and assembly.
     plan : Plan
         What was computed.
     """
@@ -96,7 +93,7 @@ class Robust:
 
 
 def robust(
-    case: Case, *, spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: int = 1,
+    case: Case, *, judged: str = 'dynamic_factor', spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: int = 1,
     quantile: float = 0.95, confidence: float = 0.95, nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
     progress: Progress | bool = False, **groups: Mapping[str, Sequence[Any]],
 ) -> Robust:  # fmt: skip
@@ -104,7 +101,7 @@ def robust(
 
     All candidates have the same gears, drawn at random as the case's `&deviations` say (class, `draws`, `seed`), so that they are compared
     in pairs. With `assembly = 'all'` each pair of gears is put together in each way. The number of each is its largest dynamic factor
-    over the speeds, and the candidate with the least quantile over draws, assemblies and loads is the best.
+    over the speeds, or what else is `judged`, and the candidate with the least quantile over draws, assemblies and loads is the best.
 
     The band of a quantile runs between order statistics, by the binomial distribution, as `quantiles` has it. Assemblies of one pair
     of gears and its loads are not independent: they count as so many independent points as the scatter of the draws' shares below
@@ -115,6 +112,15 @@ def robust(
     ----------
     case : Case
         Gears, speeds and deviations.
+    judged : str
+        'dynamic_factor' : the largest over the speeds.
+
+        'dynamic_transmission_error' : its largest peak-to-peak over the speeds, um.
+
+        'static_transmission_error' : its peak-to-peak over the turn, um. Run-out and pitches count.
+
+        'root_stress' : the largest nominal stress sigma_F0 of ISO 6336-3 at the root of any tooth of either gear over the turn, in
+        motion at the speed of the largest dynamic factor, MPa.
     spectrum : dict, optional
         One key of `&load` with its loads and their shares of the time, as in `{'torque_nm': {80: 0.7, 120: 0.3}}`.
     seeds : int
@@ -142,6 +148,7 @@ def robust(
     Error
         There are no candidates or no drawn gears, a case is not usable, or numbers are missing.
     """
+    quantity = find(judged)
     for name, value in (('quantile', quantile), ('confidence', confidence)):
         if not 0 < value < 1:
             raise Error(f'robust: {name} = {value}: must be between 0 and 1')
@@ -152,22 +159,15 @@ def robust(
     if not groups:
         raise Error("robust: there are no candidates; give lists, such as relief={'amount_um': [8, 10, 12]}")
     loads, shares = _spectrum(spectrum, groups)
-    case = case.changed(case={'tasks': 'as_built'})
+    case = case.changed(case={'tasks': 'as_built'}, as_built=quantity.keys)
     plan = Plan.grid(case, **loads, **_seeded(case, groups, seeds))
     _check(plan, nan, seeds)
-    data = run(plan, WORST, reduce=reduced, executor=executor, store=store, seconds=seconds, progress=progress)
-    nominal, factors = _factors(data, plan, shares if loads else None, seeds)
+    data = run(plan, quantity.columns, reduce=quantity.reduce, executor=executor, store=store, seconds=seconds, progress=progress)
+    nominal, factors = _factors(data, plan, shares if loads else None, seeds, judged)
     kept, draws = _kept(factors.values, nan)
     table = _table(nominal[kept], factors.isel(candidate=kept, draw=draws), shares, quantile, confidence)
-    table.attrs |= {'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~kept).sum())}
+    table.attrs |= {'judged': judged, 'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~kept).sum())}
     return Robust(table, factors, plan)
-
-
-def reduced(study: Study) -> dict[str, Any]:
-    """What a variant gives besides its column: the nominal factor, NaN where it has no result at some speed, and at how many speeds each
-    draw and assembly has none."""
-    table = study.as_built
-    return {NOMINAL: table.nominal_factor[0, 0, 0].max(), LACKS: np.isnan(table.dynamic_factor[0]).sum(axis=-1)}
 
 
 def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any], Reals]:
@@ -211,14 +211,14 @@ def _check(plan: Plan, nan: str, seeds: int) -> None:
         plan.case(at).complete()
 
 
-def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int) -> tuple[Reals, xarray.DataArray]:
-    """Nominal factors (candidate, load), and those as built; NaN where the motion has no result at some speed."""
+def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int, judged: str) -> tuple[Reals, xarray.DataArray]:
+    """Nominal numbers (candidate, load), and those as built; NaN where the motion has no result at some speed."""
     import xarray
 
-    lacks = data[LACKS].values
+    quantity, lacks = find(judged), data[LACKS].values
     loads = 1 if shares is None else len(shares)
     candidates = plan.n // (loads * seeds)
-    values = np.where(lacks == 0, data[WORST].values.reshape(lacks.shape), np.nan)
+    values = quantity.worst(data, lacks)
     coords: dict[str, Any] = {'share': ('load', np.ones(1) if shares is None else shares), 'candidate': np.arange(candidates)}
     # The load is the first key, and changes slowest; the seed is the last.
     for at, one in enumerate(plan.inputs):
@@ -228,7 +228,7 @@ def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int)
             labels = labels[:: candidates * seeds] if is_load else labels[: candidates * seeds : seeds]
             coords[one.name] = 'load' if is_load else 'candidate', labels, data[one.name].attrs
     factors = xarray.DataArray(values.reshape(loads, candidates, -1, lacks.shape[-1]), coords,
-                               ('load', 'candidate', 'draw', 'assembly'), 'largest_dynamic_factor')  # fmt: skip
+                               ('load', 'candidate', 'draw', 'assembly'), f'largest_{judged}', {'units': quantity.unit})  # fmt: skip
     nominal = data[NOMINAL].values.reshape(loads, candidates, seeds)[..., 0].T
     return nominal, factors.transpose('candidate', 'draw', 'assembly', 'load')
 

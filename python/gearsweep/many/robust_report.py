@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .judged import QUANTITIES, Quantity
+
 if TYPE_CHECKING:
     import xarray
 
@@ -16,25 +18,27 @@ if TYPE_CHECKING:
 def report(found: Robust) -> str:
     """The table and what follows from it, in plain words."""
     table, of = found.table, found.table.attrs
+    judged = QUANTITIES[of['judged']]
+    digits, unit = judged.digits, judged.unit and f' {judged.unit}'
     names = [str(name) for name in table.coords if name != 'candidate']
     each = [table.isel(candidate=at) for at in range(table.sizes['candidate'])]
-    rows = [_heading(names, of), *(_row(one, names) for one in each)]
+    rows = [_heading(names, of), *(_row(one, names, digits) for one in each)]
     wide = [max(map(len, column)) for column in zip(*rows)]
     best = found.best
     others = [_name(one, names) for one in each if not float(one['worse_lower']) > 0 and int(one['candidate']) != int(best['candidate'])]
-    lines = [_counts(of), *('  '.join(cell.rjust(size) for cell, size in zip(row, wide)) for row in rows)]
-    lines.append(f'Best as built: {_name(best, names)}: {float(best["value"]):.4f}')
+    lines = [_counts(of, judged), *('  '.join(cell.rjust(size) for cell, size in zip(row, wide)) for row in rows)]
+    lines.append(f'Best as built: {_name(best, names)}: {float(best["value"]):.{digits}f}{unit}')
     if not np.isnan(table['nominal']).all():
         one = found.nominal
-        lines.append(f'Best nominal: {_name(one, names)}: {float(one["nominal"]):.4f}, as built {float(one["value"]):.4f}')
+        lines.append(f'Best nominal: {_name(one, names)}: {float(one["nominal"]):.{digits}f}{unit}, as built {float(one["value"]):.{digits}f}{unit}')
     lines.append(f'Not told from the best by these draws: {"; ".join(others) or "none"}')
     if np.isnan([float(one[end]) for one in each for end in ('lower', 'upper')]).any():
         lines.append('?: too few draws for this quantile and confidence')
     return '\n'.join(lines)
 
 
-def _counts(of: Mapping[Any, Any]) -> str:
-    said = f'Largest dynamic factor over the speeds; pairs of gears: {of["draws"]}, assemblies of each: {of["assemblies"]}'
+def _counts(of: Mapping[Any, Any], judged: Quantity) -> str:
+    said = f'{judged.words}{judged.unit and f", {judged.unit}"}; pairs of gears: {of["draws"]}, assemblies of each: {of["assemblies"]}'
     if of['loads'] > 1:
         said += f', loads: {of["loads"]}'
     if of['draws_left_out'] or of['candidates_left_out']:
@@ -48,12 +52,12 @@ def _heading(names: Sequence[str], of: Mapping[Any, Any]) -> list[str]:
     return [*keys, 'nominal', 'median', f'{100 * of["quantile"]:g} %', sure, 'above the best', sure, 'best in']
 
 
-def _row(one: xarray.Dataset, names: Sequence[str]) -> list[str]:
+def _row(one: xarray.Dataset, names: Sequence[str], digits: int) -> list[str]:
     value = {str(name): float(one[name]) for name in one.data_vars}
     share = value['best_share']
-    numbers = [f'{value[name]:.4f}' for name in ('nominal', 'median', 'value')]
-    return [*(_said(one[name]) for name in names), *numbers, _range(value, '', '.4f'), f'{value["worse"]:+.4f}',
-            _range(value, 'worse_', '+.4f'), '?' if np.isnan(share) else f'{100 * share:.0f} %']  # fmt: skip
+    numbers = [f'{value[name]:.{digits}f}' for name in ('nominal', 'median', 'value')]
+    return [*(_said(one[name]) for name in names), *numbers, _range(value, '', f'.{digits}f'), f'{value["worse"]:+.{digits}f}',
+            _range(value, 'worse_', f'+.{digits}f'), '?' if np.isnan(share) else f'{100 * share:.0f} %']  # fmt: skip
 
 
 def _range(value: Mapping[str, float], prefix: str, digits: str) -> str:

@@ -1,4 +1,4 @@
-"""The valley of robust reliefs: dynamic factor over the amount of relief, nominal and as built."""
+"""The valley of robust reliefs: what is judged, such as the dynamic factor, over the amount of relief, nominal and as built."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
 
 def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | None = None) -> Figure:
-    """Nominal largest dynamic factor, and median and quantile as built with its band, over one of the keys that are varied. The best as built is
-    marked, and the best nominal with what it is worth as built. A panel for each combination of the other keys.
+    """What is judged, such as the largest dynamic factor, over one of the keys that are varied: the nominal number, and median and quantile as
+    built with its band. The best as built is marked, and the best nominal with what it is worth as built. A panel for each combination of
+    the other keys.
 
     Parameters
     ----------
@@ -40,7 +41,9 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
     ValueError
         No such key is varied.
     """
-    table = found.table
+    from ..many.judged import QUANTITIES
+
+    table, label = found.table, QUANTITIES[found.table.attrs['judged']].label
     keys = [str(name) for name in table.coords if name != 'candidate']
     numbers = [name for name in keys if table[name].dtype.kind in 'if']
     along = along or next(iter(numbers), None)
@@ -67,7 +70,7 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
             _mark(axes[panels.index(words[at])], float(table[along][at]), float(table[column][at]), color, va)
         legends_above(axes[0], ('', axes[0].get_legend_handles_labels()[0]), gap=1.5 * bool(others))
         for ax in axes[::across]:
-            ax.set_ylabel('Largest dynamic factor (–)')
+            ax.set_ylabel(label)
     return figure
 
 
