@@ -114,7 +114,7 @@ def test_another_quantity_in_the_same_store_is_refused(tmp_path):
 
 @pytest.mark.parametrize('name', ['stress', '', None, ['root_stress']])
 def test_an_unknown_quantity_is_told(name):
-    with pytest.raises(Error, match='judged = .*: must be one of dynamic_factor, dynamic_transmission_error, static_transmission_error, root_stress') as caught:
+    with pytest.raises(Error, match=r'judged = .*: must be one of dynamic_factor, dynamic_transmission_error, static_transmission_error, root_stress') as caught:
         judged(CASE, name)
     assert caught.value.code == Code.INPUT
 

@@ -61,6 +61,7 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
         axes = figure.subplots(-(-len(panels) // across), across, sharex=True, sharey=True, squeeze=False).ravel()
         for ax, title in zip(axes, panels):
             _panel(ax, table.isel(candidate=np.flatnonzero(words == title)).sortby(along), along)
+            ax.tick_params(labelbottom=True)  # also where none is below
             ax.set_xlabel(_axis(_words(along), table[along].attrs))
             ax.set_title(title, loc='right')
         for ax in axes[len(panels) :]:
