@@ -1,10 +1,12 @@
 """Plans, their rows, runs and stores: `gearsweep.many` where nothing goes wrong."""
 
 import concurrent.futures
+import gc
 import hashlib
 import subprocess
 import sys
 import threading
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -196,6 +198,30 @@ def test_an_index_column_that_is_varied_is_no_coordinate(data):
     taken = many.run(plan_of(4), 'sweep_worst.relief_um')
     np.testing.assert_allclose(taken['sweep_worst.relief_um'], taken['relief.amount_um'], rtol=1e-14)
     assert data['load.normal_force_n'].attrs['units'] == 'N' and data['sweep.dynamic_factor'].attrs['points'] == 'random' and data.rpm.attrs['units'] == '1/min'
+
+
+def large(study):
+    return {'large': np.random.default_rng(0).random(100_000)}  # which no store can compress
+
+
+@pytest.mark.parametrize('workers', [0, 2])
+def test_memory_does_not_grow_with_blocks(workers, tmp_path):
+    """Each block has 0.8 MB. Between the 10th and the 50th what Python holds grows by less than four of them: so many may be under way."""
+    held = {}
+
+    def note(done, *_):
+        if done in (10, 50):
+            gc.collect()
+            held[done] = tracemalloc.get_traced_memory()[0]
+
+    with concurrent.futures.ThreadPoolExecutor(max(1, workers)) as threads:
+        tracemalloc.start()
+        try:
+            many.run(many.Plan.grid(GEARS, gear={'teeth': range(30, 80)}), executor=threads if workers else None, store=tmp_path / 'x.zarr', size=1, window=2,
+                     reduce=large, progress=note)  # fmt: skip
+        finally:
+            tracemalloc.stop()
+    assert held[50] - held[10] < 4 * 0.8e6
 
 
 def test_the_same_bits_by_any_executor(data, tmp_path):
