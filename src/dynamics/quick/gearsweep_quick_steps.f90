@@ -19,10 +19,12 @@ module gearsweep_quick_steps
   use gearsweep_smooth_intervals, only: smooth_intervals
   implicit none
   private
-  public :: quick_law_t, quick_steps_t, quick_maps_t, lay_steps, need_map, need_law, advance, parabola
+  public :: quick_law_t, quick_steps_t, quick_maps_t, lay_steps, lay_maps, need_map, need_law, advance, parabola
 
   !> Pairs that may be in contact, at most.
   integer, parameter, public :: most_pairs = 4
+  !> Speeds that are followed side by side.
+  integer, parameter, public :: lanes = 8
 
   !> The law of a contact set over a step, at its begin, middle and end.
   type :: quick_law_t
@@ -55,15 +57,12 @@ module gearsweep_quick_steps
     type(quick_law_t), allocatable :: law(:, :)  !< (contact set from 0, step)
   end type quick_steps_t
 
-  !> The motion over a step: x and x' at the end (m) for x, x' at the begin and r at the three nodes.
-  type :: quick_map_t
-    logical :: is_known = .false.
-    real(dp) :: of(2, 5) = 0
-  end type quick_map_t
-
+  !> The motions over the steps at some speeds: x and x' at the end (m) for x, x' at the begin and r at the three nodes.
   type :: quick_maps_t
-    real(dp) :: turning = 0                      !< mean natural motion of a mesh period, rad
-    type(quick_map_t), allocatable :: map(:, :)  !< (contact set from 0, step)
+    integer :: speeds = 0                        !< how many of the lanes
+    real(dp) :: turning(lanes) = 0               !< mean natural motion of a mesh period, rad; (speed)
+    logical, allocatable :: is_known(:, :)       !< (contact set from 0, step)
+    real(dp), allocatable :: of(:, :, :, :, :)   !< (speed, cause, x or x', contact set from 0, step)
   end type quick_maps_t
 
 contains
@@ -200,27 +199,45 @@ contains
     end associate
   end subroutine need_law
 
-  !> Sees to it that the motion over a step under a contact set is known at a speed.
+  !> Makes room for the motions over the steps. Lanes that are left have the last speed.
+  pure subroutine lay_maps(steps, turning, maps)
+    type(quick_steps_t), intent(in) :: steps
+    real(dp), intent(in) :: turning(:)           !< (speed), as many as there are lanes at most
+    type(quick_maps_t), intent(out) :: maps
+
+    maps%speeds = size(turning)
+    maps%turning = turning(size(turning))
+    maps%turning(:size(turning)) = turning
+    associate (last => ubound(steps%law, 1))
+      allocate (maps%is_known(0:last, steps%steps), source=.false.)
+      allocate (maps%of(lanes, 5, 2, 0:last, steps%steps))
+    end associate
+  end subroutine lay_maps
+
+  !> Sees to it that the motion over a step under a contact set is known.
   pure subroutine need_map(steps, set, step, maps)
     type(quick_steps_t), intent(inout) :: steps
     integer, intent(in) :: set                   !< bit j - 1: pair j is in contact
     integer, intent(in) :: step
     type(quick_maps_t), intent(inout) :: maps
+    integer, parameter :: parts = 8
     real(dp) :: x(5), v(5), r(3, 5)
     integer :: i
 
-    if (maps%map(set, step)%is_known) return
-    maps%map(set, step)%is_known = .true.
+    if (maps%is_known(set, step)) return
+    maps%is_known(set, step) = .true.
     call need_law(steps, set, step)
-    x = [1, 0, 0, 0, 0]
-    v = [0, 1, 0, 0, 0]
     r = 0
     do i = 1, 3
       r(i, i + 2) = 1
     end do
-    call advance(steps%law(set, step), steps%width(step)*maps%turning, 0.0_dp, 1.0_dp, 4, r, x, v)
-    maps%map(set, step)%of(1, :) = x
-    maps%map(set, step)%of(2, :) = v
+    do i = 1, lanes
+      x = [1, 0, 0, 0, 0]
+      v = [0, 1, 0, 0, 0]
+      call advance(steps%law(set, step), steps%width(step)*maps%turning(i), 0.0_dp, 1.0_dp, parts, r, x, v)
+      maps%of(i, :, 1, set, step) = x
+      maps%of(i, :, 2, set, step) = v
+    end do
   end subroutine need_map
 
   !> Follows motions over a part of a step under one law, by the classical method of Runge and Kutta.

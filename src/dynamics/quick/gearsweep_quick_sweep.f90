@@ -7,7 +7,7 @@ module gearsweep_quick_sweep
   use gearsweep_kinds, only: dp, pi
   use gearsweep_memory, only: has_memory, release_claim, team
   use gearsweep_oscillator, only: frequency_ratio, oscillator_t
-  use gearsweep_quick_steps, only: lay_steps, quick_maps_t, quick_steps_t
+  use gearsweep_quick_steps, only: lanes, lay_maps, lay_steps, quick_maps_t, quick_steps_t
   use gearsweep_quick_turn, only: follow_quickly, lay_errors, quick_motion_t
   use gearsweep_stop, only: wants_stop
   use gearsweep_traps, only: leader_traps, share_traps
@@ -62,31 +62,32 @@ contains
     type(c_ptr), intent(in) :: stop
     type(quick_motion_t), intent(inout) :: motions(:, :)
     type(quick_steps_t) :: steps
-    type(quick_maps_t) :: maps(size(rpm))
+    type(quick_maps_t) :: maps((size(rpm) - 1)/lanes + 1)
     type(quick_motion_t) :: beside
-    real(dp), allocatable :: errors(:, :, :)
+    real(dp), allocatable :: errors(:, :, :), turning(:)
     logical :: fits
-    integer :: i, k
+    integer :: i, k, last
 
-    maps%turning = 2*pi/frequency_ratio(osc, rpm)
-    call lay_steps(osc, deviations(1)%waves, min(longest_part, longest_turning/maxval(maps%turning)), steps)
+    turning = 2*pi/frequency_ratio(osc, rpm)
+    call lay_steps(osc, deviations(1)%waves, min(longest_part, longest_turning/maxval(turning)), steps)
     if (steps%steps == 0) return
     associate (sets => size(steps%law, 1), n => steps%steps)
-      call has_memory(real(n, dp)*(sets*(storage_size(steps%law)/8 + 88.0_dp*size(rpm)) + &
+      call has_memory(real(n, dp)*(sets*(storage_size(steps%law)/8 + 80.0_dp*lanes*size(maps)) + &
                                    96.0_dp*deviations(1)%periods), fits)
       if (.not. fits) return
-      do i = 1, size(rpm)
-        allocate (maps(i)%map(0:sets - 1, n))
-      end do
     end associate
+    do i = 1, size(maps)
+      call lay_maps(steps, turning(lanes*(i - 1) + 1:min(lanes*i, size(rpm))), maps(i))
+    end do
     do k = 1, size(deviations)
       if (wants_stop(stop)) return
       if (.not. alike(deviations(1), deviations(k))) cycle
       call lay_errors(steps, deviations(k), errors)
       beside = quick_motion_t()
-      do i = 1, size(rpm)
-        call follow_quickly(steps, maps(i), errors, beside, motions(i, k))
-        beside = motions(i, k)
+      do i = 1, size(maps)
+        last = min(lanes*i, size(rpm))
+        call follow_quickly(steps, maps(i), errors, beside, motions(lanes*(i - 1) + 1:last, k))
+        beside = motions(last, k)
       end do
     end do
   end subroutine run_group

@@ -1,13 +1,23 @@
-!> The motion of gears whose teeth have errors of their own, at one speed, in few long steps (gearsweep_quick_steps): first until
-!> the transient has died away, then over a whole turn. What the motion is at the end of a turn has to be what it was at its begin.
+!> The motions of gears whose teeth have errors of their own, at some speeds side by side, in few long steps (gearsweep_quick_steps):
+!> first until the transient has died away, then over a whole turn. What the motion is at the end of a turn has to be what it was at
+!> its begin. Neighbouring speeds mostly have the same pairs in contact, and then share all but their own motions.
 module gearsweep_quick_turn
   use gearsweep_deviations, only: deviations_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_quick_changes, only: change, go_through, look_inside, quick_motion_t, raise, state_t, top_load
-  use gearsweep_quick_steps, only: most_pairs, need_law, need_map, quick_maps_t, quick_law_t, quick_steps_t
+  use gearsweep_quick_changes, only: quick_motion_t
+  use gearsweep_quick_one_step, only: follow_step
+  use gearsweep_quick_steps, only: lanes, most_pairs, need_map, quick_maps_t, quick_steps_t
   implicit none
   private
   public :: quick_motion_t, lay_errors, follow_quickly
+
+  type :: speeds_t
+    integer :: set(lanes) = 0                    !< contact sets
+    real(dp), dimension(lanes) :: x = 0, v = 0   !< m
+    real(dp), dimension(lanes) :: least = huge(1.0_dp), largest = -huge(1.0_dp)      !< transmission error, m
+    real(dp) :: sums(lanes, 2) = 0               !< as of quick_motion_t
+    type(quick_motion_t) :: motion(lanes)
+  end type speeds_t
 
 contains
 
@@ -53,187 +63,179 @@ contains
     end associate
   end subroutine lay_errors
 
-  !> The motion over a turn.
-  pure subroutine follow_quickly(steps, maps, errors, beside, motion)
+  !> The motions over a turn.
+  pure subroutine follow_quickly(steps, maps, errors, beside, motions)
     type(quick_steps_t), intent(inout) :: steps
-    type(quick_maps_t), intent(inout) :: maps    !< of the speed
+    type(quick_maps_t), intent(inout) :: maps    !< of the speeds
     real(dp), contiguous, intent(in) :: errors(:, :, 0:)   !< of `lay_errors`
-    type(quick_motion_t), intent(in) :: beside   !< of a speed beside, from which the transient begins, if one is found
-    type(quick_motion_t), intent(out) :: motion
+    type(quick_motion_t), intent(in) :: beside   !< of a speed beside, from which the transients begin, if one is found
+    type(quick_motion_t), intent(out) :: motions(:)        !< (speed)
     ! What is left of the transient, and how near the ends of a turn have to be, in static deflections. The motion of a speed beside
     ! is nearer than the mean deflection.
     real(dp), parameter :: rest = 1e-4_dp, rest_beside = 5e-4_dp, near = 3e-4_dp
     integer, parameter :: most_turns = 4, most_periods = 2000
-    type(state_t) :: state
-    type(quick_motion_t) :: passing
-    real(dp) :: before(2), decay
-    integer :: k, last, periods, turn
+    type(speeds_t) :: now
+    real(dp) :: before(lanes, 2), begin(lanes, 2), decay, forgets
+    logical :: open(lanes)
+    integer :: i, k, last, periods, turn
 
-    associate (forgets => steps%osc%damping_ratio*maps%turning, static => steps%osc%static_deflection)
+    associate (static => steps%osc%static_deflection, n => maps%speeds)
       periods = size(errors, 3)
-      passing%peak = huge(passing%peak)
+      forgets = steps%osc%damping_ratio*minval(maps%turning)
       decay = -log(merge(rest_beside, rest, beside%is_found))
       if (decay > most_periods*forgets) return
-      state%x = steps%osc%mean_deflection
+      now%x = steps%osc%mean_deflection
       if (beside%is_found) then
-        state%x = beside%begin(1)
-        state%v = beside%begin(2)
+        now%x = beside%begin(1)
+        now%v = beside%begin(2)
       end if
+      now%motion%peak = huge(1.0_dp)
       last = ceiling(decay/forgets) - 1
       do k = 0, last
-        call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, state, passing)
+        call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, now)
       end do
+      open = [(i <= n, i=1, lanes)]
       do turn = 1, most_turns
-        before = [state%x, state%v]
-        motion = quick_motion_t()
+        before(:, 1) = now%x
+        before(:, 2) = now%v
+        now = speeds_t(now%set, now%x, now%v)
         do k = last + 1, last + periods
-          if (modulo(k, periods) == 0) motion%begin = [state%x, state%v]
-          call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, state, motion)
+          if (modulo(k, periods) == 0) then
+            begin(:, 1) = now%x
+            begin(:, 2) = now%v
+          end if
+          call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, now)
         end do
-        if (.not. abs(state%x) < 1e4_dp*static) return
-        if (hypot(state%x - before(1), state%v - before(2)) < near*static) exit
+        do i = 1, n
+          if (.not. open(i)) cycle
+          open(i) = abs(now%x(i)) < 1e4_dp*static
+          if (.not. open(i) .or. hypot(now%x(i) - before(i, 1), now%v(i) - before(i, 2)) >= near*static) cycle
+          open(i) = .false.
+          motions(i) = quick_motion_t(.not. (steps%osc%has_backlash .and. now%least(i) < -steps%osc%backlash), &
+                                      now%motion(i)%peak, modulo(now%motion(i)%pair, periods), now%motion(i)%place, &
+                                      now%least(i), now%largest(i), begin(i, :), now%sums(i, :)/periods)
+        end do
+        if (.not. any(open)) return
+        where (.not. abs(now%x) < 1e4_dp*static)
+          now%x = 0
+          now%v = 0
+        end where
       end do
-      motion%is_found = turn <= most_turns .and. .not. (steps%osc%has_backlash .and. motion%least < -steps%osc%backlash)
-      motion%pair = modulo(motion%pair, periods)
-      motion%sums = motion%sums/periods
     end associate
   end subroutine follow_quickly
 
-  !> Follows the motion over one mesh period.
-  pure subroutine follow_period(steps, maps, errors, period, state, motion)
+  !> Follows the motions over one mesh period.
+  pure subroutine follow_period(steps, maps, errors, period, now)
     type(quick_steps_t), intent(inout) :: steps
     type(quick_maps_t), intent(inout) :: maps
     real(dp), contiguous, intent(in) :: errors(:, :)        ! (pair, node of all steps)
     integer, intent(in) :: period
-    type(state_t), intent(inout) :: state
-    type(quick_motion_t), intent(inout) :: motion
-    type(state_t) :: next
-    real(dp) :: bend, middle, span, static, top
-    real(dp), dimension(most_pairs) :: between, bound, curve, hollow, right
-    logical :: inside, wrong
-    integer :: i, n
+    type(speeds_t), intent(inout) :: now
+    real(dp), dimension(lanes) :: bend, off, peak, trouble, v, x
+    real(dp) :: hollow, r(3), touching(3)
+    integer :: common, i, j, k, l, shift
 
-    static = steps%osc%static_deflection
+    peak = now%motion%peak
     do i = 1, steps%steps
-      n = 3*i
-      if (steps%begins(i)) call begin_interval(steps, errors, i, period, state, motion)
-      if (.not. maps%map(state%set, i)%is_known) call need_map(steps, state%set, i, maps)
-      span = steps%width(i)*maps%turning
-      associate (law => steps%law(state%set, i), map => maps%map(state%set, i)%of, half => errors(:, n - 1), &
-                 whole => errors(:, n))
-        middle = static + ((law%pull(1, 2)*half(1) + law%pull(2, 2)*half(2)) + (law%pull(3, 2)*half(3) + law%pull(4, 2)*half(4)))
-        next%r = static + ((law%pull(1, 3)*whole(1) + law%pull(2, 3)*whole(2)) + &
-                           (law%pull(3, 3)*whole(3) + law%pull(4, 3)*whole(4)))
-        next%x = (map(1, 1)*state%x + map(1, 2)*state%v) + ((map(1, 3)*state%r + map(1, 4)*middle) + map(1, 5)*next%r)
-        next%v = (map(2, 1)*state%x + map(2, 2)*state%v) + ((map(2, 3)*state%r + map(2, 4)*middle) + map(2, 5)*next%r)
-        next%set = state%set
-        next%gap = gaps_at(law, 3, whole, next%x)
-        ! By the cubic through the states at the ends, x in the middle is the mean and `bend`; a pair's gap is more by what the
-        ! error is less than its mean there. The parabola through the three gaps may touch in between.
-        bend = span/8*(state%v - next%v)
-        hollow = (errors(:, n - 2) + whole)/2 - half
-        right = law%sense*next%gap + law%spare
-        curve = -2*law%sense*(bend + hollow)
-        between = law%sense*(state%gap + next%gap)/2 - curve/2 + law%spare
-        wrong = least_of(right) <= 0
-        inside = any(abs(next%gap - state%gap) < 2*curve .and. 8*curve*between <= (next%gap - state%gap)**2 .and. right > 0)
-        bound = law%stiffest*(merge(state%gap, next%gap, state%gap > next%gap) + 1.25_dp*abs(bend + hollow))
-        top = 0
-        if (-least_of(-bound) > motion%peak .or. wrong) top = top_load(law, span, hollow, state, next)
+      if (steps%begins(i)) then
+        k = merge(steps%steps, i - 1, i == 1)
+        shift = steps%offset(k) - steps%offset(i) + merge(1, 0, i == 1)
+        now%set = iand(ishft(now%set, shift), 2**steps%pairs(i) - 1)
+      end if
+      common = most_common(now%set(:maps%speeds))
+      if (.not. maps%is_known(common, i)) call need_map(steps, common, i, maps)
+      associate (law => steps%law(common, i), a => maps%of(:, :, :, common, i))
+        do k = 1, 3
+          r(k) = steps%osc%static_deflection + sum(law%pull(:, k)*errors(:, 3*i - 3 + k))
+        end do
+        do l = 1, lanes
+          x(l) = (a(l, 1, 1)*now%x(l) + a(l, 2, 1)*now%v(l)) + (a(l, 3, 1)*r(1) + a(l, 4, 1)*r(2) + a(l, 5, 1)*r(3))
+          v(l) = (a(l, 1, 2)*now%x(l) + a(l, 2, 2)*now%v(l)) + (a(l, 3, 2)*r(1) + a(l, 4, 2)*r(2) + a(l, 5, 2)*r(3))
+          bend(l) = steps%width(i)/8*maps%turning(l)*(now%v(l) - v(l))
+          trouble(l) = merge(-1.0_dp, 1.0_dp, now%set(l) == common)
+        end do
+        do j = 1, steps%pairs(i)
+          do k = 1, 3
+            touching(k) = sum(law%touching(j, :, k)*errors(:, 3*i - 3 + k))
+          end do
+          hollow = (touching(1) + touching(3))/2 - touching(2)
+          if (btest(common, j - 1)) then
+            do l = 1, lanes
+              off(l) = abs(bend(l) + hollow)
+              trouble(l) = max(trouble(l), off(l) - min(now%x(l) - touching(1), x(l) - touching(3)), &
+                               law%stiffest(j)*(max(now%x(l) - touching(1), x(l) - touching(3)) + 1.25_dp*off(l)) - peak(l))
+            end do
+          else
+            do l = 1, lanes
+              trouble(l) = max(trouble(l), max(now%x(l) - touching(1), x(l) - touching(3)) + abs(bend(l) + hollow))
+            end do
+          end if
+        end do
       end associate
-      if (wrong) then
-        if (top <= motion%peak .and. .not. inside) call change(steps, errors, i, span, state, next, wrong)
-        if (.not. wrong) wrong = top_load(steps%law(next%set, i), span, hollow, state, next) > motion%peak
+      if (any(trouble(:maps%speeds) > 0)) then
+        do l = 1, maps%speeds
+          if (.not. trouble(l) > 0) cycle
+          x(l) = now%x(l)
+          v(l) = now%v(l)
+          call follow_step(steps, maps, errors, i, period, l, x(l), v(l), now%set(l), now%motion(l))
+          peak(l) = now%motion(l)%peak
+        end do
       end if
-      if (wrong .or. inside) then
-        next = state
-        call go_through(steps, errors, i, period, span, next, motion)
-      else if (top > motion%peak) then
-        call look_inside(steps, errors, i, period, span, state, next, motion)
-      end if
-      call note_error(span, steps%width(i), steps%osc%mean_deflection, state, next, motion)
-      state = next
+      call note_errors(maps%turning*steps%width(i), steps%width(i), steps%osc%mean_deflection, x, v, now)
+      now%x = x
+      now%v = v
     end do
   end subroutine follow_period
 
-  !> The gaps (m) at a node of a step.
-  pure function gaps_at(law, node, error, x) result(gap)
-    type(quick_law_t), intent(in) :: law
-    integer, intent(in) :: node
-    real(dp), intent(in) :: error(most_pairs)    ! m; (pair)
-    real(dp), intent(in) :: x                    ! m
-    real(dp) :: gap(most_pairs)
+  !> The contact set of most speeds.
+  pure integer function most_common(set)
+    integer, intent(in) :: set(:)
+    integer :: i, most
 
-    gap = x - ((law%touching(:, 1, node)*error(1) + law%touching(:, 2, node)*error(2)) + &
-               (law%touching(:, 3, node)*error(3) + law%touching(:, 4, node)*error(4)))
-  end function gaps_at
-
-  !> The least of four.
-  pure real(dp) function least_of(values) result(least)
-    real(dp), intent(in) :: values(4)
-    real(dp) :: other
-
-    ! So the processor's own instructions do.
-    least = merge(values(1), values(2), values(1) < values(2))
-    other = merge(values(3), values(4), values(3) < values(4))
-    least = merge(least, other, least < other)
-  end function least_of
-
-  !> Counts the pairs of the interval that begins, and finds those in contact: the first that touches on the wrong side changes
-  !> until there is none.
-  pure subroutine begin_interval(steps, errors, step, period, state, motion)
-    type(quick_steps_t), intent(inout) :: steps
-    real(dp), contiguous, intent(in) :: errors(:, :)
-    integer, intent(in) :: step, period
-    type(state_t), intent(inout) :: state
-    type(quick_motion_t), intent(inout) :: motion
-    integer :: before, j
-
-    before = merge(steps%steps, step - 1, step == 1)
-    associate (shift => steps%offset(before) - steps%offset(step) + merge(1, 0, step == 1))
-      state%set = iand(ishft(state%set, shift), 2**steps%pairs(step) - 1)
-    end associate
-    do j = 1, 4*2**steps%pairs(step)
-      if (.not. steps%law(state%set, step)%is_known) call need_law(steps, state%set, step)
-      associate (law => steps%law(state%set, step))
-        state%gap = gaps_at(law, 1, errors(:, 3*step - 2), state%x)
-        if (least_of(law%sense*state%gap + law%spare) > 0) exit
-        state%set = ieor(state%set, ibset(0, findloc(law%sense*state%gap + law%spare > 0, .false., 1) - 1))
-      end associate
+    most_common = set(1)
+    if (all(set == set(1))) return
+    most = 0
+    do i = 1, size(set)
+      if (count(set == set(i)) <= most) cycle
+      most_common = set(i)
+      most = count(set == set(i))
     end do
-    associate (law => steps%law(state%set, step), p => steps%pairs(step))
-      state%r = steps%osc%static_deflection + sum(law%pull(:, 1)*errors(:, 3*step - 2))
-      do j = 1, p
-        if (law%effective(j, 1)*state%gap(j) > motion%peak) &
-          call raise(steps, step, period, 0.0_dp, law%effective(j, 1)*state%gap(j), j, motion)
-      end do
-    end associate
-  end subroutine begin_interval
+  end function most_common
 
-  !> Extremes and sums of the transmission error, by the cubic through the states at both ends.
-  pure subroutine note_error(span, width, centre, state, next, motion)
-    real(dp), intent(in) :: span, width, centre
-    type(state_t), intent(in) :: state, next
-    type(quick_motion_t), intent(inout) :: motion
-    real(dp) :: at, c(0:3), left, middle, right, slope, x
+  !> Extremes and sums of the transmission error over a step, by the cubic through the states at both ends.
+  pure subroutine note_errors(span, width, centre, x, v, now)
+    real(dp), intent(in) :: span(lanes), width, centre
+    real(dp), intent(in) :: x(lanes), v(lanes)   ! at the end
+    type(speeds_t), intent(inout) :: now         ! at the begin
+    real(dp) :: at, beyond(lanes), c(0:3), left, middle, right, slope, extreme
+    integer :: l
 
-    left = state%x - centre
-    right = next%x - centre
-    middle = (left + right)/2 + span/8*(state%v - next%v)
-    motion%sums(1) = motion%sums(1) + width/6*(left + 4*middle + right)
-    motion%sums(2) = motion%sums(2) + width/6*(left**2 + 4*middle**2 + right**2)
-    motion%least = min(motion%least, next%x)
-    motion%largest = max(motion%largest, next%x)
-    if (state%v*next%v >= 0) return
-    c(0) = state%x
-    c(1) = span*state%v
-    c(2) = 3*(next%x - state%x) - span*(2*state%v + next%v)
-    c(3) = 2*(state%x - next%x) + span*(state%v + next%v)
-    at = state%v/(state%v - next%v)
-    slope = 2*c(2) + 6*at*c(3)
-    if (abs(slope) > abs(c(2))/8) at = max(0.0_dp, min(1.0_dp, at - (c(1) + at*(2*c(2) + 3*at*c(3)))/slope))
-    x = c(0) + at*(c(1) + at*(c(2) + at*c(3)))
-    motion%least = min(motion%least, x)
-    motion%largest = max(motion%largest, x)
-  end subroutine note_error
+    do l = 1, lanes
+      left = now%x(l) - centre
+      right = x(l) - centre
+      middle = span(l)/8*(now%v(l) - v(l))
+      ! Between velocities of different sign, the cubic is beyond its ends by 32/27 of this at most.
+      beyond(l) = max(max(left, right) - (now%largest(l) - centre), (now%least(l) - centre) - min(left, right)) + &
+                  1.25_dp*abs(middle)
+      beyond(l) = merge(-1.0_dp, beyond(l), now%v(l)*v(l) >= 0)
+      middle = (left + right)/2 + middle
+      now%sums(l, 1) = now%sums(l, 1) + width/6*(left + 4*middle + right)
+      now%sums(l, 2) = now%sums(l, 2) + width/6*(left**2 + 4*middle**2 + right**2)
+      now%least(l) = min(now%least(l), x(l))
+      now%largest(l) = max(now%largest(l), x(l))
+    end do
+    do l = 1, lanes
+      if (.not. beyond(l) > 0) cycle
+      c(0) = now%x(l)
+      c(1) = span(l)*now%v(l)
+      c(2) = 3*(x(l) - now%x(l)) - span(l)*(2*now%v(l) + v(l))
+      c(3) = 2*(now%x(l) - x(l)) + span(l)*(now%v(l) + v(l))
+      at = now%v(l)/(now%v(l) - v(l))
+      slope = 2*c(2) + 6*at*c(3)
+      if (abs(slope) > abs(c(2))/8) at = max(0.0_dp, min(1.0_dp, at - (c(1) + at*(2*c(2) + 3*at*c(3)))/slope))
+      extreme = c(0) + at*(c(1) + at*(c(2) + at*c(3)))
+      now%least(l) = min(now%least(l), extreme)
+      now%largest(l) = max(now%largest(l), extreme)
+    end do
+  end subroutine note_errors
 end module gearsweep_quick_turn
