@@ -7,7 +7,7 @@ module test_quick_turns
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: frequency_ratio, make_oscillator, oscillator_t
   use gearsweep_piecewise, only: polynomial
-  use gearsweep_quick_steps, only: lay_steps, quick_maps_t, quick_steps_t
+  use gearsweep_quick_steps, only: lay_maps, lay_steps, quick_maps_t, quick_steps_t
   use gearsweep_quick_sweep, only: quick_motion_t, run_quickly
   use gearsweep_quick_turn, only: follow_quickly, lay_errors
   use gearsweep_refinement, only: levels_t
@@ -75,23 +75,22 @@ contains
     real(dp) :: off(3)
     type(quick_steps_t) :: steps
     type(quick_maps_t) :: maps
-    type(quick_motion_t) :: beside, motion
+    type(quick_motion_t) :: beside, motion(1)
     real(dp), allocatable :: errors(:, :, :)
     integer :: k
 
     associate (one => given(2))
       do k = 1, 3
         call lay_steps(nominal(one%osc), one%osc%mesh%deviations%waves, 0.2_dp/2**k, steps)
-        maps = quick_maps_t(2*pi/frequency_ratio(steps%osc, one%rpm))
-        allocate (maps%map(0:size(steps%law, 1) - 1, steps%steps))
+        call lay_maps(steps, [2*pi/frequency_ratio(steps%osc, one%rpm)], maps)
         if (allocated(errors)) deallocate (errors)
         call lay_errors(steps, one%osc%mesh%deviations, errors)
         beside = quick_motion_t()
         ! A turn from the end of the last one leaves nothing of the transient.
         call follow_quickly(steps, maps, errors, beside, motion)
-        beside = motion
+        beside = motion(1)
         call follow_quickly(steps, maps, errors, beside, motion)
-        off(k) = abs(motion%begin(1)/um - one%state(1))
+        off(k) = abs(motion(1)%begin(1)/um - one%state(1))
       end do
     end associate
     call check_true(t, 'error of the halved steps', off(2) < off(1)/8 .and. off(3) < off(2)/8, &

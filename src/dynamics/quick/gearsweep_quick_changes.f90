@@ -44,7 +44,7 @@ contains
       load = law%effective(j, :)*[state%gap(j), (state%gap(j) + next%gap(j))/2 + bend + hollow(j), next%gap(j)]
       top = max(top, load(3))
       curve = 2*load(2) - load(1) - load(3)
-      if (abs(load(3) - load(1)) < 2*curve) top = max(top, load(2) + (load(3) - load(1))**2/(8*curve) + margin*curve)
+      if (abs(load(3) - load(1)) < 3*curve) top = max(top, load(2) + (load(3) - load(1))**2/(8*curve) + margin*curve)
     end do
   end function top_load
 

@@ -92,7 +92,7 @@ contains
       now%motion%peak = huge(1.0_dp)
       last = ceiling(decay/forgets) - 1
       do k = 0, last
-        call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, now)
+        call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, .false., now)
       end do
       open = [(i <= n, i=1, lanes)]
       do turn = 1, most_turns
@@ -104,7 +104,7 @@ contains
             begin(:, 1) = now%x
             begin(:, 2) = now%v
           end if
-          call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, now)
+          call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, .true., now)
         end do
         do i = 1, n
           if (.not. open(i)) cycle
@@ -125,24 +125,27 @@ contains
   end subroutine follow_quickly
 
   !> Follows the motions over one mesh period.
-  pure subroutine follow_period(steps, maps, errors, period, now)
+  pure subroutine follow_period(steps, maps, errors, period, is_noted, now)
     type(quick_steps_t), intent(inout) :: steps
     type(quick_maps_t), intent(inout) :: maps
     real(dp), contiguous, intent(in) :: errors(:, :)        ! (pair, node of all steps)
     integer, intent(in) :: period
+    logical, intent(in) :: is_noted              ! whether extremes and sums are
     type(speeds_t), intent(inout) :: now
-    real(dp), dimension(lanes) :: bend, off, peak, trouble, v, x
+    real(dp), dimension(lanes) :: apart, bend, off, peak, trouble, v, x
     real(dp) :: hollow, r(3), touching(3)
     integer :: common, i, j, k, l, shift
 
     peak = now%motion%peak
+    common = most_common(now%set(:maps%speeds))
+    apart = merge(-1, 1, now%set == common)
     do i = 1, steps%steps
       if (steps%begins(i)) then
         k = merge(steps%steps, i - 1, i == 1)
         shift = steps%offset(k) - steps%offset(i) + merge(1, 0, i == 1)
         now%set = iand(ishft(now%set, shift), 2**steps%pairs(i) - 1)
+        common = iand(ishft(common, shift), 2**steps%pairs(i) - 1)
       end if
-      common = most_common(now%set(:maps%speeds))
       if (.not. maps%is_known(common, i)) call need_map(steps, common, i, maps)
       associate (law => steps%law(common, i), a => maps%of(:, :, :, common, i))
         do k = 1, 3
@@ -152,8 +155,8 @@ contains
           x(l) = (a(l, 1, 1)*now%x(l) + a(l, 2, 1)*now%v(l)) + (a(l, 3, 1)*r(1) + a(l, 4, 1)*r(2) + a(l, 5, 1)*r(3))
           v(l) = (a(l, 1, 2)*now%x(l) + a(l, 2, 2)*now%v(l)) + (a(l, 3, 2)*r(1) + a(l, 4, 2)*r(2) + a(l, 5, 2)*r(3))
           bend(l) = steps%width(i)/8*maps%turning(l)*(now%v(l) - v(l))
-          trouble(l) = merge(-1.0_dp, 1.0_dp, now%set(l) == common)
         end do
+        trouble = apart
         do j = 1, steps%pairs(i)
           do k = 1, 3
             touching(k) = sum(law%touching(j, :, k)*errors(:, 3*i - 3 + k))
@@ -172,7 +175,7 @@ contains
           end if
         end do
       end associate
-      if (any(trouble(:maps%speeds) > 0)) then
+      if (largest_of(trouble) > 0) then
         do l = 1, maps%speeds
           if (.not. trouble(l) > 0) cycle
           x(l) = now%x(l)
@@ -180,12 +183,25 @@ contains
           call follow_step(steps, maps, errors, i, period, l, x(l), v(l), now%set(l), now%motion(l))
           peak(l) = now%motion(l)%peak
         end do
+        common = most_common(now%set(:maps%speeds))
+        apart = merge(-1, 1, now%set == common)
       end if
-      call note_errors(maps%turning*steps%width(i), steps%width(i), steps%osc%mean_deflection, x, v, now)
+      if (is_noted) call note_errors(maps%turning, steps%width(i), steps%osc%mean_deflection, x, v, now)
       now%x = x
       now%v = v
     end do
   end subroutine follow_period
+
+  !> The largest of all lanes.
+  pure real(dp) function largest_of(values) result(largest)
+    real(dp), intent(in) :: values(lanes)
+    real(dp) :: half(lanes/2), quarter(lanes/4)
+
+    ! So the processor's own instructions do.
+    half = max(values(:lanes/2), values(lanes/2 + 1:))
+    quarter = max(half(:lanes/4), half(lanes/4 + 1:))
+    largest = maxval(quarter)
+  end function largest_of
 
   !> The contact set of most speeds.
   pure integer function most_common(set)
@@ -203,33 +219,31 @@ contains
   end function most_common
 
   !> Extremes and sums of the transmission error over a step, by the cubic through the states at both ends.
-  pure subroutine note_errors(span, width, centre, x, v, now)
-    real(dp), intent(in) :: span(lanes), width, centre
+  pure subroutine note_errors(turning, width, centre, x, v, now)
+    real(dp), intent(in) :: turning(lanes), width, centre
     real(dp), intent(in) :: x(lanes), v(lanes)   ! at the end
     type(speeds_t), intent(inout) :: now         ! at the begin
-    real(dp) :: at, beyond(lanes), c(0:3), left, middle, right, slope, extreme
+    real(dp) :: at, beyond(lanes), c(0:3), extreme, middle(lanes), slope, span
     integer :: l
 
     do l = 1, lanes
-      left = now%x(l) - centre
-      right = x(l) - centre
-      middle = span(l)/8*(now%v(l) - v(l))
+      middle(l) = width/8*turning(l)*(now%v(l) - v(l))
       ! Between velocities of different sign, the cubic is beyond its ends by 32/27 of this at most.
-      beyond(l) = max(max(left, right) - (now%largest(l) - centre), (now%least(l) - centre) - min(left, right)) + &
-                  1.25_dp*abs(middle)
-      beyond(l) = merge(-1.0_dp, beyond(l), now%v(l)*v(l) >= 0)
-      middle = (left + right)/2 + middle
-      now%sums(l, 1) = now%sums(l, 1) + width/6*(left + 4*middle + right)
-      now%sums(l, 2) = now%sums(l, 2) + width/6*(left**2 + 4*middle**2 + right**2)
+      beyond(l) = max(max(now%x(l), x(l)) - now%largest(l), now%least(l) - min(now%x(l), x(l))) + 1.25_dp*abs(middle(l))
+      middle(l) = (now%x(l) + x(l))/2 - centre + middle(l)
+      now%sums(l, 1) = now%sums(l, 1) + width/6*(now%x(l) + x(l) - 2*centre + 4*middle(l))
+      now%sums(l, 2) = now%sums(l, 2) + width/6*((now%x(l) - centre)**2 + (x(l) - centre)**2 + 4*middle(l)**2)
       now%least(l) = min(now%least(l), x(l))
       now%largest(l) = max(now%largest(l), x(l))
     end do
+    if (.not. largest_of(beyond) > 0) return
     do l = 1, lanes
-      if (.not. beyond(l) > 0) cycle
+      if (.not. beyond(l) > 0 .or. now%v(l)*v(l) >= 0) cycle
+      span = width*turning(l)
       c(0) = now%x(l)
-      c(1) = span(l)*now%v(l)
-      c(2) = 3*(x(l) - now%x(l)) - span(l)*(2*now%v(l) + v(l))
-      c(3) = 2*(now%x(l) - x(l)) + span(l)*(now%v(l) + v(l))
+      c(1) = span*now%v(l)
+      c(2) = 3*(x(l) - now%x(l)) - span*(2*now%v(l) + v(l))
+      c(3) = 2*(now%x(l) - x(l)) + span*(now%v(l) + v(l))
       at = now%v(l)/(now%v(l) - v(l))
       slope = 2*c(2) + 6*at*c(3)
       if (abs(slope) > abs(c(2))/8) at = max(0.0_dp, min(1.0_dp, at - (c(1) + at*(2*c(2) + 3*at*c(3)))/slope))
