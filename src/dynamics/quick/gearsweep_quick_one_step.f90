@@ -10,15 +10,14 @@ module gearsweep_quick_one_step
 contains
 
   !> Follows the motion at one speed over a step.
-  pure subroutine follow_step(steps, maps, errors, step, period, lane, x, v, set, motion)
+  pure subroutine follow_step(steps, maps, errors, step, period, lane, state, motion)
     type(quick_steps_t), intent(inout) :: steps
     type(quick_maps_t), intent(inout) :: maps
     real(dp), contiguous, intent(in) :: errors(:, :)       !< (pair, node of all steps)
     integer, intent(in) :: step, period, lane
-    real(dp), intent(inout) :: x, v              !< m
-    integer, intent(inout) :: set                !< contact set
+    type(state_t), intent(inout) :: state        !< x, its derivative and the contact set at the begin, then at the end
     type(quick_motion_t), intent(inout) :: motion
-    type(state_t) :: next, state
+    type(state_t) :: next
     real(dp) :: bend, middle, span, static, top
     real(dp), dimension(most_pairs) :: between, bound, curve, hollow, right
     logical :: inside, wrong
@@ -26,9 +25,6 @@ contains
 
     static = steps%osc%static_deflection
     n = 3*step
-    state%x = x
-    state%v = v
-    state%set = set
     if (steps%begins(step)) call begin_interval(steps, errors, step, period, state, motion)
     if (.not. maps%is_known(state%set, step)) call need_map(steps, state%set, step, maps)
     span = steps%width(step)*maps%turning(lane)
@@ -37,14 +33,14 @@ contains
       state%r = static + sum(law%pull(:, 1)*first)
       middle = static + sum(law%pull(:, 2)*half)
       next%r = static + sum(law%pull(:, 3)*whole)
-      state%gap = gaps_at(law, 1, first, x)
-      next%x = sum(map(:, 1)*[x, v, state%r, middle, next%r])
-      next%v = sum(map(:, 2)*[x, v, state%r, middle, next%r])
+      state%gap = gaps_at(law, 1, first, state%x)
+      next%x = sum(map(:, 1)*[state%x, state%v, state%r, middle, next%r])
+      next%v = sum(map(:, 2)*[state%x, state%v, state%r, middle, next%r])
       next%set = state%set
       next%gap = gaps_at(law, 3, whole, next%x)
       ! By the cubic through the states at the ends, x in the middle is the mean and `bend`; a pair's gap is more by what the
       ! error is less than its mean there. The parabola through the three gaps may touch in between.
-      bend = span/8*(v - next%v)
+      bend = span/8*(state%v - next%v)
       hollow = (first + whole)/2 - half
       right = law%sense*next%gap + law%spare
       curve = -2*law%sense*(bend + hollow)
@@ -65,9 +61,7 @@ contains
     else if (top > motion%peak) then
       call look_inside(steps, errors, step, period, span, state, next, motion)
     end if
-    x = next%x
-    v = next%v
-    set = next%set
+    state = next
   end subroutine follow_step
 
   !> The gaps (m) at a node of a step.

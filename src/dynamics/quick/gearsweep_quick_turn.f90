@@ -1,10 +1,10 @@
-!> The motions of gears whose teeth have errors of their own, at some speeds side by side, in few long steps (gearsweep_quick_steps):
-!> first until the transient has died away, then over a whole turn. What the motion is at the end of a turn has to be what it was at
+!> The motions of gears whose teeth have errors of their own, at some speeds side by side, in few long steps
+!> (gearsweep_quick_steps): first until the transient has died away, then over a whole turn. What the motion is at the end of a turn has to be what it was at
 !> its begin. Neighbouring speeds mostly have the same pairs in contact, and then share all but their own motions.
 module gearsweep_quick_turn
   use gearsweep_deviations, only: deviations_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_quick_changes, only: quick_motion_t
+  use gearsweep_quick_changes, only: quick_motion_t, state_t
   use gearsweep_quick_one_step, only: follow_step
   use gearsweep_quick_steps, only: lanes, most_pairs, need_map, quick_maps_t, quick_steps_t
   implicit none
@@ -76,7 +76,7 @@ contains
     integer, parameter :: most_turns = 4, most_periods = 2000
     type(speeds_t) :: now
     real(dp) :: before(lanes, 2), begin(lanes, 2), decay, forgets
-    logical :: open(lanes)
+    logical :: awaited(lanes)
     integer :: i, k, last, periods, turn
 
     associate (static => steps%osc%static_deflection, n => maps%speeds)
@@ -94,7 +94,7 @@ contains
       do k = 0, last
         call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, .false., now)
       end do
-      open = [(i <= n, i=1, lanes)]
+      awaited = [(i <= n, i=1, lanes)]
       do turn = 1, most_turns
         before(:, 1) = now%x
         before(:, 2) = now%v
@@ -107,15 +107,15 @@ contains
           call follow_period(steps, maps, errors(:, :, modulo(k, periods)), k, .true., now)
         end do
         do i = 1, n
-          if (.not. open(i)) cycle
-          open(i) = abs(now%x(i)) < 1e4_dp*static
-          if (.not. open(i) .or. hypot(now%x(i) - before(i, 1), now%v(i) - before(i, 2)) >= near*static) cycle
-          open(i) = .false.
+          if (.not. awaited(i)) cycle
+          awaited(i) = abs(now%x(i)) < 1e4_dp*static
+          if (.not. awaited(i) .or. hypot(now%x(i) - before(i, 1), now%v(i) - before(i, 2)) >= near*static) cycle
+          awaited(i) = .false.
           motions(i) = quick_motion_t(.not. (steps%osc%has_backlash .and. now%least(i) < -steps%osc%backlash), &
                                       now%motion(i)%peak, modulo(now%motion(i)%pair, periods), now%motion(i)%place, &
                                       now%least(i), now%largest(i), begin(i, :), now%sums(i, :)/periods)
         end do
-        if (.not. any(open)) return
+        if (.not. any(awaited)) return
         where (.not. abs(now%x) < 1e4_dp*static)
           now%x = 0
           now%v = 0
@@ -134,20 +134,21 @@ contains
     type(speeds_t), intent(inout) :: now
     real(dp), dimension(lanes) :: apart, bend, off, peak, trouble, v, x
     real(dp) :: hollow, r(3), touching(3)
-    integer :: common, i, j, k, l, shift
+    type(state_t) :: state
+    integer :: usual, i, j, k, l, shift
 
     peak = now%motion%peak
-    common = most_common(now%set(:maps%speeds))
-    apart = merge(-1, 1, now%set == common)
+    usual = most_common(now%set(:maps%speeds))
+    apart = merge(-1, 1, now%set == usual)
     do i = 1, steps%steps
       if (steps%begins(i)) then
         k = merge(steps%steps, i - 1, i == 1)
         shift = steps%offset(k) - steps%offset(i) + merge(1, 0, i == 1)
         now%set = iand(ishft(now%set, shift), 2**steps%pairs(i) - 1)
-        common = iand(ishft(common, shift), 2**steps%pairs(i) - 1)
+        usual = iand(ishft(usual, shift), 2**steps%pairs(i) - 1)
       end if
-      if (.not. maps%is_known(common, i)) call need_map(steps, common, i, maps)
-      associate (law => steps%law(common, i), a => maps%of(:, :, :, common, i))
+      if (.not. maps%is_known(usual, i)) call need_map(steps, usual, i, maps)
+      associate (law => steps%law(usual, i), a => maps%of(:, :, :, usual, i))
         do k = 1, 3
           r(k) = steps%osc%static_deflection + sum(law%pull(:, k)*errors(:, 3*i - 3 + k))
         end do
@@ -162,7 +163,7 @@ contains
             touching(k) = sum(law%touching(j, :, k)*errors(:, 3*i - 3 + k))
           end do
           hollow = (touching(1) + touching(3))/2 - touching(2)
-          if (btest(common, j - 1)) then
+          if (btest(usual, j - 1)) then
             do l = 1, lanes
               off(l) = abs(bend(l) + hollow)
               trouble(l) = max(trouble(l), off(l) - min(now%x(l) - touching(1), x(l) - touching(3)), &
@@ -178,13 +179,15 @@ contains
       if (largest_of(trouble) > 0) then
         do l = 1, maps%speeds
           if (.not. trouble(l) > 0) cycle
-          x(l) = now%x(l)
-          v(l) = now%v(l)
-          call follow_step(steps, maps, errors, i, period, l, x(l), v(l), now%set(l), now%motion(l))
+          state = state_t(now%x(l), now%v(l), set=now%set(l))
+          call follow_step(steps, maps, errors, i, period, l, state, now%motion(l))
+          x(l) = state%x
+          v(l) = state%v
+          now%set(l) = state%set
           peak(l) = now%motion(l)%peak
         end do
-        common = most_common(now%set(:maps%speeds))
-        apart = merge(-1, 1, now%set == common)
+        usual = most_common(now%set(:maps%speeds))
+        apart = merge(-1, 1, now%set == usual)
       end if
       if (is_noted) call note_errors(maps%turning, steps%width(i), steps%osc%mean_deflection, x, v, now)
       now%x = x
