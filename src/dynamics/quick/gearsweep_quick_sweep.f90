@@ -19,7 +19,7 @@ module gearsweep_quick_sweep
   real(dp), parameter :: longest_turning = 1.0_dp, longest_part = 0.08_dp
   !> Speeds that share steps: how many, and how far the highest may be above the lowest.
   integer, parameter :: most_speeds = 16
-  real(dp), parameter :: widest = 1.2_dp
+  real(dp), parameter :: widest = 2.0_dp
 
 contains
 

@@ -1,6 +1,7 @@
 !> The motions of gears whose teeth have errors of their own, at some speeds side by side, in few long steps
-!> (gearsweep_quick_steps): first until the transient has died away, then over a whole turn. What the motion is at the end of a turn has to be what it was at
-!> its begin. Neighbouring speeds mostly have the same pairs in contact, and then share all but their own motions.
+!> (gearsweep_quick_steps): first until the transient has died away, then over a whole turn. What the motion is at the end of a
+!> turn has to be what it was at its begin. Neighbouring speeds mostly have the same pairs in contact, and then share all but
+!> their own motions.
 module gearsweep_quick_turn
   use gearsweep_deviations, only: deviations_t
   use gearsweep_kinds, only: dp, pi
