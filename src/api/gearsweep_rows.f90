@@ -15,7 +15,7 @@ module gearsweep_rows
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: column_t, kind_text, no_number, table_t
   use gearsweep_tables, only: make_table, table_names
-  use gearsweep_text, only: shown, split, str
+  use gearsweep_text, only: lower, shown, split, str
   use gearsweep_values, only: tell_number
   implicit none
   private
@@ -167,7 +167,7 @@ contains
     if (.not. allocated(error)) call parse_namelist(whole, list, error)
     if (allocated(error)) return
     do i = 1, size(keys)
-      at(i) = list%position(keys(i)%first, keys(i)%second)
+      at(i) = list%position(lower(keys(i)%first), lower(keys(i)%second))
       if (any(at(:i - 1) == at(i))) call fail(error, code_input, 'names = '//trim(keys(i)%first)//'.'//trim(keys(i)%second)// &
         ': is given twice')
     end do
@@ -181,15 +181,20 @@ contains
     real(dp), intent(in) :: values(:)
     type(case_t), intent(out) :: case
     type(error_t), allocatable, intent(out) :: error
+    real(dp), parameter :: least = 1e-300_dp
     character(30) :: words
     integer :: k, pass
 
     do pass = 1, 2
       do k = 1, size(at)
-        write (words, '(es24.16e3)') values(k)
-        ! For messages as it would be written, and always so for keys that take integers.
-        if (pass == 2 .or. .not. abs(values(k) - anint(values(k))) > 0) words = told(values(k))
-        list%entries(at(k))%values(1)%text = trim(adjustl(words))
+        associate (value => list%entries(at(k))%values(1))
+          ! For messages as it would be written, and always so for keys that take integers.
+          value%is_number = pass == 1 .and. abs(values(k)) > least .and. abs(values(k) - anint(values(k))) > 0
+          value%number = values(k)
+          if (value%is_number) write (words, '(z16.16)') values(k)
+          if (.not. value%is_number) words = told(values(k))
+          value%text = trim(words)
+        end associate
       end do
       call read_list(text, list, case, error)
       if (.not. allocated(error)) return

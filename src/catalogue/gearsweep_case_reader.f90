@@ -201,9 +201,13 @@ contains
     integer :: i, first
 
     do i = 1, size(case%tasks)
-      first = reader%keys%known + 1
-      call case%tasks(i)%task%read_keys(reader, error)
-      call reader%keys%write_given(reader%list, first, case%tasks(i)%given)
+      associate (slot => case%tasks(i))
+        ! Without its group nothing is given of it, or a brief reading ends with an error. A prescribed mesh changes what tasks use.
+        if (reader%is_brief .and. .not. (slot%is_wanted .or. case%prescribed .or. reader%has_group(slot%info%name))) cycle
+        first = reader%keys%known + 1
+        call slot%task%read_keys(reader, error)
+        call reader%keys%write_given(reader%list, first, slot%given)
+      end associate
     end do
   end subroutine read_own_keys
 end module gearsweep_case_reader

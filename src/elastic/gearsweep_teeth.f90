@@ -3,6 +3,7 @@
 !> A tooth knows its own gear, and of the mate only which part of its flank that touches. It knows neither the load nor relief,
 !> face width, masses and densities.
 module gearsweep_teeth
+  use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_elastic_options, only: fe_options_t
   use gearsweep_error, only: error_t
   use gearsweep_gear, only: gear_spec_t, gear_t
@@ -23,7 +24,8 @@ module gearsweep_teeth
   end type tooth_inputs_t
 
   type :: solved_tooth_t
-    character(:), allocatable :: inputs          !< as text
+    type(tooth_inputs_t) :: inputs
+    character(:), allocatable :: words           !< the inputs as text
     type(tooth_t) :: tooth
   end type solved_tooth_t
 
@@ -35,8 +37,9 @@ module gearsweep_teeth
     procedure :: find
   end type teeth_t
 
-  !> How many are kept; each takes some 4 kB.
+  !> How many are kept; each takes some 6 kB.
   integer, parameter :: most = 64
+  integer(int64), parameter :: bytes(1) = 0
 
 contains
 
@@ -67,11 +70,17 @@ contains
     inputs%options%rim = usual%rim
     inputs%options%rim_teeth = usual%rim_teeth
     inputs%options%hub_share = usual%hub_share
-    write (words, '(*(g0, 1x))') inputs
     if (.not. allocated(self%list)) allocate (self%list(0))
     do at = size(self%list), 1, -1
-      if (self%list(at)%inputs == words) exit
+      if (all(transfer(self%list(at)%inputs, bytes) == transfer(inputs, bytes))) exit
     end do
+    ! Where the bytes differ, the numbers need not: those of gaps and of blanks do not count.
+    if (at == 0) then
+      write (words, '(*(g0, 1x))') inputs
+      do at = size(self%list), 1, -1
+        if (self%list(at)%words == words) exit
+      end do
+    end if
     if (at > 0) then
       self%taken = self%taken + 1
       tooth = self%list(at)%tooth
@@ -82,7 +91,8 @@ contains
     self%solved = self%solved + 1
     call move_alloc(self%list, others)
     allocate (self%list(min(most, size(others) + 1)))
-    self%list(1)%inputs = trim(words)
+    self%list(1)%inputs = inputs
+    self%list(1)%words = trim(words)
     self%list(1)%tooth = tooth
     do at = 2, size(self%list)
       self%list(at) = others(at - 1)

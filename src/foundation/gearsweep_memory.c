@@ -21,6 +21,8 @@
 
 /* For all that is small: the stack's growth, messages, buffers of files, gaps in the heap. */
 static const double reserve = 32*1024.0*1024.0;
+/* What the reserve has room for, whatever else is small. */
+static const double small = 64*1024.0;
 /* Asking the machine takes some 50 us; below, it has so much. */
 static const double large = 64*1024.0*1024.0;
 /* Where OpenBLAS cannot get this buffer at its first product, it tries for ever. */
@@ -153,7 +155,7 @@ void gearsweep_claim(double bytes, double used, int blas, int *lacks, double *ne
 {
   double others;
   *need = *left = *lacks = 0;
-  if (!blas && used < large && is_unlimited()) return;
+  if (!blas && ((bytes > 0 && bytes < small) || (used < large && is_unlimited()))) return;
   pthread_mutex_lock(&lock);
   if (blas && !has_buffer) bytes += blas_buffer;
   others = promised - mine + reserve;

@@ -269,11 +269,17 @@ contains
   !> Largest value over all pieces.
   pure real(dp) function maximum(p)
     class(piecewise_t), intent(in) :: p
+    real(dp), parameter :: rounding = 1e-12_dp
     real(dp), allocatable :: v(:)
     integer :: i, k
 
     maximum = -huge(maximum)
     do i = 1, size(p%coef, 2)
+      maximum = max(maximum, horner(p%coef(:, i), 1.0_dp))
+    end do
+    do i = 1, size(p%coef, 2)
+      ! No value of a piece lies above what its coefficients can add up to.
+      if (p%coef(0, i) + sum(abs(p%coef(1:, i))) + rounding*sum(abs(p%coef(:, i))) < maximum) cycle
       v = turning_points(p%coef(:, i))
       do k = 1, size(v)
         maximum = max(maximum, horner(p%coef(:, i), v(k)))

@@ -18,6 +18,9 @@ module gearsweep_entries
   type :: value_t
     character(:), allocatable :: text
     logical :: quoted = .false.
+    !> It came as a number, not as text: `number` counts, and the text only tells it from others.
+    logical :: is_number = .false.
+    real(dp) :: number = 0
   end type value_t
 
   !> One key that was given, with all its values (at least one).
@@ -65,7 +68,7 @@ module gearsweep_entries
 
 contains
 
-  !> Of the entry of this key; 0 where it is not given.
+  !> Of the entry of this key; 0 where it is not given. Names in lower case.
   pure integer function position(self, group, key) result(at)
     class(namelist_t), intent(in) :: self
     character(*), intent(in) :: group, key
@@ -79,7 +82,7 @@ contains
       associate (entry => self%entries(at))
         ! Lengths first, as this is asked for every key beside every entry.
         if (len(entry%key) /= key_length .or. len(entry%group) /= group_length) cycle
-        if (entry%key == lower(key) .and. entry%group == lower(group)) return
+        if (entry%key == key(:key_length) .and. entry%group == group(:group_length)) return
       end associate
     end do
   end function position

@@ -57,7 +57,7 @@ contains
     class(format_t), intent(in) :: self
     character(*), intent(in) :: group, key
 
-    has = self%list%position(group, key) > 0
+    has = self%list%position(lower(group), lower(key)) > 0
   end function has
 
   !> The key is given, with a value, and has been asked for.
@@ -66,7 +66,7 @@ contains
     character(*), intent(in) :: group, key
     integer :: at
 
-    at = self%list%position(group, key)
+    at = self%list%position(lower(group), lower(key))
     has_used = at > 0
     if (has_used) has_used = self%list%entries(at)%used
   end function has_used
@@ -151,7 +151,7 @@ contains
     call self%keys%write_case(self%list, text)
   end subroutine write_complete
 
-  !> Is there nothing to do for this key?
+  !> Is there nothing to do for this key? Names in lower case.
   pure logical function passes(self, group, key, required)
     class(format_t), intent(in) :: self
     character(*), intent(in) :: group, key
@@ -159,7 +159,7 @@ contains
 
     passes = self%is_brief
     if (passes .and. present(required)) passes = .not. required
-    if (passes) passes = .not. self%has(group, key)
+    if (passes) passes = self%list%position(group, key) == 0
   end function passes
 
   !> Notes that the key belongs to the format; `at` is its entry, or 0 where there is nothing to read.

@@ -56,7 +56,7 @@ contains
   pure subroutine add(self, key)
     class(keys_t), intent(inout) :: self
     type(key_t), intent(in) :: key
-    integer, parameter :: first_size = 128
+    integer, parameter :: first_size = 64
     type(key_t), allocatable :: more(:)
     integer :: i
 

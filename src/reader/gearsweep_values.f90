@@ -52,7 +52,10 @@ contains
     integer :: whole
     logical :: ok
 
-    if (bounds%whole) then
+    if (value%is_number) then
+      number = value%number
+      ok = .not. bounds%whole
+    else if (bounds%whole) then
       call to_number(value%text, whole, ok)
       number = whole
     else
@@ -188,12 +191,12 @@ contains
     type(entry_t), intent(in) :: entry
     character(*), intent(in) :: what
     type(error_t), allocatable, intent(inout) :: error
-
     character(:), allocatable :: why
 
+    if (size(entry%values) == 1) return
     why = 'must be a single '//what
     if (size(entry%values) == 2 .and. entry%bare_commas == 1) why = why//'; decimals take a point'
-    if (size(entry%values) > 1) call fail_entry(entry, why, error)
+    call fail_entry(entry, why, error)
   end subroutine check_size
 
   pure subroutine check_sizes(entry, what, error, min_size, max_size)

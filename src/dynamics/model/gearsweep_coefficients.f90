@@ -195,8 +195,10 @@ contains
     type(oscillator_t), intent(in) :: osc
     integer, intent(in) :: step, contact_set, law
     type(coefficients_t), intent(inout) :: table
-    real(dp), dimension(3, osc%pairs) :: effective, touching
-    real(dp) :: k(0:2), slope
+    ! As many pairs as a contact set has room for: memory of the heap for each law would take longer than the rest.
+    real(dp), dimension(3, bit_size(contact_set)) :: effective, touching
+    real(dp), dimension(0:2) :: k, g, t, omega_squared, forcing
+    real(dp) :: slope
     logical :: coast
     integer :: end, j
 
@@ -206,37 +208,42 @@ contains
       if (coast) coast = btest(contact_set, osc%contacts - 1)
       call find_law_values(contact_set, kind, table%stiffness(:, :p, step), table%profile_error(:, :p, step), &
                            table%shared(:, :, step), effective(:, :p), touching(:, :p))
-      table%omega_squared(:, law) = 0
-      table%forcing(:, law) = 0
+      omega_squared = 0
+      forcing = 0
       do j = 1, p
-        effective(:, j) = effective(:, j)*table%mobility(:, j, step)
-        table%omega_squared(:, law) = table%omega_squared(:, law) + effective(:, j)
-        table%forcing(:, law) = table%forcing(:, law) + effective(:, j)*touching(:, j)
+        effective(:, j) = effective(:, j)*table%mobility(1:3, j, step)
+        omega_squared = omega_squared + effective(:, j)
+        forcing = forcing + effective(:, j)*touching(:, j)
       end do
+      table%omega_squared(1:3, law) = omega_squared
+      table%forcing(1:3, law) = forcing
       do end = 1, 2
         call find_law(contact_set, kind, table%end_stiffness(:, :p, end, step), &
                       table%end_profile_error(:, :p, end, step), table%end_shared(:, :, end, step), &
                       table%effective(:, :p, end, law), table%touching(:, :p, end, law))
-        table%end_omega_squared(:, end, law) = 0
-        table%end_forcing(:, end, law) = 0
+        omega_squared = 0
+        forcing = 0
         ! Products with derivatives; the mobility is linear over the step.
         do j = 1, p
-          associate (g => table%effective(:, j, end, law), t => table%touching(:, j, end, law), &
-                     m => table%end_mobility(j, end, step))
+          g = table%effective(0:2, j, end, law)
+          t = table%touching(0:2, j, end, law)
+          associate (m => table%end_mobility(j, end, step))
             slope = (table%end_mobility(j, 2, step) - table%end_mobility(j, 1, step))/table%width(step)
-            k(0) = g(1)*m
-            k(1) = g(2)*m + g(1)*slope
-            k(2) = g(3)*m + 2*g(2)*slope
-            table%end_omega_squared(:, end, law) = table%end_omega_squared(:, end, law) + k
-            table%end_forcing(0, end, law) = table%end_forcing(0, end, law) + k(0)*t(1)
-            table%end_forcing(1, end, law) = table%end_forcing(1, end, law) + k(1)*t(1) + k(0)*t(2)
-            table%end_forcing(2, end, law) = table%end_forcing(2, end, law) + k(2)*t(1) + 2*k(1)*t(2) + k(0)*t(3)
+            k(0) = g(0)*m
+            k(1) = g(1)*m + g(0)*slope
+            k(2) = g(2)*m + 2*g(1)*slope
           end associate
+          omega_squared = omega_squared + k
+          forcing(0) = forcing(0) + k(0)*t(0)
+          forcing(1) = forcing(1) + k(1)*t(0) + k(0)*t(1)
+          forcing(2) = forcing(2) + k(2)*t(0) + 2*k(1)*t(1) + k(0)*t(2)
         end do
+        table%end_omega_squared(0:2, end, law) = omega_squared
+        table%end_forcing(0:2, end, law) = forcing
       end do
     end associate
     if (osc%has_backlash) call add_coast(osc, step, coast, law, table)
-    table%omega(:, law) = sqrt(table%omega_squared(:, law))
+    table%omega(1:3, law) = sqrt(table%omega_squared(1:3, law))
   end subroutine fill_law
 
   !> How the pairs share compliance in a step.

@@ -49,10 +49,8 @@ contains
   pure logical function uses(self, which)
     class(branches_task_t), intent(in) :: self
     integer, intent(in) :: which                 !< of `stage`
-    type(task_info_t) :: info
 
-    call self%describe(info)
-    uses = any(info%needs == which)
+    uses = any(self%needs == which)
     if (which == stage%amounts) uses = self%parameter /= of_relief
   end function uses
 

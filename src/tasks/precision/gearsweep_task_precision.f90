@@ -79,10 +79,8 @@ contains
   pure logical function uses(self, which)
     class(precision_task_t), intent(in) :: self
     integer, intent(in) :: which                 !< of `stage`
-    type(task_info_t) :: info
 
-    call self%describe(info)
-    uses = any(info%needs == which)
+    uses = any(self%needs == which)
     if (which == stage%section .or. which == stage%body) uses = uses .and. self%has_gears
   end function uses
 
