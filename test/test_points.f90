@@ -6,13 +6,18 @@ module test_points
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_error, only: error_t
+  use gearsweep_error_estimate, only: accuracy_t, point_t
   use gearsweep_kinds, only: dp
+  use gearsweep_motions, only: build_motion
+  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_response, only: response_t
+  use gearsweep_status, only: has_result
   use gearsweep_study, only: run_study, study_t
   use gearsweep_table, only: table_t
   use gearsweep_tables, only: column_of, make_table
   use gearsweep_text, only: str
   use random_numbers, only: random_t
+  use single_points, only: solve
   use testing, only: check_close, check_equal, check_no_error, check_true, tally_t
   implicit none
   private
@@ -30,7 +35,54 @@ contains
     if (t%wants('of_all_tasks')) call of_all_tasks(t)
     if (t%wants('the_largest_motion')) call the_largest_motion(t)
     if (t%wants('one_motion')) call one_motion(t)
+    if (t%wants('at_the_brink')) call at_the_brink(t)
   end subroutine run
+
+  !> As the relief grows, a pair parts from its mate somewhere. Halving between two reliefs leads to where it only just does: there
+  !> too each has a motion, and as the dynamic factor has no jump, it is that of the last relief with which no pair parts, within
+  !> the tolerance.
+  subroutine at_the_brink(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: halvings = 45
+    real(dp), parameter :: rpm = 15000
+    type(case_t) :: case
+    type(study_t) :: study
+    type(oscillator_t) :: osc
+    type(accuracy_t) :: options
+    type(point_t) :: points(halvings)
+    type(error_t), allocatable :: error
+    real(dp) :: least, most, relief(halvings)
+    integer :: i, last
+
+    call read_case('&case tasks = ''sweep'' / &pair module_mm = 3.18 face_width_mm = 25.4 / &pinion teeth = 25 '// &
+                   'effective_mass_kg = 0.8113 / &gear teeth = 25 effective_mass_kg = 0.8113 / &load line_load_n_mm = 276 / '// &
+                   '&mesh model = ''weber'' corner_contact = .false. nonlinear_contact = .false. / '// &
+                   '&dynamics damping_ratio = 0.12 / &sweep rpm_first = '//str(rpm)//' rpm_last = '//str(rpm)// &
+                   ' rpm_step = 1 /', case, error)
+    if (.not. allocated(error)) call run_study(case, '', 1, study, error)
+    least = 10e-6_dp
+    most = 25e-6_dp
+    last = 0
+    do i = 1, halvings
+      relief(i) = (least + most)/2
+      if (.not. allocated(error)) call build_motion(study%motions_inputs, relief(i), osc, error)
+      call check_no_error(t, 'the case', error)
+      if (allocated(error)) return
+      call solve(osc, rpm, options, points(i))
+      if (points(i)%steady%partial .or. .not. has_result(points(i)%steady%status)) then
+        most = relief(i)
+      else
+        least = relief(i)
+        last = i
+      end if
+    end do
+    call check_true(t, 'some part and some do not', last > 0 .and. any(points%steady%partial))
+    do i = 1, halvings
+      call check_true(t, 'a motion', has_result(points(i)%steady%status), str(1e6_dp*relief(i), 17)//' um')
+      if (abs(relief(i) - relief(last)) < 1e-12_dp) call check_close(t, 'dynamic factor', points(i)%dynamic_factor, &
+        points(last)%dynamic_factor, absolute=2*options%steady%tolerance)
+    end do
+  end subroutine at_the_brink
 
   !> A prescribed mesh over a resonance, where motions with and without loss of contact exist side by side.
   subroutine study_of(t, damping, relief, direction, sweep, load, tasks, study)

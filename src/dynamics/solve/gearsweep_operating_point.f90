@@ -11,7 +11,7 @@ module gearsweep_operating_point
   use gearsweep_periodic_orbit, only: distance, has_converged, near, shoot, solve_full_contact, steady_t
   use gearsweep_refinement, only: first_level, given_resolution, given_steps, last_level, level_steps, levels_t, need_given, &
                                   need_batch_level, need_level, next_level, per_doubling, resolution_of, search_level
-  use gearsweep_status, only: has_result, status_unresolved
+  use gearsweep_status, only: has_result, status_transient, status_unresolved
   use gearsweep_steady, only: find_batch, find_beside, find_converged, find_steady, is_one_branch
   use gearsweep_superposition, only: superpose
   use gearsweep_transient, only: by_shooting, steady_options_t
@@ -21,6 +21,7 @@ module gearsweep_operating_point
 
   !> What was found on the level on which motions are looked for.
   type :: search_t
+    integer :: least = 0                         !< that level, at least
     logical :: done = .false.
     type(steady_t) :: motion
   end type search_t
@@ -57,6 +58,13 @@ contains
     level = min(last, first_level(osc, duration, options, levels))
     do trial = 1, most_trials
       call solve_on_level(osc, level, duration, options, levels, search, point, start)
+      if (point%steady%status == status_transient .and. search%least == 0 .and. level < last) then
+        ! Where a motion only just separates a pair, the period map has a jump as large as the error of a step, and there may be no
+        ! motion that repeats; in finer steps it is as large as rounding.
+        level = min(last, level + per_doubling)
+        search = search_t(least=level)
+        cycle
+      end if
       if (levels%lacks .or. .not. has_result(point%steady%status)) exit
       point%resolution = resolution_of(level)
       call compare_with_half(levels%level(level - per_doubling)%map, duration, options, point)
@@ -131,7 +139,7 @@ contains
     type(steady_options_t) :: alike
     integer :: level
 
-    level = search_level(osc, duration, options)
+    level = max(search%least, search_level(osc, duration, options))
     call need_level(osc, level, levels)
     if (levels%lacks) return
     alike = options%steady
