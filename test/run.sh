@@ -140,7 +140,7 @@ if [ $# = 0 ]; then
   # The program shares its build with the suites as released, and Python's own build goes on beside these.
   order="release test/test_python.sh debug $scripts"
   if [ -n "$all" ]; then
-    say 'all tests, about 40 min'
+    say 'all tests, about 35 min'
   else
     say 'about 10 min; sh test/run.sh --all runs the rest too'
     short=--short
