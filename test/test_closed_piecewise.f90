@@ -28,7 +28,7 @@ contains
     type(tally_t), intent(inout) :: t
     integer, parameter :: samples = 4000
     type(random_t) :: random
-    type(piecewise_t) :: p
+    type(piecewise_t) :: p, counted_from_one
     real(dp) :: x(7), f(7), slope(7), bend(7), first, last, sum_of, scan(0:samples), least, largest
     integer :: n, i, k, degree, pieces, piece
 
@@ -54,6 +54,10 @@ contains
       call check_close(t, 'least value', p%minimum(), least, absolute=1e-5_dp)
       call check_close(t, 'largest value', p%maximum(), largest, absolute=1e-5_dp)
       call check_true(t, 'no sample beyond', p%minimum() <= least + 1e-13_dp .and. p%maximum() >= largest - 1e-13_dp)
+      counted_from_one%breaks = p%breaks
+      counted_from_one%coef = reshape(p%coef, shape(p%coef))
+      call check_equal(t, 'coefficients counted from 1', lbound(counted_from_one%coef, 1), 1)
+      call check_close(t, 'largest value of these', counted_from_one%maximum(), largest, absolute=1e-5_dp)
       call check_close(t, 'integral', p%integral(first, last), sum_of, absolute=1e-12_dp)
       x = [(first + (last - first)*(i - 0.5_dp)/7, i=1, 7)]
       call check_close(t, 'parts of an integral', p%integral(first, x(3)) + p%integral(x(3), x(6)) + p%integral(x(6), last), &

@@ -279,7 +279,9 @@ contains
     end do
     do i = 1, size(p%coef, 2)
       ! No value of a piece lies above what its coefficients can add up to.
-      if (p%coef(0, i) + sum(abs(p%coef(1:, i))) + rounding*sum(abs(p%coef(:, i))) < maximum) cycle
+      associate (c => p%coef(:, i))
+        if (c(1) + sum(abs(c(2:))) + rounding*sum(abs(c)) < maximum) cycle
+      end associate
       v = turning_points(p%coef(:, i))
       do k = 1, size(v)
         maximum = max(maximum, horner(p%coef(:, i), v(k)))
