@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs the tests, or only the suites named: sh test/run.sh [--all | SUITE | SUITE:TEST ...]
-# Without a word, what takes some 10 min on two idle cores. --all: the rest too, before a release: the scripts whose
+# Without a word, what takes some 13 min on two idle cores. --all: the rest too, before a release: the scripts whose
 # head says that they belong to --all, with run-time checks also the suites that are long with them, the long Python tests, and
 # the front panel in a browser, which `sh test/run.sh --panel` runs alone.
 # SUITE:TEST stands for the suite's tests whose names contain TEST; where there is none, the names are listed.
@@ -142,7 +142,7 @@ if [ $# = 0 ]; then
   if [ -n "$all" ]; then
     say 'all tests, about 35 min'
   else
-    say 'about 10 min; sh test/run.sh --all runs the rest too'
+    say 'about 13 min; sh test/run.sh --all runs the rest too'
     short=--short
     # Parts of scripts that belong to --all.
     export builds_anew=no long_tests=no
