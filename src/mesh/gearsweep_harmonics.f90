@@ -65,14 +65,12 @@ contains
     call smooth_segments(mesh, load, intervals, segments)
     call set_up(mesh, load, count, intervals, segments, f)
     if (present(base)) f%base = base
-    harmonics%least = huge(1.0_dp)
-    harmonics%largest = -huge(1.0_dp)
+    call find_range(f, intervals, harmonics%least, harmonics%largest)
     total = 0
     do i = 1, size(segments)
       associate (interval => intervals(segments(i)%interval), a => segments(i)%first, b => segments(i)%last)
         whole = panel(f, interval, a, b, count)
         call refine(f, interval, a, b, whole, most, total, harmonics)
-        call extremes(f, interval, a, b, harmonics%least, harmonics%largest)
         harmonics%effective_contact_ratio = harmonics%effective_contact_ratio + &
                                             (b - a)*sum(merge(1, 0, carrying(mesh, balance_t(load), interval, (a + b)/2)))
       end associate
@@ -91,56 +89,17 @@ contains
     harmonics%samples = harmonics%samples + points*size(segments)
   end subroutine find_harmonics
 
-  !> Largest less least static transmission error (m) of `mesh` under `load` (N), without the search for where pairs begin and cease
-  !> to carry: where there are many turns, that takes most of the time. The smooth intervals are sampled, and what may pass the
-  !> outermost samples is narrowed down.
+  !> Largest less least static transmission error (m) of `mesh` under `load` (N), without the integrals, which take most of the time.
   pure real(dp) function static_range(mesh, load)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
-    real(dp), parameter :: samples = 48, of_wave = 16      ! of a mesh period, and of a wave of a flank
-    type(interval_t), allocatable :: intervals(:)
     type(integrand_t) :: f
-    real(dp), allocatable :: x(:, :)
-    real(dp) :: per_period, outermost(2)
-    integer, allocatable :: steps(:)
-    integer :: i, k, way
+    real(dp) :: least, largest
 
     f%mesh = mesh
     f%load = load
-    intervals = smooth_intervals(mesh, .false.)
-    per_period = samples
-    associate (of => mesh%deviations)
-      if (of%any()) per_period = per_period + of_wave*maxval([0.0_dp, of%waves%order/real(of%teeth(of%waves%gear), dp)])
-    end associate
-    steps = 4 + nint(per_period*(intervals%last - intervals%first))
-    allocate (x(0:maxval(steps), size(intervals)))
-    do i = 1, size(intervals)
-      x(:steps(i), i) = [(error_at(f, intervals(i), phase(i, k)), k=0, steps(i))]
-      x(steps(i) + 1:, i) = x(0, i)
-    end do
-    do way = 1, 2
-      ! The least is the largest of what is turned over.
-      if (way == 2) x = -x
-      outermost(way) = maxval(x)
-      do i = 1, size(intervals)
-        do k = 0, steps(i)
-          associate (before => max(0, k - 1), behind => min(steps(i), k + 1))
-            if (x(k, i) < max(x(before, i), x(behind, i)) .or. &
-                2*x(k, i) - min(x(before, i), x(behind, i)) <= outermost(way)) cycle
-            outermost(way) = max(outermost(way), summit(f, intervals(i), phase(i, before), phase(i, behind), 3 - 2*way))
-          end associate
-        end do
-      end do
-    end do
-    static_range = sum(outermost)
-
-  contains
-
-    pure real(dp) function phase(i, k)
-      integer, intent(in) :: i, k
-
-      phase = intervals(i)%first + (intervals(i)%last - intervals(i)%first)*k/steps(i)
-    end function phase
+    call find_range(f, smooth_intervals(mesh, .false.), least, largest)
+    static_range = largest - least
   end function static_range
 
   pure real(dp) function peak_to_peak(self)
@@ -232,30 +191,53 @@ contains
     end associate
   end subroutine refine
 
-  !> Widens `least` and `largest` by what x reaches from a to b.
-  pure subroutine extremes(f, interval, a, b, least, largest)
+  !> Least and largest pairs' part of the static transmission error, m. The smooth intervals are sampled; what may pass the outermost
+  !> samples is narrowed down, corners too, where a pair begins or ceases to carry.
+  pure subroutine find_range(f, intervals, least, largest)
     type(integrand_t), intent(in) :: f
-    type(interval_t), intent(in) :: interval
-    real(dp), intent(in) :: a, b
-    real(dp), intent(inout) :: least, largest
-    real(dp) :: phase(0:points + 1), x(0:points + 1)
-    integer :: i, highest, lowest
+    type(interval_t), intent(in) :: intervals(:)
+    real(dp), intent(out) :: least, largest
+    real(dp), parameter :: samples = 48, of_wave = 16      ! of a mesh period, and of a wave of a flank
+    real(dp), allocatable :: x(:, :)
+    real(dp) :: per_period, outermost(2)
+    integer, allocatable :: steps(:)
+    integer :: i, k, way
 
-    phase = [a, a + (b - a)*f%node, b]
-    do i = 0, points + 1
-      x(i) = error_at(f, interval, phase(i))
+    per_period = samples
+    associate (of => f%mesh%deviations)
+      if (of%any()) per_period = per_period + of_wave*maxval([0.0_dp, of%waves%order/real(of%teeth(of%waves%gear), dp)])
+    end associate
+    steps = 4 + nint(per_period*(intervals%last - intervals%first))
+    allocate (x(0:maxval(steps), size(intervals)))
+    do i = 1, size(intervals)
+      x(:steps(i), i) = [(error_at(f, intervals(i), phase(i, k)), k=0, steps(i))]
+      x(steps(i) + 1:, i) = x(0, i)
     end do
-    least = min(least, minval(x))
-    largest = max(largest, maxval(x))
-    highest = maxloc(x, 1) - 1
-    lowest = minloc(x, 1) - 1
-    if (highest > 0 .and. highest <= points) then
-      largest = max(largest, summit(f, interval, phase(highest - 1), phase(highest + 1), 1))
-    end if
-    if (lowest > 0 .and. lowest <= points) then
-      least = min(least, -summit(f, interval, phase(lowest - 1), phase(lowest + 1), -1))
-    end if
-  end subroutine extremes
+    do way = 1, 2
+      ! The least is the largest of what is turned over.
+      if (way == 2) x = -x
+      outermost(way) = maxval(x)
+      do i = 1, size(intervals)
+        do k = 0, steps(i)
+          associate (before => max(0, k - 1), behind => min(steps(i), k + 1))
+            if (x(k, i) < max(x(before, i), x(behind, i)) .or. &
+                2*x(k, i) - min(x(before, i), x(behind, i)) <= outermost(way)) cycle
+            outermost(way) = max(outermost(way), summit(f, intervals(i), phase(i, before), phase(i, behind), 3 - 2*way))
+          end associate
+        end do
+      end do
+    end do
+    largest = outermost(1)
+    least = -outermost(2)
+
+  contains
+
+    pure real(dp) function phase(i, k)
+      integer, intent(in) :: i, k
+
+      phase = intervals(i)%first + (intervals(i)%last - intervals(i)%first)*k/steps(i)
+    end function phase
+  end subroutine find_range
 
   !> The largest value of way*x between two phases with one summit between them, by golden section.
   pure real(dp) function summit(f, interval, first, last, way)

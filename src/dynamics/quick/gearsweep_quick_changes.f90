@@ -6,7 +6,7 @@ module gearsweep_quick_changes
   use gearsweep_quintic, only: derivative_of, first_zero, quintic, value_of
   implicit none
   private
-  public :: quick_motion_t, state_t, change, go_through, look_inside, raise, top_load
+  public :: quick_motion_t, state_t, change, close_gaps, go_through, look_inside, pulls_of, raise, top_load, touching_of
 
   type :: quick_motion_t
     logical :: is_found = .false.                !< the motion repeats after a turn, and the coast sides stay apart
@@ -61,7 +61,7 @@ contains
       do i = 1, 4*2**p
         if (.not. steps%law(state%set, step)%is_known) call need_law(steps, state%set, step)
         do j = 1, p
-          state%gap(j) = state%x - parabola(touching_of(steps%law(state%set, step), errors, step, j, p), at)
+          state%gap(j) = state%x - parabola(touching_of(steps%law(state%set, step), errors, step, j), at)
         end do
         do j = 1, p
           if (btest(state%set, j - 1) .neqv. state%gap(j) > 0) exit
@@ -73,31 +73,29 @@ contains
   end subroutine close_gaps
 
   !> The deflections (m) at which pair j touches, at the nodes of a step.
-  pure function touching_of(law, errors, step, j, pairs) result(touching)
+  pure function touching_of(law, errors, step, j) result(touching)
     type(quick_law_t), intent(in) :: law
     real(dp), contiguous, intent(in) :: errors(:, :)
-    integer, intent(in) :: step, j, pairs
+    integer, intent(in) :: step, j
     real(dp) :: touching(3)
-    integer :: l
+    integer :: k
 
-    touching = 0
-    do l = 1, pairs
-      touching = touching + law%touching(j, l, :)*errors(l, 3*step - 2:3*step)
+    do k = 1, 3
+      touching(k) = sum(law%touching(:, j, k)*errors(:, 3*step - 3 + k))
     end do
   end function touching_of
 
   !> r (m) at the nodes of a step.
-  pure function pulls_of(law, static, errors, step, pairs) result(r)
+  pure function pulls_of(law, static, errors, step) result(r)
     type(quick_law_t), intent(in) :: law
     real(dp), intent(in) :: static
     real(dp), contiguous, intent(in) :: errors(:, :)
-    integer, intent(in) :: step, pairs
+    integer, intent(in) :: step
     real(dp) :: r(3)
-    integer :: l
+    integer :: k
 
-    r = static
-    do l = 1, pairs
-      r = r + law%pull(l, :)*errors(l, 3*step - 2:3*step)
+    do k = 1, 3
+      r(k) = static + sum(law%pull(:, k)*errors(:, 3*step - 3 + k))
     end do
   end function pulls_of
 
@@ -138,7 +136,7 @@ contains
     if (.not. steps%law(next%set, step)%is_known) call need_law(steps, next%set, step)
     associate (old => steps%law(state%set, step), new => steps%law(next%set, step), &
                sense => merge(1, -1, btest(state%set, j - 1)))
-      t = touching_of(old, errors, step, j, p)
+      t = touching_of(old, errors, step, j)
       c = course(old, span, state, next)
       gap = c
       gap(:2) = gap(:2) - [t(1), 4*t(2) - 3*t(1) - t(3), 2*(t(1) - 2*t(2) + t(3))]
@@ -160,11 +158,11 @@ contains
       y(6) = -w*y(4) - d*y(5)
       next%x = next%x + u**2*(y(2)/2 + u*(y(3)/6 + u*(y(4)/24 + u*(y(5)/120 + u*y(6)/720))))
       next%v = next%v + u*(y(2) + u*(y(3)/2 + u*(y(4)/6 + u*(y(5)/24 + u*y(6)/120))))
-      next%r = steps%osc%static_deflection
+      t = pulls_of(new, steps%osc%static_deflection, errors, step)
+      next%r = t(3)
       wrong = .false.
       do j = 1, p
-        next%r = next%r + new%pull(j, 3)*errors(j, 3*step)
-        t(3) = dot_product(new%touching(j, :p, 3), errors(:p, 3*step))
+        t = touching_of(new, errors, step, j)
         next%gap(j) = next%x - t(3)
         wrong = wrong .or. (btest(next%set, j - 1) .neqv. next%gap(j) > 0)
       end do
@@ -192,7 +190,7 @@ contains
       call go_on(steps, errors, step, span, from, to, state)
       associate (p => steps%pairs(step))
         do j = 1, p
-          state%gap(j) = state%x - parabola(touching_of(steps%law(state%set, step), errors, step, j, p), to)
+          state%gap(j) = state%x - parabola(touching_of(steps%law(state%set, step), errors, step, j), to)
           if (btest(state%set, j - 1) .neqv. state%gap(j) > 0) exit
         end do
         if (j <= p) then
@@ -209,7 +207,7 @@ contains
         end do
       end associate
     end do
-    r = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step, steps%pairs(step))
+    r = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step)
     state%r = r(3)
   end subroutine go_through
 
@@ -223,7 +221,7 @@ contains
     real(dp) :: r(3, 1), x(1), v(1)
 
     if (.not. steps%law(state%set, step)%is_known) call need_law(steps, state%set, step)
-    r(:, 1) = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step, steps%pairs(step))
+    r(:, 1) = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step)
     x = state%x
     v = state%v
     call advance(steps%law(state%set, step), span, from, to, 1, r, x, v)
@@ -247,7 +245,7 @@ contains
       c = course(law, span, state, next)
       do j = 1, steps%pairs(step)
         if (.not. btest(state%set, j - 1)) cycle
-        t = touching_of(law, errors, step, j, steps%pairs(step))
+        t = touching_of(law, errors, step, j)
         do k = 0, parts
           associate (at => real(k, dp)/parts)
             load(k) = parabola(law%effective(j, :), at)*(value_of(c, at) - parabola(t, at))

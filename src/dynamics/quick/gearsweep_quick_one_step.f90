@@ -1,8 +1,9 @@
 !> One step of a quick turn (gearsweep_quick_turn) at one speed, whatever happens within it.
 module gearsweep_quick_one_step
   use gearsweep_kinds, only: dp
-  use gearsweep_quick_changes, only: change, go_through, look_inside, quick_motion_t, raise, state_t, top_load
-  use gearsweep_quick_steps, only: most_pairs, need_law, need_map, quick_law_t, quick_maps_t, quick_steps_t
+  use gearsweep_quick_changes, only: change, close_gaps, go_through, look_inside, pulls_of, quick_motion_t, raise, state_t, &
+                                     top_load, touching_of
+  use gearsweep_quick_steps, only: most_pairs, need_map, quick_maps_t, quick_steps_t
   implicit none
   private
   public :: follow_step
@@ -18,38 +19,39 @@ contains
     type(state_t), intent(inout) :: state        !< x, its derivative and the contact set at the begin, then at the end
     type(quick_motion_t), intent(inout) :: motion
     type(state_t) :: next
-    real(dp) :: bend, middle, span, static, top
+    real(dp) :: bend, r(3), span, top, touching(3, most_pairs)
     real(dp), dimension(most_pairs) :: between, bound, curve, hollow, right
     logical :: inside, wrong
-    integer :: n
+    integer :: j
 
-    static = steps%osc%static_deflection
-    n = 3*step
     if (steps%begins(step)) call begin_interval(steps, errors, step, period, state, motion)
     if (.not. maps%is_known(state%set, step)) call need_map(steps, state%set, step, maps)
     span = steps%width(step)*maps%turning(lane)
-    associate (law => steps%law(state%set, step), map => maps%of(lane, :, :, state%set, step), first => errors(:, n - 2), &
-               half => errors(:, n - 1), whole => errors(:, n))
-      state%r = static + sum(law%pull(:, 1)*first)
-      middle = static + sum(law%pull(:, 2)*half)
-      next%r = static + sum(law%pull(:, 3)*whole)
-      state%gap = gaps_at(law, 1, first, state%x)
-      next%x = sum(map(:, 1)*[state%x, state%v, state%r, middle, next%r])
-      next%v = sum(map(:, 2)*[state%x, state%v, state%r, middle, next%r])
+    associate (law => steps%law(state%set, step), map => maps%of(lane, :, :, state%set, step))
+      r = pulls_of(law, steps%osc%static_deflection, errors, step)
+      touching = 0
+      do j = 1, steps%pairs(step)
+        touching(:, j) = touching_of(law, errors, step, j)
+      end do
+      state%r = r(1)
+      state%gap = state%x - touching(1, :)
+      next%x = sum(map(:, 1)*[state%x, state%v, r])
+      next%v = sum(map(:, 2)*[state%x, state%v, r])
+      next%r = r(3)
       next%set = state%set
-      next%gap = gaps_at(law, 3, whole, next%x)
-      ! By the cubic through the states at the ends, x in the middle is the mean and `bend`; a pair's gap is more by what the
-      ! error is less than its mean there. The parabola through the three gaps may touch in between.
+      next%gap = next%x - touching(3, :)
+      ! By the cubic through the states at the ends, x in the middle is the mean and `bend`; a pair's gap is more by what
+      ! its touching deflection is less than the mean there. The parabola through the three gaps may touch in between.
       bend = span/8*(state%v - next%v)
-      hollow = (first + whole)/2 - half
+      hollow = (touching(1, :) + touching(3, :))/2 - touching(2, :)
       right = law%sense*next%gap + law%spare
       curve = -2*law%sense*(bend + hollow)
       between = law%sense*(state%gap + next%gap)/2 - curve/2 + law%spare
-      wrong = least_of(right) <= 0
+      wrong = any(right <= 0)
       inside = any(abs(next%gap - state%gap) < 2*curve .and. 8*curve*between <= (next%gap - state%gap)**2 .and. right > 0)
       bound = law%stiffest*(merge(state%gap, next%gap, state%gap > next%gap) + 1.25_dp*abs(bend + hollow))
       top = 0
-      if (-least_of(-bound) > motion%peak .or. wrong) top = top_load(law, span, hollow, state, next)
+      if (any(bound > motion%peak) .or. wrong) top = top_load(law, span, hollow, state, next)
     end associate
     if (wrong) then
       if (top <= motion%peak .and. .not. inside) call change(steps, errors, step, span, state, next, wrong)
@@ -64,30 +66,7 @@ contains
     state = next
   end subroutine follow_step
 
-  !> The gaps (m) at a node of a step.
-  pure function gaps_at(law, node, error, x) result(gap)
-    type(quick_law_t), intent(in) :: law
-    integer, intent(in) :: node
-    real(dp), intent(in) :: error(most_pairs)    ! m; (pair)
-    real(dp), intent(in) :: x                    ! m
-    real(dp) :: gap(most_pairs)
-
-    gap = x - ((law%touching(:, 1, node)*error(1) + law%touching(:, 2, node)*error(2)) + &
-               (law%touching(:, 3, node)*error(3) + law%touching(:, 4, node)*error(4)))
-  end function gaps_at
-
-  !> The least of four.
-  pure real(dp) function least_of(values) result(least)
-    real(dp), intent(in) :: values(4)
-    real(dp) :: other
-
-    ! So the processor's own instructions do.
-    least = merge(values(1), values(2), values(1) < values(2))
-    other = merge(values(3), values(4), values(3) < values(4))
-    least = merge(least, other, least < other)
-  end function least_of
-
-  !> Finds the pairs in contact at the begin of an interval: the first that touches on the wrong side changes until there is none.
+  !> Finds the pairs in contact at the begin of an interval, and what they carry.
   pure subroutine begin_interval(steps, errors, step, period, state, motion)
     type(quick_steps_t), intent(inout) :: steps
     real(dp), contiguous, intent(in) :: errors(:, :)
@@ -96,18 +75,10 @@ contains
     type(quick_motion_t), intent(inout) :: motion
     integer :: j
 
-    do j = 1, 4*2**steps%pairs(step)
-      if (.not. steps%law(state%set, step)%is_known) call need_law(steps, state%set, step)
-      associate (law => steps%law(state%set, step))
-        state%gap = gaps_at(law, 1, errors(:, 3*step - 2), state%x)
-        if (least_of(law%sense*state%gap + law%spare) > 0) exit
-        state%set = ieor(state%set, ibset(0, findloc(law%sense*state%gap + law%spare > 0, .false., 1) - 1))
-      end associate
-    end do
-    associate (law => steps%law(state%set, step), p => steps%pairs(step))
-      do j = 1, p
-        if (law%effective(j, 1)*state%gap(j) > motion%peak) &
-          call raise(steps, step, period, 0.0_dp, law%effective(j, 1)*state%gap(j), j, motion)
+    call close_gaps(steps, errors, step, 0.0_dp, state)
+    associate (law => steps%law(state%set, step))
+      do j = 1, steps%pairs(step)
+        call raise(steps, step, period, 0.0_dp, law%effective(j, 1)*state%gap(j), j, motion)
       end do
     end associate
   end subroutine begin_interval

@@ -32,7 +32,7 @@ module gearsweep_quick_steps
     real(dp), dimension(3) :: omega_squared = 0, rate = 0  !< per rad^2 and rad of the mean natural motion
     real(dp) :: pull(most_pairs, 3) = 0                    !< q, per rad^2; (pair, node)
     real(dp) :: effective(most_pairs, 3) = 0               !< N/m; 0 of a pair that is apart; (pair, node)
-    !> What a pair's error adds to the touching deflection of each; (pair that touches, pair with the error, node)
+    !> What a pair's error adds to the touching deflection of each; (pair with the error, pair that touches, node)
     real(dp) :: touching(most_pairs, most_pairs, 3) = 0
     real(dp) :: stiffest(most_pairs) = 0                   !< the largest of `effective`; (pair)
     !> The law holds while sense times the gap is above 0: 1 for a pair in contact, -1 for one apart, or, of one that is not there,
@@ -187,7 +187,7 @@ contains
           weight = effective(1, j)*mobility(osc, interval%place(steps%phase(3*step - 3 + node), j), interval%recess(j))/ &
                    osc%natural_frequency**2
           law%effective(j, node) = effective(1, j)
-          law%touching(j, :p, node) = touching(:, j)
+          law%touching(:p, j, node) = touching(:, j)
           law%omega_squared(node) = law%omega_squared(node) + weight
           law%pull(:p, node) = law%pull(:p, node) + weight*touching(:, j)
         end do

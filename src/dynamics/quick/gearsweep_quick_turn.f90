@@ -5,7 +5,7 @@
 module gearsweep_quick_turn
   use gearsweep_deviations, only: deviations_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_quick_changes, only: quick_motion_t, state_t
+  use gearsweep_quick_changes, only: pulls_of, quick_motion_t, state_t, touching_of
   use gearsweep_quick_one_step, only: follow_step
   use gearsweep_quick_steps, only: lanes, most_pairs, need_map, quick_maps_t, quick_steps_t
   implicit none
@@ -150,9 +150,7 @@ contains
       end if
       if (.not. maps%is_known(usual, i)) call need_map(steps, usual, i, maps)
       associate (law => steps%law(usual, i), a => maps%of(:, :, :, usual, i))
-        do k = 1, 3
-          r(k) = steps%osc%static_deflection + sum(law%pull(:, k)*errors(:, 3*i - 3 + k))
-        end do
+        r = pulls_of(law, steps%osc%static_deflection, errors, i)
         do l = 1, lanes
           x(l) = (a(l, 1, 1)*now%x(l) + a(l, 2, 1)*now%v(l)) + (a(l, 3, 1)*r(1) + a(l, 4, 1)*r(2) + a(l, 5, 1)*r(3))
           v(l) = (a(l, 1, 2)*now%x(l) + a(l, 2, 2)*now%v(l)) + (a(l, 3, 2)*r(1) + a(l, 4, 2)*r(2) + a(l, 5, 2)*r(3))
@@ -160,9 +158,7 @@ contains
         end do
         trouble = apart
         do j = 1, steps%pairs(i)
-          do k = 1, 3
-            touching(k) = sum(law%touching(j, :, k)*errors(:, 3*i - 3 + k))
-          end do
+          touching = touching_of(law, errors, i, j)
           hollow = (touching(1) + touching(3))/2 - touching(2)
           if (btest(usual, j - 1)) then
             do l = 1, lanes
