@@ -181,20 +181,15 @@ contains
     real(dp), intent(in) :: values(:)
     type(case_t), intent(out) :: case
     type(error_t), allocatable, intent(out) :: error
-    real(dp), parameter :: least = 1e-300_dp
     character(30) :: words
     integer :: k, pass
 
     do pass = 1, 2
       do k = 1, size(at)
-        associate (value => list%entries(at(k))%values(1))
-          ! For messages as it would be written, and always so for keys that take integers.
-          value%is_number = pass == 1 .and. abs(values(k)) > least .and. abs(values(k) - anint(values(k))) > 0
-          value%number = values(k)
-          if (value%is_number) write (words, '(z16.16)') values(k)
-          if (.not. value%is_number) words = told(values(k))
-          value%text = trim(words)
-        end associate
+        write (words, '(es24.16e3)') values(k)
+        ! For messages as it would be written, and always so for keys that take integers.
+        if (pass == 2 .or. .not. abs(values(k) - anint(values(k))) > 0) words = told(values(k))
+        list%entries(at(k))%values(1)%text = trim(adjustl(words))
       end do
       call read_list(text, list, case, error)
       if (.not. allocated(error)) return

@@ -275,6 +275,7 @@ contains
     integer, intent(in) :: which                 !< of `stage`
     integer, intent(in), optional :: other
     character(sentence_length) :: words
+    character(task_length + 4) :: word
     integer :: list(size(slots)), i, n, last
     logical :: used
 
@@ -289,12 +290,11 @@ contains
     words = ''
     last = 0
     do i = 1, n
-      if (i > 1) words(last + 1:last + 4) = merge(' or ', ',   ', i == n)
-      if (i > 1) last = last + merge(4, 2, i == n)
-      associate (name => slots(list(i))%info%name)
-        words(last + 1:last + len(name)) = name
-        last = last + len_trim(name)
-      end associate
+      word = slots(list(i))%info%name
+      if (i > 1) word = ', '//slots(list(i))%info%name
+      if (i > 1 .and. i == n) word = ' or '//slots(list(i))%info%name
+      words(last + 1:last + len(word)) = word
+      last = last + len_trim(word)
     end do
   end function sentence_of
 end module gearsweep_task

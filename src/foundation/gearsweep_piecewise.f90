@@ -269,19 +269,11 @@ contains
   !> Largest value over all pieces.
   pure real(dp) function maximum(p)
     class(piecewise_t), intent(in) :: p
-    real(dp), parameter :: rounding = 1e-12_dp
     real(dp), allocatable :: v(:)
     integer :: i, k
 
     maximum = -huge(maximum)
     do i = 1, size(p%coef, 2)
-      maximum = max(maximum, horner(p%coef(:, i), 1.0_dp))
-    end do
-    do i = 1, size(p%coef, 2)
-      ! No value of a piece lies above what its coefficients can add up to.
-      associate (c => p%coef(:, i))
-        if (c(1) + sum(abs(c(2:))) + rounding*sum(abs(c)) < maximum) cycle
-      end associate
       v = turning_points(p%coef(:, i))
       do k = 1, size(v)
         maximum = max(maximum, horner(p%coef(:, i), v(k)))

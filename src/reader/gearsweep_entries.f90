@@ -18,9 +18,6 @@ module gearsweep_entries
   type :: value_t
     character(:), allocatable :: text
     logical :: quoted = .false.
-    !> It came as a number, not as text: `number` counts, and the text only tells it from others.
-    logical :: is_number = .false.
-    real(dp) :: number = 0
   end type value_t
 
   !> One key that was given, with all its values (at least one).

@@ -113,23 +113,9 @@ contains
     is_for = len(self%tasks) == 0
     from = 1
     do while (from <= len(self%tasks) .and. .not. is_for)
-      length = verify(self%tasks(from:), letters) - 1
-      if (length < 0) length = len(self%tasks) - from + 1
-      if (length > 0) is_for = has_word(tasks, self%tasks(from:from + length - 1))
+      length = verify(self%tasks(from:)//',', letters) - 1
+      if (length > 0) is_for = index(tasks, ' '//self%tasks(from:from + length - 1)//' ') > 0
       from = from + length + 1
     end do
   end function is_for
-
-  !> Is this one of the words, which have a blank in front of and behind each?
-  pure logical function has_word(words, word)
-    character(*), intent(in) :: words, word
-    integer :: at, n
-
-    n = len(word)
-    do at = 2, len(words) - n
-      has_word = words(at:at + n - 1) == word .and. words(at - 1:at - 1) == ' ' .and. words(at + n:at + n) == ' '
-      if (has_word) return
-    end do
-    has_word = .false.
-  end function has_word
 end module gearsweep_key

@@ -52,10 +52,7 @@ contains
     integer :: whole
     logical :: ok
 
-    if (value%is_number) then
-      number = value%number
-      ok = .not. bounds%whole
-    else if (bounds%whole) then
+    if (bounds%whole) then
       call to_number(value%text, whole, ok)
       number = whole
     else
