@@ -31,52 +31,44 @@ def case_of(task, count, step, corners, quick=False):
     return text + '&as_built quick = .true. /\n' if quick else text
 
 
-def processor_time(text, read=None):
+def run(text, column=None):
+    """Processor time of a case, and the numbers of a column 'table.column'."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / 'case.nml'
         path.write_text(text)
         before = os.times()
         subprocess.run([PROGRAM, path, '--quiet', '--threads', '1', '--out', folder], check=True)
         after = os.times()
-        if read is not None:
-            read.append(sample_error(pathlib.Path(folder)))
-    return after.children_user + after.children_system - before.children_user - before.children_system
+        numbers = []
+        if column:
+            table, name = column.split('.')
+            with open(pathlib.Path(folder) / f'case.{table}.csv') as lines:
+                numbers = [float(row[name]) for row in csv.DictReader(line for line in lines if not line.startswith('#'))]
+    return after.children_user + after.children_system - before.children_user - before.children_system, numbers
 
 
 def per_point(task, speeds, step, corners):
     """Processor time of one operating point (s): what so many draws or reliefs more take."""
     fewer, more = case_of(task, 1, step, corners), case_of(task, 1 + MORE, step, corners)
-    return median(processor_time(more) - processor_time(fewer) for _ in range(REPEATS)) / (MORE * speeds)
-
-
-def sample_error(folder):
-    with open(next(folder.glob('*as_built_summary*'))) as table:
-        return float(next(csv.DictReader(line for line in table if not line.startswith('#')))['sample_error'])
+    return median(run(more)[0] - run(fewer)[0] for _ in range(REPEATS)) / (MORE * speeds)
 
 
 def quickly(speeds, step, corners):
     """Processor time of an operating point of many draws (s), and the largest difference to the sample to the tolerance."""
-    errors = []
-    fewer, more = (case_of('as_built', count, step, corners, quick=True) for count in (SAMPLED, SAMPLED + MANY))
-    time = median(processor_time(more, errors) - processor_time(fewer, errors) for _ in range(REPEATS))
-    return time / (MANY * speeds), max(errors)
-
-
-def factors(text):
-    """All dynamic factors of a case."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder) / 'case.nml'
-        path.write_text(text)
-        subprocess.run([PROGRAM, path, '--quiet', '--out', folder], check=True)
-        with open(pathlib.Path(folder) / 'case.as_built.csv') as table:
-            return [float(row['dynamic_factor']) for row in csv.DictReader(line for line in table if not line.startswith('#'))]
+    taken, errors = [], []
+    for _ in range(REPEATS):
+        (fewer, _), (more, error) = (run(case_of('as_built', count, step, corners, quick=True), 'as_built_summary.sample_error')
+                                     for count in (SAMPLED, SAMPLED + MANY))
+        taken.append(more - fewer)
+        errors += error
+    return median(taken) / (MANY * speeds), max(errors)
 
 
 def both_ways(grade):
     """How many dynamic factors of gears of this class there are, by how much the quick ones differ at most, and how many by above 1e-3."""
-    text = re.sub(r'(_class) = \d+', rf'\1 = {grade}', case_of('as_built', 91, 60, corners=False))
-    text = text.replace('amount_um = 15', 'amount_um = 0, 8, 15')
-    off = [abs(a - b) for a, b in zip(factors(text), factors(text + '&as_built quick = .true. /\n'), strict=True)]
+    exact, quick = (re.sub(r'(_class) = \d+', rf'\1 = {grade}', case_of('as_built', 91, 60, corners=False, quick=way))
+                    .replace('amount_um = 15', 'amount_um = 0, 8, 15') for way in (False, True))
+    off = [abs(a - b) for a, b in zip(*(run(text, 'as_built.dynamic_factor')[1] for text in (exact, quick)), strict=True)]
     return len(off), max(off), sum(one > 1e-3 for one in off)
 
 
