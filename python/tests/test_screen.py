@@ -5,6 +5,7 @@ import itertools
 import math
 import re
 
+import numpy as np
 import pytest
 from conftest import ROOT
 
@@ -559,3 +560,23 @@ def test_both_programs_answer_alike(program, words, capfd):
     assert (code, said.err) == (one.returncode, one.stderr)
     if words != ['--help']:
         assert said.out == one.stdout
+
+
+def test_numbers_of_all_gears_as_built(program, tmp_path):
+    """Quantiles by NumPy of the table's rows."""
+    (tmp_path / 'a.nml').write_text("""&case tasks = 'as_built' / &pair module_mm = 3 face_width_mm = 20 / &pinion teeth = 10 profile_shift = 0.4 /
+&gear teeth = 15 / &load torque_nm = 100 / &relief amount_um = 5, 10 / &mesh model = 'iso6336' /
+&sweep rpm_first = 9000 rpm_last = 9000 rpm_step = 1 / &deviations pinion_class = 6 draws = 4 /
+&as_built with_ste = .true. with_root_stress = .true. /""")
+    lines = program('a.nml', '--out', 'out', cwd=tmp_path).stdout.splitlines()
+    with open(tmp_path / 'out' / 'a.as_built_worst.csv') as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith('#')))
+    for title, column in (('peak-to-peak static transmission error, um', 'ste_peak_to_peak_um'),
+                          ('root stress of the pinion, MPa', 'pinion_root_stress_mpa'), ('root stress of the gear, MPa', 'gear_root_stress_mpa')):
+        at = lines.index(f'Gears as built: {title}') + 2
+        for amount, line in zip(('5', '10'), lines[at : at + 2], strict=True):
+            mine = [row for row in rows if float(row['relief_um']) == float(amount)]
+            values = [float(row[column]) for row in mine]
+            expected = [float(mine[0][f'nominal_{column}']), *np.quantile(values, [0, 0.5, 0.95, 1])]
+            told = [float(word) for word in line.split()]
+            assert len(values) == 4 and told[0] == float(amount) and told[1:] == pytest.approx(expected, abs=0.0051)

@@ -82,7 +82,7 @@ def _panel(ax: Axes, table: xarray.Dataset, along: str) -> None:
     ax.plot(x, table['value'], '.-', color=ACCENT, label=f'{100 * of["quantile"]:g} % as built')
     ax.plot(x, table['median'], color=GREY, label='median as built')
     ax.plot(x, table['nominal'], label='nominal', **NOMINAL)
-    ax.margins(y=0.12)
+    ax.margins(x=0.1, y=0.12)  # room for the marks' words
 
 
 def _mark(ax: Axes, x: float, y: float, color: str, va: str) -> None:

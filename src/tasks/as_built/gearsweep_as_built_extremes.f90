@@ -1,10 +1,13 @@
 !> What the task `as_built` tells of each pair of gears and assembly on demand: peak-to-peak static transmission error and largest
 !> root stress, beside those of gears without deviations.
 module gearsweep_as_built_extremes
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_as_built_machines, only: deviating, follow_turn, machine_t, unit_root_stress
+  use gearsweep_as_built_tables, only: quantile
   use gearsweep_error, only: error_t
   use gearsweep_harmonics, only: static_range
   use gearsweep_kinds, only: dp
+  use gearsweep_lines, only: lines_t, right
   use gearsweep_mesh, only: mesh_t
   use gearsweep_oscillator, only: oscillator_t
   use gearsweep_stages, only: stages_t
@@ -13,10 +16,11 @@ module gearsweep_as_built_extremes
   use gearsweep_sweep, only: sweep_t
   use gearsweep_table, only: no_number, table_t
   use gearsweep_task, only: members
+  use gearsweep_text, only: fixed, str
   use gearsweep_turn, only: turn_t
   implicit none
   private
-  public :: extremes_t, find_extremes, add_extremes
+  public :: extremes_t, find_extremes, add_extremes, report_extremes
 
   !> Not allocated where not wanted. Machine 0 has no deviations; the assembly changes faster than the draw.
   type :: extremes_t
@@ -102,4 +106,41 @@ contains
                      'speed of their largest DF', [spread(found%stress(0, :, i), 1, ubound(found%stress, 1))]/1e6_dp)
     end do
   end subroutine add_extremes
+
+  !> The same for the screen: nominal, and what those of all pairs of gears and assemblies are.
+  pure subroutine report_extremes(table, lines)
+    type(table_t), intent(in) :: table
+    type(lines_t), intent(inout) :: lines
+    character(*), parameter :: columns(3) = [character(22) :: 'ste_peak_to_peak_um', 'pinion_root_stress_mpa', &
+                                             'gear_root_stress_mpa']
+    character(*), parameter :: titles(3) = [character(44) :: 'peak-to-peak static transmission error, um', &
+                                            'root stress of the pinion, MPa', 'root stress of the gear, MPa']
+    real(dp), allocatable :: values(:)
+    integer :: i, k, machines, row
+
+    machines = table%extent(2)*table%extent(3)
+    do i = 1, size(columns)
+      if (table%position(trim(columns(i))) == 0) cycle
+      call lines%add('')
+      call lines%add('Gears as built: '//trim(titles(i)))
+      call lines%add('   relief um   nominal     least    median      95 %   largest')
+      do row = 1, table%rows, machines
+        values = [(table%number(trim(columns(i)), row + k), k=0, machines - 1)]
+        values = pack(values, .not. ieee_is_nan(values))
+        call lines%put(right(str(table%number('relief_um', row)), 12)//told(table%number('nominal_'//trim(columns(i)), row)))
+        if (size(values) > 0) call lines%put(told(minval(values))//told(quantile(values, 0.5_dp))// &
+                                             told(quantile(values, 0.95_dp))//told(maxval(values)))
+        call lines%add('')
+      end do
+    end do
+
+  contains
+
+    pure character(10) function told(number)
+      real(dp), intent(in) :: number
+
+      told = right('none', 10)
+      if (.not. ieee_is_nan(number)) told = right(fixed(number, 2), 10)
+    end function told
+  end subroutine report_extremes
 end module gearsweep_as_built_extremes

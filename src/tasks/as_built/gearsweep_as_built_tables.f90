@@ -18,7 +18,7 @@ module gearsweep_as_built_tables
   use gearsweep_turn, only: length_of, turn_t
   implicit none
   private
-  public :: fill_tolerances, fill_points, fill_worst, fill_summary, fill_loads
+  public :: fill_tolerances, fill_points, fill_worst, fill_summary, fill_loads, quantile
 
   real(dp), parameter :: micro = 1e6_dp
 

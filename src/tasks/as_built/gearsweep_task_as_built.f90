@@ -3,7 +3,7 @@
 !> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of the first gears and
 !> assembly are followed over the turn at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_task_as_built
-  use gearsweep_as_built_extremes, only: add_extremes, extremes_t, find_extremes
+  use gearsweep_as_built_extremes, only: add_extremes, extremes_t, find_extremes, report_extremes
   use gearsweep_as_built_machines, only: draw_machines, follow_turn, machine_t, run_exactly, sweep_each, unit_root_stress
   use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_tolerances, fill_worst
   use gearsweep_coefficient_table, only: scheme_collocation
@@ -298,6 +298,7 @@ contains
       end do
       if (self%quick) call lines%add('   found quickly; those of a sample differ from those to the tolerance by at most '// &
                                      str(maxval([(summary%number('sample_error', row), row=1, summary%rows)]), 2))
+      call report_extremes(worst, lines)
     end associate
   end subroutine add_report
 end module gearsweep_task_as_built
