@@ -89,7 +89,7 @@ contains
     harmonics%samples = harmonics%samples + points*size(segments)
   end subroutine find_harmonics
 
-  !> Largest less least static transmission error (m) of `mesh` under `load` (N), without the integrals, which take most of the time.
+  !> Largest less least static transmission error (m) of `mesh` under `load` (N), without integrals, which take longer.
   pure real(dp) function static_range(mesh, load)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: load
@@ -191,8 +191,8 @@ contains
     end associate
   end subroutine refine
 
-  !> Least and largest pairs' part of the static transmission error, m. The smooth intervals are sampled; what may pass the outermost
-  !> samples is narrowed down, corners too, where a pair begins or ceases to carry.
+  !> Least and largest pairs' part of the static transmission error, m. The smooth intervals are sampled; what may pass the
+  !> outermost samples is narrowed down, corners too, where a pair begins or ceases to carry.
   pure subroutine find_range(f, intervals, least, largest)
     type(integrand_t), intent(in) :: f
     type(interval_t), intent(in) :: intervals(:)
