@@ -2,11 +2,11 @@
 !> corrected from there on by a series; where more happens, the step is gone through in small parts; and the largest loads.
 module gearsweep_quick_changes
   use gearsweep_kinds, only: dp
-  use gearsweep_quick_steps, only: advance, most_pairs, need_law, parabola, quick_law_t, quick_steps_t
+  use gearsweep_quick_steps, only: advance, by_errors, most_pairs, need_law, parabola, quick_law_t, quick_steps_t
   use gearsweep_quintic, only: derivative_of, first_zero, quintic, value_of
   implicit none
   private
-  public :: quick_motion_t, state_t, change, close_gaps, go_through, look_inside, pulls_of, raise, top_load, touching_of
+  public :: quick_motion_t, state_t, change, close_gaps, go_through, look_inside, raise, top_load
 
   type :: quick_motion_t
     logical :: is_found = .false.                !< the motion repeats after a turn, and the coast sides stay apart
@@ -49,9 +49,9 @@ contains
   end function top_load
 
   !> The pairs in contact at a place of a step, and the gaps.
-  pure subroutine close_gaps(steps, errors, step, at, state)
+  pure subroutine close_gaps(steps, error, step, at, state)
     type(quick_steps_t), intent(inout) :: steps
-    real(dp), contiguous, intent(in) :: errors(:, :)
+    real(dp), intent(in) :: error(most_pairs, 3)           ! of the pairs at the nodes, m
     integer, intent(in) :: step
     real(dp), intent(in) :: at                   ! 0 to 1
     type(state_t), intent(inout) :: state
@@ -61,7 +61,7 @@ contains
       do i = 1, 4*2**p
         if (.not. steps%law(state%set, step)%is_known) call need_law(steps, state%set, step)
         do j = 1, p
-          state%gap(j) = state%x - parabola(touching_of(steps%law(state%set, step), errors, step, j), at)
+          state%gap(j) = state%x - parabola(by_errors(steps%law(state%set, step)%touching(:, :, j), error), at)
         end do
         do j = 1, p
           if (btest(state%set, j - 1) .neqv. state%gap(j) > 0) exit
@@ -71,33 +71,6 @@ contains
       end do
     end associate
   end subroutine close_gaps
-
-  !> The deflections (m) at which pair j touches, at the nodes of a step.
-  pure function touching_of(law, errors, step, j) result(touching)
-    type(quick_law_t), intent(in) :: law
-    real(dp), contiguous, intent(in) :: errors(:, :)
-    integer, intent(in) :: step, j
-    real(dp) :: touching(3)
-    integer :: k
-
-    do k = 1, 3
-      touching(k) = sum(law%touching(:, j, k)*errors(:, 3*step - 3 + k))
-    end do
-  end function touching_of
-
-  !> r (m) at the nodes of a step.
-  pure function pulls_of(law, static, errors, step) result(r)
-    type(quick_law_t), intent(in) :: law
-    real(dp), intent(in) :: static
-    real(dp), contiguous, intent(in) :: errors(:, :)
-    integer, intent(in) :: step
-    real(dp) :: r(3)
-    integer :: k
-
-    do k = 1, 3
-      r(k) = static + sum(law%pull(:, k)*errors(:, 3*step - 3 + k))
-    end do
-  end function pulls_of
 
   !> The quintic of x over the step.
   pure function course(law, span, state, next) result(c)
@@ -115,9 +88,9 @@ contains
   !>   y" + rate y' + omega^2 y = -(change of omega^2) gap - (change of the rate) x',
   !>
   !> where the right side is that of the motion under the law before, and y a series up to the sixth derivative.
-  pure subroutine change(steps, errors, step, span, state, next, wrong)
+  pure subroutine change(steps, error, step, span, state, next, wrong)
     type(quick_steps_t), intent(inout) :: steps
-    real(dp), contiguous, intent(in) :: errors(:, :)
+    real(dp), intent(in) :: error(most_pairs, 3)           ! of the pairs at the nodes, m
     integer, intent(in) :: step
     real(dp), intent(in) :: span
     type(state_t), intent(in) :: state
@@ -136,7 +109,7 @@ contains
     if (.not. steps%law(next%set, step)%is_known) call need_law(steps, next%set, step)
     associate (old => steps%law(state%set, step), new => steps%law(next%set, step), &
                sense => merge(1, -1, btest(state%set, j - 1)))
-      t = touching_of(old, errors, step, j)
+      t = by_errors(old%touching(:, :, j), error)
       c = course(old, span, state, next)
       gap = c
       gap(:2) = gap(:2) - [t(1), 4*t(2) - 3*t(1) - t(3), 2*(t(1) - 2*t(2) + t(3))]
@@ -158,11 +131,11 @@ contains
       y(6) = -w*y(4) - d*y(5)
       next%x = next%x + u**2*(y(2)/2 + u*(y(3)/6 + u*(y(4)/24 + u*(y(5)/120 + u*y(6)/720))))
       next%v = next%v + u*(y(2) + u*(y(3)/2 + u*(y(4)/6 + u*(y(5)/24 + u*y(6)/120))))
-      t = pulls_of(new, steps%osc%static_deflection, errors, step)
+      t = steps%osc%static_deflection + by_errors(new%pull, error)
       next%r = t(3)
       wrong = .false.
       do j = 1, p
-        t = touching_of(new, errors, step, j)
+        t = by_errors(new%touching(:, :, j), error)
         next%gap(j) = next%x - t(3)
         wrong = wrong .or. (btest(next%set, j - 1) .neqv. next%gap(j) > 0)
       end do
@@ -171,9 +144,9 @@ contains
 
   !> Goes through a step in small parts. Where a pair begins or ceases to touch within a part, it does so where the straight line
   !> through the gaps at its ends says.
-  pure subroutine go_through(steps, errors, step, period, span, state, motion)
+  pure subroutine go_through(steps, error, step, period, span, state, motion)
     type(quick_steps_t), intent(inout) :: steps
-    real(dp), contiguous, intent(in) :: errors(:, :)
+    real(dp), intent(in) :: error(most_pairs, 3)           ! of the pairs at the nodes, m
     integer, intent(in) :: step, period
     real(dp), intent(in) :: span
     type(state_t), intent(inout) :: state
@@ -187,41 +160,41 @@ contains
       from = (k - 1.0_dp)/parts
       to = real(k, dp)/parts
       before = state
-      call go_on(steps, errors, step, span, from, to, state)
+      call go_on(steps, error, step, span, from, to, state)
       associate (p => steps%pairs(step))
         do j = 1, p
-          state%gap(j) = state%x - parabola(touching_of(steps%law(state%set, step), errors, step, j), to)
+          state%gap(j) = state%x - parabola(by_errors(steps%law(state%set, step)%touching(:, :, j), error), to)
           if (btest(state%set, j - 1) .neqv. state%gap(j) > 0) exit
         end do
         if (j <= p) then
           at = before%gap(j)/(before%gap(j) - state%gap(j))
           at = from + (to - from)*merge(at, 0.0_dp, at > 0 .and. at < 1)
           state = before
-          call go_on(steps, errors, step, span, from, at, state)
+          call go_on(steps, error, step, span, from, at, state)
           state%set = ieor(state%set, ibset(0, j - 1))
-          call go_on(steps, errors, step, span, at, to, state)
+          call go_on(steps, error, step, span, at, to, state)
         end if
-        call close_gaps(steps, errors, step, to, state)
+        call close_gaps(steps, error, step, to, state)
         do j = 1, p
           call raise(steps, step, period, to, parabola(steps%law(state%set, step)%effective(j, :), to)*state%gap(j), j, motion)
         end do
       end associate
     end do
-    r = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step)
+    r = steps%osc%static_deflection + by_errors(steps%law(state%set, step)%pull, error)
     state%r = r(3)
   end subroutine go_through
 
   !> Follows the motion over a part of a step under the law of its contact set.
-  pure subroutine go_on(steps, errors, step, span, from, to, state)
+  pure subroutine go_on(steps, error, step, span, from, to, state)
     type(quick_steps_t), intent(inout) :: steps
-    real(dp), contiguous, intent(in) :: errors(:, :)
+    real(dp), intent(in) :: error(most_pairs, 3)           ! of the pairs at the nodes, m
     integer, intent(in) :: step
     real(dp), intent(in) :: span, from, to
     type(state_t), intent(inout) :: state
     real(dp) :: r(3, 1), x(1), v(1)
 
     if (.not. steps%law(state%set, step)%is_known) call need_law(steps, state%set, step)
-    r(:, 1) = pulls_of(steps%law(state%set, step), steps%osc%static_deflection, errors, step)
+    r(:, 1) = steps%osc%static_deflection + by_errors(steps%law(state%set, step)%pull, error)
     x = state%x
     v = state%v
     call advance(steps%law(state%set, step), span, from, to, 1, r, x, v)
@@ -230,9 +203,9 @@ contains
   end subroutine go_on
 
   !> The largest loads within a step.
-  pure subroutine look_inside(steps, errors, step, period, span, state, next, motion)
+  pure subroutine look_inside(steps, error, step, period, span, state, next, motion)
     type(quick_steps_t), intent(in) :: steps
-    real(dp), contiguous, intent(in) :: errors(:, :)
+    real(dp), intent(in) :: error(most_pairs, 3)           ! of the pairs at the nodes, m
     integer, intent(in) :: step, period
     real(dp), intent(in) :: span
     type(state_t), intent(in) :: state, next
@@ -245,7 +218,7 @@ contains
       c = course(law, span, state, next)
       do j = 1, steps%pairs(step)
         if (.not. btest(state%set, j - 1)) cycle
-        t = touching_of(law, errors, step, j)
+        t = by_errors(law%touching(:, :, j), error)
         do k = 0, parts
           associate (at => real(k, dp)/parts)
             load(k) = parabola(law%effective(j, :), at)*(value_of(c, at) - parabola(t, at))

@@ -19,7 +19,7 @@ module gearsweep_quick_steps
   use gearsweep_smooth_intervals, only: smooth_intervals
   implicit none
   private
-  public :: quick_law_t, quick_steps_t, quick_maps_t, lay_steps, lay_maps, need_map, need_law, advance, parabola
+  public :: quick_law_t, quick_steps_t, quick_maps_t, lay_steps, lay_maps, need_map, need_law, advance, by_errors, parabola
 
   !> Pairs that may be in contact, at most.
   integer, parameter, public :: most_pairs = 4
@@ -32,8 +32,8 @@ module gearsweep_quick_steps
     real(dp), dimension(3) :: omega_squared = 0, rate = 0  !< per rad^2 and rad of the mean natural motion
     real(dp) :: pull(most_pairs, 3) = 0                    !< q, per rad^2; (pair, node)
     real(dp) :: effective(most_pairs, 3) = 0               !< N/m; 0 of a pair that is apart; (pair, node)
-    !> What a pair's error adds to the touching deflection of each; (pair with the error, pair that touches, node)
-    real(dp) :: touching(most_pairs, most_pairs, 3) = 0
+    !> What a pair's error adds to the touching deflection of each; (pair with the error, node, pair that touches)
+    real(dp) :: touching(most_pairs, 3, most_pairs) = 0
     real(dp) :: stiffest(most_pairs) = 0                   !< the largest of `effective`; (pair)
     !> The law holds while sense times the gap is above 0: 1 for a pair in contact, -1 for one apart, or, of one that is not there,
     !> above -1 m, which it always is; (pair)
@@ -187,7 +187,7 @@ contains
           weight = effective(1, j)*mobility(osc, interval%place(steps%phase(3*step - 3 + node), j), interval%recess(j))/ &
                    osc%natural_frequency**2
           law%effective(j, node) = effective(1, j)
-          law%touching(:p, j, node) = touching(:, j)
+          law%touching(:p, node, j) = touching(:, j)
           law%omega_squared(node) = law%omega_squared(node) + weight
           law%pull(:p, node) = law%pull(:p, node) + weight*touching(:, j)
         end do
@@ -273,9 +273,18 @@ contains
     end do
   end subroutine advance
 
+  !> What is proportional to the errors of the pairs, at the nodes of a step.
+  pure function by_errors(factor, error) result(values)
+    real(dp), intent(in) :: factor(most_pairs, 3)          !< (pair, node)
+    real(dp), intent(in) :: error(most_pairs, 3)           !< m; (pair, node)
+    real(dp) :: values(3)
+
+    values = (factor(1, :)*error(1, :) + factor(2, :)*error(2, :)) + (factor(3, :)*error(3, :) + factor(4, :)*error(4, :))
+  end function by_errors
+
   !> The parabola through values at the begin, middle and end of a step.
   pure real(dp) function parabola(values, at)
-    real(dp), intent(in) :: values(:)            !< (3)
+    real(dp), intent(in) :: values(3)
     real(dp), intent(in) :: at                   !< 0 to 1
 
     parabola = values(1) + at*(4*values(2) - 3*values(1) - values(3) + 2*at*(values(1) - 2*values(2) + values(3)))

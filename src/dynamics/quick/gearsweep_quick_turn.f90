@@ -5,9 +5,9 @@
 module gearsweep_quick_turn
   use gearsweep_deviations, only: deviations_t
   use gearsweep_kinds, only: dp, pi
-  use gearsweep_quick_changes, only: pulls_of, quick_motion_t, state_t, touching_of
+  use gearsweep_quick_changes, only: quick_motion_t, state_t
   use gearsweep_quick_one_step, only: follow_step
-  use gearsweep_quick_steps, only: lanes, most_pairs, need_map, quick_maps_t, quick_steps_t
+  use gearsweep_quick_steps, only: by_errors, lanes, most_pairs, need_map, quick_maps_t, quick_steps_t
   implicit none
   private
   public :: quick_motion_t, lay_errors, follow_quickly
@@ -149,8 +149,8 @@ contains
         usual = iand(ishft(usual, shift), 2**steps%pairs(i) - 1)
       end if
       if (.not. maps%is_known(usual, i)) call need_map(steps, usual, i, maps)
-      associate (law => steps%law(usual, i), a => maps%of(:, :, :, usual, i))
-        r = pulls_of(law, steps%osc%static_deflection, errors, i)
+      associate (law => steps%law(usual, i), a => maps%of(:, :, :, usual, i), error => errors(:, 3*i - 2:3*i))
+        r = steps%osc%static_deflection + by_errors(law%pull, error)
         do l = 1, lanes
           x(l) = (a(l, 1, 1)*now%x(l) + a(l, 2, 1)*now%v(l)) + (a(l, 3, 1)*r(1) + a(l, 4, 1)*r(2) + a(l, 5, 1)*r(3))
           v(l) = (a(l, 1, 2)*now%x(l) + a(l, 2, 2)*now%v(l)) + (a(l, 3, 2)*r(1) + a(l, 4, 2)*r(2) + a(l, 5, 2)*r(3))
@@ -158,7 +158,7 @@ contains
         end do
         trouble = apart
         do j = 1, steps%pairs(i)
-          touching = touching_of(law, errors, i, j)
+          touching = by_errors(law%touching(:, :, j), error)
           hollow = (touching(1) + touching(3))/2 - touching(2)
           if (btest(usual, j - 1)) then
             do l = 1, lanes
@@ -177,7 +177,7 @@ contains
         do l = 1, maps%speeds
           if (.not. trouble(l) > 0) cycle
           state = state_t(now%x(l), now%v(l), set=now%set(l))
-          call follow_step(steps, maps, errors, i, period, l, state, now%motion(l))
+          call follow_step(steps, maps, errors(:, 3*i - 2:3*i), i, period, l, state, now%motion(l))
           x(l) = state%x
           v(l) = state%v
           now%set(l) = state%set
