@@ -1,13 +1,14 @@
 !> Motions of gears whose teeth have errors of their own: against six motions of a solver written apart
 !> (test/reference/as_built.dat), and identities.
 module test_as_built
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_case, only: case_t
   use gearsweep_case_reader, only: read_case
   use gearsweep_checkpoint, only: load_record, save_record
-  use gearsweep_deviations, only: make_deviations, wave_t
+  use gearsweep_deviations, only: deviations_t, make_deviations, wave_t
   use gearsweep_error, only: error_t
   use gearsweep_error_estimate, only: accuracy_t
-  use gearsweep_flank_deviations, only: draw_deviations, flank_deviations_t
+  use gearsweep_flank_deviations, only: draw_deviations, flank_deviations_t, frame_t, lay_deviations
   use gearsweep_form, only: iso_form, nominal_root_stress
   use gearsweep_gear, only: gear_t, make_gear
   use gearsweep_harmonics, only: find_harmonics, harmonics_t, static_range
@@ -68,6 +69,9 @@ contains
     if (t%wants('repelling')) call repelling(t, given)
     if (t%wants('classes')) call classes(t)
     if (t%wants('drawn')) call drawn(t)
+    if (t%wants('followed')) call followed(t)
+    if (t%wants('measuring_point')) call measuring_point(t)
+    if (t%wants('unknown_sample')) call unknown_sample(t)
     if (t%wants('refused')) call refused(t)
     if (t%wants('measured_flanks')) call measured_flanks(t)
     if (t%wants('changed_file')) call changed_file(t)
@@ -695,7 +699,7 @@ contains
     character(*), parameter :: text = '&case tasks = ''as_built'', ''load'' / &pair module_mm = 3, face_width_mm = 20 / '// &
       '&pinion teeth = 21 '// &
       '/ &gear teeth = 34 / &load torque_nm = 100 / &mesh model = ''weber'', corner_contact = .false. / &sweep load_rpm = '// &
-      '9000 / &as_built rpm = 9000 with_root_stress = .true. /'
+      '9000 / &as_built rpm = 9000 with_root_stress = .true. / &deviations pinion_runout_um = 0 pinion_runout_phase_deg = 0 /'
     real(dp), parameter :: young = 206e9_dp, poisson = 0.3_dp
     type(answer_t) :: answer
     type(case_t) :: case
@@ -800,6 +804,7 @@ contains
     real(dp), parameter :: first(2) = [0.127011_dp, 0.318528_dp]
     integer, parameter :: teeth = 4000, many = 2000
     type(random_stream_t) :: random
+    type(deviations_t) :: laid
     type(flank_deviations_t) :: flanks
     type(tolerances_t) :: tolerances
     real(dp) :: number(1), of_seed(3, many)
@@ -811,7 +816,14 @@ contains
     tolerances%profile_slope = 7.5_dp
     tolerances%runout = 25
     random = begin_stream(7)
+    flanks%wave_order = [40]
+    flanks%wave = [2*um]
+    flanks%wave_phase = [0.5_dp]
     call draw_deviations(tolerances, teeth, random, flanks)
+    ! What a case tells beside the class adds to it.
+    laid = lay_deviations([flanks, flank_deviations_t()], frame_t(), [teeth, 30], 1.5_dp, 0)
+    call check_true(t, 'waves beside a class', any(laid%waves%order == 40 .and. abs(laid%waves%amplitude - 2*um) < 1e-12_dp*um &
+                                                   .and. abs(laid%waves%phase - 0.5_dp) < 1e-12_dp), str(size(laid%waves)))
     call check_close(t, 'scatter of positions', spread_of(flanks%cumulative_pitch), 9*um/(3*sqrt(2.0_dp)), 5/sqrt(2.0_dp*teeth))
     call check_close(t, 'scatter of slopes', spread_of(flanks%slope), 0.2_dp*7.5_dp*um, 5/sqrt(2.0_dp*teeth))
     within = 0
@@ -839,6 +851,73 @@ contains
     end function spread_of
   end subroutine drawn
 
+  !> The pair of gears and the assembly that are followed are those that are asked for: the largest load of their turn is their
+  !> largest dynamic factor, and the summary names those with the largest of all.
+  subroutine followed(t)
+    type(tally_t), intent(inout) :: t
+    integer, parameter :: draws = 3, assemblies = 5
+    type(answer_t) :: answer
+    real(dp), allocatable :: factor(:), largest(:)
+    integer :: best, k, worst
+
+    do k = 1, 2
+      call ask(t, '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 20 / '// &
+               '&gear teeth = 25 / &load torque_nm = 100 / &mesh model = ''iso6336'' / &as_built rpm = 9000, turn_draw = '// &
+               str(4 - k)// &
+               ', turn_assembly = '//str(2*k)//' / &deviations pinion_class = 7, gear_class = 7, draws = '//str(draws)// &
+               ', assembly = ''all'', pinion_wave_order = 13, pinion_wave_um = 1, pinion_wave_phase_deg = 0 /', answer)
+      factor = answer%all_of('as_built_worst.dynamic_factor')
+      call check_true(t, 'pairs of gears and assemblies', size(factor) == draws*assemblies)
+      largest = answer%all_of('as_built_loads.load_ratio')
+      call check_close(t, 'the pair of gears that is followed', maxval(largest), factor(assemblies*(3 - k) + 2*k), 1e-9_dp)
+    end do
+    worst = maxloc(factor, 1) - 1
+    best = minloc(factor, 1) - 1
+    call check_close(t, 'worst pair of gears', answer%one('as_built_summary.worst_draw'), 1.0_dp + worst/assemblies)
+    call check_close(t, 'worst assembly', answer%one('as_built_summary.worst_assembly'), 1.0_dp + modulo(worst, assemblies))
+    call check_close(t, 'best pair of gears', answer%one('as_built_summary.best_draw'), 1.0_dp + best/assemblies)
+    call check_close(t, 'best assembly', answer%one('as_built_summary.best_assembly'), 1.0_dp + modulo(best, assemblies))
+  end subroutine followed
+
+  !> Where a profile slope is measured from, on a prescribed mesh: with the pitch point moved by so many base pitches, all flanks
+  !> are out of place by the slope times this over the path of contact, and the transmission error with them.
+  subroutine measuring_point(t)
+    type(tally_t), intent(inout) :: t
+    real(dp), parameter :: ratio = 1.6_dp, slope_um = 20, point(2) = [0.3_dp, 0.7_dp]
+    type(answer_t) :: answer
+    real(dp) :: factor(2), mean(2)
+    integer :: k
+
+    do k = 1, 2
+      call ask(t, '&case tasks = ''as_built'' / &pinion teeth = 25, effective_mass_kg = 0.8 / &gear teeth = 30, '// &
+               'effective_mass_kg = 0.8 / &load normal_force_n = 7000 / &mesh model = ''polynomial'', contact_ratio = '// &
+               str(ratio)//', coefficients = 400, 0, -120, pitch_point = '//str(point(k))//' / &as_built rpm = 9000 / '// &
+               '&deviations pinion_profile_slope_um = '//str(slope_um)//' /', answer)
+      factor(k) = answer%one('as_built.dynamic_factor')
+      associate (error => answer%all_of('as_built_turn.transmission_error_um'))
+        mean(k) = error(1)
+      end associate
+    end do
+    call check_close(t, 'a slope measured elsewhere', mean(2) - mean(1), slope_um*(point(2) - point(1))/ratio, 1e-9_dp)
+    call check_close(t, 'moves no load', factor(2), factor(1), 1e-9_dp)
+  end subroutine measuring_point
+
+  !> Where no motion of the sample has an answer, the quick way's error is not known, and 0 must not be told.
+  subroutine unknown_sample(t)
+    type(tally_t), intent(inout) :: t
+    type(answer_t) :: answer
+    real(dp), allocatable :: factor(:)
+    real(dp) :: sample_error
+
+    call ask(t, '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth = 25 / '// &
+             '&gear teeth = 25 / &load torque_nm = 40 / &dynamics damping_ratio = 0.035 / &relief amount_um = 0 / '// &
+             '&as_built rpm = 6000, quick = .true. / &deviations pinion_class = 8, gear_class = 8, draws = 3, seed = 4 /', answer)
+    factor = answer%all_of('as_built.dynamic_factor')
+    sample_error = answer%one('as_built_summary.sample_error')
+    call check_true(t, 'error of a sample without an answer', ieee_is_nan(sample_error) .eqv. ieee_is_nan(factor(1)), &
+                    str(sample_error))
+  end subroutine unknown_sample
+
   !> One clear error each.
   subroutine refused(t)
     type(tally_t), intent(inout) :: t
@@ -864,14 +943,21 @@ contains
     call refuse('gear_class = 6, gear_runout_um = 9, gear_runout_phase_deg = 0', 'gear_runout_um')
     call refuse('gear_class = 6, assembly = ''some''', 'assembly = ''some''')
     call refuse('gear_class = 6 / &numerics method = ''rk4''', '&numerics method')
+    call refuse('', '&deviations: tells of no deviation of either gear')
+    call refuse('draws = 3', '&deviations: tells of no deviation of either gear')
+    call refuse('pinion_wave_um = 2, pinion_wave_phase_deg = 0', '&deviations: tells of no deviation of either gear')
+    call refuse('gear_class = 6, draws = 2 / &as_built turn_draw = 3', 'turn_draw = 3: must be at most &deviations draws, 2')
+    call refuse('gear_class = 6, pinion_class = 6, assembly = ''all'' / &as_built turn_assembly = 7', &
+                'turn_assembly = 7: must be at most the number of assemblies, 6')
+    call refuse('gear_class = 6, assembly = ''all'' / &as_built quick = .true.', '&as_built quick: does not go with a single pair')
 
   contains
 
     subroutine refuse(keys, words)
       character(*), intent(in) :: keys, words
       character(*), parameter :: rest = '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion '// &
-        'teeth = 6, '// &
-        'profile_shift = 0.6 / &gear teeth = 30 / &load torque_nm = 50 / &mesh model = ''iso6336'' / &as_built rpm = 1000 / '
+        'teeth = 6, profile_shift = 0.6 / &gear teeth = 30 / &load torque_nm = 50 / &mesh model = ''iso6336'' / '// &
+        '&sweep rpm_first = 1000, rpm_last = 1000, rpm_step = 1000 / '
 
       call check_contains(t, keys, refusal(rest//'&deviations '//keys//' /'), words)
     end subroutine refuse

@@ -319,6 +319,8 @@ contains
         select case (key)
         case ('teeth')
           line = 'teeth = 25'
+        case ('pinion_class')
+          line = key//' = 6'
         case ('rpm_first')
           line = key//' = 5000'
         case ('rpm_last', 'load_rpm')

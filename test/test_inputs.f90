@@ -131,6 +131,7 @@ contains
     character(*), parameter :: over_damping = 'branches second ''damping_ratio'';branches second_first 0.018;'// &
                                              'branches second_last 0.025'
 
+    character(*), parameter :: eccentric = 'deviations gear_runout_um 4;deviations gear_runout_phase_deg 10'
     character(*), parameter :: drawn = 'deviations pinion_runout_um ;deviations pinion_runout_phase_deg ;deviations pinion_class 6'
 
     allocate (list(0))
@@ -155,16 +156,18 @@ contains
     call add_deviations('gear', '34')
     call add('deviations seed', '2', 'g', drawn)
     call add('deviations draws', '2', 'g', drawn)
-    call add('deviations assembly', '''all''', 'g', 'gear teeth 28')
-    call add('deviations assembly', '''all''', 'p', 'pinion teeth 17')
+    call add('deviations assembly', '''all''', 'g', 'gear teeth 28;'//eccentric)
+    call add('deviations assembly', '''all''', 'p', 'pinion teeth 17;'//eccentric)
     call add('as_built rpm', '15000')
     call add('as_built relief_um', '5')
     call add('as_built turn_rpm', '15000')
+    call add('as_built turn_draw', '2', 'g', drawn//';deviations draws 2')
+    call add('as_built turn_assembly', '2', 'g', 'gear teeth 28;deviations assembly ''all'';'//eccentric)
     call add('as_built mesh_orders', '2')
     call add('as_built waterfall', '.true.')
     call add('as_built with_ste', '.true.')
     call add('as_built with_root_stress', '.true.', 'g')
-    call add('as_built quick', '.true.', 'g', 'gear teeth 28;deviations assembly ''all''')
+    call add('as_built quick', '.true.', 'g', 'gear teeth 28;deviations assembly ''all'';'//eccentric)
     call add('pinion teeth', '22', 'p')
     call add('gear teeth', '35', 'p', rubbing)
     call add('material young_gpa', '200')
@@ -203,6 +206,7 @@ contains
     call add('mesh pitch_point', '0.6', 'p', rubbing)
     call add('mesh pitch_point', '0.6', 'p', 'relief start ''pitch''')
     call add('mesh pitch_point', '0.6', 'p', 'relief start ''pitch'';relief amount_um 0')
+    call add('mesh pitch_point', '0.6', 'p', 'relief start ''hpstc'';deviations pinion_profile_slope_um 5')
     call add('mesh pitch_point', '0.6', 'g')
     call add('mesh ste_harmonics', '3')
     call add('sweep motion_harmonics', '3')

@@ -94,8 +94,9 @@ contains
       if (.not. rolls) lacks = first_of(for_stage(case, stage%motion), &
                                         unless(case%friction > 0 .or. case%asks('as_built'), 'friction or as_built'))
       call reader%get(group, 'teeth', spec%teeth, error, required=cut .or. member == 1, lacks=lacks, &
-                      refused=unless(rolls .or. case%friction > 0 .or. reader%has_group('deviations'), 'a prescribed mesh '// &
-                      'uses it with friction, inertia_kgm2 or &deviations only; remove it'), at_least=5, at_most=100000, &
+                      refused=unless(rolls .or. case%friction > 0 .or. reader%has_group('deviations') .or. case%asks('as_built'), &
+                      'a prescribed mesh uses it with friction, inertia_kgm2, &deviations or the task as_built only; remove it'), &
+                      at_least=5, at_most=100000, &
                       meaning='number of teeth')
       call reader%get(group, 'profile_shift', spec%profile_shift, error, refused=geared, above=-5.0_dp, below=5.0_dp, &
                       meaning='profile shift coefficient x: the rack is moved outwards by x modules')

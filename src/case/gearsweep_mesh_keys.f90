@@ -130,7 +130,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(*), parameter :: by_hand = 'needs a prescribed mesh (&mesh contact_ratio)'
     character(sentence_length) :: made, lacks
-    logical :: relieves
+    logical :: relieves, slopes
 
     made = unless(case%prescribed, by_hand)
     relieves = case%relieves()
@@ -139,11 +139,12 @@ contains
                     lacks=lacks, refused=made, otherwise='that of the gears', &
                     meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
     lacks = ''
+    slopes = reader%has('deviations', 'pinion_profile_slope_um') .or. reader%has('deviations', 'gear_profile_slope_um')
     if (.not. (relieves .and. case%start == 'pitch')) lacks = for_stage(case, stage%motion)
-    if (.not. (relieves .or. case%friction > 0)) lacks = relief_matters
+    if (.not. (relieves .or. case%friction > 0 .or. (slopes .and. case%asks('as_built')))) lacks = relief_matters
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, lacks=lacks, &
-                    refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch', &
-                    'a prescribed mesh uses it with friction or start = ''pitch'' only; remove it')), &
+                    refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch' .or. slopes, &
+                    'a prescribed mesh uses it with friction, start = ''pitch'' or a profile slope deviation only; remove it')), &
                     otherwise='half the contact ratio', &
                     meaning='path coordinate s of the pitch point of a prescribed mesh, at most the contact ratio')
     call read_beyond(reader, case, made, error)

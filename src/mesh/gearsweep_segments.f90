@@ -35,16 +35,9 @@ contains
     real(dp), intent(in) :: load
     type(interval_t), allocatable, intent(out) :: intervals(:)
     type(segment_t), allocatable, intent(out) :: segments(:)
-    real(dp), allocatable :: breaks(:)
-    integer :: i, k
 
     intervals = smooth_intervals(mesh, .false.)
-    allocate (segments(0))
-    do i = 1, size(intervals)
-      call stiffness_breaks(mesh, intervals(i), breaks)
-      call add_contact_breaks(mesh, balance_t(load), intervals(i), breaks)
-      segments = [segments, (segment_t(breaks(k), breaks(k + 1), i), k=1, size(breaks) - 1)]
-    end do
+    call split(mesh, balance_t(load), intervals, .true., segments)
   end subroutine smooth_segments
 
   !> The smooth intervals of a mesh, split also where a pair begins or ceases to carry load at rest, each with the pairs that do.
@@ -53,24 +46,45 @@ contains
     type(balance_t), intent(in) :: balance
     type(interval_t), allocatable :: intervals(:)
     type(interval_t), allocatable :: whole(:)
-    real(dp), allocatable :: breaks(:)
-    integer :: i, k
+    type(segment_t), allocatable :: segments(:)
+    integer :: i
 
     whole = smooth_intervals(mesh, balance%friction > 0)
-    allocate (intervals(0))
-    do i = 1, size(whole)
-      breaks = [whole(i)%first, whole(i)%last]
-      call add_contact_breaks(mesh, balance, whole(i), breaks)
-      intervals = [intervals, (whole(i), k=1, size(breaks) - 1)]
-      associate (new => intervals(size(intervals) - size(breaks) + 2:))
-        new%first = breaks(:size(new))
-        new%last = breaks(2:)
-        do k = 1, size(new)
-          new(k)%carries = carrying(mesh, balance, whole(i), (breaks(k) + breaks(k + 1))/2)
-        end do
+    call split(mesh, balance, whole, .false., segments)
+    allocate (intervals(size(segments)))
+    do i = 1, size(segments)
+      associate (part => segments(i))
+        intervals(i) = whole(part%interval)
+        intervals(i)%first = part%first
+        intervals(i)%last = part%last
+        intervals(i)%carries = carrying(mesh, balance, whole(part%interval), (part%first + part%last)/2)
       end associate
     end do
   end function contact_intervals
+
+  !> Splits intervals where a pair begins or ceases to carry load at rest and, if wanted, where one passes a knot of the stiffness.
+  pure subroutine split(mesh, balance, intervals, at_knots, segments)
+    type(mesh_t), intent(in) :: mesh
+    type(balance_t), intent(in) :: balance
+    type(interval_t), intent(in) :: intervals(:)
+    logical, intent(in) :: at_knots
+    type(segment_t), allocatable, intent(out) :: segments(:)
+    type :: phases_t
+      real(dp), allocatable :: of(:)
+    end type phases_t
+    type(phases_t) :: breaks(size(intervals))
+    integer :: i, k
+
+    do i = 1, size(intervals)
+      if (at_knots) then
+        call stiffness_breaks(mesh, intervals(i), breaks(i)%of)
+      else
+        breaks(i)%of = [intervals(i)%first, intervals(i)%last]
+      end if
+      call add_contact_breaks(mesh, balance, intervals(i), breaks(i)%of)
+    end do
+    segments = [((segment_t(breaks(i)%of(k), breaks(i)%of(k + 1), i), k=1, size(breaks(i)%of) - 1), i=1, size(intervals))]
+  end subroutine split
 
   !> Ends of the interval, and the phases between at which a pair passes a knot of the stiffness.
   pure subroutine stiffness_breaks(mesh, interval, breaks)

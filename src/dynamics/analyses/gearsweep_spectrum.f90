@@ -28,11 +28,12 @@ contains
     !> Cycles of the first harmonic in the unit of `left`; without it, 1. Harmonics that are not whole over the period have no
     !> meaning.
     real(dp), intent(in), optional :: base
-    real(dp) :: deviation(0:5), node(points), weight(points), cycles
+    real(dp) :: deviation(0:5), node(points), weight(points), cycles, period
     complex(dp) :: part(count)
     integer :: i
 
-    spectrum%mean = sum([(width(i)*integral(c(:, i)), i=1, size(width))])/sum(width)
+    period = sum(width)
+    spectrum%mean = sum([(width(i)*integral(c(:, i)), i=1, size(width))])/period
     spectrum%least = huge(1.0_dp)
     spectrum%largest = -huge(1.0_dp)
     allocate (spectrum%amplitude(count), spectrum%phase(count))
@@ -46,14 +47,14 @@ contains
       spectrum%largest = max(spectrum%largest, maximum(c(:, i)))
       spectrum%least = min(spectrum%least, -maximum(-c(:, i)))
     end do
-    spectrum%rms = sqrt(max(0.0_dp, spectrum%rms)/sum(width))
+    spectrum%rms = sqrt(max(0.0_dp, spectrum%rms)/period)
     cycles = 1
     if (present(base)) cycles = base
     part = 0
     do i = 1, size(width)
       deviation = c(:, i)
       deviation(0) = deviation(0) - spectrum%mean
-      call add_step(cycles*left(i), cycles*width(i), 2*width(i)/sum(width)*deviation, node, weight, part)
+      call add_step(cycles*left(i), cycles*width(i), 2*width(i)/period*deviation, node, weight, part)
     end do
     spectrum%amplitude = abs(part)
     spectrum%phase = atan2(aimag(part), real(part, dp))

@@ -10,7 +10,7 @@
 !> omega^2, the rate and r are the parabolas through their values at its begin, middle and end. So the motion at the end is linear
 !> in the state at the begin and the three r, whatever the errors.
 module gearsweep_quick_steps
-  use gearsweep_contact_law, only: find_law_values, shared_t, springs_at, springs_t
+  use gearsweep_contact_law, only: find_law_values, springs_at, springs_t
   use gearsweep_deviations, only: wave_t
   use gearsweep_interval, only: interval_t
   use gearsweep_kinds, only: dp, pi

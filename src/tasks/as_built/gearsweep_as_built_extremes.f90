@@ -2,7 +2,7 @@
 !> root stress, beside those of gears without deviations.
 module gearsweep_as_built_extremes
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use gearsweep_as_built_machines, only: deviating, follow_turn, machine_t, unit_root_stress
+  use gearsweep_as_built_machines, only: deviating, follow_turn, machine_t
   use gearsweep_as_built_tables, only: quantile
   use gearsweep_error, only: error_t
   use gearsweep_harmonics, only: static_range
@@ -31,27 +31,24 @@ module gearsweep_as_built_extremes
 contains
 
   !> Those of all pairs of gears. Ends early where the caller stops the run.
-  subroutine find_extremes(stages, which, nominal, machines, with_ste, with_stress, found, error)
+  subroutine find_extremes(stages, which, nominal, machines, with_ste, unit_stress, found, error)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which(:)              !< reliefs of the case
     type(sweep_t), intent(in) :: nominal
     type(machine_t), intent(in) :: machines(:, :)          !< as swept; (assembly, draw)
-    logical, intent(in) :: with_ste, with_stress
+    logical, intent(in) :: with_ste
+    real(dp), allocatable, intent(in) :: unit_stress(:, :)           !< of `unit_root_stress`; not allocated: no stress is wanted
     type(extremes_t), intent(out) :: found
     type(error_t), allocatable, intent(inout) :: error
     type(mesh_t) :: mesh
-    real(dp), allocatable :: unit_stress(:, :)
     integer :: a, d, i, k
 
     if (with_ste) allocate (found%ste(0:size(machines), size(which)), source=no_number())
-    if (with_stress) then
-      allocate (found%stress(0:size(machines), size(which), 2), source=no_number())
-      unit_stress = unit_root_stress(stages%pair)
-    end if
+    if (allocated(unit_stress)) allocate (found%stress(0:size(machines), size(which), 2), source=no_number())
     do i = 1, size(which)
       associate (motion => stages%motion(which(i):which(i)), answered => has_result(nominal%status(:, i)))
         if (with_ste) found%ste(0, i) = static_range(motion(1)%mesh, motion(1)%load)
-        if (with_stress .and. any(answered)) &
+        if (allocated(unit_stress) .and. any(answered)) &
           call find_stress(motion, nominal%rpm(maxloc(nominal%dynamic_factor(:, i), 1, mask=answered)), 0)
         k = 0
         do d = 1, size(machines, 2)
@@ -63,8 +60,14 @@ contains
               mesh%deviations = machines(a, d)%deviations
               found%ste(k, i) = static_range(mesh, motion(1)%load)
             end if
-            if (with_stress .and. machines(a, d)%worst(i)%rpm > 0) &
-              call find_stress(deviating(motion, machines(a, d)%deviations, error), machines(a, d)%worst(i)%rpm, k)
+            if (.not. allocated(unit_stress)) cycle
+            associate (worst => machines(a, d)%worst(i))
+              if (allocated(worst%stress)) then
+                found%stress(k, i, :) = worst%stress
+              else if (worst%rpm > 0) then
+                call find_stress(deviating(motion, machines(a, d)%deviations, error), worst%rpm, k)
+              end if
+            end associate
           end do
         end do
       end associate

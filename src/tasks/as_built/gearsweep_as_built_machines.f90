@@ -12,7 +12,6 @@ module gearsweep_as_built_machines
   use gearsweep_root_life, only: root_history
   use gearsweep_stages, only: stages_t
   use gearsweep_status, only: has_result
-  use gearsweep_stop, only: wants_stop
   use gearsweep_sweep, only: each, run_sweep, sweep_options_t, sweep_t
   use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
@@ -27,6 +26,8 @@ module gearsweep_as_built_machines
     real(dp) :: dynamic_factor = 0
     integer :: pair = -1                         !< number of the pair, from 0; -1: not known
     real(dp) :: place = 0                        !< path coordinate, base pitches
+    !> Largest nominal root stress over that turn, where it was asked for, Pa; (gear)
+    real(dp), allocatable :: stress(:)
   end type tooth_t
 
   !> Two gears, put together with certain teeth meeting.
@@ -73,17 +74,18 @@ contains
   end subroutine draw_machines
 
   !> All speeds and reliefs of a pair of gears, each to the tolerance, and its worst teeth.
-  subroutine run_exactly(stages, which, rpm, machine, osc, error)
+  subroutine run_exactly(stages, which, rpm, machine, error, unit_stress)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which(:)              !< reliefs of the case
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
     type(machine_t), intent(inout) :: machine
-    type(oscillator_t), allocatable, intent(out) :: osc(:)           !< (relief)
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable, intent(in) :: unit_stress(:, :)   !< of `unit_root_stress`; not allocated: no stress is wanted
+    type(oscillator_t) :: osc(size(which))       ! (relief)
 
     osc = deviating(stages%motion(which), machine%deviations, error)
     call sweep_each(stages, osc, rpm, machine%sweep, error)
-    if (.not. allocated(error)) call find_worst(stages, osc, machine, error)
+    if (.not. allocated(error)) call find_worst(stages, osc, machine, error, unit_stress)
   end subroutine run_exactly
 
   !> Draws the flanks of the gears that have a class.
@@ -146,11 +148,12 @@ contains
   end subroutine sweep_each
 
   !> Which teeth carry the largest load of each relief, and where on their path.
-  subroutine find_worst(stages, osc, machine, error)
+  subroutine find_worst(stages, osc, machine, error, unit_stress)
     type(stages_t), intent(in) :: stages
     type(oscillator_t), intent(in) :: osc(:)     ! (relief)
     type(machine_t), intent(inout) :: machine
     type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable, intent(in) :: unit_stress(:, :)
     type(turn_t) :: turn
     integer :: i, k
 
@@ -159,12 +162,13 @@ contains
       associate (factor => machine%sweep%dynamic_factor(:, i), found => has_result(machine%sweep%status(:, i)))
         if (.not. any(found)) cycle
         k = maxloc(factor, 1, mask=found)
-        call follow_turn(osc(i), machine%sweep%rpm(k), stages, turn, error)
+        call follow_turn(osc(i), machine%sweep%rpm(k), stages, turn, error, unit_stress)
         if (allocated(error)) return
         machine%worst(i) = tooth_t(machine%sweep%rpm(k), factor(k))
         if (.not. allocated(turn%load)) cycle
         machine%worst(i)%pair = maxloc(turn%load, 1) - 1
         machine%worst(i)%place = turn%place(machine%worst(i)%pair + 1)
+        if (allocated(turn%stress)) machine%worst(i)%stress = maxval(turn%stress, 2)
       end associate
     end do
   end subroutine find_worst

@@ -122,13 +122,13 @@ contains
           if (any(has_result(nominal%status(:, r)))) &
             values(row, 1) = maxval(nominal%dynamic_factor(:, r), mask=has_result(nominal%status(:, r)))
           associate (machine => machines(a, d), worst => machines(a, d)%worst(r))
+            values(row, 7) = tooth_number(machine%flanks(2), teeth(2), machine%offset)
             if (.not. worst%rpm > 0) cycle
             values(row, 2:3) = [worst%dynamic_factor, worst%rpm]
             if (worst%pair < 0) cycle
             values(row, 4) = tooth_number(machine%flanks(1), teeth(1), worst%pair)
             values(row, 5) = tooth_number(machine%flanks(2), teeth(2), worst%pair + machine%offset)
             values(row, 6) = worst%place
-            values(row, 7) = tooth_number(machine%flanks(2), teeth(2), machine%offset)
           end associate
         end do
       end do
@@ -136,7 +136,8 @@ contains
     call table%add('dynamic_factor', '', 'largest DF over the speeds; NaN where none has an answer', values(:, 2))
     call table%add('rpm', '1/min', 'speed at which it is', values(:, 3))
     call table%add('nominal_factor', '', 'largest DF over the speeds of gears without deviations', values(:, 1))
-    call table%add('pinion_tooth', '', 'number of the pinion''s tooth that carries the largest load', values(:, 4))
+    call table%add('pinion_tooth', '', 'number of the pinion''s tooth that carries the largest load; NaN where with '// &
+                   '`quick` that motion had to be computed to the tolerance', values(:, 4))
     call table%add('gear_tooth', '', 'number of the gear''s tooth that carries it', values(:, 5))
     call table%add('s', '', 'where it is: path coordinate of this pair, in base pitches from A', values(:, 6))
     call table%add('first_gear_tooth', '', 'number of the gear''s tooth that enters at A with the pinion''s stated tooth at '// &
@@ -152,19 +153,23 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :), factor(:), rpm(:)
-    integer :: a, d, r
+    integer :: a, d, i, k, r
 
     call table%over('largest dynamic factor over the speeds, of all pairs of gears and assemblies', error, &
                     axis('relief_um', 'um', of_relief, in_um(amount)))
     if (allocated(error)) return
-    allocate (values(size(amount), 6), source=no_number())
+    allocate (values(size(amount), 10), source=no_number())
     do r = 1, size(amount)
       if (any(has_result(nominal%status(:, r)))) &
         values(r, 1) = maxval(nominal%dynamic_factor(:, r), mask=has_result(nominal%status(:, r)))
       factor = [((machines(a, d)%worst(r)%dynamic_factor, a=1, size(machines, 1)), d=1, size(machines, 2))]
       rpm = [((machines(a, d)%worst(r)%rpm, a=1, size(machines, 1)), d=1, size(machines, 2))]
       if (.not. any(rpm > 0)) cycle
-      values(r, 6) = rpm(maxloc(factor, 1, mask=rpm > 0))
+      do k = 1, 2
+        i = merge(maxloc(factor, 1, mask=rpm > 0), minloc(factor, 1, mask=rpm > 0), k == 1)
+        if (k == 1) values(r, 6) = rpm(i)
+        values(r, 5 + 2*k:6 + 2*k) = [1 + (i - 1)/size(machines, 1), 1 + modulo(i - 1, size(machines, 1))]
+      end do
       factor = pack(factor, rpm > 0)
       values(r, 2:5) = [minval(factor), quantile(factor, 0.5_dp), quantile(factor, 0.95_dp), maxval(factor)]
     end do
@@ -174,8 +179,12 @@ contains
     call table%add('quantile_95_factor', '', 'what 95 % of them are at most', values(:, 4))
     call table%add('largest_factor', '', 'the largest', values(:, 5))
     call table%add('rpm', '1/min', 'speed at which that is', values(:, 6))
-    call table%add('sample_error', '', 'with `quick`, by how much the dynamic factors of the pairs of gears that were computed '// &
-                   'both ways differ at most; else NaN', sample_error)
+    call table%add('worst_draw', '', 'of which gears, in the order in which they are drawn', values(:, 7))
+    call table%add('worst_assembly', '', 'of which assembly of these', values(:, 8))
+    call table%add('best_draw', '', 'gears with the least', values(:, 9))
+    call table%add('best_assembly', '', 'assembly of these with the least', values(:, 10))
+    call table%add('sample_error', '', 'with `quick`, by how much the dynamic factors that were computed both ways differ '// &
+                   'at most; else NaN, and where there are none', sample_error)
     call table%add('draws', '', 'pairs of gears that were drawn', spread(size(machines, 2), 1, size(amount)))
     call table%add('assemblies', '', 'assemblies of each', spread(size(machines, 1), 1, size(amount)))
   end subroutine fill_summary

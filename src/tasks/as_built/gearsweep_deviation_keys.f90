@@ -1,5 +1,6 @@
 !> The group &deviations of a case: how the flanks of both gears deviate from the nominal ones.
 module gearsweep_deviation_keys
+  use gearsweep_deviations, only: common_divisor
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_flank_deviations, only: flank_deviations_t
   use gearsweep_kinds, only: dp, pi
@@ -26,12 +27,15 @@ module gearsweep_deviation_keys
     type(flank_deviations_t) :: flanks(2)
     type(flank_file_t) :: files(2)               !< of pinion and gear
     logical :: all_assemblies = .false.          !< each in which teeth can be put together
+    logical :: is_told = .false.                 !< the case tells deviations, be they 0
   contains
+    procedure :: assemblies, turn
     procedure, private :: any_of
   end type deviations_choice_t
 
   character(*), parameter :: group = 'deviations', task = 'as_built'
   real(dp), parameter :: largest = 1e4_dp        !< um
+  real(dp), parameter :: longest_turn = 1e6_dp   !< mesh periods
 
 contains
 
@@ -46,7 +50,9 @@ contains
     call reader%add_group(group, 'How the flanks of the gears as made deviate from the nominal ones, for the task as_built. '// &
                           'Signs are those of ISO 1328-1.')
     do i = 1, 2
+      ! Where the group is there, `check_deviations` asks for some deviation.
       call reader%get(group, trim(members(i))//'_class', choice%class(i), error, tasks=task, at_least=1, at_most=11, &
+                      required=i == 1 .and. .not. (reader%has_group(group) .or. is_prescribed(reader)), &
                       refused=unless(.not. is_prescribed(reader), needs_gears), otherwise='none', &
                       meaning='flank tolerance class of ISO 1328-1, from whose tolerances flanks are drawn at random: '// &
                       'positions of the flanks, slopes of the profiles, run-out')
@@ -56,15 +62,18 @@ contains
                     lacks=unless(with_class, 'a class'), meaning='number that decides which flanks are drawn')
     call reader%get(group, 'draws', choice%draws, error, tasks=task, at_least=1, at_most=10000, &
                     lacks=unless(with_class, 'a class'), &
-                    meaning='how many pairs of gears are drawn; the first is followed over the turn')
+                    meaning='how many pairs of gears are drawn')
     do i = 1, 2
       call read_flanks(reader, trim(members(i))//'_', choice%class(i) > 0, choice%flanks(i), choice%files(i), error)
     end do
+    choice%is_told = choice%any_of(1) .or. choice%any_of(2) .or. reader%has(group, 'pinion_runout_um') .or. &
+                     reader%has(group, 'gear_runout_um')
     assembly = 'stated'
     call reader%get(group, 'assembly', assembly, error, tasks=task, allowed=[character(6) :: 'stated', 'all'], &
+                    lacks=unless(choice%any_of(1) .and. choice%any_of(2), 'deviations of both gears'), &
                     meaning='which teeth meet: the stated teeth at the time 0, or each assembly in turn; numbers of teeth '// &
                     'with the common divisor g have g of them')
-    choice%all_assemblies = assembly == 'all'
+    choice%all_assemblies = assembly == 'all' .and. choice%any_of(1) .and. choice%any_of(2)
   end subroutine read_deviations
 
   !> What is said of one gear. Lists of single teeth need to be told how the teeth are counted.
@@ -191,6 +200,26 @@ contains
     end associate
   end function any_of
 
+  !> How many assemblies are taken of gears with these numbers of teeth.
+  pure integer function assemblies(self, teeth)
+    class(deviations_choice_t), intent(in) :: self
+    integer, intent(in) :: teeth(2)
+
+    assemblies = 1
+    if (self%all_assemblies) assemblies = common_divisor(teeth(1), teeth(2))
+  end function assemblies
+
+  !> Mesh periods after which the deviations of gears with these numbers of teeth repeat.
+  pure real(dp) function turn(self, teeth)
+    class(deviations_choice_t), intent(in) :: self
+    integer, intent(in) :: teeth(2)
+
+    turn = 1
+    if (self%any_of(1)) turn = teeth(1)
+    if (self%any_of(2)) turn = turn*teeth(2)
+    if (self%any_of(1) .and. self%any_of(2)) turn = turn/common_divisor(teeth(1), teeth(2))
+  end function turn
+
   !> What the keys must be beside the gears.
   subroutine check_deviations(choice, spec, error)
     type(deviations_choice_t), intent(in) :: choice
@@ -200,12 +229,13 @@ contains
     type(tolerances_t) :: tolerances
     integer :: i
 
+    if (.not. choice%is_told) call fail(error, code_input, '&deviations: tells of no deviation of either gear; the task '// &
+      'as_built needs one, such as pinion_class = 6')
     do i = 1, 2
       associate (flanks => choice%flanks(i), teeth => spec(i)%teeth, member => '&deviations '//trim(members(i))//'_')
         if (teeth == 0) then
-          if (choice%any_of(i)) call fail(error, code_input, '&'//trim(members(i))//' teeth: missing; '//member// &
-            'deviations need it; must be at least 5')
-          cycle
+          call fail(error, code_input, '&'//trim(members(i))//' teeth: missing; the task as_built needs it; must be at least 5')
+          return
         end if
         if (choice%class(i) > 0) then
           call find_tolerances(choice%class(i), teeth, 1e3_dp*spec(i)%module, 1e3_dp*spec(i)%face_width, tolerances, outside)
@@ -223,6 +253,10 @@ contains
         call check_waves(member//'wave_phase_deg', flanks%wave_phase, size(flanks%wave_order))
       end associate
     end do
+    associate (periods => choice%turn(spec%teeth))
+      if (periods > longest_turn) call fail(error, code_input, '&gear teeth = '//str(spec(2)%teeth)//': the deviations of both '// &
+        'gears repeat after '//str(periods, 10)//' mesh periods; must be at most '//str(longest_turn, 10))
+    end associate
 
   contains
 

@@ -63,7 +63,7 @@ contains
     type(tolerances_t), intent(in) :: tolerances           !< um
     integer, intent(in) :: teeth
     type(random_stream_t), intent(inout) :: random
-    type(flank_deviations_t), intent(out) :: flanks
+    type(flank_deviations_t), intent(inout) :: flanks      !< whose waves stay as they are told
     real(dp), parameter :: um = 1e-6_dp
     real(dp) :: position(teeth), common(1), own(teeth), part(2)
 
@@ -95,8 +95,8 @@ contains
     do i = 1, 2
       associate (own => flanks(i))
         if (abs(own%runout) > 0) waves = [waves, wave_t(i, 1, own%runout/2, own%runout_phase)]
-        if (allocated(own%wave)) waves = [waves, (wave_t(i, own%wave_order(k), own%wave(k), own%wave_phase(k)), &
-                                                  k=1, size(own%wave))]
+        if (allocated(own%wave_order)) waves = [waves, (wave_t(i, own%wave_order(k), own%wave(k), own%wave_phase(k)), &
+                                                  k=1, size(own%wave_order))]
       end associate
     end do
     deviations = make_deviations(teeth, pinion, gear, waves, offset)

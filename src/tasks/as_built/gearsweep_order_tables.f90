@@ -1,6 +1,8 @@
 !> Tables of the transmission error over the turn of gears whose teeth have errors of their own, and of its orders.
 module gearsweep_order_tables
+  use, intrinsic :: iso_fortran_env, only: int64
   use gearsweep_decimal, only: in_um
+  use gearsweep_deviations, only: wave_t
   use gearsweep_error, only: error_t
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
   use gearsweep_kinds, only: dp, pi
@@ -9,6 +11,7 @@ module gearsweep_order_tables
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_spectrum, only: find_spectrum, spectrum_t
   use gearsweep_table, only: axis, no_number, table_t
+  use gearsweep_task, only: members
   use gearsweep_text, only: str
   use gearsweep_turn, only: length_of, turn_t
   implicit none
@@ -95,6 +98,7 @@ contains
 
     associate (teeth => osc(1)%mesh%teeth)
       orders = list_orders(teeth, mesh_orders)
+      call name_waves(osc(1)%mesh%deviations%waves, teeth, orders)
       n = size(orders)
       call table%begin('orders of the transmission error over the turn: each part is amplitude cos(2 pi order t + phase) over '// &
                        'turns t of the pinion', n*size(turns), error)
@@ -118,7 +122,7 @@ contains
       call table%add_index(axis('relief_um', 'um', of_relief, values(:, 1)))
       call table%add_index(axis('rpm', '1/min', of_speed, values(:, 2)))
       call table%add_index(axis('order', '', of_order, values(:, 3)))
-      call table%add_words('order_name', 'what it is: mesh, pinion and gear orders, and sidebands of mesh orders', &
+      call table%add_words('order_name', 'what it is: mesh, pinion and gear orders, sidebands of mesh orders, and told waves', &
                            [(orders%name, k=1, size(turns))])
       call table%add('gear_order', '', 'cycles a turn of the gear', values(:, 3)*teeth(2)/teeth(1))
       call table%add('frequency_hz', 'Hz', 'frequency at this speed', values(:, 4))
@@ -208,7 +212,7 @@ contains
     type(order_t), intent(in) :: order
     integer, intent(in) :: periods, teeth(2)
 
-    is_whole = modulo(order%number*periods, teeth(order%gear)) == 0
+    is_whole = modulo(int(order%number, int64)*periods, int(teeth(order%gear), int64)) == 0
   end function is_whole
 
   !> The orders of both gears up to so many mesh orders, ascending. What is an order of both is the pinion's.
@@ -223,19 +227,35 @@ contains
     n = 0
     do while (any(next <= mesh_orders*teeth))
       n = n + 1
-      is_gears = next(2)*teeth(1) < next(1)*teeth(2)
+      is_gears = int(next(2), int64)*teeth(1) < int(next(1), int64)*teeth(2)
       if (is_gears) then
-        orders(n) = order_t(2, next(2), next(2)*teeth(1)/real(teeth(2), dp), name_of('gear', next(2), teeth(2)))
+        orders(n) = order_t(2, next(2), next(2)*real(teeth(1), dp)/teeth(2), name_of('gear', next(2), teeth(2)))
       else
         orders(n) = order_t(1, next(1), real(next(1), dp), &
                             name_of(merge('shaft ', 'pinion', teeth(1) == teeth(2)), next(1), teeth(1)))
-        if (next(2)*teeth(1) == next(1)*teeth(2)) next(2) = next(2) + 1
+        if (int(next(2), int64)*teeth(1) == int(next(1), int64)*teeth(2)) next(2) = next(2) + 1
       end if
       if (is_gears) next(2) = next(2) + 1
       if (.not. is_gears) next(1) = next(1) + 1
     end do
     orders = orders(:n)
   end function list_orders
+
+  !> Names the orders of told waves by these.
+  pure subroutine name_waves(waves, teeth, orders)
+    type(wave_t), intent(in) :: waves(:)
+    integer, intent(in) :: teeth(2)
+    type(order_t), intent(inout) :: orders(:)
+    integer :: i
+
+    do i = 1, size(waves)
+      associate (wave => waves(i))
+        if (wave%order == 1) cycle               ! run-out
+        where (int(orders%number, int64)*teeth(wave%gear) == int(wave%order, int64)*teeth(orders%gear)) &
+          orders%name = trim(members(wave%gear))//' wave '//str(wave%order)
+      end associate
+    end do
+  end subroutine name_waves
 
   !> Order n of a gear with so many teeth: an order of its own, of the mesh, or a sideband of that.
   pure function name_of(gear, n, teeth) result(name)

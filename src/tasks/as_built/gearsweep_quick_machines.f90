@@ -4,7 +4,6 @@ module gearsweep_quick_machines
   use gearsweep_deviations, only: deviations_t
   use gearsweep_error, only: error_t, fail
   use gearsweep_kinds, only: dp
-  use gearsweep_oscillator, only: oscillator_t
   use gearsweep_quick_sweep, only: quick_motion_t, run_quickly
   use gearsweep_stages, only: stages_t
   use gearsweep_status, only: has_result, status_inexact, status_ok, status_stopped
@@ -21,15 +20,14 @@ module gearsweep_quick_machines
 contains
 
   !> All pairs of gears. Ends early where the caller stops the run.
-  subroutine run_mostly_quickly(stages, which, rpm, machines, first, sample_error, error)
+  subroutine run_mostly_quickly(stages, which, rpm, machines, sample_error, error, unit_stress)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which(:)              !< reliefs of the case
     real(dp), intent(in) :: rpm(:)               !< speeds of the pinion, 1/min
     type(machine_t), intent(inout) :: machines(:, :)       !< as drawn; (assembly, draw)
-    type(oscillator_t), allocatable, intent(out) :: first(:)         !< of the first gears and assembly; (relief)
-    real(dp), intent(inout) :: sample_error(:)   !< largest difference of both ways' dynamic factors; (relief)
+    real(dp), intent(inout) :: sample_error(:)   !< largest difference of both ways' dynamic factors, NaN where none; (relief)
+    real(dp), allocatable, intent(in) :: unit_stress(:, :)           !< as of `run_exactly`
     type(error_t), allocatable, intent(inout) :: error
-    type(oscillator_t), allocatable :: osc(:)
     type(deviations_t), allocatable :: deviations(:)
     type(quick_motion_t), allocatable :: motions(:, :)     ! (speed, machine)
     logical :: in_sample(size(machines))
@@ -40,8 +38,7 @@ contains
       if (.not. in_sample(k)) cycle
       if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
       call locate(k, a, d)
-      call run_exactly(stages, which, rpm, machines(a, d), osc, error)
-      if (.not. allocated(first)) call move_alloc(osc, first)
+      call run_exactly(stages, which, rpm, machines(a, d), error, unit_stress)
     end do
     if (allocated(error)) return
     deviations = [((machines(a, d)%deviations, a=1, size(machines, 1)), d=1, size(machines, 2))]
@@ -50,11 +47,12 @@ contains
       call run_quickly(stages%motion(which(r)), deviations, rpm, stages%running%threads, stages%accuracy%steady%stop, motions)
       if (wants_stop(stages%accuracy%steady%stop)) return
       call stages%running%tell(size(rpm)*count(.not. in_sample), stages%accuracy%steady%stop)
-      sample_error(r) = 0
+      sample_error(r) = -1
       do k = 1, size(machines)
         call locate(k, a, d)
         if (in_sample(k)) sample_error(r) = max(sample_error(r), difference(motions(:, k), machines(a, d)%sweep, r))
       end do
+      if (sample_error(r) < 0) sample_error(r) = no_number()
       do k = 1, size(machines)
         if (in_sample(k)) cycle
         call locate(k, a, d)
@@ -74,6 +72,7 @@ contains
       d = 1 + (k - 1)/size(machines, 1)
     end subroutine locate
 
+    !> The largest; below 0 where no motion is known both ways.
     pure real(dp) function difference(found, sweep, relief)
       type(quick_motion_t), intent(in) :: found(:)         ! (speed)
       type(sweep_t), intent(in) :: sweep
@@ -81,7 +80,7 @@ contains
       logical :: known(size(found))
 
       known = found%is_found .and. has_result(sweep%status(:, relief))
-      difference = max(0.0_dp, maxval(abs(pack(found%peak/stages%motion(1)%load - sweep%dynamic_factor(:, relief), known))))
+      difference = maxval(abs(found%peak/stages%motion(1)%load - sweep%dynamic_factor(:, relief)), mask=known)
     end function difference
   end subroutine run_mostly_quickly
 

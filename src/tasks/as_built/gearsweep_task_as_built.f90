@@ -1,14 +1,14 @@
 !> The task `as_built`: the motion of gears whose teeth have errors of their own, over the mesh periods after which these repeat.
 !>
-!> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of the first gears and
+!> All speeds are swept for each pair of gears that is drawn, each assembly and each relief. The motions of one pair of gears and
 !> assembly are followed over the turn at chosen speeds: load of each pair of teeth, transmission error, orders.
 module gearsweep_task_as_built
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_as_built_extremes, only: add_extremes, extremes_t, find_extremes, report_extremes
-  use gearsweep_as_built_machines, only: draw_machines, follow_turn, machine_t, run_exactly, sweep_each, unit_root_stress
+  use gearsweep_as_built_machines, only: deviating, draw_machines, follow_turn, machine_t, run_exactly, sweep_each, unit_root_stress
   use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_tolerances, fill_worst
   use gearsweep_coefficient_table, only: scheme_collocation
   use gearsweep_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
-  use gearsweep_deviations, only: common_divisor
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_flank_file, only: flank_points_t, read_flank_points
   use gearsweep_kinds, only: dp
@@ -20,6 +20,7 @@ module gearsweep_task_as_built
   use gearsweep_points, only: factor_in
   use gearsweep_quick_machines, only: run_mostly_quickly
   use gearsweep_reader, only: reader_t
+  use gearsweep_smooth_intervals, only: smooth_intervals
   use gearsweep_stages, only: runnable_t, stages_t
   use gearsweep_status, only: has_result
   use gearsweep_stop, only: wants_stop
@@ -36,6 +37,7 @@ module gearsweep_task_as_built
   type, extends(runnable_t) :: as_built_task_t
     type(deviations_choice_t) :: deviations
     real(dp), allocatable :: turn_rpm(:)         !< speeds at which the motion is followed; without, that of the largest load
+    integer :: turn_draw = 1, turn_assembly = 1  !< pair of gears and assembly that are followed
     integer :: mesh_orders = 3                   !< up to which orders are told
     logical :: waterfall = .false.               !< orders at all speeds are wanted
     logical :: quick = .false.                   !< most pairs of gears to 1e-3 only
@@ -46,6 +48,7 @@ module gearsweep_task_as_built
   end type as_built_task_t
 
   character(*), parameter :: group = 'as_built'
+  real(dp), parameter :: interval_bytes = 4e3_dp  !< of a smooth interval, with what is made of it
 
 contains
 
@@ -73,13 +76,18 @@ contains
     call reader%get(group, 'turn_rpm', self%turn_rpm, error, unit='1/min', tasks=group, at_least=1e-6_dp, at_most=1e9_dp, &
                     max_size=100, distinct=.true., otherwise='that of the largest dynamic factor, of each relief', &
                     meaning='speeds of the pinion at which the motion is followed over the turn')
+    call reader%get(group, 'turn_draw', self%turn_draw, error, tasks=group, at_least=1, at_most=10000, &
+                    meaning='which pair of gears is followed over the turn, in the order in which they are drawn')
+    call reader%get(group, 'turn_assembly', self%turn_assembly, error, tasks=group, at_least=1, at_most=100000, &
+                    meaning='which assembly of it is')
     call reader%get(group, 'mesh_orders', self%mesh_orders, error, tasks=group, at_least=1, at_most=20, &
                     meaning='mesh orders up to which orders of the transmission error are told')
     call reader%get(group, 'waterfall', self%waterfall, error, tasks=group, &
                     meaning='whether these orders are told at all speeds, for the first relief')
     call reader%get(group, 'quick', self%quick, error, tasks=group, &
-                    meaning='whether dynamic factors are found to 1e-3 only, in a small part of the time. The first pair '// &
-                    'of gears and one in ten, ten at most, are computed to the tolerance too; sample_error tells the difference')
+                    meaning='whether dynamic factors are found to 1e-3 only, in a small part of the time. Of the pairs '// &
+                    'of gears and assemblies the first and one in ten, ten at most, are computed to the tolerance too; '// &
+                    'sample_error tells the difference')
     call reader%get(group, 'with_ste', self%with_ste, error, tasks=group, &
                     meaning='whether the peak-to-peak static transmission error of each pair of gears and assembly is told')
     call reader%get(group, 'with_root_stress', self%with_root_stress, error, tasks=group, &
@@ -105,9 +113,16 @@ contains
     if (facts%scheme /= scheme_collocation) call fail(error, code_input, &
       '&numerics method: the methods of the literature know nominal teeth only; with the task as_built it must be collocation')
     call check_deviations(self%deviations, facts%spec, error)
-    if (self%quick .and. self%deviations%draws == 1 .and. .not. self%deviations%all_assemblies) call fail(error, code_input, &
-      '&as_built quick: does not go with a single pair of gears, as that is computed to the tolerance; needs &deviations draws '// &
-      'above 1 or assembly = ''all''')
+    if (allocated(error)) return
+    associate (draws => self%deviations%draws, assemblies => self%deviations%assemblies(facts%spec%teeth))
+      if (self%turn_draw > draws) call fail(error, code_input, '&as_built turn_draw = '//str(self%turn_draw)// &
+        ': must be at most &deviations draws, '//str(draws))
+      if (self%turn_assembly > assemblies) call fail(error, code_input, '&as_built turn_assembly = '//str(self%turn_assembly)// &
+        ': must be at most the number of assemblies, '//str(assemblies))
+      if (self%quick .and. draws*assemblies == 1) call fail(error, code_input, &
+        '&as_built quick: does not go with a single pair of gears and assembly, as that is computed to the tolerance; needs '// &
+        '&deviations draws above 1, or assembly = ''all'' of gears whose numbers of teeth have a common divisor')
+    end associate
   end subroutine check
 
   !> The files of measured flanks, in the order of `read_keys`.
@@ -139,51 +154,48 @@ contains
 
     call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
-    points = size(rpm)*size(which)*(1 + self%deviations%draws*assemblies_of(self%deviations, stages))
+    points = size(rpm)*size(which)*(1 + self%deviations%draws*self%deviations%assemblies(stages%motion(1)%mesh%teeth))
   end function count_points
-
-  !> How many assemblies are taken.
-  integer function assemblies_of(choice, stages) result(assemblies)
-    type(deviations_choice_t), intent(in) :: choice
-    type(stages_t), intent(in) :: stages
-
-    assemblies = 1
-    associate (teeth => stages%motion(1)%mesh%teeth)
-      if (choice%all_assemblies) assemblies = common_divisor(teeth(1), teeth(2))
-    end associate
-  end function assemblies_of
 
   subroutine run(self, stages, error)
     class(as_built_task_t), intent(inout) :: self
     type(stages_t), intent(in) :: stages
     type(error_t), allocatable, intent(inout) :: error
     type(machine_t), allocatable :: machines(:, :)         ! (assembly, draw)
-    type(oscillator_t), allocatable :: first(:)            ! of the first gears and assembly; (relief)
+    type(oscillator_t), allocatable :: followed(:)         ! (relief)
     type(turn_t), allocatable :: turns(:, :)               ! (speed, relief)
     type(turn_t), allocatable :: waterfall(:)              ! (speed)
     type(sweep_t) :: nominal
     type(extremes_t) :: extremes
     real(dp), allocatable :: rpm(:), sample_error(:)
+    real(dp), allocatable :: unit_stress(:, :)   ! where the largest root stresses are wanted
     integer, allocatable :: which(:)
+    real(dp) :: machine_bytes
     integer :: assemblies, draw, i
 
     call self%list_speeds(stages, rpm)
     call self%list_reliefs(stages, which)
-    assemblies = assemblies_of(self%deviations, stages)
-    call claim_memory(200.0_dp*size(rpm)*size(which)*assemblies*self%deviations%draws, &
-                      '&deviations draws: '//str(self%deviations%draws)//' pairs of gears', error)
+    assemblies = self%deviations%assemblies(stages%motion(1)%mesh%teeth)
+    associate (motion => stages%motion(1))
+      machine_bytes = 2e3_dp + 80*sum(motion%mesh%teeth) + size(which)*(200.0_dp*size(rpm) + 100)
+      call claim_memory(machine_bytes*assemblies*self%deviations%draws + &
+                        interval_bytes*size(smooth_intervals(motion%mesh, motion%friction > 0))* &
+                        self%deviations%turn(motion%mesh%teeth), &
+                        '&deviations draws: '//str(self%deviations%draws)//' pairs of gears', error)
+    end associate
     if (allocated(error)) return
     call sweep_each(stages, stages%motion(which), rpm, nominal, error)
     call draw_machines(self%deviations, stages, assemblies, machines, error)
     if (allocated(error)) return
     allocate (sample_error(size(which)), source=no_number())
+    if (self%with_root_stress) unit_stress = unit_root_stress(stages%pair)
     if (self%quick) then
-      call run_mostly_quickly(stages, which, rpm, machines, first, sample_error, error)
+      call run_mostly_quickly(stages, which, rpm, machines, sample_error, error, unit_stress)
     else
-      call run_all(stages, which, rpm, machines, first, error)
+      call run_all(stages, which, rpm, machines, error, unit_stress)
     end if
     if (allocated(error)) return
-    call find_extremes(stages, which, nominal, machines, self%with_ste, self%with_root_stress, extremes, error)
+    call find_extremes(stages, which, nominal, machines, self%with_ste, unit_stress, extremes, error)
     if (allocated(error)) return
     self%is_stopped = wants_stop(stages%accuracy%steady%stop)
     if (self%is_stopped) then
@@ -191,25 +203,28 @@ contains
       self%is_done = .true.
       return
     end if
-    call follow(self, stages, first, rpm, machines(1, 1), turns, waterfall, error)
+    followed = deviating(stages%motion(which), machines(self%turn_assembly, self%turn_draw)%deviations, error)
+    call follow(self, stages, followed, rpm, machines(self%turn_assembly, self%turn_draw), turns, waterfall, error)
     if (allocated(error)) return
     associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth)
       call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
       call fill_summary(amount, nominal, machines, sample_error, self%tables(self%place('as_built_summary')), error)
       call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
       if (.not. allocated(error)) call add_extremes(extremes, self%tables(self%place('as_built_worst')))
-      call fill_loads(stages, amount, turns, machines(1, 1), self%tables(self%place('as_built_loads')), error)
-      call fill_turn(first, amount, turns, self%tables(self%place('as_built_turn')), error)
-      call fill_orders(first, amount, turns, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
+      call fill_loads(stages, amount, turns, machines(self%turn_assembly, self%turn_draw), &
+                      self%tables(self%place('as_built_loads')), error)
+      call fill_turn(followed, amount, turns, self%tables(self%place('as_built_turn')), error)
+      call fill_orders(followed, amount, turns, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
       if (self%waterfall) call fill_waterfall(teeth, waterfall, self%mesh_orders, &
                                               self%tables(self%place('as_built_waterfall')), error)
     end associate
     if (any(self%deviations%class > 0)) &
       call fill_tolerances(stages%pair, self%deviations%class, self%tables(self%place('tolerances')), error)
     self%is_done = .true.
-    self%failed = sum([((count(.not. has_result(machines(i, draw)%sweep%status)), i=1, assemblies), draw=1, size(machines, 2))])
+    self%failed = count(.not. has_result(nominal%status)) + &
+                  sum([((count(.not. has_result(machines(i, draw)%sweep%status)), i=1, assemblies), draw=1, size(machines, 2))])
     self%log = 'as_built: '//str(size(rpm)*size(which)*size(machines))//' operating points over '// &
-               str(first(1)%mesh%deviations%periods)//' mesh periods each'
+               str(followed(1)%mesh%deviations%periods)//' mesh periods each'
     do i = 1, 2
       if (allocated(self%deviations%files(i)%name)) self%log = self%log//'; the polynomials leave '// &
         str(1e6_dp*self%deviations%files(i)%rest, 3)//' um (root mean square) of '//trim(members(i))//'_flanks_file'
@@ -217,26 +232,24 @@ contains
   end subroutine run
 
   !> All pairs of gears to the tolerance. Ends early where the caller stops the run.
-  subroutine run_all(stages, which, rpm, machines, first, error)
+  subroutine run_all(stages, which, rpm, machines, error, unit_stress)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which(:)
     real(dp), intent(in) :: rpm(:)
     type(machine_t), intent(inout) :: machines(:, :)       ! (assembly, draw)
-    type(oscillator_t), allocatable, intent(out) :: first(:)         ! of the first gears and assembly; (relief)
     type(error_t), allocatable, intent(inout) :: error
-    type(oscillator_t), allocatable :: osc(:)
+    real(dp), allocatable, intent(in) :: unit_stress(:, :)   ! as of `run_exactly`
     integer :: draw, i
 
     do draw = 1, size(machines, 2)
       do i = 1, size(machines, 1)
         if (allocated(error) .or. wants_stop(stages%accuracy%steady%stop)) return
-        call run_exactly(stages, which, rpm, machines(i, draw), osc, error)
-        if (.not. allocated(first)) call move_alloc(osc, first)
+        call run_exactly(stages, which, rpm, machines(i, draw), error, unit_stress)
       end do
     end do
   end subroutine run_all
 
-  !> The motions of the first gears and assembly over the turn.
+  !> The motions of one pair of gears over the turn.
   subroutine follow(self, stages, osc, rpm, machine, turns, waterfall, error)
     class(as_built_task_t), intent(in) :: self
     type(stages_t), intent(in) :: stages
@@ -280,7 +293,7 @@ contains
       if (machines > 1) then
         call lines%add('Gears as built: largest dynamic factor over the speeds; pairs of gears: '//str(worst%extent(2))// &
                        ', assemblies: '//str(worst%extent(3)))
-        call lines%add('   relief um   nominal     least    median      95 %   largest      at rpm')
+        call lines%add('   relief um   nominal     least    median      95 %   largest      at rpm   pair of gears   assembly')
       else
         call lines%add('Gears as built: largest dynamic factor over the speeds')
         call lines%add('   relief um   nominal  as built      at rpm   pinion tooth   gear tooth')
@@ -290,14 +303,21 @@ contains
         if (machines > 1) then
           call lines%add(factor_in(summary%number('least_factor', row))//factor_in(summary%number('median_factor', row))// &
                          factor_in(summary%number('quantile_95_factor', row))// &
-                         factor_in(summary%number('largest_factor', row))//right(str(summary%number('rpm', row)), 12))
+                         factor_in(summary%number('largest_factor', row))//right(str(summary%number('rpm', row)), 12)// &
+                         right(str(summary%number('worst_draw', row)), 16)//right(str(summary%number('worst_assembly', row)), 11))
         else
           call lines%add(factor_in(worst%number('dynamic_factor', row))//right(str(worst%number('rpm', row)), 12)// &
                          right(str(worst%number('pinion_tooth', row)), 15)//right(str(worst%number('gear_tooth', row)), 13))
         end if
       end do
-      if (self%quick) call lines%add('   found quickly; those of a sample differ from those to the tolerance by at most '// &
-                                     str(maxval([(summary%number('sample_error', row), row=1, summary%rows)]), 2))
+      if (self%quick) then
+        associate (off => [(summary%number('sample_error', row), row=1, summary%rows)])
+          if (.not. all(ieee_is_nan(off))) call lines%add('   found quickly; those of a sample differ from those to the '// &
+                                                          'tolerance by at most '//str(maxval(off), 2))
+          if (any(ieee_is_nan(off))) call lines%add('   found quickly; at a relief whose sample_error is NaN, no motion of the '// &
+                                                    'sample is known both ways')
+        end associate
+      end if
       call report_extremes(worst, lines)
     end associate
   end subroutine add_report
