@@ -341,6 +341,16 @@ def test_variants_that_fail_leave_the_others_alone(tmp_path):
     fails_with('variant 5 is not there', many.case_of, store, 5)
 
 
+def test_a_variant_of_other_speeds_refuses_itself_alone_in_any_block():
+    """The third and the fifth have other speeds than the first, wherever a block begins."""
+    plan = many.Plan.table(CASE, {'sweep.rpm_step': [1000, 1000, 2000, 1000, 2000, 1000, 1000, 1000]})
+    expected = gearsweep.run(plan.case(0)).sweep.dynamic_factor[0]
+    for size in (1, 2, 3, 4, 8):
+        data = many.run(plan, 'sweep.dynamic_factor', size=size)
+        assert data.status.values.tolist() == [1, 1, 3, 1, 3, 1, 1, 1]
+        np.testing.assert_array_equal(data['sweep.dynamic_factor'][[0, 1, 3, 5, 6, 7]], np.tile(expected, (6, 1)))
+
+
 def test_points_without_an_answer_make_a_variant_partial():
     from conftest import PARTIAL
 

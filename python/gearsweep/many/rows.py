@@ -5,6 +5,7 @@ This is all that runs in the processes of an executor.
 
 from __future__ import annotations
 
+import math
 import threading
 from dataclasses import dataclass
 
@@ -108,6 +109,10 @@ def _in_one_call(job: Job, values: Reals) -> Block | None:
     except Error:
         return None
     _last.rows = found
+    # A call takes how many there are from the first row that it runs, which need not be as the plan's; without one that runs there are none.
+    sizes = {one.name: math.prod(one.shape) for one in job.taken.columns} | {name: one.size for name, one in indices.items()}
+    if any(found.columns[name].shape[1] not in (0, size) for name, size in sizes.items()):
+        return None
     block = empty(job.taken, len(values))
     for at, (code, message) in enumerate(zip(found.codes, found.messages)):
         block.status[at], block.messages[at] = _STATUS.get(Code(code), Status.FAILED), ' '.join(message.split())
