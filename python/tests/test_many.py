@@ -351,6 +351,20 @@ def test_a_variant_of_other_speeds_refuses_itself_alone_in_any_block():
         np.testing.assert_array_equal(data['sweep.dynamic_factor'][[0, 1, 3, 5, 6, 7]], np.tile(expected, (6, 1)))
 
 
+@pytest.mark.parametrize('varied', [
+    {'as_built.rpm': [[8000, 9000], [8000, 9500]]},
+    {'sweep.rpm_first': [8000, 8500], 'sweep.rpm_last': [9000, 9500]},
+], ids=['one case at a time', 'in one call'])  # fmt: skip
+def test_a_dimension_that_tables_share_is_that_of_each(varied, tmp_path):
+    """Of two tables over the speed one has other speeds in the second variant, whichever is taken first: 9500 does not stand under 9000."""
+    case = GEARS.changed(case={'tasks': ['sweep', 'as_built']}, load={'torque_nm': 100}, mesh={'model': 'iso6336'}, as_built={'rpm': [8000, 9000]},
+                         sweep={'rpm_first': 8000, 'rpm_last': 9000, 'rpm_step': 1000}, deviations={'pinion_class': 6})  # fmt: skip
+    for take in (['sweep.dynamic_factor', 'as_built.dynamic_factor'], ['as_built.dynamic_factor', 'sweep.dynamic_factor']):
+        data = many.run(many.Plan.table(case, varied), take, store=tmp_path / take[0])
+        assert data.status.values.tolist() == [many.OK, many.REFUSED] and data.rpm.values.tolist() == [8000, 9000]
+        assert 'values of rpm are not those of the other variants' in many.failures(tmp_path / take[0]).message[0]
+
+
 def test_points_without_an_answer_make_a_variant_partial():
     from conftest import PARTIAL
 

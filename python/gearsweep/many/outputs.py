@@ -50,7 +50,8 @@ class Taken:
     reduced : tuple of Output
         Of `reduce`.
     coordinates : dict
-        By dimension: its table, its values, which must be those of each variant, and their unit.
+        By dimension: the table that it is first told of, its values, which must be those of each table that has it in each variant, and
+        their unit.
     """
 
     columns: tuple[Output, ...]
@@ -66,9 +67,8 @@ class Taken:
             Its results have other index columns than those of the first.
         """
         found = {}
-        for name, (table, values, _) in self.coordinates.items():
-            column = name.rpartition('.')[2]
-            if not np.array_equal(study[table][column], values):
+        for table, column, dim in self._indexed():
+            if not np.array_equal(study[table][column], self.coordinates[dim][1]):
                 raise Error(OTHER_INDEX.format(table, column))
         for one in self.columns:
             table, _, column = one.name.partition('.')
@@ -78,17 +78,20 @@ class Taken:
             raise Error(f'reduce: gives {", ".join(sorted(numbers))}; of the first variant it gave other numbers')
         return found | {one.name: _shaped(one, numbers[one.name]) for one in self.reduced}
 
+    def _indexed(self) -> list[tuple[str, str, str]]:
+        """Table, index column and dimension of all that is taken, each once: tables may share a dimension."""
+        return list(dict.fromkeys((one.name.partition('.')[0], dim.rpartition('.')[2], dim) for one in self.columns for dim in one.dims))
 
     def indices(self) -> dict[str, Reals] | None:
         """By 'table.column', the index columns of what is taken with a value for each of its rows; None where one has words."""
         found = {}
         for one in self.columns:
             for at, dim in enumerate(one.dims):
-                table, values, _ = self.coordinates[dim]
+                values = self.coordinates[dim][1]
                 if values.dtype.kind not in 'iuf':
                     return None
                 along = values.astype(float).reshape([-1 if axis == at else 1 for axis in range(len(one.dims))])
-                found[f'{table}.{dim.rpartition(".")[2]}'] = np.broadcast_to(along, one.shape).ravel()
+                found[f'{one.name.partition(".")[0]}.{dim.rpartition(".")[2]}'] = np.broadcast_to(along, one.shape).ravel()
         return found
 
 
