@@ -289,6 +289,20 @@ def test_a_store_of_something_else_is_refused(tmp_path, monkeypatch):
     fails_with('is no store of gearsweep.many', many.run, plan_of(8), TAKE, store=tmp_path / 'other', code=Code.FILE)
 
 
+def other(study):
+    return {'worst': 0.0}
+
+
+def test_a_store_of_another_function_is_refused(tmp_path):
+    """With none, or another of the same names, statuses and numbers would be those of both."""
+    for begun, here in ((fails, None), (None, fails), (other, fails)):
+        store = tmp_path / str(begun)
+        many.run(plan_of(8), TAKE, store=store, reduce=begun)
+        name, there = (f'{one.__module__}.{one.__name__}' if one else 'None' for one in (here, begun))
+        fails_with(f'was begun with reduce = {there}, here {name}$', many.run, plan_of(8), TAKE, store=store, reduce=here, code=Code.FILE)
+        assert many.counts(many.run(plan_of(8), TAKE, store=store, reduce=begun)) == {'ok': 8}
+
+
 def test_two_runs_do_not_write_into_one_store(tmp_path):
     """The second is refused from a callback of the first."""
     store, seen = tmp_path / 'x.zarr', []

@@ -119,11 +119,11 @@ def _begun(plan: Plan, take: list[str], path: Any, size: int | None, seconds: fl
             raise Error(f'{name} = {value}: must be above 0')
     if path is not None and os.path.exists(path):
         kept = stores.read(path)
-        stores.check(kept, plan, take)
+        stores.check(kept, plan, take, reduce)
     else:
         found, took = _first(plan, take, reduce, seconds)
-        kept = stores.make(path, plan, found, min(size or _size(plan.n, took), plan.n))
-        stores.check(kept, plan, take)  # where another part was faster, it is that one's
+        kept = stores.make(path, plan, found, min(size or _size(plan.n, took), plan.n), reduce)
+        stores.check(kept, plan, take, reduce)  # where another part was faster, it is that one's
     return Job(plan.base, plan.keys, kept.taken, reduce, seconds), kept
 
 

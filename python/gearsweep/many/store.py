@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._library import Code, Error
-from .outputs import Output, Taken
+from .outputs import Output, Reduce, Taken
 from .plan import Plan
 from .rows import Block
 from .status import Status
@@ -151,8 +151,8 @@ def read(path: str | os.PathLike) -> Store:
         raise Error(f'cannot read {path}: {reason}', Code.FILE) from error
 
 
-def check(store: Store, plan: Plan, take: list[str]) -> None:
-    """Raises an `Error` where the store is of another plan, version or kernel, or has other columns."""
+def check(store: Store, plan: Plan, take: list[str], reduce: Reduce | None) -> None:
+    """Raises an `Error` where the store is of another plan, version or kernel, or has other columns or numbers of another `reduce`."""
     about = store.about
     if about['mark'] != plan.mark():
         here, there = json.loads(json.dumps(plan.told())), about['plan']
@@ -162,6 +162,15 @@ def check(store: Store, plan: Plan, take: list[str]) -> None:
     names = [one['name'] for one in about['columns']]
     if names != take:
         raise Error(f'{store.path}: has the columns {", ".join(names) or "none"}; take asks for {", ".join(take) or "none"}', Code.FILE)
+    there = about.get('reduce', _name(reduce))  # older stores do not tell
+    if there != _name(reduce):
+        raise Error(f'{store.path}: was begun with reduce = {there}, here {_name(reduce)}', Code.FILE)
+
+
+def _name(reduce: Any) -> str:
+    """The name of a function by which it is known again; of one with some arguments given (`functools.partial`), without these."""
+    one = getattr(reduce, 'func', reduce)
+    return 'None' if one is None else f'{one.__module__}.{getattr(one, "__qualname__", type(one).__name__)}'
 
 
 def _short(value: Any) -> str:
@@ -169,7 +178,7 @@ def _short(value: Any) -> str:
     return said if len(said) <= 60 else 'another'
 
 
-def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int) -> Store:
+def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int, reduce: Reduce | None) -> Store:
     """Makes a store under another name, which it gets when it is complete; in memory without a path.
 
     Raises
@@ -181,11 +190,11 @@ def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int) ->
     from zarr.storage import MemoryStore
 
     if path is None:
-        return Store(_filled(zarr.create_group(MemoryStore()), plan, taken, size), '')
+        return Store(_filled(zarr.create_group(MemoryStore()), plan, taken, size, reduce), '')
     path = os.fspath(path)
     new = f'{path.rstrip("/")}.{platform.node()}-{os.getpid()}.new'
     try:
-        _filled(zarr.create_group(new, overwrite=True), plan, taken, size)
+        _filled(zarr.create_group(new, overwrite=True), plan, taken, size, reduce)
         try:
             os.rename(new, path)
         except OSError:
@@ -199,7 +208,7 @@ def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int) ->
         shutil.rmtree(new, ignore_errors=True)
 
 
-def _filled(group: Any, plan: Plan, taken: Taken, size: int) -> Any:
+def _filled(group: Any, plan: Plan, taken: Taken, size: int, reduce: Reduce | None) -> Any:
     """The group with its arrays, which have no values yet."""
     import scipy
 
@@ -226,7 +235,7 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int) -> Any:
         flag_meanings=' '.join(one.name.lower() for one in Status))  # fmt: skip
     group.attrs['gearsweep'] = {
         'format': FORMAT, 'mark': plan.mark(), 'plan': plan.told(), 'n': int(n), 'size': size, 'folder': plan.base.folder,
-        'names': list(plan.names),
+        'names': list(plan.names), 'reduce': _name(reduce),
         'keys': [{'group': key.group, 'key': key.key, 'whole': key.whole, 'choices': key.choices} for key in plan.keys],
         'columns': [_told(one) for one in taken.columns], 'reduced': [_told(one) for one in taken.reduced],
         'coordinates': {name: {'table': table, 'words': words[name], 'unit': unit} for name, (table, _, unit) in taken.coordinates.items()},
