@@ -401,6 +401,31 @@ def test_a_function_of_the_callers_makes_numbers(tmp_path):
     assert set(many.failures(store).message) == {'reduce: ValueError: no such number'}
 
 
+@pytest.mark.parametrize('size', [None, 4])
+def test_a_function_that_fails_on_the_first_variants_fails_there_alone(size):
+    """The two with the most damping come first."""
+    rows = plan_of(8).rows()
+    rows[:2, 2] = LIMIT + 0.001
+    rows[2:, 2] = np.minimum(rows[2:, 2], LIMIT - 0.001)
+    plan = many.Plan.table(CASE, dict(zip(plan_of(8).names, rows.T)))
+    data = many.run(plan, TAKE[0], reduce=fails, size=size)
+    assert data.status.values.tolist() == 2 * [many.FAILED] + 6 * [many.OK] and np.isnan(data['worst'][:2]).all()
+    np.testing.assert_array_equal(data['worst'][2:], data[TAKE[0]][2:])
+    fails_with('none of the first 2 variants has a result; of the first: reduce: ValueError: no such number', many.run,
+               many.Plan.table(CASE, {'dynamics.damping_ratio': 2 * [LIMIT + 0.001]}), reduce=fails)  # fmt: skip
+
+
+@pytest.mark.parametrize('options', [{}, {'size': 3}, {'executor': concurrent.futures.ThreadPoolExecutor(2)}], ids=['here', 'blocks', 'threads'])
+def test_no_variant_is_computed_twice(monkeypatch, options):
+    """Not the first either, which tells what the columns are like."""
+    asked = []
+    attempt = many.rows.attempt
+    monkeypatch.setattr(many.rows, 'attempt', lambda case, *rest, **more: (asked.append(case.text), attempt(case, *rest, **more))[1])
+    data = many.run(plan_of(8), reduce=fails, **options)
+    assert sorted(asked) == sorted(plan_of(8).case(at).text for at in range(8))
+    np.testing.assert_array_equal(data['worst'], many.run(plan_of(8), TAKE[0])[TAKE[0]])
+
+
 def test_no_variant_at_all_is_an_error():
     fails_with('none of the first 2 variants has a result; of the first: .*damping_ratio', many.run,
                many.Plan.grid(CASE, dynamics={'damping_ratio': [-1, -2]}), TAKE)  # fmt: skip

@@ -21,7 +21,7 @@ from test_many import TAKE, digest, plan_of  # noqa: E402
 
 HERE = os.path.dirname(__file__)
 PLAN = plan_of(64, 4)
-#: Of its variants one ends its process, and it is not the first, which tells what the columns are like.
+#: Of its variants one ends its process, and it is none of the first, which tell what the columns are like.
 (BAD,) = np.flatnonzero(PLAN.rows()[:, 2] == PLAN.rows()[:, 2].max())
 
 
@@ -61,6 +61,28 @@ def test_a_variant_that_ends_its_process_is_found_alone(expected, tmp_path):
     told = many.failures(store)
     assert told.variant.tolist() == [BAD] and told.status[0] == 'crashed' and 'also where nothing else is computed' in told.message[0]
     assert told['dynamics.damping_ratio'][0] == PLAN.rows()[BAD, 2]
+
+
+@pytest.mark.parametrize('options', [{}, {'size': 3}], ids=['a variant', 'three in a block'])
+def test_a_first_variant_that_ends_its_process_is_found_too(expected, tmp_path, options):
+    """And takes neither this process with it nor the other, which is tried beside it."""
+    order = [BAD, *range(7)]
+    plan = many.Plan.table(PLAN.base, dict(zip(PLAN.names, PLAN.rows()[order].T)))
+    data = many.run(plan, TAKE, reduce=many_faults.poison, executor=2, store=tmp_path / 'x.zarr', **options)
+    same_but(data, expected.isel(variant=order), [0], many.CRASHED)
+    assert many.failures(tmp_path / 'x.zarr').variant.tolist() == [0]
+
+
+def test_first_variants_are_tried_side_by_side():
+    """Each of two waits for the other."""
+    both = threading.Barrier(2, timeout=60)
+
+    def waits(study):
+        both.wait()
+        return {'worst': many_faults.worst(study)}
+
+    with concurrent.futures.ThreadPoolExecutor(2) as threads:
+        assert many.counts(many.run(plan_of(2), reduce=waits, executor=threads)) == {'ok': 2}
 
 
 def test_a_worker_that_dies_once_costs_nothing(expected, tmp_path, monkeypatch):

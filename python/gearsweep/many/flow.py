@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._library import Code, Error
-from .rows import Block, Job, compute, made_here
+from .rows import Job, compute, made_here
 
 Reals = NDArray[np.float64]
 #: A block whose worker died is cut into so many parts: with Dask each part that holds the cause costs several workers.
@@ -65,7 +65,13 @@ class Crew:
                             f'{type(given).__name__}')  # fmt: skip
         if self.make:
             self.executor = self.make()
-        self.looked, self.count = -math.inf, 1
+        self.looked, self.count, self.checked = -math.inf, 1, False
+
+    def __enter__(self) -> Crew:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.close(at_once=kind is not None)
 
     def workers(self) -> int:
         """How many blocks are computed at a time."""
@@ -101,8 +107,9 @@ class Crew:
         self.executor.shutdown(wait=True, cancel_futures=True)
 
     def check(self, job: Job) -> None:
-        """Raises an `Error` where the work cannot be sent to processes, or these end as they start, before they are asked."""
-        if isinstance(self.executor, ProcessPoolExecutor):
+        """Raises an `Error` where the work cannot be sent to processes, or these end as they start, before they are asked first."""
+        if isinstance(self.executor, ProcessPoolExecutor) and not self.checked:
+            self.checked = True
             try:
                 pickle.dumps(job)
             except Exception as error:
@@ -184,13 +191,13 @@ class Flow:
     then too is cut into parts, down to single variants.
     """
 
-    def __init__(self, crew: Crew, job: Job, rows: Callable[[int, int], Reals], window: int | None):
-        self.crew, self.job, self.rows, self.window = crew, job, rows, window
+    def __init__(self, crew: Crew, job: Job, rows: Callable[[int, int], Reals], window: int | None, call: Callable[[Job, Reals], Any] = compute):
+        self.crew, self.job, self.rows, self.window, self.call = crew, job, rows, window, call
         self.flying: dict[Future, Piece] = {}
         self.suspects: list[Piece] = []
 
-    def run(self, blocks: Iterable[tuple[int, int]]) -> Iterator[tuple[Piece, Block | None]]:
-        """Pieces with what came of them, in the order in which they end; None: the variant ends its process.
+    def run(self, blocks: Iterable[tuple[int, int]]) -> Iterator[tuple[Piece, Any]]:
+        """Pieces with what the call made of them, in the order in which they end; None: the variant ends its process.
 
         Raises
         ------
@@ -224,7 +231,7 @@ class Flow:
     def _submit(self, piece: Piece) -> bool:
         values = self.rows(piece.first, piece.stop)
         try:
-            future = self.crew.submit(compute, self.job, values)
+            future = self.crew.submit(self.call, self.job, values)
         except BrokenExecutor:  # a worker died between two blocks
             self.suspects.append(piece)
             if not self.flying:
@@ -235,7 +242,7 @@ class Flow:
         self.flying[future] = piece
         return True
 
-    def _landed(self, future: Future, piece: Piece) -> Iterator[tuple[Piece, Block | None]]:
+    def _landed(self, future: Future, piece: Piece) -> Iterator[tuple[Piece, Any]]:
         try:
             block = future.result()
         except CancelledError as error:
@@ -249,7 +256,7 @@ class Flow:
         else:
             yield piece, block
 
-    def _died(self, piece: Piece) -> Iterator[tuple[Piece, Block | None]]:
+    def _died(self, piece: Piece) -> Iterator[tuple[Piece, Any]]:
         if not piece.alone:
             self.suspects.append(piece)
         elif piece.stop - piece.first > 1:

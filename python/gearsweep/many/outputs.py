@@ -58,8 +58,8 @@ class Taken:
     reduced: tuple[Output, ...]
     coordinates: dict[str, tuple[str, NDArray[Any], str]]
 
-    def of(self, study: Study, reduce: Reduce | None) -> dict[str, Reals]:
-        """The numbers of a variant.
+    def of(self, study: Study, numbers: Mapping[str, Reals]) -> dict[str, Reals]:
+        """The numbers of a variant, with those that `reduce` gives.
 
         Raises
         ------
@@ -73,10 +73,15 @@ class Taken:
         for one in self.columns:
             table, _, column = one.name.partition('.')
             found[one.name] = _shaped(one, study[table][column])
-        numbers = reduce(study) if reduce else {}
         if set(numbers) != {one.name for one in self.reduced}:
             raise Error(f'reduce: gives {", ".join(sorted(numbers))}; of the first variant it gave other numbers')
         return found | {one.name: _shaped(one, numbers[one.name]) for one in self.reduced}
+
+    def same(self, other: Taken) -> bool:
+        """Are these columns of the same shapes, over the same index values?"""
+        return (self.columns, self.reduced, [*self.coordinates]) == (other.columns, other.reduced, [*other.coordinates]) and all(
+            np.array_equal(one[1], two[1]) for one, two in zip(self.coordinates.values(), other.coordinates.values())
+        )
 
     def _indexed(self) -> list[tuple[str, str, str]]:
         """Table, index column and dimension of all that is taken, each once: tables may share a dimension."""
@@ -102,8 +107,8 @@ def _shaped(one: Output, values: Any) -> Reals:
     return found.reshape(one.shape)
 
 
-def taken(study: Study, take: Sequence[str], reduce: Reduce | None) -> Taken:
-    """What the columns 'table.column' are like, and what `reduce` gives, by the study of one variant.
+def taken(study: Study, take: Sequence[str], numbers: Mapping[str, Reals]) -> Taken:
+    """What the columns 'table.column' are like, and the numbers that `reduce` gives, by the study of one variant.
 
     Raises
     ------
@@ -112,13 +117,8 @@ def taken(study: Study, take: Sequence[str], reduce: Reduce | None) -> Taken:
     """
     coordinates: dict[str, tuple[str, NDArray[Any], str]] = {}
     columns = tuple(_column(study, name, coordinates) for name in take)
-    reduced = []
-    for name, values in (reduce(study) if reduce else {}).items():
-        if name in take:
-            raise Error(f'reduce: {name}: is the name of a column that is taken')
-        shape = np.asarray(values, float).shape
-        reduced.append(Output(name, tuple(f'{name}.{at}' for at in range(len(shape))), shape))
-    return Taken(columns, tuple(reduced), coordinates)
+    reduced = tuple(Output(name, tuple(f'{name}.{at}' for at in range(one.ndim)), one.shape) for name, one in numbers.items())
+    return Taken(columns, reduced, coordinates)
 
 
 def _column(study: Study, name: str, coordinates: dict[str, tuple[str, NDArray[Any], str]]) -> Output:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 import threading
+import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,11 +21,11 @@ from ..case import Case
 from ..study import Study, attempt, run_rows
 from .inputs import Key, case_with
 from .kernel import kernel
-from .outputs import OTHER_INDEX, Reduce, Taken
+from .outputs import OTHER_INDEX, Reduce, Taken, taken
 from .status import ANSWERED, Status
 
 Reals = NDArray[np.float64]
-#: The last `study` and the last `rows` of this thread, whose stiffness the next may take over.
+#: The last `study` of this thread, and its last `rows` or study, whose stiffness the next may take over.
 _last = threading.local()
 #: What a code means for a variant; others: a method failed.
 _STATUS = {Code.OK: Status.OK, Code.PARTIAL: Status.PARTIAL, Code.INPUT: Status.REFUSED}
@@ -128,19 +130,77 @@ def _in_one_call(job: Job, values: Reals) -> Block | None:
 
 
 def _variant(job: Job, row: Reals) -> tuple[Status, str, dict[str, Reals]]:
+    status, message, study = _study(job, row)
+    if study is None:
+        return status, message, {}
+    try:
+        return status, message, job.taken.of(study, _reduced(job, study))
+    except Exception as failure:
+        return *_failure(failure), {}
+
+
+@dataclass(frozen=True)
+class First:
+    """What a variant tells where nothing is known of the columns yet.
+
+    Attributes
+    ----------
+    block : Block
+        Of this variant; without columns where it has no result.
+    seconds : float
+        That it took.
+    taken : Taken, optional
+        What the columns are like; None: the variant has no result.
+    wrong : str
+        What is wrong with what is asked for, such as a column that is not there.
+    """
+
+    block: Block
+    seconds: float
+    taken: Taken | None = None
+    wrong: str = ''
+
+
+def first(take: Sequence[str], job: Job, values: Reals) -> First:
+    """A variant by itself, and what the columns 'table.column' are like by it."""
+    began = time.monotonic()
+    status, message, study = _study(job, values[0])
+    found, columns, wrong = None, {}, ''
+    if study is not None:
+        try:
+            numbers = _reduced(job, study)
+        except Exception as failure:
+            status, message = _failure(failure)
+        else:
+            try:
+                found = taken(study, take, numbers)
+                columns = {name: one[np.newaxis] for name, one in found.of(study, numbers).items()}
+            except Error as error:
+                wrong = str(error)
+    block = Block(columns, np.full(1, status, np.int8), [' '.join(message.split())], made_here())
+    return First(block, time.monotonic() - began, found, wrong)
+
+
+def _study(job: Job, row: Reals) -> tuple[Status, str, Study | None]:
     try:
         study, error = study_of(case_with(job.base, job.keys, row), job.seconds)
     except Error as refused:
-        return _status(refused), str(refused), {}
+        return _status(refused), str(refused), None
     except Late:
-        return Status.LATE, f'not done after {job.seconds:g} s', {}
-    try:
-        numbers = job.taken.of(study, job.reduce)
-    except Error as refused:
-        return Status.REFUSED, str(refused), {}
-    except Exception as failure:  # of the caller's function
-        return Status.FAILED, f'reduce: {type(failure).__name__}: {failure}', {}
-    return (Status.PARTIAL, str(error), numbers) if error else (Status.OK, '', numbers)
+        return Status.LATE, f'not done after {job.seconds:g} s', None
+    return (Status.PARTIAL, str(error), study) if error else (Status.OK, '', study)
+
+
+def _reduced(job: Job, study: Study) -> dict[str, Reals]:
+    """What the caller's function gives."""
+    return {name: np.asarray(values, float) for name, values in job.reduce(study).items()} if job.reduce else {}
+
+
+def _failure(failure: Exception) -> tuple[Status, str]:
+    """Of the caller's function, unless it is an `Error`."""
+    if isinstance(failure, Error):
+        return Status.REFUSED, str(failure)
+    return Status.FAILED, f'reduce: {type(failure).__name__}: {failure}'
 
 
 def study_of(case: Case, seconds: float | None) -> tuple[Study, Error | None]:
@@ -158,7 +218,7 @@ def study_of(case: Case, seconds: float | None) -> tuple[Study, Error | None]:
         raise cause
     if study is None or (error is not None and error.code != Code.PARTIAL):
         raise error or Error('the run made no study', Code.NUMERICAL)
-    _last.study = study
+    _last.study = _last.rows = study
     return study, error
 
 

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import itertools
 import os
 import signal
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .._library import Code, Error
-from .._watch import Late, Line
+from .._watch import Line
 from . import reading
 from . import store as stores
 from .flow import Crew, Flow, Piece
-from .inputs import case_with
-from .outputs import Reduce, Taken, taken
+from .outputs import Reduce, Taken
 from .plan import Plan
-from .rows import Block, Job, empty, made_here, study_of
+from .rows import Block, First, Job, empty, first, made_here
 from .status import ANSWERED, Status
 from .store import Store
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 _SECONDS, _MOST, _BLOCKS = 10.0, 4096, 32
 #: So many variants are tried for what the columns are like.
 _TRIED = 16
+_ENDED = 'the process that computes it ends, also where nothing else is computed'
 
 Progress = Callable[[int, int, int], object]
 
@@ -85,29 +87,24 @@ def run(
         The plan or a column is not usable, no variant tried has a result, the store is of another plan, version or OpenBLAS kernel or
         cannot be written, or the executor is gone. What is done is kept.
     """
-    job, kept = _begun(plan, [take] if isinstance(take, str) else list(take), store, size, seconds, reduce)
+    take = [take] if isinstance(take, str) else list(take)
+    _check(plan, take, size, seconds, reduce)
     k, m = part
     if not 1 <= k <= m:
         raise Error(f'part {k}/{m}: must be from 1/{m} to {m}/{m}')
-    with kept.held(part), _told(progress) as told:
-        done = kept.status()
-        done[_of_blocks(np.isin(done, again), kept.size)] = Status.PENDING
-        blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
-        counts = _Counts(kept, part, done, told)
-        if blocks:
-            crew = Crew(executor)
-            try:
-                crew.check(job)
-                _gather(plan, job, kept, crew, window, blocks, counts)
-            except BaseException:
-                crew.close(at_once=True)
-                raise
-            crew.close()
+    with Crew(executor) as crew:
+        job, kept, known = _begun(plan, take, store, size, window, seconds, reduce, crew)
+        with kept.held(part), _told(progress) as told:
+            done = kept.status()
+            done[_of_blocks(np.isin(done, again), kept.size)] = Status.PENDING
+            blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
+            counts = _Counts(kept, part, done, told)
+            if blocks:
+                _gather(plan, job, kept, crew, window, blocks, known, counts)
     return reading.dataset(kept)
 
 
-def _begun(plan: Plan, take: list[str], path: Any, size: int | None, seconds: float | None, reduce: Reduce | None) -> tuple[Job, Store]:
-    """What the workers are told, and the store, which is made where there is none."""
+def _check(plan: Plan, take: list[str], size: int | None, seconds: float | None, reduce: Reduce | None) -> None:
     if not isinstance(plan, Plan):
         raise TypeError(f'plan: must be a Plan, not {type(plan).__name__}')
     if not take and reduce is None:
@@ -117,35 +114,51 @@ def _begun(plan: Plan, take: list[str], path: Any, size: int | None, seconds: fl
     for name, value in (('seconds', seconds), ('size', size)):
         if value is not None and not value > 0:
             raise Error(f'{name} = {value}: must be above 0')
+
+
+def _begun(
+    plan: Plan, take: list[str], path: Any, size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, crew: Crew
+) -> tuple[Job, Store, list[Block | None]]:
+    """What the workers are told; the store, which is made where there is none; and what came of the first variants where it is made."""
+    job, known = Job(plan.base, plan.keys, Taken((), (), {}), reduce, seconds), []
     if path is not None and os.path.exists(path):
         kept = stores.read(path)
-        stores.check(kept, plan, take, reduce)
     else:
-        found, took = _first(plan, take, reduce, seconds)
+        found, known, took = _first(plan, take, job, crew, window, is_timed=size is None and plan.n > _BLOCKS)
         kept = stores.make(path, plan, found, min(size or _size(plan.n, took), plan.n), reduce)
-        stores.check(kept, plan, take, reduce)  # where another part was faster, it is that one's
-    return Job(plan.base, plan.keys, kept.taken, reduce, seconds), kept
+    stores.check(kept, plan, take, reduce)  # where another part was faster, it is that one's
+    return dataclasses.replace(job, taken=kept.taken), kept, known
 
 
-def _first(plan: Plan, take: list[str], reduce: Reduce | None, seconds: float | None) -> tuple[Taken, float]:
-    """What the columns are like, by the first variant that has a result, and the seconds that the next one takes."""
-    failure: Exception | None = None
-    found, took = None, 0.0
-    for row in plan.rows(0, min(plan.n, _TRIED)):
-        began = time.monotonic()
-        try:
-            study, _ = study_of(case_with(plan.base, plan.keys, row), seconds)
-        except (Error, Late) as error:
-            failure = failure or error
-            continue
-        took = time.monotonic() - began
-        if found is not None:  # and may have taken over what the first one made
+def _first(plan: Plan, take: list[str], job: Job, crew: Crew, window: int | None, is_timed: bool) -> tuple[Taken, list[Block | None], float]:
+    """What the columns are like, by the first variant that has a result; what came of the variants from the first on, as far as they were
+    tried and fit (None: it ends its process); and the seconds that the last one took.
+
+    Each worker tries one at a time. Where time counts, they come one after the other, until there are two: the second may take over
+    what the first one made.
+    """
+    crew.check(job)
+    flow = Flow(crew, job, plan.rows, window, partial(first, take))
+    tried = min(plan.n, _TRIED)
+    came: list[First | None] = []
+    there: list[First] = []
+    while len(came) < tried and len(there) < 1 + is_timed:
+        stop = min(len(came) + (1 if is_timed else crew.workers()), tried)
+        found = {piece.first: one for piece, one in flow.run([(at, at + 1) for at in range(len(came), stop)])}
+        came += [found[at] for at in sorted(found)]
+        there = [one for one in came if one and (one.taken or one.wrong)]
+    if not there:
+        said = _ENDED if came[0] is None else came[0].block.messages[0]
+        raise Error(f'none of the first {tried} variants has a result; of the first: {said}')
+    taken = there[0].taken
+    if taken is None:
+        raise Error(there[0].wrong)
+    known: list[Block | None] = []
+    for one in came:
+        if one and (one.wrong or (one.taken and not one.taken.same(taken))):
             break
-        found = taken(study, take, reduce)
-    if found is not None:
-        return found, took
-    said = f'not done after {seconds:g} s' if isinstance(failure, Late) else failure
-    raise Error(f'none of the first {min(plan.n, _TRIED)} variants has a result; of the first: {said}') from failure
+        known.append(one and (one.block if one.taken else empty(taken, 1, Status(one.block.status[0]), one.block.messages[0])))
+    return taken, known, there[-1].seconds
 
 
 def _size(n: int, took: float) -> int:
@@ -188,15 +201,17 @@ class _Values:
 
 
 def _gather(
-    plan: Plan, job: Job, kept: Store, crew: Crew, window: int | None, blocks: list[tuple[int, int]], counts: _Counts
+    plan: Plan, job: Job, kept: Store, crew: Crew, window: int | None, blocks: list[tuple[int, int]], known: list[Block | None], counts: _Counts
 ) -> None:
-    """Writes each block when all of its pieces are there."""
+    """Writes each block when all of its pieces are there; those of the first variants are known."""
+    crew.check(job)
     values = _Values(plan, kept.size)
-    flow = Flow(crew, job, values, window)
+    there = [(Piece(at, at + 1), known[at]) for first, stop in blocks for at in range(first, min(stop, len(known)))]
+    rest = [(max(first, len(known)), stop) for first, stop in blocks if stop > len(known)]
     waiting: dict[int, tuple[Block, int]] = {}  # by the number of the block: what is there, and how many variants are missing
-    for piece, found in flow.run(blocks):
+    for piece, found in itertools.chain(there, Flow(crew, job, values, window).run(rest)):
         if found is None:
-            found = empty(job.taken, 1, Status.CRASHED, 'the process that computes it ends, also where nothing else is computed')
+            found = empty(job.taken, 1, Status.CRASHED, _ENDED)
         _check_maker(found)
         at = piece.first // kept.size
         first, stop = at * kept.size, min((at + 1) * kept.size, kept.n)
@@ -210,7 +225,8 @@ def _gather(
             waiting[at] = whole, missing
             continue
         with _interrupts_later():
-            kept.put(first, values.blocks.pop(first), whole)
+            kept.put(first, values(first, stop), whole)
+            del values.blocks[first]
         counts.add(whole.status)
 
 
