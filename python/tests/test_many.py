@@ -1,6 +1,7 @@
 """Plans, their rows, runs and stores: `gearsweep.many` where nothing goes wrong."""
 
 import concurrent.futures
+import functools
 import gc
 import hashlib
 import subprocess
@@ -166,6 +167,11 @@ def test_the_mark_is_of_all_that_numbers_depend_on(monkeypatch, tmp_path):
     assert len(set(marks)) == len(marks) and plan_of().mark() == marks[0]
     (tmp_path / 'flanks.csv').write_text('tooth,flank,roll_mm,deviation_um\n1,left,7.2,0.4\n')
     assert plans[-1].mark() != marks[-1]
+    named = Case(CASE.changed(deviations={'pinion_flanks_file': "op's.csv"}).text, str(tmp_path))
+    (tmp_path / "op's.csv").write_text('tooth,flank,roll_mm,deviation_um\n')
+    mark = many.Plan.random(named, 96, 3, **GROUPS).mark()
+    (tmp_path / "op's.csv").write_text('tooth,flank,roll_mm,deviation_um\n1,left,7.2,0.4\n')
+    assert many.Plan.random(named, 96, 3, **GROUPS).mark() != mark
     for name in ('gearsweep._library.version', 'gearsweep.many.plan.kernel'):
         with monkeypatch.context() as patched:
             patched.setattr(name, lambda: 'another')
@@ -267,6 +273,33 @@ def test_parts_share_a_store(data, tmp_path):
         whole = many.run(plan_of(), TAKE, store=store, part=(k, 3))
     assert digest(whole) == digest(data)
     fails_with('part 4/3', many.run, plan_of(), TAKE, store=store, part=(4, 3))
+
+
+def test_a_part_may_have_no_block(capsys):
+    """Two blocks for three parts."""
+    assert many.counts(many.run(plan_of(2), TAKE, part=(3, 3), progress=True)) == {'pending': 2}
+    assert 'variants' not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(('match', 'options'), [
+    ('size = 0: must be a whole number of at least 1', {'size': 0}), ('size = 0.5: must be a whole', {'size': 0.5}),
+    ('size = 1.5: must be a whole', {'size': 1.5}), ('window = -1: must be a whole number', {'window': -1, 'executor': 1}),
+    ('window = 0: must be a whole number', {'window': 0}), ('part 1.0/2', {'part': (1.0, 2)}), ('seconds = 0: must be above 0', {'seconds': 0}),
+])  # fmt: skip
+def test_what_no_run_can_have_is_told(match, options):
+    fails_with(match, many.run, plan_of(4), TAKE, **options)
+
+
+def named(study, name):
+    return {name: 1.0}
+
+
+@pytest.mark.parametrize('name', ['status', 'message', 'variant', 'relief.amount_um', 'rpm', TAKE[0]])
+def test_a_name_stands_for_one_thing_in_a_store(name, tmp_path):
+    """Nothing of a store that cannot be made is left."""
+    fails_with(f'{name}: is the name of something else in a store', many.run, plan_of(4), TAKE, reduce=functools.partial(named, name=name),
+               store=tmp_path / 'x.zarr')  # fmt: skip
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_store_of_something_else_is_refused(tmp_path, monkeypatch):
@@ -451,6 +484,21 @@ def test_plans_are_functions(data):
         assert np.isnan(plan.function(TAKE[0])(bad)).tolist() == [False, True]
     fails_with('must have 3 values for each variant', plan.function(TAKE[0]), rows[:, :2])
     fails_with('a function has one', plan.function(TAKE[1]), rows)
+
+
+def test_values_that_no_case_has_are_no_number():
+    """Whole numbers and positions in lists, as optimizers try them: NaN and a warning, also where no row has a number."""
+    plan = many.Plan.table(CASE, {'pinion.teeth': [25, 27], 'sweep.direction': ['up', 'down']})
+    call = plan.function(TAKE[0])
+    bad = np.array([[np.nan, 0], [25.5, 0], [np.inf, 0], [25, -1], [25, 0.7], [25, 2], [25, np.nan]])
+    with pytest.warns(gearsweep.PartialWarning, match='7 of 9 variants'):
+        found = call(np.concatenate([plan.rows(), bad]))
+    np.testing.assert_array_equal(found[:2], [gearsweep.run(plan.case(at)).sweep_worst.worst_dynamic_factor[0] for at in range(2)])
+    assert np.isnan(found[2:]).all()
+    with pytest.warns(gearsweep.PartialWarning, match='1 of 1 variants'):
+        assert np.isnan(call(bad[0]))
+    with pytest.warns(gearsweep.PartialWarning, match='7 of 7 variants'):
+        assert np.isnan(plan.function(TAKE, axis=1)(bad.T)).all()
 
 
 def test_an_import_of_gearsweep_loads_none_of_it():

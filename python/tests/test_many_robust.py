@@ -168,6 +168,20 @@ def test_draws_without_a_result_are_refused_or_left_out_whole(monkeypatch):
         many.robust(CASE, relief=AMOUNTS, nan='drop')
 
 
+@pytest.mark.parametrize('modules', [[-3, 3, 3.5], [3, -3, 3.5]])
+def test_a_candidate_that_cannot_be_is_left_out_wherever_it_stands(modules):
+    case = CASE.changed(sweep={'rpm_last': 9000}, deviations={'assembly': 'stated'})
+    with pytest.warns(gearsweep.PartialWarning, match='1 of 3 candidates have no result, 0 of 2 draws lack some'):
+        found = many.robust(case, pair={'module_mm': modules}, nan='drop', quantile=0.5)
+    assert found.table['pair.module_mm'].values.tolist() == [3, 3.5]
+    alone = many.robust(case, pair={'module_mm': [3, 3.5]}, quantile=0.5)
+    np.testing.assert_array_equal(found.table['value'], alone.table['value'])
+    with pytest.raises(Error, match=r'&pair module_mm = -3'):
+        many.robust(case, pair={'module_mm': modules})
+    with pytest.raises(Error, match=r'&pair module_mm = -3'):
+        many.robust(case, pair={'module_mm': [-3, -4]}, nan='drop')
+
+
 def test_too_few_draws_tell_nothing_apart(monkeypatch):
     faked(monkeypatch, lambda rows: valley(rows, 20))
     found = many.robust(CASE, relief=AMOUNTS)

@@ -94,6 +94,11 @@ def test_a_table_and_a_grid_are_told_by_files(folder):
     (folder / 'plan.toml').write_text("case = 'case.nml'\nkind = 'table'\ntable = 'rows.csv'\ntake = 'sweep.dynamic_factor'\n")
     with pytest.raises(Error, match=r'rows.csv: must be a table \(CSV\) with a line of names'):
         plan_file.read('plan.toml')
+    (folder / 'rows.csv').write_bytes('relief.amount_um,sweep.direction\r\n1.5,up\r\n'.encode('utf-8-sig'))  # as Excel writes it
+    assert plan_file.read('plan.toml').plan.names == ('relief.amount_um', 'sweep.direction')
+    (folder / 'rows.csv').write_text('relief.amount_um, relief.amount_um\n1,2\n')
+    with pytest.raises(Error, match=r'rows.csv: has two columns relief.amount_um'):
+        plan_file.read('plan.toml')
 
 
 def test_the_plan_of_the_page_can_be_read(tmp_path):

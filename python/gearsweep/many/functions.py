@@ -20,7 +20,7 @@ Reals = NDArray[np.float64]
 def function(plan: Plan, take: str | Sequence[str], executor: Any, axis: int, seconds: float | None) -> Callable[[Reals], Reals]:
     """f(X) as `Plan.function` describes it."""
     from .plan import Plan
-    from .run import run
+    from .run import TRIED, NoResult, run
 
     names = [take] if isinstance(take, str) else list(take)
     if axis not in (0, 1):
@@ -32,8 +32,13 @@ def function(plan: Plan, take: str | Sequence[str], executor: Any, axis: int, se
         if rows.ndim != 2 or rows.shape[1] != len(plan.inputs):
             raise Error(f'f(X): X of shape {x.shape}: must have {len(plan.inputs)} values for each variant: {", ".join(plan.names)}')
         table = Plan(plan.base, 'table', plan.inputs, len(rows), values=rows)
-        data = run(table, names, executor=executor, seconds=seconds)
-        found = np.column_stack([_scalar(data[name]) for name in names])
+        try:
+            data = run(table, names, executor=executor, seconds=seconds)
+            found = np.column_stack([_scalar(data[name]) for name in names])
+        except NoResult:
+            if len(rows) > TRIED:  # others may have one
+                raise
+            found = np.full((len(rows), len(names)), np.nan)
         if missing := int(np.isnan(found).any(axis=1).sum()):
             warnings.warn(f'{missing} of {len(rows)} variants have no number', PartialWarning, stacklevel=2)
         found = found[:, 0] if isinstance(take, str) else found if axis == 0 else found.T

@@ -41,14 +41,22 @@ class Key:
         return f'{self.group}.{self.key}'
 
     def written(self, value: float) -> Any:
-        """What a case takes for a number of a row."""
-        if self.choices is not None:
-            return self.choices[int(value)]
-        if not self.whole:
+        """What a case takes for a number of a row.
+
+        Raises
+        ------
+        Error
+            It is no whole number where it must be, or no position in the list.
+        """
+        if self.choices is None and not self.whole:
             return float(value)
-        if value != round(value):
+        if not float(value).is_integer():
             raise Error(f'&{self.group} {self.key} = {value}: must be a whole number')
-        return int(value)
+        if self.choices is None:
+            return int(value)
+        if not 0 <= value < len(self.choices):
+            raise Error(f'&{self.group} {self.key}: position {value:g} in its list: must be from 0 to {len(self.choices) - 1}')
+        return self.choices[int(value)]
 
 
 def case_with(case: Case, keys: Iterable[Key], row: Reals) -> Case:

@@ -217,8 +217,12 @@ class Plan:
         """What stands for keys that may name a file, in the case and in the plan."""
         from .._given import given
 
+        def bare(words: str) -> str:
+            """Without quotes; one within the name is doubled."""
+            return words[1:-1].replace(2 * words[0], words[0]) if words[:1] in ('"', "'") else words
+
         files = {(one['group'], one['name']) for one in declared()['keys'] if one['kind'] == 'text' and 'file' in one['meaning']}
-        found = {f'{group}.{key}': [words.strip('\'"')] for group, keys in given(self.base.text).items()
+        found = {f'{group}.{key}': [bare(words)] for group, keys in given(self.base.text).items()
                  for key, words in keys.items() if (group, key) in files}  # fmt: skip
         for one in self.inputs:
             if (one.key.group, one.key.key) in files:

@@ -164,11 +164,15 @@ def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
 
 def _table(path: str) -> dict[str, list[Any]]:
     """The columns of a CSV file, numbers where all of a column are."""
-    rows = list(csv.reader(content(path).decode('utf-8', 'replace').splitlines()))
+    rows = list(csv.reader(content(path).decode('utf-8-sig', 'replace').splitlines()))
     rows = [row for row in rows if row and not row[0].startswith('#')]
     if len(rows) < 2 or any(len(row) != len(rows[0]) for row in rows):
         raise Error(f'{path}: must be a table (CSV) with a line of names and the same number of values in each row', Code.INPUT)
-    return {name.strip(): _numbers([row[at].strip() for row in rows[1:]]) for at, name in enumerate(rows[0])}
+    names = [name.strip() for name in rows[0]]
+    for name in names:
+        if names.count(name) > 1:
+            raise Error(f'{path}: has two columns {name}', Code.INPUT)
+    return {name: _numbers([row[at].strip() for row in rows[1:]]) for at, name in enumerate(names)}
 
 
 def _numbers(words: list[str]) -> list[Any]:

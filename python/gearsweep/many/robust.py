@@ -200,15 +200,29 @@ def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]
 
 def _check(plan: Plan, nan: str, seeds: int) -> None:
     """Refuses what no candidate may be, before anything is computed."""
-    first = plan.case(0)
+    first = _usable(plan, nan, seeds)
     if not any(first.get('deviations', f'{gear}_class') for gear in ('pinion', 'gear')):
         raise Error('robust: the case draws no gears; give &deviations pinion_class or gear_class')
     if (draws := first.get('deviations', 'draws')) * seeds < 2:
         raise Error(f'robust: &deviations draws = {draws}: must be at least 2')
     if isinstance(amounts := first.get('relief', 'amount_um'), tuple):
         raise Error(f"robust: &relief amount_um has {len(amounts)} values; give them as relief={{'amount_um': [...]}}")
-    for at in range(0, plan.n if nan == 'refuse' else 0, seeds):
-        plan.case(at).complete()
+
+
+def _usable(plan: Plan, nan: str, seeds: int) -> Case:
+    """The case of the first candidate that can be; all must be unless they may be left out."""
+    cases: list[Case] = []
+    errors: list[Error] = []
+    for at in range(0, plan.n, seeds):
+        try:
+            cases.append(plan.case(at).complete())
+        except Error as error:
+            if nan == 'refuse':
+                raise
+            errors.append(error)
+    if not cases:
+        raise errors[0]
+    return cases[0]
 
 
 def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int, judged: str) -> tuple[Reals, xarray.DataArray]:

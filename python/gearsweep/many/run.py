@@ -31,10 +31,14 @@ if TYPE_CHECKING:
 #: A block shall last so many seconds, has no more variants than this, and a plan has at least so many blocks where it can.
 _SECONDS, _MOST, _BLOCKS = 10.0, 4096, 32
 #: So many variants are tried for what the columns are like.
-_TRIED = 16
+TRIED = 16
 _ENDED = 'the process that computes it ends, also where nothing else is computed'
 
 Progress = Callable[[int, int, int], object]
+
+
+class NoResult(Error):
+    """None of the first variants has a result."""
 
 
 def run(
@@ -88,10 +92,7 @@ def run(
         cannot be written, or the executor is gone. What is done is kept.
     """
     take = [take] if isinstance(take, str) else list(take)
-    _check(plan, take, size, seconds, reduce)
-    k, m = part
-    if not 1 <= k <= m:
-        raise Error(f'part {k}/{m}: must be from 1/{m} to {m}/{m}')
+    _check(plan, take, size, window, seconds, reduce, part)
     with Crew(executor) as crew:
         job, kept, known = _begun(plan, take, store, size, window, seconds, reduce, crew)
         with kept.held(part), _told(progress) as told:
@@ -104,16 +105,27 @@ def run(
     return reading.dataset(kept)
 
 
-def _check(plan: Plan, take: list[str], size: int | None, seconds: float | None, reduce: Reduce | None) -> None:
+def _check(
+    plan: Plan, take: list[str], size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, part: tuple[int, int]
+) -> None:
     if not isinstance(plan, Plan):
         raise TypeError(f'plan: must be a Plan, not {type(plan).__name__}')
     if not take and reduce is None:
         raise Error("take: names no column; give 'table.column', such as 'sweep_worst.worst_dynamic_factor', or reduce")
     if len(set(take)) < len(take):
         raise Error('take: names a column twice')
-    for name, value in (('seconds', seconds), ('size', size)):
-        if value is not None and not value > 0:
-            raise Error(f'{name} = {value}: must be above 0')
+    if seconds is not None and not seconds > 0:
+        raise Error(f'seconds = {seconds}: must be above 0')
+    for name, value in (('size', size), ('window', window)):
+        if value is not None and not (_is_whole(value) and value > 0):
+            raise Error(f'{name} = {value}: must be a whole number of at least 1')
+    k, m = part
+    if not (_is_whole(k) and _is_whole(m) and 1 <= k <= m):
+        raise Error(f'part {k}/{m}: must be from 1/{m} to {m}/{m}')
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 def _begun(
@@ -139,7 +151,7 @@ def _first(plan: Plan, take: list[str], job: Job, crew: Crew, window: int | None
     """
     crew.check(job)
     flow = Flow(crew, job, plan.rows, window, partial(first, take))
-    tried = min(plan.n, _TRIED)
+    tried = min(plan.n, TRIED)
     came: list[First | None] = []
     there: list[First] = []
     while len(came) < tried and len(there) < 1 + is_timed:
@@ -149,7 +161,7 @@ def _first(plan: Plan, take: list[str], job: Job, crew: Crew, window: int | None
         there = [one for one in came if one and (one.taken or one.wrong)]
     if not there:
         said = _ENDED if came[0] is None else came[0].block.messages[0]
-        raise Error(f'none of the first {tried} variants has a result; of the first: {said}')
+        raise NoResult(f'none of the first {tried} variants has a result; of the first: {said}')
     taken = there[0].taken
     if taken is None:
         raise Error(there[0].wrong)
@@ -182,7 +194,7 @@ class _Counts:
     def add(self, status: np.ndarray) -> None:
         self.done += len(status)
         self.failed += int((~np.isin(status, ANSWERED)).sum())
-        if self.told:
+        if self.told and self.total:  # a part may have no block
             self.told(self.done, self.total, self.failed)
 
 

@@ -213,6 +213,8 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int, reduce: Reduce | No
     import scipy
 
     def add(name: str, shape: tuple[int, ...], kind: str, dims: tuple[str, ...], fill: float, **attributes: Any) -> Any:
+        if name in group or name == VARIANT:
+            raise Error(f'{name}: is the name of something else in a store; reduce must give it another, or take leave it out')
         chunks = (min(size, shape[0]), *shape[1:]) if dims[0] == VARIANT else shape
         array = group.create_array(name, shape=shape, chunks=chunks, dtype=kind, fill_value=fill, dimension_names=dims)
         array.attrs.update(attributes)
