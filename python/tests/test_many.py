@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import tracemalloc
+import warnings
 
 import numpy as np
 import pytest
@@ -471,6 +472,24 @@ def test_seeds_of_deviations_are_varied():
     plan = many.Plan.grid(case, deviations={'seed': [1, 2, 1]})
     found = many.run(plan, 'as_built.dynamic_factor')['as_built.dynamic_factor'].values
     assert found.shape == (3,) and found[0] == found[2] != found[1]
+
+
+def test_keys_that_are_varied_for_nothing_are_told():
+    """Gears as built have speeds of their own: those of the sweep change no number, and `gearsweep.run` says so too."""
+    case = GEARS.changed(case={'tasks': 'as_built'}, gear={'teeth': 21}, load={'torque_nm': 100}, mesh={'model': 'iso6336'},
+                         as_built={'rpm': 9000}, deviations={'pinion_class': 6})  # fmt: skip
+    plan = many.Plan.grid(case, sweep={'rpm_first': [1000], 'rpm_step': [500, 1000]}, load={'torque_nm': [100]})
+    with pytest.warns(gearsweep.UnusedWarning, match='no task of the first variant uses: sweep.rpm_first, sweep.rpm_step$') as told:
+        found = many.run(plan, 'as_built.dynamic_factor')['as_built.dynamic_factor'].values
+    assert found[0] == found[1] and told[0].filename == __file__
+    with pytest.warns(gearsweep.UnusedWarning, match='&sweep rpm_first, rpm_step$'):
+        gearsweep.run(plan.case(0))
+    with pytest.warns(gearsweep.UnusedWarning, match='uses: sweep.rpm_step$'):
+        many.robust(case.changed(deviations={'draws': 2}), sweep={'rpm_step': [500, 1000]})
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        many.run(many.Plan.grid(case, load={'torque_nm': [100, 110]}), 'as_built.dynamic_factor')
+        many.run(many.Plan.grid(CASE, dynamics={'damping_ratio': [-1, 0.1]}), TAKE)
 
 
 def test_plans_are_functions(data):

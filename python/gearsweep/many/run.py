@@ -8,13 +8,14 @@ import itertools
 import os
 import signal
 import threading
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._library import Code, Error
+from .._library import Code, Error, UnusedWarning
 from .._watch import Line
 from . import reading
 from . import store as stores
@@ -89,10 +90,12 @@ def run(
     ------
     Error
         The plan or a column is not usable, no variant tried has a result, the store is of another plan, version or OpenBLAS kernel or
-        cannot be written, or the executor is gone. What is done is kept.
+        cannot be written, or the executor is gone. What is done is kept. An `UnusedWarning` names varied keys that no task of the first
+        variant uses.
     """
     take = [take] if isinstance(take, str) else list(take)
     _check(plan, take, size, window, seconds, reduce, part)
+    _warn_of_unused(plan)
     with Crew(executor) as crew:
         job, kept, known = _begun(plan, take, store, size, window, seconds, reduce, crew)
         with kept.held(part), _told(progress) as told:
@@ -122,6 +125,18 @@ def _check(
     k, m = part
     if not (_is_whole(k) and _is_whole(m) and 1 <= k <= m):
         raise Error(f'part {k}/{m}: must be from 1/{m} to {m}/{m}')
+
+
+def _warn_of_unused(plan: Plan) -> None:
+    """Keys that are varied for nothing, as the tasks of the first variant do not use them."""
+    try:
+        lines = plan.case(0).unused
+    except Error:  # told as the variant's status
+        return
+    words = [one.split() for line in lines for one in line.partition(': ')[2].replace('&', '').replace(',', '').split('; ')]
+    unused = {f'{group}.{key}' for group, *keys in words for key in keys}
+    if found := [name for name in plan.names if name in unused]:
+        warnings.warn(f'keys that are varied, but that no task of the first variant uses: {", ".join(found)}', UnusedWarning, stacklevel=3)
 
 
 def _is_whole(value: Any) -> bool:
