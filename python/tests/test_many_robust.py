@@ -1,6 +1,7 @@
 """Robust reliefs: `gearsweep.many.robust`."""
 
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +109,7 @@ def faked(monkeypatch, factor, lacks=lambda rows: 0):
         missing = np.broadcast_to(lacks(rows), values.shape)
         rows['as_built_worst.dynamic_factor'] = ('variant', 'draw', 'assembly'), values
         rows['speeds_without_result'] = ('variant', 'draw', 'assembly'), missing
+        rows['points_inexact'], rows['sample_error'] = (('variant', np.full(plan.n, one)) for one in (0.0, np.nan))
         rows['relief.amount_um'].attrs['units'] = 'um'
         rows['nominal'] = 'variant', 1 + 0.001 * (rows['relief.amount_um'].values - 15) ** 2
         return rows
@@ -223,6 +225,26 @@ def test_numbers_are_those_of_the_task(found):
     np.testing.assert_array_equal(found.factors.values[..., 0], study.as_built_worst.dynamic_factor)
     np.testing.assert_array_equal(found.table['nominal'], study.as_built_summary.nominal_factor)
     assert found.factors.shape == (3, 2, 5, 1) and found.table['relief.amount_um'].attrs['units'] == 'um'
+
+
+@pytest.mark.filterwarnings('ignore::gearsweep.PartialWarning')
+def test_inexact_dynamic_factors_are_told():
+    """So many as a run of the case has with that status; where no motion is looked at, none are."""
+    case, relief = CASE.changed(numerics={'steps_per_period': 60}), {'amount_um': [5, 10]}
+    count = int((gearsweep.run(case.changed(relief=relief)).as_built.status == 'inexact').sum())
+    assert count > 0
+    with pytest.warns(UserWarning, match=f'robust: {count} dynamic factors, in [12] of 2 variants, are inexact$') as told:
+        many.robust(case, relief=relief, quantile=0.5)
+    assert told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        many.robust(case, judged='static_transmission_error', relief=relief, quantile=0.5)
+        many.robust(CASE, relief=relief, quantile=0.5)
+
+
+def test_by_how_much_quick_ones_are_off_is_told():
+    with pytest.warns(UserWarning, match=r'robust: 35 dynamic factors, in 2 of 4 variants, are inexact; with quick they are off by up to 0.02 in a sample$'):
+        MODULE._warn_of_inexact(np.array([0, 30, np.nan, 5]), np.array([1e-4, 0.02, np.nan, 0.003]))
 
 
 def test_the_same_by_a_pool_and_from_a_store(found, tmp_path):

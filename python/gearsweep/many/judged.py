@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from .._library import Error
 from ..study import Study
 
-#: What `reduce` gives: the number without deviations, and at how many speeds each draw and assembly has no result.
-NOMINAL, LACKS = 'nominal', 'speeds_without_result'
+#: What `reduce` gives: the number without deviations, at how many speeds each draw and assembly has no result, how many dynamic factors are
+#: `inexact`, and by how much quick ones are off in a sample.
+NOMINAL, LACKS, INEXACT, SAMPLE = 'nominal', 'speeds_without_result', 'points_inexact', 'sample_error'
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,8 @@ def _reduced(study: Study, columns: tuple[str, ...], at_rest: bool) -> dict[str,
         lacks[:] = 0
     elif np.isnan(study.as_built.nominal_factor[0, 0, 0]).any():
         nominal = np.nan
-    return {NOMINAL: nominal, LACKS: lacks}
+    inexact = 0 if at_rest else (study.as_built.status == 'inexact').sum()
+    return {NOMINAL: nominal, LACKS: lacks, INEXACT: inexact, SAMPLE: study.as_built_summary.sample_error[0]}
 
 
 def find(name: str) -> Quantity:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .._library import Error, PartialWarning
 from ..case import Case
 from . import clusters
-from .judged import LACKS, NOMINAL, find
+from .judged import INEXACT, LACKS, NOMINAL, SAMPLE, find
 from .plan import Plan
 from .run import Progress, run
 
@@ -146,7 +146,8 @@ def robust(
     Raises
     ------
     Error
-        There are no candidates or no drawn gears, a case is not usable, or numbers are missing.
+        There are no candidates or no drawn gears, a case is not usable, or numbers are missing. A warning tells how many dynamic factors
+        are inexact.
     """
     quantity = find(judged)
     for name, value in (('quantile', quantile), ('confidence', confidence)):
@@ -163,6 +164,7 @@ def robust(
     plan = Plan.grid(case, **loads, **_seeded(case, groups, seeds))
     _check(plan, nan, seeds)
     data = run(plan, quantity.columns, reduce=quantity.reduce, executor=executor, store=store, seconds=seconds, progress=progress)
+    _warn_of_inexact(data[INEXACT].values, data[SAMPLE].values)
     nominal, factors = _factors(data, plan, shares if loads else None, seeds, judged)
     kept, draws = _kept(factors.values, nan)
     table = _table(nominal[kept], factors.isel(candidate=kept, draw=draws), shares, quantile, confidence)
@@ -245,6 +247,15 @@ def _factors(data: xarray.Dataset, plan: Plan, shares: Reals | None, seeds: int,
                                ('load', 'candidate', 'draw', 'assembly'), f'largest_{judged}', {'units': quantity.unit})  # fmt: skip
     nominal = data[NOMINAL].values.reshape(loads, candidates, seeds)[..., 0].T
     return nominal, factors.transpose('candidate', 'draw', 'assembly', 'load')
+
+
+def _warn_of_inexact(inexact: Reals, sample: Reals) -> None:
+    """Of each variant, how many dynamic factors are inexact, and by how much quick ones are off in a sample; NaN: not known."""
+    if not (found := inexact > 0).any():
+        return
+    off = np.append(sample[np.isfinite(sample)], 0).max()
+    quick = f'; with quick they are off by up to {off:.1g} in a sample' if off else ''
+    warnings.warn(f'robust: {inexact[found].sum():.0f} dynamic factors, in {found.sum()} of {len(found)} variants, are inexact{quick}', stacklevel=3)
 
 
 def _label(value: Any) -> Any:

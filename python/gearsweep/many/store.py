@@ -162,7 +162,7 @@ def check(store: Store, plan: Plan, take: list[str], reduce: Reduce | None) -> N
     names = [one['name'] for one in about['columns']]
     if names != take:
         raise Error(f'{store.path}: has the columns {", ".join(names) or "none"}; take asks for {", ".join(take) or "none"}', Code.FILE)
-    there = about.get('reduce', _name(reduce))  # older stores do not tell
+    there = about.get('reduce', 'one of an earlier version' if about['reduced'] else 'None')
     if there != _name(reduce):
         raise Error(f'{store.path}: was begun with reduce = {there}, here {_name(reduce)}', Code.FILE)
 
