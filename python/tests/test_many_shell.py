@@ -179,6 +179,20 @@ def test_the_page_of_a_store_has_its_numbers_pictures_and_failures(stored):
     assert len(names) == len(set(names)), 'names inside drawings clash'
 
 
+def test_each_row_of_a_picture_over_keys_has_its_height(folder):
+    """Three pictures in a row: seven keys have three, at the width and the height of those that one has."""
+    from gearsweep.many.page import page
+
+    keys = {'load.normal_force_n': 7000, 'relief.amount_um': 10, 'dynamics.damping_ratio': 0.1, 'mesh.contact_ratio': 1.6,
+            'pinion.effective_mass_kg': 0.8, 'gear.effective_mass_kg': 0.8, 'dynamics.friction': 0}  # fmt: skip
+    sizes = []
+    for count in (3, 7):
+        many.run(many.Plan.table(CASE, {name: [value] for name, value in [*keys.items()][:count]}), TAKE[0], store=f'{count}.zarr')
+        width, height = re.search(r'<figure><svg[^>]* viewBox="0 0 ([\d.]+) ([\d.]+)"', page(f'{count}.zarr')).groups()
+        sizes.append((float(width), float(height)))
+    assert sizes[1] == pytest.approx((sizes[0][0], 3 * sizes[0][1]), rel=1e-6)
+
+
 def test_the_page_of_a_plan_for_indices(folder):
     from gearsweep.many.page import page
 

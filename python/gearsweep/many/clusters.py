@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -73,15 +75,25 @@ def band(values: Reals, shares: Reals, q: float, confidence: float) -> tuple[flo
     Graubard 1998, Survey Methodology 24): at least the draws, and at most all points. Of one point a draw that is exact, and as
     `scipy.stats.quantile_test` has it.
     """
-    from scipy.stats import binom
-
     draws, once = len(values), np.ones((1, len(values)))
     share = (values <= quantile(values, shares, q, once)[0]) @ shares
     variance = share.var(ddof=1) / draws
     most = draws / float(shares @ shares)
     points = int(np.clip(q * (1 - q) / variance, draws, most)) if variance > 0 else int(most)
-    tail = (1 - confidence) / 2
-    low, high = int(binom.ppf(tail, points, q)), int(binom.isf(tail, points, q)) + 1
+    low, high = ranks(points, q, confidence)
     lower = quantile(values, shares, low / points, once)[0] if low > 0 else np.nan
     upper = quantile(values, shares, high / points, once)[0] if high <= points else np.nan
     return lower, upper
+
+
+def ranks(n: int, q: Any, confidence: float) -> tuple[Any, Any]:
+    """Which of n independent numbers in their order, from 1 on, have the quantile between them with this confidence; 0 and n + 1: none.
+
+    k of n are below it with the probability of the binomial distribution (Conover 1999, Practical Nonparametric Statistics, 3.1); as
+    `scipy.stats.quantile_test`: at least as many at or below the lower end as are too few with the probability of the tail.
+    """
+    from scipy.stats import binom
+
+    tail = (1 - confidence) / 2
+    low, high = (np.asarray(one(tail, n, q)).astype(int) for one in (binom.ppf, binom.isf))
+    return low, high + 1

@@ -115,28 +115,29 @@ def _columns(data: xarray.Dataset, more: int) -> Iterator[xarray.DataArray]:
 
 def _pictures(data: xarray.Dataset) -> Iterator[str]:
     try:
-        from ..plots.many import plot_band, plot_distribution, plot_indices, plot_scatter
+        from ..plots.many import ACROSS, plot_band, plot_distribution, plot_indices, plot_scatter
     except ImportError:
         yield '<p class="meaning">None: they need matplotlib.</p>'
         return
-    drawn: list[tuple[str, Any]] = []
+    rows = -(-len(data.attrs['inputs']) // ACROSS)
+    drawn: list[tuple[str, Any, int]] = []  # and how many rows of pictures
     for column in _columns(data, 0):
-        drawn.append((f'{column.name} over each key', lambda figure, name=column.name: plot_scatter(data, name, figure)))
+        drawn.append((f'{column.name} over each key', lambda figure, name=column.name: plot_scatter(data, name, figure), rows))
         if data.attrs['kind'] == 'saltelli':
-            drawn.append((f"Sobol' indices of {column.name}", lambda figure, one=column: plot_indices(sensitivity(one, nan='drop'), figure.subplots())))
+            drawn.append((f"Sobol' indices of {column.name}", lambda figure, one=column: plot_indices(sensitivity(one, nan='drop'), figure.subplots()), 1))
         else:
-            drawn.append((f'Distribution of {column.name}', lambda figure, one=column: plot_distribution(one, figure.subplots(), nan='drop')))
+            drawn.append((f'Distribution of {column.name}', lambda figure, one=column: plot_distribution(one, figure.subplots(), nan='drop'), 1))
     for column in _columns(data, 1):
         if data[column.dims[1]].dtype.kind == 'f':
-            drawn.append((f'{column.name} over {column.dims[1]}', lambda figure, one=column: plot_band(one, figure.subplots(), nan='drop')))
-    for at, (caption, draw) in enumerate(drawn):
+            drawn.append((f'{column.name} over {column.dims[1]}', lambda figure, one=column: plot_band(one, figure.subplots(), nan='drop'), 1))
+    for at, (caption, draw, rows) in enumerate(drawn):
         try:
-            yield f'<figure>{_svg(draw, at, len(data.attrs["inputs"]))}<figcaption>{html.escape(caption)}</figcaption></figure>'
+            yield f'<figure>{_svg(draw, at, rows)}<figcaption>{html.escape(caption)}</figcaption></figure>'
         except Error:  # of points that are no sample, or too few; told above
             continue
 
 
-def _svg(draw: Any, at: int, inputs: int) -> str:
+def _svg(draw: Any, at: int, rows: int) -> str:
     """A drawing whose names do not clash with those of others on the page."""
     from matplotlib.figure import Figure
 
@@ -145,7 +146,7 @@ def _svg(draw: Any, at: int, inputs: int) -> str:
 
     with warnings.catch_warnings(), style():
         warnings.simplefilter('ignore')  # told above
-        figure: Figure = Figure(figsize=(PAGE, 60 * MM), layout='constrained')
+        figure: Figure = Figure(figsize=(PAGE, 60 * MM * rows), layout='constrained')
         draw(figure)
         buffer = io.BytesIO()
         save(figure, buffer, 'svg')

@@ -22,8 +22,6 @@ from .inputs import Input, case_with, input_of, inputs_of
 from .kernel import kernel
 
 Reals = NDArray[np.float64]
-#: Kinds of points that are a sample of their distributions.
-SAMPLES = ('sobol', 'random', 'lhs', 'saltelli')
 
 
 @dataclass(frozen=True, eq=False)

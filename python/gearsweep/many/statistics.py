@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._library import Error, PartialWarning
+from .clusters import ranks
 from .store import VARIANT
 
 if TYPE_CHECKING:
@@ -98,17 +99,13 @@ def _without_nan(values: Reals, who: str, nan: str) -> NDArray[np.bool_]:
 
 
 def _of_order(values: Reals, q: Reals, confidence: float) -> tuple[Reals, Reals]:
-    """Order statistics between which the quantiles of independent points lie with this confidence: k points of n are below the quantile
-    with the probability of the binomial distribution (Conover 1999, Practical Nonparametric Statistics, 3.1)."""
-    from scipy.stats import binom
-
-    n, tail = len(values), (1 - confidence) / 2
+    """Order statistics between which the quantiles of independent points lie with this confidence; NaN where there is none."""
+    n = len(values)
     ordered = np.sort(values, axis=0)
-    ordered = np.concatenate([ordered, np.full((1, *ordered.shape[1:]), np.nan)])  # behind the last there is none
-    # As scipy.stats.quantile_test: at least as many points at or below the lower end as are too few with the probability of the tail.
-    low = binom.ppf(tail, n, q).astype(int) - 1
-    high = binom.isf(tail, n, q).astype(int)
-    return ordered[np.where(low < 0, n, low)], ordered[np.where(high >= n, n, high)]
+    none = np.full((1, *ordered.shape[1:]), np.nan)
+    low, high = ranks(n, q, confidence)
+    ordered = np.concatenate([none, ordered, none])
+    return ordered[low], ordered[high]
 
 
 def _of_scrambles(values: Reals, group: NDArray[np.int_], count: int, q: Reals, value: Reals, confidence: float) -> tuple[Reals, Reals]:
