@@ -179,6 +179,16 @@ def test_the_page_of_a_store_has_its_numbers_pictures_and_failures(stored):
     assert len(names) == len(set(names)), 'names inside drawings clash'
 
 
+def test_the_page_says_what_it_leaves_out(stored, monkeypatch):
+    """Of 64 variants the curves have 15 numbers each."""
+    from gearsweep.many import page
+
+    assert 'Not on this page' not in page.page('x.zarr')
+    monkeypatch.setattr(page, '_LARGEST', 64 * 15 - 1)
+    text = page.page('x.zarr')
+    assert 'numbers each: sweep.dynamic_factor.</p>' in text and 'sweep.dynamic_factor over rpm' not in text
+
+
 def test_each_row_of_a_picture_over_keys_has_its_height(folder):
     """Three pictures in a row: seven keys have three, at the width and the height of those that one has."""
     from gearsweep.many.page import page

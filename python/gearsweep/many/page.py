@@ -48,7 +48,8 @@ def write(store: str | os.PathLike, path: str | os.PathLike) -> None:
 def page(store: str | os.PathLike) -> str:
     """The page of a store, also while it is written; with pictures where matplotlib is installed."""
     data = reading.open(store)
-    data = data.drop_vars([name for name, one in data.data_vars.items() if one.size > _LARGEST]).load()
+    large = [str(name) for name, one in data.data_vars.items() if one.size > _LARGEST]
+    data = data.drop_vars(large).load()
     about = stores.read(store).about
     title = html.escape(f'{os.path.basename(os.fspath(store).rstrip("/"))}: {data.sizes[VARIANT]} variants')
     counts = reading.counts(data)
@@ -61,7 +62,7 @@ def page(store: str | os.PathLike) -> str:
         f'<p class="meaning">{html.escape(made)}; written on {date.today().isoformat()}.</p>',
         '<h2>Variants</h2>', _table(('status', 'variants'), list(counts.items())),
         '<h2>Keys</h2>', _table(('key', 'values'), [(one['name'], _told(one)) for one in about['plan']['keys'] if 'name' in one]),
-        '<h2>Results</h2>', *_results(data, 'pending' in counts),
+        '<h2>Results</h2>', *_left_out(large), *_results(data, 'pending' in counts),
         '<h2>Pictures</h2>', *_pictures(data),
         '<h2>Without a plain result</h2>', *_failures(store),
         '<h2>Case</h2>', f'<pre>{html.escape(about["plan"]["case"])}</pre>', '</body></html>',
@@ -75,6 +76,11 @@ def _told(one: dict[str, Any]) -> str:
         return shown + (' ...' if len(one['values']) > 8 else '') or 'as in the table'
     more = [f'{name} = {value:g}' for name, value in one.items() if isinstance(value, float)]
     return f'{one["distribution"]}({", ".join([*(f"{value:g}" for value in one["args"]), *more])})'
+
+
+def _left_out(names: list[str]) -> Iterator[str]:
+    if names:
+        yield f'<p class="warning">Not on this page, as they have more than {_LARGEST:.0e} numbers each: {html.escape(", ".join(names))}.</p>'
 
 
 def _results(data: xarray.Dataset, pending: bool) -> Iterator[str]:

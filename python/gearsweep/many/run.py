@@ -66,8 +66,8 @@ def run(
     store : path, optional
         A folder in Zarr's format, that this process alone writes. None: in memory.
     size : int, optional
-        Variants in a block, which is one task of the executor and one file of each array; by default so many as take some 10 s. A store
-        keeps the size that it was made with.
+        Variants in a block, which is one task of the executor and one file of each array; by default so many as take at most 10 s, and
+        at most 1/32 of all. A store keeps the size that it was made with.
     window : int, optional
         Blocks under way at a time; by default three for each worker.
     seconds : float, optional
@@ -147,7 +147,8 @@ def _begun(
     plan: Plan, take: list[str], path: Any, size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, crew: Crew
 ) -> tuple[Job, Store, list[Block | None]]:
     """What the workers are told; the store, which is made where there is none; and what came of the first variants where it is made."""
-    job, known = Job(plan.base, plan.keys, Taken((), (), {}), reduce, seconds), []
+    job = Job(plan.base, plan.keys, Taken((), (), {}), reduce, seconds)
+    known: list[Block | None] = []
     if path is not None and os.path.exists(path):
         kept = stores.read(path)
     else:
@@ -184,7 +185,8 @@ def _first(plan: Plan, take: list[str], job: Job, crew: Crew, window: int | None
     for one in came:
         if one and (one.wrong or (one.taken and not one.taken.same(taken))):
             break
-        known.append(one and (one.block if one.taken else empty(taken, 1, Status(one.block.status[0]), one.block.messages[0])))
+        block = None if one is None else one.block
+        known.append(block if block is None or block.columns else empty(taken, 1, Status(block.status[0]), block.messages[0]))
     return taken, known, there[-1].seconds
 
 
