@@ -208,6 +208,8 @@ contains
           call usage('--threads: must be an integer from 1 to 1024')
         end if
       case default
+        if (word == '--report' .or. ((word == 'many' .or. word == 'panel') .and. i == 1)) call usage(word//' is of the Python '// &
+          'package, whose command is called gearsweep too: python -m gearsweep; see README.md')
         if (index(word, '-') == 1 .and. len(word) > 1) call usage('unknown option '//word)
         if (allocated(arguments%case)) call usage('one case at a time: '//arguments%case//' and '//word)
         if (len(word) == 0) call usage('the case has an empty name')

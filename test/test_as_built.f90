@@ -1167,7 +1167,11 @@ contains
     good = points_of(1, 0.0_dp)
     call refuse('', ': lacks the line tooth,flank,roll_mm,deviation_um')
     call refuse('# '//header, ': lacks the line tooth,flank,roll_mm,deviation_um')
-    call refuse('tooth,flank,roll,deviation'//lf//good, ' line 1: must be tooth,flank,roll_mm,deviation_um')
+    call refuse('tooth,flank,roll,deviation'//lf//good, ' line 1: tooth,flank,roll,deviation: must be tooth,flank,'// &
+                'roll_mm,deviation_um')
+    ! As a spreadsheet may write it.
+    call refuse(achar(239)//achar(187)//achar(191)//'tooth, flank, roll_mm, deviation_um'//lf// &
+                good(index(good, header) + len(header):)//'1, Left, 9, 1'//lf, '')
     call refuse(header//'1,left,9'//lf, ' line 2: must have four fields: tooth,flank,roll_mm,deviation_um')
     call refuse(header//lf//'1,left,9,1,2'//lf, ' line 3: must have four fields: tooth,flank,roll_mm,deviation_um')
     call refuse(header//'0,left,9,1', ' line 2: tooth = 0: must be a whole number from 1 to 18')

@@ -1008,7 +1008,7 @@ refuses_published() {
 head_line='quantity,place,printed,unit,status,reason\n'
 refuses_published 'lacks the line quantity,place,printed,unit,status,reason' 1 ''
 refuses_published 'lacks the line quantity,place,printed,unit,status,reason' 1 '# only remarks\n'
-refuses_published 'line 1: must be quantity,place,printed,unit,status,reason' 1 'mode_1_hz,Table 1,7342,Hz,stated,x\n'
+refuses_published 'line 1: mode_1_hz,Table 1,7342,Hz,stated,x: must be quantity,place,printed,unit,status,reason' 1 'mode_1_hz,Table 1,7342,Hz,stated,x\n'
 refuses_published 'line 2: printed = one: must be a number' 1 "${head_line}mode_1_hz,Table 1,one,Hz,stated,x\n"
 refuses_published 'line 2: printed = NaN: must be a number' 1 "${head_line}mode_1_hz,Table 1,NaN,Hz,stated,x\n"
 refuses_published 'line 2: printed = 1e999: must be a number' 1 "${head_line}mode_1_hz,Table 1,1e999,Hz,stated,x\n"

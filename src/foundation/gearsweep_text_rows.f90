@@ -5,7 +5,7 @@ module gearsweep_text_rows
   use gearsweep_kinds, only: dp
   use gearsweep_lines, only: count_lines
   use gearsweep_memory, only: claim_memory
-  use gearsweep_text, only: str
+  use gearsweep_text, only: shown, str
   implicit none
   private
   public :: row_t, find_lines, find_rows
@@ -37,14 +37,16 @@ contains
     end do
   end subroutine find_lines
 
-  !> The lines below the header. Blank lines, and those that begin with `#`, do not count. Fails where the first line that counts is
-  !> not the header, at a control character, and where memory lacks.
+  !> The lines below the header. Blank lines, and those that begin with `#`, do not count, nor blanks in the header and the mark of
+  !> UTF-8 that spreadsheets put in front. Fails where the first line that counts is not the header, at a control character, and
+  !> where memory lacks.
   subroutine find_rows(text, path, header, rows, error)
     character(*), intent(in) :: text
     character(*), intent(in) :: path             !< for messages
     character(*), intent(in) :: header
     type(row_t), allocatable, intent(out) :: rows(:)
     type(error_t), allocatable, intent(inout) :: error
+    character(*), parameter :: mark = achar(239)//achar(187)//achar(191)
     real(dp), parameter :: row_bytes = 64
     character(:), allocatable :: control
     logical, allocatable :: counts(:)
@@ -55,6 +57,7 @@ contains
     call claim_memory(row_bytes*count_lines(text), path//': '//str(count_lines(text))//' lines', error)
     if (allocated(error)) return
     call find_lines(text, rows)
+    if (index(text, mark) == 1) rows(1)%first = 1 + len(mark)
     allocate (counts(size(rows)))
     do i = 1, size(rows)
       associate (row => text(rows(i)%first:rows(i)%last))
@@ -68,9 +71,23 @@ contains
       return
     end if
     associate (first => rows(1))
-      if (text(first%first:first%last) /= header) &
-        call fail(error, code_input, path//' line '//str(first%line)//': must be '//header)
+      if (without_blanks(text(first%first:first%last)) /= header) call fail(error, code_input, path//' line '// &
+        str(first%line)//': '//shown(text(first%first:first%last))//': must be '//header)
     end associate
     rows = rows(2:)
   end subroutine find_rows
+
+  pure function without_blanks(text) result(rest)
+    character(*), intent(in) :: text
+    character(len(text)) :: rest
+    integer :: i, n
+
+    rest = ''
+    n = 0
+    do i = 1, len(text)
+      if (text(i:i) == ' ' .or. text(i:i) == achar(9)) cycle
+      n = n + 1
+      rest(n:n) = text(i:i)
+    end do
+  end function without_blanks
 end module gearsweep_text_rows

@@ -6,7 +6,7 @@
 module gearsweep_flank_file
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_kinds, only: dp
-  use gearsweep_text, only: shown, str, to_number
+  use gearsweep_text, only: lower, shown, str, to_number
   use gearsweep_text_rows, only: find_rows, row_t
   implicit none
   private
@@ -69,6 +69,7 @@ contains
     end if
     call to_number(trim(fields(1)), tooth, ok)
     if (.not. (ok .and. tooth >= 1 .and. tooth <= teeth)) call refuse('tooth', fields(1), 'a whole number from 1 to '//str(teeth))
+    fields(2) = lower(fields(2))
     if (fields(2) /= 'left' .and. fields(2) /= 'right') call refuse('flank', fields(2), 'left or right')
     call to_number(trim(fields(3)), point%roll, ok)
     if (.not. (ok .and. point%roll >= 0 .and. point%roll <= longest_roll)) call refuse('roll_mm', fields(3), &

@@ -177,7 +177,7 @@ contains
     call self%list_reliefs(stages, which)
     assemblies = self%deviations%assemblies(stages%motion(1)%mesh%teeth)
     associate (motion => stages%motion(1))
-      machine_bytes = 2e3_dp + 80*sum(motion%mesh%teeth) + size(which)*(200.0_dp*size(rpm) + 100)
+      machine_bytes = 3.5e3_dp + 80*sum(motion%mesh%teeth) + size(which)*(400.0_dp*size(rpm) + 100)
       call claim_memory(machine_bytes*assemblies*self%deviations%draws + &
                         interval_bytes*size(smooth_intervals(motion%mesh, motion%friction > 0))* &
                         self%deviations%turn(motion%mesh%teeth), &
