@@ -221,6 +221,16 @@ def test_the_distribution_marks_its_quantile_and_band(data):
     assert f'{low:.4g} to {high:.4g}' in ax.texts[0].get_text()
 
 
+def test_the_distribution_has_a_question_mark_for_an_end_that_is_not_known():
+    values = column(np.arange(10.0), points='random')
+    ax = many.plot_distribution(values)
+    (band,) = ax.patches
+    assert ax.texts[0].get_text() == '95 %: 8.55\n95 % sure: 7 to ?'
+    assert band.get_x() == 7 and band.get_x() + band.get_width() == ax.get_xlim()[1] > 9
+    ax = many.plot_distribution(values[:3], q=0.5)
+    assert ax.texts[0].get_text().endswith('sure: ? to ?') and not ax.patches
+
+
 def test_bars_of_indices_have_whiskers_over_their_bands():
     angle = stats.uniform(-PI, 2 * PI)
     found = many.sensitivity(saltelli(256, 3, ishigami, angle, angle, angle))

@@ -53,7 +53,8 @@ def plot_band(data: xarray.DataArray, ax: Axes | None = None, *, nan: str = 'ref
 
 
 def plot_distribution(data: xarray.DataArray, ax: Axes | None = None, *, q: float = 0.95, nan: str = 'refuse') -> Axes:
-    """Share of the variants that are at most so large, and one of its quantiles with its band.
+    """Share of the variants that are at most so large, and one of its quantiles with its band; where there are too few variants for one end
+    of the band, that is a question mark, and the band runs to the edge of the picture.
 
     Parameters
     ----------
@@ -78,10 +79,13 @@ def plot_distribution(data: xarray.DataArray, ax: Axes | None = None, *, q: floa
     ordered = np.sort(data.values[np.isfinite(data.values)])
     with canvas(ax) as ax:
         ax.step(ordered, np.arange(1, len(ordered) + 1) / len(ordered), where='post', color=ACCENT)
-        if np.isfinite([lower, upper]).all():
-            ax.axvspan(lower, upper, color=FAINT, alpha=0.5, linewidth=0)
+        if np.isfinite([lower, upper]).any():
+            left, right = ax.get_xlim()  # an end that is not known is beyond the picture
+            ax.axvspan(left if np.isnan(lower) else lower, right if np.isnan(upper) else upper, color=FAINT, alpha=0.5, linewidth=0)
+            ax.set_xlim(left, right)
         ax.plot([value, value], [0, q], color=INK, linewidth=0.7)
-        words = f'{100 * q:g} %: {value:.4g}\n{100 * found.attrs["confidence"]:g} % sure: {lower:.4g} to {upper:.4g}'
+        ends = ' to '.join('?' if np.isnan(end) else f'{end:.4g}' for end in (lower, upper))
+        words = f'{100 * q:g} %: {value:.4g}\n{100 * found.attrs["confidence"]:g} % sure: {ends}'
         ax.text(0.98, 0.06, words, ha='right', va='bottom', transform=ax.transAxes, path_effects=HALO)
         ax.set_ylim(0, 1)
         ax.set_xlabel(_label(data))
