@@ -298,7 +298,17 @@ def test_the_picture_has_the_numbers_of_the_table(monkeypatch):
         np.testing.assert_array_equal(line.get_ydata(), found.table[name].values[[3, 5, 4]])
     assert [tuple(line.get_xydata()[0]) for line in figure.axes[0].lines[3:]] == \
         [(10, float(found.best['value'])), (15, 1.0), (15, float(found.nominal['value']))]
-    assert figure.axes[0].get_xlabel() == 'Amount (µm)' and figure.axes[0].get_ylabel() == 'Largest dynamic factor (–)'
+    assert figure.axes[0].get_xlabel() == 'Tip relief (µm)' and figure.axes[0].get_ylabel() == 'Largest dynamic factor (–)'
     with pytest.raises(ValueError, match=r'must be one of relief\.amount_um'):
         gearsweep.plots.robust.plot_valley(found, along='relief.shape')
+    pyplot.close(figure)
+
+
+@pytest.mark.parametrize(('draws', 'band'), [(100, ['its 95 % band']), (4, [])])
+def test_the_legend_has_the_band_after_its_line_and_where_there_is_one(monkeypatch, draws, band):
+    pyplot = pytest.importorskip('matplotlib.pyplot')
+    faked(monkeypatch, lambda rows: valley(rows, draws))
+    figure = many.robust(CASE, relief=AMOUNTS).plot()
+    assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ['95 % as built', *band, 'median as built', 'nominal']
+    assert len(figure.axes[0].collections) == len(band)
     pyplot.close(figure)

@@ -255,6 +255,7 @@ def test_scatter_over_each_key_marks_failures(data):
         np.testing.assert_array_equal(points.get_xdata(), np.delete(data[key].values, range(5, 8)))
         np.testing.assert_array_equal(crosses.get_xdata(), data[key].values[5:8])
         assert re.search(r'[A-Za-z].* \((N|µm|–)\)$', ax.get_xlabel())
+        assert (ax.get_xlabel() == 'Tip relief (µm)') == (key == 'relief.amount_um')
     assert len(many.plot_scatter(data, TAKE[0]).axes[0].lines) == 1
 
 

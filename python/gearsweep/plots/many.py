@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 BAND = (0.05, 0.25, 0.5, 0.75, 0.95)
 #: Rows of panels have at most so many.
 ACROSS = 3
+#: Keys whose names say too little without their group.
+NAMES = {'relief.amount_um': 'tip relief um'}
 
 
 def plot_band(data: xarray.DataArray, ax: Axes | None = None, *, nan: str = 'refuse') -> Axes:
@@ -183,7 +185,7 @@ def _rest(data: xarray.DataArray, wanted: int) -> list[str]:
 
 def _words(name: str) -> str:
     """A column or key as people say it."""
-    return name.rpartition('.')[2].replace('_', ' ')
+    return NAMES.get(name, name.rpartition('.')[2].replace('_', ' '))
 
 
 def _key(name: str) -> str:

@@ -69,7 +69,8 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
         for best, column, color, va in (('value', 'value', ACCENT, 'bottom'), ('nominal', 'nominal', INK, 'top'), ('nominal', 'value', INK, 'bottom')):
             at = int(np.nanargmin(table[best].values))
             _mark(axes[panels.index(words[at])], float(table[along][at]), float(table[column][at]), color, va)
-        legends_above(axes[0], ('', axes[0].get_legend_handles_labels()[0]), gap=1.5 * bool(others))
+        entries = max((ax.get_legend_handles_labels()[0] for ax in axes), key=len)
+        legends_above(axes[0], ('', entries), gap=1.5 * bool(others))
         for ax in axes[::across]:
             ax.set_ylabel(label)
     return figure
@@ -78,8 +79,10 @@ def plot_valley(found: Robust, figure: Figure | None = None, *, along: str | Non
 def _panel(ax: Axes, table: xarray.Dataset, along: str) -> None:
     """Curves of candidates that differ in one key."""
     x, of = table[along].values, table.attrs
-    ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'its {100 * of["confidence"]:g} % band')
     ax.plot(x, table['value'], '.-', color=ACCENT, label=f'{100 * of["quantile"]:g} % as built')
+    known = np.isfinite(table['lower'].values + table['upper'].values)
+    if (known[1:] & known[:-1]).any():  # of one candidate there is nothing to see
+        ax.fill_between(x, table['lower'], table['upper'], color=ACCENT, alpha=0.25, linewidth=0, label=f'its {100 * of["confidence"]:g} % band')
     ax.plot(x, table['median'], color=GREY, label='median as built')
     ax.plot(x, table['nominal'], label='nominal', **NOMINAL)
     ax.margins(x=0.1, y=0.12)  # room for the marks' words
