@@ -180,15 +180,18 @@ def plot_waterfall(result: Study | Table, ax: Axes | None = None) -> Axes:
 
 
 def plot_assemblies(result: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None, draw: int | None = None) -> Axes:
-    """Largest dynamic factor over the speeds of each assembly of one pair of gears (otherwise the first), best and worst named; where there
-    is one assembly, of each pair. Dashed: without deviations. Of a study or its table `as_built_worst`; all else as of `plot_as_built`."""
+    """Largest dynamic factor over the speeds of each assembly of one pair of gears (otherwise the first), best and worst named, with the
+    gear's tooth that enters at A first, with the pinion's stated one; where there is one assembly, of each pair. Dashed: without deviations. Of a study or its table `as_built_worst`; all else as of `plot_as_built`."""
     table = table_of(result, 'as_built_worst')
     relief, i, color = _relief(table, relief_um)
     pair = one_of(table.draw, draw, 'draw')
     title = f'Tip relief {relief:g} µm'
     what, number, factor = 'Pair of gears', table.draw, table.dynamic_factor[i, :, 0]
+    names = [f'pair of gears {one}' for one in number]
     if len(table.assembly) > 1:
-        what, number, factor = 'Assembly', table.assembly, table.dynamic_factor[i, np.abs(table.draw - pair).argmin()]
+        at = i, np.abs(table.draw - pair).argmin()
+        what, number, factor = 'Assembly', table.assembly, table.dynamic_factor[at]
+        names = [f'assembly {one}\n(gear tooth {tooth:g} first)' for one, tooth in zip(number, table.first_gear_tooth[at])]
         title += f', pair of gears {pair:g} of {len(table.draw)}'
     with canvas(ax) as ax:
         ax.axhline(table.nominal_factor[i, 0, 0], **NOMINAL)
@@ -198,7 +201,7 @@ def plot_assemblies(result: Study | Table, ax: Axes | None = None, *, relief_um:
             k = known[(np.argmax if word == 'worst' else np.argmin)(factor[known])]
             part = (number[k] - number[0]) / max(1, number[-1] - number[0])
             ax.plot(number[k], factor[k], 'D', color=INK, markersize=4)
-            ax.annotate(f'{word}: {number[k]}, {factor[k]:.4g}', (number[k], factor[k]), (0, rise), textcoords='offset points', va=va,
+            ax.annotate(f'{word}: {names[k]}, {factor[k]:.3f}', (number[k], factor[k]), (0, rise), textcoords='offset points', va=va,
                         ha='left' if part < 0.2 else 'right' if part > 0.8 else 'center', path_effects=HALO)  # fmt: skip
         ax.margins(y=0.25)
         ax.set_xlim(number[0] - 1, number[-1] + 1)

@@ -55,6 +55,7 @@ class Picture:
     caption: str
     draw: Callable[[Study], Figure]
     table: str = ''  #: that it shows, where that is not its name
+    has_some: Callable[[Study], bool] = lambda study: True  #: whether there is something to see
 
 
 #: No more panels than this in a picture; it says how many there would be.
@@ -97,7 +98,7 @@ def figures(study: Study, *names: str, stem: str = '') -> Iterator[tuple[str, Fi
     Above each stands the title of the case, or else `stem`.
     """
     for name, picture in PICTURES.items():
-        if (picture.table or name) in study and (not names or name in names):
+        if (picture.table or name) in study and (not names or name in names) and picture.has_some(study):
             with style():
                 figure = picture.draw(study)
                 _entitle(figure, study.case.get('case', 'title') or stem)
@@ -402,7 +403,8 @@ PICTURES = {
                              _single(plot_body_campbell, 100, PAGE)),
     'as_built': Picture('Dynamic factor over speed of gears as built, median and band of all pairs of gears and assemblies, beside that of '
                         'nominal gears', _as_built),
-    'as_built_worst': Picture('Largest dynamic factor of each assembly, best and worst named', _assemblies),
+    'as_built_worst': Picture('Largest dynamic factor of each assembly, best and worst named', _assemblies,
+                              has_some=lambda study: max(len(study.as_built_worst.draw), len(study.as_built_worst.assembly)) > 1),
     'as_built_turn': Picture('Transmission error over the turn in motion and, fine, at rest; below it the largest load of each pair of teeth', _turn),
     'as_built_orders': Picture('Orders of the dynamic transmission error and, hollow, of the static one, with the names of the largest', _orders),
     'as_built_waterfall': Picture('Amplitude of the dynamic transmission error over speed and order', _single(plot_waterfall, 90, PAGE)),
