@@ -181,7 +181,8 @@ def plot_waterfall(result: Study | Table, ax: Axes | None = None) -> Axes:
 
 def plot_assemblies(result: Study | Table, ax: Axes | None = None, *, relief_um: float | None = None, draw: int | None = None) -> Axes:
     """Largest dynamic factor over the speeds of each assembly of one pair of gears (otherwise the first), best and worst named, with the
-    gear's tooth that enters at A first, with the pinion's stated one; where there is one assembly, of each pair. Dashed: without deviations. Of a study or its table `as_built_worst`; all else as of `plot_as_built`."""
+    gear's tooth that enters at A first, with the pinion's stated one; where there is one assembly, of each pair. Dashed: without
+    deviations. Of a study or its table `as_built_worst`; all else as of `plot_as_built`."""
     table = table_of(result, 'as_built_worst')
     relief, i, color = _relief(table, relief_um)
     pair = one_of(table.draw, draw, 'draw')
