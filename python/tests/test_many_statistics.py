@@ -268,6 +268,12 @@ def test_pictures_of_other_dimensions_are_refused(data):
         _ = many.plot_everything
 
 
+@pytest.mark.parametrize('name', ['quantiles', 'sensitivity', 'plot_band', 'plot_distribution'])
+def test_all_columns_at_once_are_refused(data, name):
+    with pytest.raises(Error, match=rf'{name}: give a column, such as data\["sweep_worst\.worst_dynamic_factor"\], not a Dataset'):
+        getattr(many, name)(data)
+
+
 def test_an_open_end_of_a_band_is_a_question_mark():
     found = many.quantiles(column(np.arange(10.0), points='random'), 0.95)
     assert with_band(*(float(found[name][0]) for name in ('value', 'lower', 'upper'))).endswith(' to ?)')

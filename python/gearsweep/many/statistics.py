@@ -56,6 +56,7 @@ def quantiles(
     """
     import xarray
 
+    check_column(data, 'quantiles')
     kind = points or data.attrs.get('points')
     if kind not in ('random', 'lhs', 'sobol'):
         raise Error(f"quantiles: points = {kind!r}: must be 'random', 'lhs' or 'sobol', as those of a grid, a table or Saltelli's rows are no sample")
@@ -81,6 +82,14 @@ def with_band(value: float, lower: float, upper: float) -> str:
     """A number with its band in words; a question mark for an end for which there are too few points."""
     ends = ' to '.join('?' if np.isnan(end) else f'{end:.5g}' for end in (lower, upper))
     return f'{value:.5g} ({ends})'
+
+
+def check_column(data: Any, who: str) -> None:
+    """Refuses what is no column, such as all of them."""
+    import xarray
+
+    if not isinstance(data, xarray.DataArray):
+        raise Error(f'{who}: give a column, such as data["sweep_worst.worst_dynamic_factor"], not a {type(data).__name__}')
 
 
 def _without_nan(values: Reals, who: str, nan: str) -> NDArray[np.bool_]:
@@ -162,6 +171,7 @@ def sensitivity(data: xarray.DataArray, *, confidence: float = 0.95, nan: str = 
     """
     import xarray
 
+    check_column(data, 'sensitivity')
     if data.attrs.get('points') != 'saltelli':
         raise Error(f"sensitivity: points = {data.attrs.get('points')!r}: must be those of Plan.saltelli")
     names = list(data.attrs['inputs'])

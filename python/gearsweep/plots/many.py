@@ -40,7 +40,9 @@ def plot_band(data: xarray.DataArray, ax: Axes | None = None, *, nan: str = 'ref
     Axes
     """
     from ..many import quantiles
+    from ..many.statistics import check_column
 
+    check_column(data, 'plot_band')
     (dim,) = _rest(data, 1)
     found = quantiles(data, BAND, nan=nan)
     x, value = found[dim].values, found['value'].values
@@ -74,7 +76,9 @@ def plot_distribution(data: xarray.DataArray, ax: Axes | None = None, *, q: floa
     Axes
     """
     from ..many import quantiles
+    from ..many.statistics import check_column
 
+    check_column(data, 'plot_distribution')
     _rest(data, 0)
     found = quantiles(data, q, nan=nan)
     lower, value, upper = (float(found[name][0]) for name in ('lower', 'value', 'upper'))
