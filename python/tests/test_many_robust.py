@@ -187,7 +187,15 @@ def test_a_candidate_that_cannot_be_is_left_out_wherever_it_stands(modules):
 def test_too_few_draws_tell_nothing_apart(monkeypatch):
     faked(monkeypatch, lambda rows: valley(rows, 20))
     found = many.robust(CASE, relief=AMOUNTS)
-    assert found.alike.sizes['candidate'] == 3 and np.isnan(found.table['best_share']).all() and '?: too few draws' in str(found)
+    assert found.alike.sizes['candidate'] == 3 and np.isnan(found.table['best_share']).all()
+    assert str(found).endswith('?: too few draws for this quantile and confidence; 72 are enough')
+
+
+@pytest.mark.parametrize(('q', 'confidence'), [(0.95, 0.95), (0.5, 0.9), (0.1, 0.95), (0.99, 0.99), (0.3, 0.8)])
+def test_so_many_draws_as_are_said_to_be_enough_are_and_one_less_is_not(q, confidence):
+    n = clusters.enough(q, confidence)
+    ends = [clusters.band(np.arange(float(count))[:, None], ONE, q, confidence) for count in (n - 1, n)]
+    assert np.isnan(ends[0]).any() and np.isfinite(ends[1]).all()
 
 
 @pytest.mark.parametrize(('match', 'options'), [

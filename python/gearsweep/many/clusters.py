@@ -97,3 +97,8 @@ def ranks(n: int, q: Any, confidence: float) -> tuple[Any, Any]:
     tail = (1 - confidence) / 2
     low, high = (np.asarray(one(tail, n, q)).astype(int) for one in (binom.ppf, binom.isf))
     return low, high + 1
+
+
+def enough(q: float, confidence: float) -> int:
+    """How many draws are enough for both ends of a band: not all of so many lie on one side of the quantile, but with the tail's probability."""
+    return int(np.ceil(np.log((1 - confidence) / 2) / np.log(max(q, 1 - q))))

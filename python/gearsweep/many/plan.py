@@ -276,4 +276,8 @@ def _check_scrambles(n: Any, scrambles: Any) -> None:
     if isinstance(scrambles, bool) or not isinstance(scrambles, int) or not 2 <= scrambles <= 1000:
         raise Error(f'scrambles = {scrambles!r}: must be a whole number from 2 to 1000')
     if not isinstance(n, (int, np.integer)) or n < scrambles or n % scrambles or (n // scrambles) & (n // scrambles - 1):
-        raise Error(f'n = {n!r}: must be {scrambles} (scrambles) times a power of 2')
+        below = 0
+        if isinstance(n, (int, np.integer)) and n > scrambles:
+            below = (int(n) // scrambles).bit_length() - 1
+        near = f'such as {scrambles << below} or {scrambles << below + 1}'
+        raise Error(f'n = {n!r}: must be {scrambles} (scrambles) times a power of 2, {near}')

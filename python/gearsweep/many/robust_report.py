@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .clusters import enough
 from .judged import QUANTITIES, Quantity
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def report(found: Robust) -> str:
         lines.append(f'Best nominal: {_name(one, names)}: {float(one["nominal"]):.{digits}f}{unit}, as built {float(one["value"]):.{digits}f}{unit}')
     lines.append(f'Not told from the best by these draws: {"; ".join(others) or "none"}')
     if np.isnan([float(one[end]) for one in each for end in ('lower', 'upper')]).any():
-        lines.append('?: too few draws for this quantile and confidence')
+        lines.append(f'?: too few draws for this quantile and confidence; {enough(of["quantile"], of["confidence"])} are enough')
     return '\n'.join(lines)
 
 
