@@ -748,8 +748,16 @@ class AsBuiltSummaryTable(Table):
     """the largest"""
     rpm: NDArray[float64]
     """1/min: speed at which that is"""
+    worst_draw: NDArray[float64]
+    """of which gears, in the order in which they are drawn"""
+    worst_assembly: NDArray[float64]
+    """of which assembly of these"""
+    best_draw: NDArray[float64]
+    """gears with the least"""
+    best_assembly: NDArray[float64]
+    """assembly of these with the least"""
     sample_error: NDArray[float64]
-    """with `quick`, by how much the dynamic factors of the pairs of gears that were computed both ways differ at most; else NaN"""
+    """with `quick`, by how much the dynamic factors that were computed both ways differ at most; else NaN, and where there are none"""
     draws: NDArray[int64]
     """pairs of gears that were drawn"""
     assemblies: NDArray[int64]
@@ -771,7 +779,7 @@ class AsBuiltWorstTable(Table):
     nominal_factor: NDArray[float64]
     """largest DF over the speeds of gears without deviations"""
     pinion_tooth: NDArray[float64]
-    """number of the pinion's tooth that carries the largest load"""
+    """number of the pinion's tooth that carries the largest load; NaN where with `quick` that motion had to be computed to the tolerance"""
     gear_tooth: NDArray[float64]
     """number of the gear's tooth that carries it"""
     s: NDArray[float64]
@@ -841,7 +849,7 @@ class AsBuiltOrdersTable(Table):
     order: NDArray[float64]
     """order: cycles a turn of the pinion"""
     order_name: NDArray[str_]
-    """what it is: mesh, pinion and gear orders, and sidebands of mesh orders"""
+    """what it is: mesh, pinion and gear orders, sidebands of mesh orders, and told waves"""
     gear_order: NDArray[float64]
     """cycles a turn of the gear"""
     frequency_hz: NDArray[float64]

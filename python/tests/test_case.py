@@ -60,7 +60,7 @@ def test_defaults_of_the_reference():
     needed['harmonic'] = {'frequency_hz': [0, 1e5]}
     needed['life'] = {'rpm': 3000, 'duration_h': 1, 'tensile_strength_mpa': 900}
     needed['branches'] = {'first': 3000, 'last': 4000}
-    needed['deviations'] = {'pinion_class': 6}
+    needed['deviations'] = {'pinion_class': 6, 'gear_class': 6}
     case = case.changed(case={'tasks': [task['name'] for task in _library.declared()['tasks']]}, **needed)
     keys = (ROOT / 'doc/case.md').read_text().split('## Keys')[1].split('## Finite elements')[0]
     found = 0

@@ -202,7 +202,8 @@ def test_so_many_draws_as_are_said_to_be_enough_are_and_one_less_is_not(q, confi
     ('there are no candidates', {}), ('&relief amount_um: the list is empty', {'relief': {'amount_um': []}}),
     ('did you mean amount_um', {'relief': {'amont_um': [1]}}), (r'&relief amount_um = -1', {'relief': {'amount_um': [5, -1]}}),
     ('takes a list of values, not a distribution', {'relief': {'amount_um': stats.norm(10, 1)}}),
-    ('draws no gears; give &deviations pinion_class', {'relief': AMOUNTS, 'deviations': {'pinion_class': [None], 'gear_class': [None]}}),
+    ('draws no gears; give &deviations pinion_class', {'relief': AMOUNTS, 'deviations': {
+        'pinion_class': [None], 'gear_class': [None], 'pinion_profile_slope_um': [5]}}),
     ('&deviations draws = 1: must be at least 2', {'relief': AMOUNTS, 'deviations': {'draws': [1]}}),
     (r'&relief amount_um has 2 values; give them as relief=', {'relief': {'amount_um': [[1, 2]]}}),
     ('quantile = 95: must be between 0 and 1', {'relief': AMOUNTS, 'quantile': 95}), ("nan = 'keep'", {'relief': AMOUNTS, 'nan': 'keep'}),
