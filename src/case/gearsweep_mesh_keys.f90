@@ -140,8 +140,11 @@ contains
                     meaning='base pitch of a prescribed mesh, for a torque, an inertia or a length of relief')
     lacks = ''
     slopes = reader%has('deviations', 'pinion_profile_slope_um') .or. reader%has('deviations', 'gear_profile_slope_um')
-    if (.not. (relieves .and. case%start == 'pitch')) lacks = for_stage(case, stage%motion)
-    if (.not. (relieves .or. case%friction > 0 .or. (slopes .and. case%asks('as_built')))) lacks = relief_matters
+    if (.not. (relieves .and. case%start == 'pitch') .and. .not. (slopes .and. case%asks('as_built'))) then
+      lacks = 'as_built'
+      if (case%start == 'pitch') lacks = relief_matters
+      if (case%friction > 0) lacks = for_stage(case, stage%motion)
+    end if
     call reader%get('mesh', 'pitch_point', case%pitch_point, error, at_least=0.0_dp, lacks=lacks, &
                     refused=first_of(made, unless(case%friction > 0 .or. case%start == 'pitch' .or. slopes, &
                     'a prescribed mesh uses it with friction, start = ''pitch'' or a profile slope deviation only; remove it')), &
