@@ -284,7 +284,7 @@ contains
 
   !> The parabola through values at the begin, middle and end of a step.
   pure real(dp) function parabola(values, at)
-    real(dp), intent(in) :: values(3)
+    real(dp), intent(in) :: values(:)            !< (3)
     real(dp), intent(in) :: at                   !< 0 to 1
 
     parabola = values(1) + at*(4*values(2) - 3*values(1) - values(3) + 2*at*(values(1) - 2*values(2) + values(3)))

@@ -227,7 +227,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(error_t), allocatable :: outside
     type(tolerances_t) :: tolerances
-    integer :: i
+    integer :: i, teeth_of(2)
 
     if (.not. choice%is_told) call fail(error, code_input, '&deviations: tells of no deviation of either gear; the task '// &
       'as_built needs one, such as pinion_class = 6')
@@ -253,7 +253,8 @@ contains
         call check_waves(member//'wave_phase_deg', flanks%wave_phase, size(flanks%wave_order))
       end associate
     end do
-    associate (periods => choice%turn(spec%teeth))
+    teeth_of = spec%teeth
+    associate (periods => choice%turn(teeth_of))
       if (periods > longest_turn) call fail(error, code_input, '&gear teeth = '//str(spec(2)%teeth)//': the deviations of both '// &
         'gears repeat after '//str(periods, 10)//' mesh periods; must be at most '//str(longest_turn, 10))
     end associate

@@ -108,13 +108,15 @@ contains
     class(as_built_task_t), intent(in) :: self
     type(case_facts_t), intent(in) :: facts
     type(error_t), allocatable, intent(inout) :: error
+    integer :: teeth(2)
 
     call check_reliefs(self, facts, error)
     if (facts%scheme /= scheme_collocation) call fail(error, code_input, &
       '&numerics method: the methods of the literature know nominal teeth only; with the task as_built it must be collocation')
     call check_deviations(self%deviations, facts%spec, error)
     if (allocated(error)) return
-    associate (draws => self%deviations%draws, assemblies => self%deviations%assemblies(facts%spec%teeth))
+    teeth = facts%spec%teeth
+    associate (draws => self%deviations%draws, assemblies => self%deviations%assemblies(teeth))
       if (self%turn_draw > draws) call fail(error, code_input, '&as_built turn_draw = '//str(self%turn_draw)// &
         ': must be at most &deviations draws, '//str(draws))
       if (self%turn_assembly > assemblies) call fail(error, code_input, '&as_built turn_assembly = '//str(self%turn_assembly)// &
