@@ -1,5 +1,6 @@
 !> The pairs of gears of the task `as_built` with `quick`: a sample to the tolerance, the others quickly.
 module gearsweep_quick_machines
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_as_built_machines, only: deviating, machine_t, run_exactly, tooth_t
   use gearsweep_deviations, only: deviations_t
   use gearsweep_error, only: error_t, fail
@@ -120,8 +121,11 @@ contains
     integer, intent(in) :: relief
     type(machine_t), intent(inout) :: machine
     type(error_t), allocatable, intent(inout) :: error
+    logical :: is_near
     integer :: k
 
+    is_near = .not. ieee_is_nan(sample_error)
+    if (is_near) is_near = sample_error <= tolerance
     associate (sweep => machine%sweep)
       sweep%rpm = rpm
       where (motions%is_found)
@@ -129,7 +133,7 @@ contains
         sweep%estimate(:, relief) = sample_error
         sweep%dte_rms(:, relief) = sqrt(max(0.0_dp, motions%sums(2) - motions%sums(1)**2))
         sweep%dte_range(:, relief) = motions%largest - motions%least
-        sweep%status(:, relief) = merge(status_ok, status_inexact, sample_error <= tolerance)
+        sweep%status(:, relief) = merge(status_ok, status_inexact, is_near)
       end where
       if (.not. all(motions%is_found)) call solve_rest(stages, which, rpm, motions%is_found, relief, machine, error)
       if (allocated(error) .or. .not. any(has_result(sweep%status(:, relief)))) return

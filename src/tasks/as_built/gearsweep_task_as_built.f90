@@ -315,7 +315,7 @@ contains
       if (self%quick) then
         associate (off => [(summary%number('sample_error', row), row=1, summary%rows)])
           if (.not. all(ieee_is_nan(off))) call lines%add('   found quickly; those of a sample differ from those to the '// &
-                                                          'tolerance by at most '//str(maxval(off), 2))
+            'tolerance by at most '//str(maxval(pack(off, .not. ieee_is_nan(off))), 2))
           if (any(ieee_is_nan(off))) call lines%add('   found quickly; at a relief whose sample_error is NaN, no motion of the '// &
                                                     'sample is known both ways')
         end associate
