@@ -162,6 +162,7 @@ begin() {
     s/ last =/ last = 6000/
     s/duration_h =/duration_h = 1/
     s/tensile_strength_mpa =/tensile_strength_mpa = 900/
+    s/pinion_class =/pinion_class = 6/
   }'
 }
 tasks=$("$program" --describe tasks | sed -n 's/^  {"name": "\([a-z_]*\)".*/\1/p')
@@ -894,7 +895,7 @@ refuses "must be one of 'polynomial', 'table'" 1 "s/model = .*/model = 'weber'/"
 refuses '&mesh model: missing' 1 '/model/d'
 refuses '&pair module_mm = 3: not used by a prescribed mesh' 1 's/&case/\&pair module_mm = 3 \/ \&case/'
 refuses '&pinion addendum = 1: not used by a prescribed mesh' 1 's/teeth = 25/teeth = 25 addendum = 1/'
-refuses '&gear teeth = 25: a prescribed mesh uses it with friction, inertia_kgm2 or &deviations only' 1 's/&gear/\&gear teeth = 25/'
+refuses '&gear teeth = 25: a prescribed mesh uses it with friction, inertia_kgm2, &deviations or the task as_built only' 1 's/&gear/\&gear teeth = 25/'
 refuses '&gear teeth: missing; friction needs it' 1 's/&dynamics/\&dynamics friction = 0.1/'
 refuses '&pinion teeth: missing' 1 's/teeth = 25//'
 refuses '&gear effective_mass_kg: missing; a prescribed mesh has no body' 1 '/^&gear/d'

@@ -135,7 +135,7 @@ contains
         sweep%dte_range(:, relief) = motions%largest - motions%least
         sweep%status(:, relief) = merge(status_ok, status_inexact, is_near)
       end where
-      if (.not. all(motions%is_found)) call solve_rest(stages, which, rpm, motions%is_found, relief, machine, error)
+      if (.not. all(motions%is_found)) call solve_rest(stages, which, rpm, motions, relief, machine, error)
       if (allocated(error) .or. .not. any(has_result(sweep%status(:, relief)))) return
       k = maxloc(sweep%dynamic_factor(:, relief), 1, mask=has_result(sweep%status(:, relief)))
       machine%worst(relief) = tooth_t(rpm(k), sweep%dynamic_factor(k, relief), motions(k)%pair, motions(k)%place)
@@ -144,11 +144,11 @@ contains
   end subroutine take
 
   !> The speeds that the quick way left.
-  subroutine solve_rest(stages, which, rpm, is_found, relief, machine, error)
+  subroutine solve_rest(stages, which, rpm, motions, relief, machine, error)
     type(stages_t), intent(in) :: stages
     integer, intent(in) :: which, relief
     real(dp), intent(in) :: rpm(:)
-    logical, intent(in) :: is_found(:)
+    type(quick_motion_t), intent(in) :: motions(:)         ! (speed)
     type(machine_t), intent(inout) :: machine
     type(error_t), allocatable, intent(inout) :: error
     type(error_t), allocatable :: refused
@@ -157,7 +157,7 @@ contains
     integer, allocatable :: left(:)
     integer :: i
 
-    left = pack([(i, i=1, size(rpm))], .not. is_found)
+    left = pack([(i, i=1, size(rpm))], .not. motions%is_found)
     options = stages%sweep_options()
     options%direction = each
     options%is_counted = .false.
