@@ -16,7 +16,7 @@ module gearsweep_deviations
   use gearsweep_kinds, only: dp, pi
   implicit none
   private
-  public :: deviations_t, wave_t, make_deviations, common_divisor
+  public :: deviations_t, wave_t, make_deviations, common_divisor, length_of_turn
 
   type :: wave_t
     integer :: gear = 1                !< 1: pinion, 2: gear
@@ -61,10 +61,18 @@ contains
       deviations%gear = gear
     end if
     deviations%waves = waves
-    if (size(pinion, 2) > 0 .or. any(waves%gear == 1)) deviations%periods = teeth(1)
-    if (size(gear, 2) > 0 .or. any(waves%gear == 2)) &
-      deviations%periods = deviations%periods/common_divisor(deviations%periods, teeth(2))*teeth(2)
+    deviations%periods = nint(length_of_turn(teeth, [size(pinion, 2) > 0 .or. any(waves%gear == 1), &
+                                                     size(gear, 2) > 0 .or. any(waves%gear == 2)]))
   end function make_deviations
+
+  !> Mesh periods after which deviations of pinion and gear repeat: a number that an integer may not hold.
+  pure real(dp) function length_of_turn(teeth, deviates) result(periods)
+    integer, intent(in) :: teeth(2)
+    logical, intent(in) :: deviates(2)
+
+    periods = product(real(teeth, dp), mask=deviates)
+    if (all(deviates)) periods = periods/common_divisor(teeth(1), teeth(2))
+  end function length_of_turn
 
   !> The greatest common divisor of two numbers above 0, by Euclid's algorithm.
   pure integer function common_divisor(a, b)

@@ -119,8 +119,7 @@ contains
       do d = 1, size(machines, 2)
         do a = 1, size(machines, 1)
           row = row + 1
-          if (any(has_result(nominal%status(:, r)))) &
-            values(row, 1) = maxval(nominal%dynamic_factor(:, r), mask=has_result(nominal%status(:, r)))
+          values(row, 1) = largest_factor(nominal, r)
           associate (machine => machines(a, d), worst => machines(a, d)%worst(r))
             values(row, 7) = tooth_number(machine%flanks(2), teeth(2), machine%offset)
             if (.not. worst%rpm > 0) cycle
@@ -160,8 +159,7 @@ contains
     if (allocated(error)) return
     allocate (values(size(amount), 10), source=no_number())
     do r = 1, size(amount)
-      if (any(has_result(nominal%status(:, r)))) &
-        values(r, 1) = maxval(nominal%dynamic_factor(:, r), mask=has_result(nominal%status(:, r)))
+      values(r, 1) = largest_factor(nominal, r)
       factor = [((machines(a, d)%worst(r)%dynamic_factor, a=1, size(machines, 1)), d=1, size(machines, 2))]
       rpm = [((machines(a, d)%worst(r)%rpm, a=1, size(machines, 1)), d=1, size(machines, 2))]
       if (.not. any(rpm > 0)) cycle
@@ -188,6 +186,17 @@ contains
     call table%add('draws', '', 'pairs of gears that were drawn', spread(size(machines, 2), 1, size(amount)))
     call table%add('assemblies', '', 'assemblies of each', spread(size(machines, 1), 1, size(amount)))
   end subroutine fill_summary
+
+  !> The largest dynamic factor over the speeds; NaN where none has an answer.
+  pure real(dp) function largest_factor(sweep, relief)
+    type(sweep_t), intent(in) :: sweep
+    integer, intent(in) :: relief
+
+    largest_factor = no_number()
+    associate (answered => has_result(sweep%status(:, relief)))
+      if (any(answered)) largest_factor = maxval(sweep%dynamic_factor(:, relief), mask=answered)
+    end associate
+  end function largest_factor
 
   !> The value that this part of the values is below, linear between two of them. Source: Hyndman and Fan 1996, The American
   !> Statistician 50, 361, definition 7.

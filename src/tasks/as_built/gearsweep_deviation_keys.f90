@@ -1,6 +1,6 @@
 !> The group &deviations of a case: how the flanks of both gears deviate from the nominal ones.
 module gearsweep_deviation_keys
-  use gearsweep_deviations, only: common_divisor
+  use gearsweep_deviations, only: common_divisor, length_of_turn
   use gearsweep_error, only: code_input, error_t, fail
   use gearsweep_flank_deviations, only: flank_deviations_t
   use gearsweep_kinds, only: dp, pi
@@ -214,10 +214,7 @@ contains
     class(deviations_choice_t), intent(in) :: self
     integer, intent(in) :: teeth(2)
 
-    turn = 1
-    if (self%any_of(1)) turn = teeth(1)
-    if (self%any_of(2)) turn = turn*teeth(2)
-    if (self%any_of(1) .and. self%any_of(2)) turn = turn/common_divisor(teeth(1), teeth(2))
+    turn = length_of_turn(teeth, [self%any_of(1), self%any_of(2)])
   end function turn
 
   !> What the keys must be beside the gears.
@@ -241,16 +238,16 @@ contains
           call find_tolerances(choice%class(i), teeth, 1e3_dp*spec(i)%module, 1e3_dp*spec(i)%face_width, tolerances, outside)
           if (allocated(outside)) call fail(error, code_input, member//'class = '//str(choice%class(i))//': '//outside%message)
         end if
-        call check_length(member//'single_pitch_um', flanks%single_pitch, teeth, .false.)
-        call check_length(member//'cumulative_pitch_um', flanks%cumulative_pitch, teeth, .false.)
-        call check_length(member//'profile_slope_um', flanks%slope, teeth, .true.)
-        call check_length(member//'profile_form_um', flanks%form, teeth, .true.)
+        call check_length(member//'single_pitch_um', flanks%single_pitch, teeth, 'teeth', .false.)
+        call check_length(member//'cumulative_pitch_um', flanks%cumulative_pitch, teeth, 'teeth', .false.)
+        call check_length(member//'profile_slope_um', flanks%slope, teeth, 'teeth', .true.)
+        call check_length(member//'profile_form_um', flanks%form, teeth, 'teeth', .true.)
         if (flanks%tooth > teeth) call fail(error, code_input, member//'tooth = '//str(flanks%tooth)// &
           ': is above the number of teeth, '//str(teeth))
         if (allocated(flanks%single_pitch)) call check_sum(member, flanks%single_pitch)
         if (.not. allocated(flanks%wave_order)) cycle
-        call check_waves(member//'wave_um', flanks%wave, size(flanks%wave_order))
-        call check_waves(member//'wave_phase_deg', flanks%wave_phase, size(flanks%wave_order))
+        call check_length(member//'wave_um', flanks%wave, size(flanks%wave_order), 'waves', .false.)
+        call check_length(member//'wave_phase_deg', flanks%wave_phase, size(flanks%wave_order), 'waves', .false.)
       end associate
     end do
     teeth_of = spec%teeth
@@ -261,16 +258,17 @@ contains
 
   contains
 
-    subroutine check_length(key, values, teeth, or_one)
+    subroutine check_length(key, values, length, what, or_one)
       character(*), intent(in) :: key
       real(dp), allocatable, intent(in) :: values(:)
-      integer, intent(in) :: teeth
+      integer, intent(in) :: length
+      character(*), intent(in) :: what           ! for each of which there must be a number
       logical, intent(in) :: or_one
 
       if (.not. allocated(values)) return
-      if (size(values) == teeth .or. (or_one .and. size(values) == 1)) return
-      call fail(error, code_input, key//': numbers given: '//str(size(values))//'; must have one for each of '//str(teeth)// &
-                ' teeth'//trim(merge(', or one for all', '                ', or_one)))
+      if (size(values) == length .or. (or_one .and. size(values) == 1)) return
+      call fail(error, code_input, key//': numbers given: '//str(size(values))//'; must have one for each of '// &
+                str(length)//' '//what//trim(merge(', or one for all', '                ', or_one)))
     end subroutine check_length
 
     !> Pitches are told to a tenth of a um, and so add up to 0 but for rounding.
@@ -282,15 +280,5 @@ contains
       if (abs(sum(pitch)) > size(pitch)*rounding) call fail(error, code_input, member//'single_pitch_um: add up to '// &
         str(sum(pitch)/um, 4)//' um; must add up to 0, as the pitches fill the circle')
     end subroutine check_sum
-
-    subroutine check_waves(key, values, waves)
-      character(*), intent(in) :: key
-      real(dp), allocatable, intent(in) :: values(:)
-      integer, intent(in) :: waves
-
-      if (.not. allocated(values)) return
-      if (size(values) /= waves) call fail(error, code_input, key//': numbers given: '//str(size(values))// &
-        '; must have one for each wave, '//str(waves))
-    end subroutine check_waves
   end subroutine check_deviations
 end module gearsweep_deviation_keys

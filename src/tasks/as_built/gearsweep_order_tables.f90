@@ -164,19 +164,14 @@ contains
     integer, intent(in) :: teeth(2), mesh_orders
     type(order_t), intent(in) :: orders(:)
     real(dp) :: values(size(orders), 2)
-    type(spectrum_t) :: spectrum(2)
+    type(spectrum_t) :: spectrum
     integer :: i
 
+    values = 0
     do i = 1, 2
-      if (any(orders%gear == i)) call find_spectrum(turn%left, turn%width, turn%error, mesh_orders*teeth(i), spectrum(i), &
-                                                    base=1.0_dp/teeth(i))
-    end do
-    do i = 1, size(orders)
-      associate (order => orders(i))
-        values(i, :) = 0
-        if (is_whole(order, size(turn%load), teeth)) &
-          values(i, :) = [spectrum(order%gear)%amplitude(order%number), spectrum(order%gear)%phase(order%number)]
-      end associate
+      if (.not. any(orders%gear == i)) cycle
+      call find_spectrum(turn%left, turn%width, turn%error, mesh_orders*teeth(i), spectrum, base=1.0_dp/teeth(i))
+      call take_orders(orders, i, size(turn%load), teeth, spectrum%amplitude, spectrum%phase, values)
     end do
   end function orders_moving
 
@@ -189,23 +184,32 @@ contains
     !> Where a pair begins to carry, its flattening has no Taylor series, and each halving only quarters the error there: behind
     !> these it is 1e-9 of the curve.
     integer, parameter :: halvings = 4
-    type(harmonics_t) :: harmonics(2)
+    type(harmonics_t) :: harmonics
     integer :: i
 
+    values = 0
     associate (teeth => osc%mesh%teeth)
       do i = 1, 2
-        if (any(orders%gear == i)) call find_harmonics(osc%mesh, osc%load, mesh_orders*teeth(i), harmonics(i), halvings, &
-                                                       base=1.0_dp/teeth(i))
-      end do
-      do i = 1, size(orders)
-        associate (order => orders(i))
-          values(i, :) = 0
-          if (is_whole(order, osc%mesh%deviations%periods, teeth)) &
-            values(i, :) = [harmonics(order%gear)%amplitude(order%number), harmonics(order%gear)%phase(order%number)]
-        end associate
+        if (.not. any(orders%gear == i)) cycle
+        call find_harmonics(osc%mesh, osc%load, mesh_orders*teeth(i), harmonics, halvings, base=1.0_dp/teeth(i))
+        call take_orders(orders, i, osc%mesh%deviations%periods, teeth, harmonics%amplitude, harmonics%phase, values)
       end do
     end associate
   end function orders_at_rest
+
+  !> Takes the orders of one gear from its harmonics, those that are whole over the turn.
+  pure subroutine take_orders(orders, gear, periods, teeth, amplitude, phase, values)
+    type(order_t), intent(in) :: orders(:)
+    integer, intent(in) :: gear, periods, teeth(2)
+    real(dp), intent(in) :: amplitude(:), phase(:)         ! (cycles a turn of the gear)
+    real(dp), intent(inout) :: values(:, :)      ! (order, 2)
+    integer :: i
+
+    do i = 1, size(orders)
+      if (orders(i)%gear == gear .and. is_whole(orders(i), periods, teeth)) &
+        values(i, :) = [amplitude(orders(i)%number), phase(orders(i)%number)]
+    end do
+  end subroutine take_orders
 
   !> Does an order have whole cycles over so many mesh periods? What repeats after these has no others.
   pure logical function is_whole(order, periods, teeth)
