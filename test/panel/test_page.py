@@ -319,7 +319,7 @@ def test_deviations_of_teeth_are_lists_in_fields(browser, front):
     assert 'missing' in window.page.locator('#error\\.deviations\\.pinion_wave_um').inner_text()
     window.type('deviations', 'pinion_wave_um', '4')
     window.type('deviations', 'pinion_wave_phase_deg', '0, 90')
-    assert 'must have one for each wave, 2' in window.page.locator('#error\\.deviations\\.pinion_wave_um').inner_text()
+    assert 'must have one for each of 2 waves' in window.page.locator('#error\\.deviations\\.pinion_wave_um').inner_text()
     window.type('deviations', 'pinion_wave_um', '4, 2')
     assert window.page.locator('#error\\.deviations\\.pinion_wave_um').is_hidden()
     waves = {'pinion_wave_order': [1, 3], 'pinion_wave_um': [4, 2], 'pinion_wave_phase_deg': [0, 90]}
