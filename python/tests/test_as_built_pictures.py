@@ -93,6 +93,7 @@ def test_the_turn_has_the_motion_and_what_is_at_rest(built, ax):
     for line, rpm in zip(ax.lines, (0, 9000)):
         rows = (table.relief_um == 10) & (table.rpm == rpm)
         np.testing.assert_array_equal(points_of(line), [table.tau[rows], table.transmission_error_um[rows]])
+    assert 'Tip relief 10 µm, 9000 1/min, pair of gears 1, assembly 1' in words_of(ax)
     # The same teeth meet again after 42 mesh periods, three turns of the pinion.
     assert ax.get_xlim() == (0, 42)
     assert [line.get_xdata()[0] for line in ax.lines[2:]] == [0, 14, 28, 42]

@@ -94,7 +94,7 @@ def plot_turn(result: Study | Table, ax: Axes | None = None, *, relief_um: float
         curves = ax.lines[:]
         _turns(ax, table.study, int(np.ceil(table.tau[mine].max())))
         ax.set_ylabel('Transmission error (µm)')
-        legends_above(ax, (_title(relief, speed), curves))
+        legends_above(ax, (_title(table, relief, speed), curves))
     return ax
 
 
@@ -116,7 +116,7 @@ def plot_turn_loads(result: Study | Table, ax: Axes | None = None, *, relief_um:
         _turns(ax, table.study, len(pair))
         ax.set_ylim(0, 1.2 * ratio.max())
         ax.set_ylabel('Load over static load (–)')
-        legends_above(ax, (_title(relief, speed), [Line2D([], [], **ASIDE, label='static load')]))
+        legends_above(ax, (_title(table, relief, speed), [Line2D([], [], **ASIDE, label='static load')]))
     return ax
 
 
@@ -144,7 +144,7 @@ def plot_orders(result: Study | Table, ax: Axes | None = None, *, relief_um: flo
         lines = names_above(ax, [(order[k], height[k], names[k], ACCENT if mesh[k] else INK) for k in told])
         entries = [Line2D([], [], color=ACCENT, linewidth=2, label='mesh'), Line2D([], [], color=GREY, label='other'),
                    Line2D([], [], **AT_REST, label='at rest')]  # fmt: skip
-        legends_above(ax, (_title(relief, speed if answered else None), entries), gap=lines)
+        legends_above(ax, (_title(table, relief, speed if answered else None), entries), gap=lines)
         ax.set_xlabel('Order (cycles a turn of the pinion)')
         ax.set_ylabel('Amplitude of the TE (µm)')
     return ax
@@ -234,8 +234,15 @@ def _point(table: Table, relief_um: float | None, rpm: float | None) -> tuple[fl
     return relief, speed, mine & np.isclose(table.rpm, speed)
 
 
-def _title(relief: float, rpm: float | None) -> str:
-    return f'Tip relief {relief:g} µm, ' + ('no answer in motion' if rpm is None else f'{rpm:g} 1/min')
+def _title(table: Table, relief: float, rpm: float | None) -> str:
+    """Relief and speed and, where there are several, which pair of gears and which assembly is followed."""
+    parts = [f'Tip relief {relief:g} µm', 'no answer in motion' if rpm is None else f'{rpm:g} 1/min']
+    case = table.case
+    if case.get('deviations', 'draws', 1) > 1:
+        parts.append(f'pair of gears {case.get("as_built", "turn_draw")}')
+    if case.get('deviations', 'assembly') == 'all':
+        parts.append(f'assembly {case.get("as_built", "turn_assembly")}')
+    return ', '.join(parts)
 
 
 def _turns(ax: Axes, study: Study, periods: int) -> None:
