@@ -86,7 +86,11 @@ def _plan_file(told: dict[str, Any], folder: str, store: str) -> PlanFile:
     for one in take:
         if not isinstance(one, str):
             raise Error(f"take = {one!r}: must be a column 'table.column'")
-    case = Case.read(os.path.join(folder, told['case'])).changed(**_groups(told, 'change'))
+    case = Case.read(os.path.join(folder, told['case']))
+    try:
+        case = case.changed(**_groups(told, 'change'))
+    except Error as error:
+        raise Error(f'[change]: {error}', error.code) from error
     return PlanFile(_plan(case, told, folder), take, os.path.join(folder, told['store']) if 'store' in told else store,
                     told.get('size'), told.get('seconds'))  # fmt: skip
 
