@@ -70,6 +70,7 @@ contains
     if (t%wants('classes')) call classes(t)
     if (t%wants('drawn')) call drawn(t)
     if (t%wants('followed')) call followed(t)
+    if (t%wants('told_again')) call told_again(t)
     if (t%wants('measuring_point')) call measuring_point(t)
     if (t%wants('unknown_sample')) call unknown_sample(t)
     if (t%wants('refused')) call refused(t)
@@ -878,6 +879,58 @@ contains
     call check_close(t, 'best pair of gears', answer%one('as_built_summary.best_draw'), 1.0_dp + best/assemblies)
     call check_close(t, 'best assembly', answer%one('as_built_summary.best_assembly'), 1.0_dp + modulo(best, assemblies))
   end subroutine followed
+
+  !> A drawn pair of gears has the same motion where its errors are told by lists, as the table of its teeth has them.
+  subroutine told_again(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: design = '&case tasks = ''as_built'' / &pair module_mm = 3, face_width_mm = 20 / &pinion teeth '// &
+      '= 20 / &gear teeth = 25 / &load torque_nm = 100 / &mesh model = ''iso6336'' / &as_built rpm = 5000, 9000'
+    type(answer_t) :: by_lists, by_class
+    real(dp), allocatable :: expected(:)
+
+    call ask(t, design//', turn_draw = 2 / &deviations pinion_class = 7, gear_class = 8, draws = 2 /', by_class)
+    ! So counted, teeth engage in the order of their numbers.
+    call ask(t, design//' / &deviations'//keys('pinion', 'clockwise', 1, 20)//keys('gear', 'counterclockwise', 21, 45)//' /', &
+             by_lists)
+    associate (factor => by_lists%all_of('as_built.dynamic_factor'))
+      expected = by_class%all_of('as_built.dynamic_factor')
+      call check_true(t, 'dynamic factors of errors told again', size(factor) == 2 .and. size(expected) == 4)
+      call check_true(t, 'the same', all(abs(factor - expected(3:)) < 1e-9_dp))
+    end associate
+    associate (error => by_lists%all_of('as_built_turn.transmission_error_um'))
+      expected = by_class%all_of('as_built_turn.transmission_error_um')
+      call check_close(t, 'their transmission error', maxval(error), maxval(expected), 1e-9_dp)
+    end associate
+
+  contains
+
+    !> The keys of one gear, whose rows of the table are these.
+    function keys(gear, counting, first, last) result(text)
+      character(*), intent(in) :: gear, counting
+      integer, intent(in) :: first, last
+      character(:), allocatable :: text
+
+      text = ' '//gear//'_counting = '''//counting//''' '//gear//'_flank = ''left'' '//gear//'_tooth = 1 '// &
+             gear//'_cumulative_pitch_um ='//numbers('cumulative_pitch_um', first, last)//' '// &
+             gear//'_profile_slope_um ='//numbers('profile_slope_um', first, last)//' '// &
+             gear//'_runout_um ='//numbers('runout_um', first, first)//' '// &
+             gear//'_runout_phase_deg ='//numbers('runout_phase_deg', first, first)
+    end function keys
+
+    function numbers(column, first, last) result(text)
+      character(*), intent(in) :: column
+      integer, intent(in) :: first, last
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      associate (values => by_class%all_of('as_built_teeth.'//column))
+        do i = first, last
+          text = text//' '//str(values(i), 17)
+        end do
+      end associate
+    end function numbers
+  end subroutine told_again
 
   !> Where a profile slope is measured from, on a prescribed mesh: with the pitch point moved by so many base pitches, all flanks
   !> are out of place by the slope times this over the path of contact, and the transmission error with them.

@@ -799,6 +799,26 @@ class AsBuiltWorstTable(Table):
     nominal_gear_root_stress_mpa: NDArray[float64]
     """MPa: the same of gears without deviations, at the speed of their largest DF"""
 
+class AsBuiltTeethTable(Table):
+    """errors of each tooth of the pair of gears that is followed, with the signs of &deviations"""
+
+    gear: NDArray[str_]
+    """which gear"""
+    tooth: NDArray[int64]
+    """number of the tooth; teeth of drawn gears are numbered as they engage"""
+    single_pitch_um: NDArray[float64]
+    """um: single pitch deviation, without the run-out"""
+    cumulative_pitch_um: NDArray[float64]
+    """um: cumulative pitch deviation, without the run-out"""
+    profile_slope_um: NDArray[float64]
+    """um: profile slope deviation; NaN where a file tells the profile"""
+    profile_form_um: NDArray[float64]
+    """um: profile form deviation; NaN where a file tells the profile"""
+    runout_um: NDArray[float64]
+    """um: run-out of the gear"""
+    runout_phase_deg: NDArray[float64]
+    """deg: its phase where the stated tooth enters at A"""
+
 class AsBuiltLoadsTable(Table):
     """largest load of each pair of teeth over the turn, in the order in which the pairs enter at A"""
 
@@ -2062,6 +2082,8 @@ class Named:
     def as_built_summary(self) -> AsBuiltSummaryTable: ...
     @property
     def as_built_worst(self) -> AsBuiltWorstTable: ...
+    @property
+    def as_built_teeth(self) -> AsBuiltTeethTable: ...
     @property
     def as_built_loads(self) -> AsBuiltLoadsTable: ...
     @property

@@ -4,7 +4,7 @@ module gearsweep_as_built_tables
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_flank, only: flank_contact, surfaces_t
-  use gearsweep_flank_deviations, only: tooth_number
+  use gearsweep_flank_deviations, only: flank_deviations_t, tooth_number
   use gearsweep_kinds, only: dp, pi
   use gearsweep_pair, only: pair_t
   use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
@@ -18,7 +18,7 @@ module gearsweep_as_built_tables
   use gearsweep_turn, only: length_of, turn_t
   implicit none
   private
-  public :: fill_tolerances, fill_points, fill_worst, fill_summary, fill_loads, quantile
+  public :: fill_tolerances, fill_points, fill_worst, fill_summary, fill_teeth, fill_loads, quantile
 
   real(dp), parameter :: micro = 1e6_dp
 
@@ -210,6 +210,44 @@ contains
     i = int(place)
     quantile = ascending(i) + (place - i)*(ascending(min(i + 1, size(values))) - ascending(i))
   end function quantile
+
+  !> The errors of each tooth of a pair of gears, as they are told or drawn.
+  subroutine fill_teeth(teeth, flanks, table, error)
+    integer, intent(in) :: teeth(2)
+    type(flank_deviations_t), intent(in) :: flanks(2)
+    type(table_t), intent(inout) :: table
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), allocatable :: values(:, :)
+    integer :: gear(sum(teeth)), tooth(sum(teeth)), i, k, row
+
+    call table%begin('errors of each tooth of the pair of gears that is followed, with the signs of &deviations', sum(teeth), error)
+    if (allocated(error)) return
+    allocate (values(table%rows, 6), source=0.0_dp)
+    row = 0
+    do i = 1, 2
+      associate (own => flanks(i), new => values(row + 1:row + teeth(i), :))
+        gear(row + 1:row + teeth(i)) = i
+        tooth(row + 1:row + teeth(i)) = [(k, k=1, teeth(i))]
+        if (allocated(own%single_pitch)) new(:, 2) = [(sum(own%single_pitch(:k)), k=1, teeth(i))]
+        if (allocated(own%cumulative_pitch)) new(:, 2) = own%cumulative_pitch
+        new(:, 1) = new(:, 2) - cshift(new(:, 2), -1)
+        if (allocated(own%slope)) new(:, 3) = own%slope
+        if (allocated(own%form)) new(:, 4) = own%form
+        if (allocated(own%measured)) new(:, 3:4) = no_number()
+        new(:, 5) = own%runout
+        new(:, 6) = own%runout_phase*180/pi
+      end associate
+      row = row + teeth(i)
+    end do
+    call table%add_index(axis('gear', '', 'which gear', members(gear)))
+    call table%add_index(axis('tooth', '', 'number of the tooth; teeth of drawn gears are numbered as they engage', tooth))
+    call table%add('single_pitch_um', 'um', 'single pitch deviation, without the run-out', micro*values(:, 1))
+    call table%add('cumulative_pitch_um', 'um', 'cumulative pitch deviation, without the run-out', micro*values(:, 2))
+    call table%add('profile_slope_um', 'um', 'profile slope deviation; NaN where a file tells the profile', micro*values(:, 3))
+    call table%add('profile_form_um', 'um', 'profile form deviation; NaN where a file tells the profile', micro*values(:, 4))
+    call table%add('runout_um', 'um', 'run-out of the gear', micro*values(:, 5))
+    call table%add('runout_phase_deg', 'deg', 'its phase where the stated tooth enters at A', values(:, 6))
+  end subroutine fill_teeth
 
   !> The largest load of each pair of teeth over the turn.
   subroutine fill_loads(stages, amount, turns, machine, table, error)

@@ -37,8 +37,7 @@ module gearsweep_flank_deviations
 contains
 
   !> The frame of gears measured on their reference circles. Without gears, of a prescribed mesh, pitch is that on the line of
-  !> action
-  !> and measured at the pitch point.
+  !> action and measured at the pitch point.
   pure function make_frame(osc, pair) result(frame)
     type(oscillator_t), intent(in) :: osc
     type(pair_t), intent(in), optional :: pair

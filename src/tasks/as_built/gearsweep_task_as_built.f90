@@ -6,7 +6,7 @@ module gearsweep_task_as_built
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use gearsweep_as_built_extremes, only: add_extremes, extremes_t, find_extremes, report_extremes
   use gearsweep_as_built_machines, only: deviating, draw_machines, follow_turn, machine_t, run_exactly, sweep_each, unit_root_stress
-  use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_tolerances, fill_worst
+  use gearsweep_as_built_tables, only: fill_loads, fill_points, fill_summary, fill_teeth, fill_tolerances, fill_worst
   use gearsweep_coefficient_table, only: scheme_collocation
   use gearsweep_deviation_keys, only: check_deviations, deviations_choice_t, read_deviations
   use gearsweep_error, only: code_input, error_t, fail
@@ -57,8 +57,8 @@ contains
 
     info = task_info_t(group, needs=[stage%elasticity, stage%mesh, stage%reliefs, stage%amounts, stage%motion, stage%losses, &
                                      stage%accuracy, stage%speeds], &
-                       tables='as_built as_built_summary as_built_worst as_built_loads as_built_turn as_built_orders '// &
-                       'as_built_waterfall tolerances', &
+                       tables='as_built as_built_summary as_built_worst as_built_teeth as_built_loads as_built_turn '// &
+                       'as_built_orders as_built_waterfall tolerances', &
                        fields='', &
                        gives='dynamic factor of gears whose teeth have errors of their own, over whole turns: worst assembly, '// &
                        'load of each pair of teeth, orders of the transmission error')
@@ -208,13 +208,14 @@ contains
     followed = deviating(stages%motion(which), machines(self%turn_assembly, self%turn_draw)%deviations, error)
     call follow(self, stages, followed, rpm, machines(self%turn_assembly, self%turn_draw), turns, waterfall, error)
     if (allocated(error)) return
-    associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth)
+    associate (amount => stages%amount(which), teeth => stages%motion(1)%mesh%teeth, &
+               machine => machines(self%turn_assembly, self%turn_draw))
       call fill_points(amount, nominal, machines, self%tables(self%place('as_built')), error)
       call fill_summary(amount, nominal, machines, sample_error, self%tables(self%place('as_built_summary')), error)
       call fill_worst(teeth, amount, nominal, machines, self%tables(self%place('as_built_worst')), error)
       if (.not. allocated(error)) call add_extremes(extremes, self%tables(self%place('as_built_worst')))
-      call fill_loads(stages, amount, turns, machines(self%turn_assembly, self%turn_draw), &
-                      self%tables(self%place('as_built_loads')), error)
+      call fill_teeth(teeth, machine%flanks, self%tables(self%place('as_built_teeth')), error)
+      call fill_loads(stages, amount, turns, machine, self%tables(self%place('as_built_loads')), error)
       call fill_turn(followed, amount, turns, self%tables(self%place('as_built_turn')), error)
       call fill_orders(followed, amount, turns, self%mesh_orders, self%tables(self%place('as_built_orders')), error)
       if (self%waterfall) call fill_waterfall(teeth, waterfall, self%mesh_orders, &
