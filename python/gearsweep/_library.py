@@ -10,6 +10,7 @@ import enum
 import functools
 import json
 import os
+import signal
 import threading
 import weakref
 from collections.abc import Callable
@@ -168,7 +169,11 @@ def run_rows(
 
 
 def _free(address: int) -> None:
-    _flat.gs_free(address)
+    try:
+        _flat.gs_free(address)
+    except KeyboardInterrupt:
+        # Python drops what a finalizer raises: Ctrl-C comes again when it is over.
+        threading.Timer(0.02, os.kill, (os.getpid(), signal.SIGINT)).start()
 
 
 def _checked(results: tuple) -> list:

@@ -54,6 +54,30 @@ def end_by_ctrl_c(seconds, action):
     return ended - sent[0]
 
 
+def test_ctrl_c_is_not_lost_while_a_study_is_freed(monkeypatch):
+    """Python drops what a finalizer raises: sent from within it, the signal comes nowhere else the first time."""
+    from gearsweep import _library
+
+    free = _library._flat.gs_free
+
+    class Flat:
+        def __getattr__(self, name):
+            return getattr(_flat, name)
+
+        def gs_free(self, address):
+            free(address)
+            if not freed:
+                freed.append(address)
+                signal.raise_signal(signal.SIGINT)
+
+    freed, _flat, study = [], _library._flat, gearsweep.run(SHORT)
+    monkeypatch.setattr(_library, '_flat', Flat())
+    with pytest.raises(KeyboardInterrupt):
+        del study
+        time.sleep(60)
+    assert freed
+
+
 MARCHED = LONG.changed(numerics={'steady_state': 'march'}, sweep={'direction': 'each'})
 # Many seconds in which no operating point ends.
 GRID = Case(GEARED).changed(section={'elements_across': 60})

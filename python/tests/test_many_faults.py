@@ -153,10 +153,10 @@ def test_a_variant_that_takes_too_long_is_late(tmp_path):
     store = tmp_path / 'x.zarr'
     plan = many.Plan.grid(PLAN.base.changed(dynamics={'damping_ratio': 0.01}), sweep={'rpm_step': [1000, 2000, 0.014, 4000]})
     began = time.monotonic()
-    data = many.run(plan, TAKE[0], seconds=0.5, store=store)
-    assert time.monotonic() - began < 10
+    data = many.run(plan, TAKE[0], seconds=3, store=store)
+    assert time.monotonic() - began < 20
     assert data.status.values.tolist() == [many.OK, many.OK, many.LATE, many.OK]
-    assert many.failures(store).message.tolist() == ['not done after 0.5 s']
+    assert many.failures(store).message.tolist() == ['not done after 3 s']
     again = many.run(plan, TAKE[0], seconds=0.2, store=store, again=[many.LATE])
     assert many.failures(store).message.tolist() == ['not done after 0.2 s'] and again[TAKE[0]].equals(data[TAKE[0]])
 
@@ -175,12 +175,13 @@ def test_a_run_that_is_late_keeps_what_is_done(tmp_path):
     """Half a minute of points of which some are done by then."""
     case = PLAN.base.changed(dynamics={'damping_ratio': 0.01}, relief={'amount_um': [0, 2, 15]}, sweep={'rpm_step': 2})
     with pytest.raises(Error, match='not done'):
-        gearsweep.run(case, seconds=0.5, keep=tmp_path / 'kept')
+        gearsweep.run(case, seconds=3, keep=tmp_path / 'kept')
     assert (tmp_path / 'kept').exists()
 
 
 @pytest.mark.parametrize('executor', [None, 2], ids=['here', 'processes'])
-def test_ctrl_c_keeps_what_is_done(expected, tmp_path, executor):
+def test_ctrl_c_keeps_what_is_done(expected, tmp_path, monkeypatch, executor):
+    monkeypatch.setenv('MANY_SLOW', '0.1')  # so that a signal that is late does not come too late
     store, sent = tmp_path / 'x.zarr', []
 
     def progress(done, total, failed):
@@ -194,6 +195,7 @@ def test_ctrl_c_keeps_what_is_done(expected, tmp_path, executor):
         time.sleep(5)
     done = many.counts(many.open(store))
     assert done['ok'] >= 16 and done['pending'] > 0
+    monkeypatch.setenv('MANY_SLOW', '0')
     assert digest(many.run(PLAN, TAKE, executor=executor, **options)) == digest(expected)
 
 
@@ -210,8 +212,9 @@ if __name__ == '__main__':
 """
 
 
-def test_the_whole_group_killed_again_and_again_gives_the_same_bits(expected, tmp_path):
-    """Each time some blocks more are there, until a run comes to its end."""
+def test_the_whole_group_killed_again_and_again_gives_the_same_bits(expected, tmp_path, monkeypatch):
+    """Each time some blocks more are there, until a run comes to its end. Those that are killed would take three seconds."""
+    monkeypatch.setenv('MANY_SLOW', '0.1')
     store, script = tmp_path / 'x.zarr', tmp_path / 'whole.py'
     script.write_text(WHOLE)
     seen = [0]
@@ -224,6 +227,7 @@ def test_the_whole_group_killed_again_and_again_gives_the_same_bits(expected, tm
         running.wait()
         seen.append(done_in(store))
     assert seen == sorted(set(seen)) and seen[-1] < 64, seen
+    monkeypatch.setenv('MANY_SLOW', '0')
     subprocess.run([sys.executable, script, store], check=True)
     assert digest(many.open(store)) == digest(expected)
 

@@ -115,7 +115,7 @@ class Crew:
             except Exception as error:
                 raise Error(f'reduce: cannot be sent to other processes: {error}; a function of a module that they can import can') from error
             try:
-                first = self.executor.submit(made_here)
+                first = self.submit(made_here)
             except BrokenExecutor:  # long before: told by the first block
                 return
             try:
@@ -141,6 +141,9 @@ def _ctrl_c_later() -> Iterator[None]:
     if not hasattr(signal, 'pthread_sigmask'):  # Windows
         yield
         return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # else as the first process starts, and that lets Ctrl-C in again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
