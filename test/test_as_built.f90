@@ -20,6 +20,7 @@ module test_as_built
   use gearsweep_refinement, only: levels_t
   use gearsweep_spectrum, only: find_spectrum, spectrum_t
   use gearsweep_status, only: has_result, status_name
+  use gearsweep_report, only: failed_points
   use gearsweep_study, only: record_t, run_study
   use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
@@ -71,6 +72,8 @@ contains
     if (t%wants('drawn')) call drawn(t)
     if (t%wants('followed')) call followed(t)
     if (t%wants('told_again')) call told_again(t)
+    if (t%wants('unanswered')) call unanswered(t)
+    if (t%wants('not_counted')) call not_counted(t)
     if (t%wants('measuring_point')) call measuring_point(t)
     if (t%wants('unknown_sample')) call unknown_sample(t)
     if (t%wants('refused')) call refused(t)
@@ -932,6 +935,39 @@ contains
     end function numbers
   end subroutine told_again
 
+  !> A speed at which the motion is to be followed, but where none repeats (`sweep` of the same speed says so too): the study is not
+  !> complete, and nothing is known of the multiplier.
+  subroutine unanswered(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: text = '&case tasks = ''as_built'' / &pinion teeth = 15, effective_mass_kg = 1 / '// &
+      '&gear teeth = 15, effective_mass_kg = 1 / &load normal_force_n = 1500 / &mesh model = ''polynomial'', '// &
+      'contact_ratio = 1.6, coefficients '// &
+      '= 200 / &dynamics damping_ratio = 0.005 / &numerics steps_per_period = 20 / &deviations pinion_runout_um = 50, '// &
+      'pinion_runout_phase_deg = 0 / &as_built turn_rpm = 1, rpm = '
+    type(answer_t) :: answer
+
+    call ask(t, text//'30000 /', answer)
+    call check_true(t, 'the speed has an answer', all(answer%all_of('as_built.multiplier') > 0))
+    call check_true(t, 'the turn has none', size(answer%all_of('as_built_loads.load_n')) == 0)
+    call check_true(t, 'the study tells so', failed_points(answer%study) > 0)
+    call ask(t, text//'1 /', answer)
+    call check_true(t, 'no multiplier', all(ieee_is_nan(answer%all_of('as_built.multiplier'))))
+  end subroutine unanswered
+
+  !> Without a list, teeth have no numbers of their own: what is told of their counting is named as not used, and changes nothing.
+  subroutine not_counted(t)
+    type(tally_t), intent(inout) :: t
+    character(*), parameter :: text = '&case tasks = ''as_built'' / &pinion teeth = 9, effective_mass_kg = 1 / '// &
+      '&gear teeth = 6, effective_mass_kg = 1 / &load normal_force_n = 7000 / &mesh model = ''polynomial'', '// &
+      'contact_ratio = 1.6, coefficients '// &
+      '= 400 / &as_built rpm = 3000 / &deviations pinion_runout_um = 5, pinion_runout_phase_deg = 0'
+    type(answer_t) :: answer
+
+    call ask(t, text//', pinion_tooth = 30, pinion_counting = ''clockwise'', pinion_flank = ''right'' /', answer)
+    call check_true(t, 'teeth in the order of engagement', all(nint(answer%all_of('as_built_loads.pinion_tooth')) == &
+                                                               [1, 2, 3, 4, 5, 6, 7, 8, 9]))
+  end subroutine not_counted
+
   !> Where a profile slope is measured from, on a prescribed mesh: with the pitch point moved by so many base pitches, all flanks
   !> are out of place by the slope times this over the path of contact, and the transmission error with them.
   subroutine measuring_point(t)
@@ -974,9 +1010,7 @@ contains
   !> One clear error each.
   subroutine refused(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: counted = ', pinion_counting = ''clockwise'', pinion_flank = '// &
-      '''right'''// &
-                                         ', pinion_tooth = 1'
+    character(*), parameter :: counted = ', pinion_counting = ''clockwise'', pinion_flank = ''right'', pinion_tooth = 1'
 
     call refuse('pinion_class = 12', 'pinion_class = 12')
     call refuse('pinion_class = 0', 'pinion_class = 0')

@@ -444,17 +444,15 @@ contains
       own = 'deviations '//member//'_'
       counted = ';'//own//'counting ''clockwise'';'//own//'flank ''left'';'//own//'tooth 1'
       call add(own//'class', '7', 'g', alone//own//'class 6')
-      call add(own//'single_pitch_um', '2, -2, '//rest(teeth, 2)//'*0', beside=alone//own//'single_pitch_um 3, -3, '// &
-        ''//rest(teeth, 2)// &
-               '*0'//counted)
-      call add(own//'cumulative_pitch_um', '2, '//rest(teeth, 1)//'*0', beside=alone//own//'cumulative_pitch_um 3, '// &
-        ''//rest(teeth, 1)// &
-               '*0'//counted)
+      call add(own//'single_pitch_um', '2, -2, '//rest(teeth, 2)//'*0', &
+               beside=alone//own//'single_pitch_um 3, -3, '//rest(teeth, 2)//'*0'//counted)
+      call add(own//'cumulative_pitch_um', '2, '//rest(teeth, 1)//'*0', &
+               beside=alone//own//'cumulative_pitch_um 3, '//rest(teeth, 1)//'*0'//counted)
       call add(own//'profile_slope_um', '4', beside=alone//own//'profile_slope_um 3')
       call add(own//'profile_form_um', '4', beside=alone//own//'profile_form_um 3')
       call add(own//'flanks_file', ''''//member//'7.csv''', 'g', alone//own//'flanks_file '''//member//'6.csv'''//counted)
-      call add(own//'counting', '''counterclockwise''', beside=alone//own//'single_pitch_um 3, -1, -2, '// &
-        ''//rest(teeth, 3)//'*0'//counted)
+      call add(own//'counting', '''counterclockwise''', &
+               beside=alone//own//'single_pitch_um 3, -1, -2, '//rest(teeth, 3)//'*0'//counted)
       call add(own//'flank', '''right''', beside=alone//own//'single_pitch_um 3, -1, -2, '//rest(teeth, 3)//'*0'//counted)
       call add(own//'tooth', '2', beside=alone//own//'single_pitch_um 3, -1, -2, '//rest(teeth, 3)//'*0'//counted)
       call add(own//'runout_um', '8', beside=alone//own//'runout_um 5;'//own//'runout_phase_deg 20')

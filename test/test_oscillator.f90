@@ -7,7 +7,7 @@ module test_oscillator
   use gearsweep_contact_law, only: find_closed, find_law, find_law_values, shared_t
   use gearsweep_load_peaks, only: may_exceed, add_candidate, raise_to_maximum, candidate_t, candidates_t
   use gearsweep_oscillator, only: make_oscillator, oscillator_t
-  use gearsweep_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, quintic, value_of
+  use gearsweep_quintic, only: derivative_of, evaluate, first_zero, maximum_of, may_cross_zero, place_of_largest, quintic, value_of
   use gearsweep_text, only: str
   use random_numbers, only: random_t
   use reference_rows, only: prescribed
@@ -290,6 +290,16 @@ contains
       peak = 100
       call raise_to_maximum(load, peak)
       call check_close(t, 'a higher peak stays '//str(i), peak, 100.0_dp)
+    end do
+    ! y' = (place - x)(b - x) with place < b: a top and a hollow, and the largest value is at the top or, where b is not much
+    ! above it, at the end.
+    do i = 1, 12
+      place = random%between(0.15_dp, 0.5_dp)
+      b = random%between(place + 0.2_dp, 0.98_dp)
+      c = [0.0_dp, place*b, -(place + b)/2, 1/3.0_dp, 0.0_dp, 0.0_dp]
+      top = place
+      if (value_of(c, 1.0_dp) > value_of(c, place)) top = 1
+      call check_close(t, 'place of the largest '//str(i), place_of_largest(c), top, absolute=1e-8_dp)
     end do
     call check_true(t, 'rising has no top', .not. may_exceed(ends(1.0_dp, 1.0_dp, 2.0_dp, 1.0_dp), 0.0_dp))
     call check_true(t, 'falling has none', .not. may_exceed(ends(2.0_dp, -1.0_dp, 1.0_dp, -1.0_dp), 0.0_dp))

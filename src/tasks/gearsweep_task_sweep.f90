@@ -101,7 +101,7 @@ contains
                          'touched', contact_name([sweep%contact]))
     call table%add('floquet_modulus', '', 'largest modulus of the Floquet multipliers: what remains of a '// &
                    'disturbance after the motion has repeated once; of a chaotic motion, its mean '// &
-                   'growth in a mesh period', [sweep%multiplier])
+                   'growth in a mesh period; NaN where it is not known', [sweep%multiplier])
     call table%add('residual', '', 'by how much the motion fails to repeat, in static deflections', [sweep%residual])
     call table%add('steps', '', 'steps in a mesh period', [sweep%steps])
     call table%add('mesh_periods', '', of_periods, [sweep%periods])

@@ -6,7 +6,7 @@ module gearsweep_turn
   use gearsweep_motion_summary, only: gather_steps
   use gearsweep_operating_point, only: solve_point
   use gearsweep_oscillator, only: mesh_period, oscillator_t
-  use gearsweep_quintic, only: maximum_of, quintic, value_of
+  use gearsweep_quintic, only: bounds_of, place_of_largest, quintic, value_of
   use gearsweep_refinement, only: levels_t
   use gearsweep_response, only: trace_motion
   use gearsweep_status, only: has_result
@@ -80,16 +80,16 @@ contains
     integer, intent(in) :: before                ! mesh periods before this trace
     integer, intent(in) :: pairs
     type(turn_t), intent(inout) :: turn
-    real(dp) :: c(0:5), at, load
+    real(dp) :: c(0:5), at, bounds(2), load
     integer :: j, k, number
 
     do k = 1, trace%rows, 2
       do j = 1, min(trace%pairs(k), pairs)
         number = 1 + modulo(before - (j + trace%offset(k) - 1), size(turn%load))
         c = quintic(trace%load(:, j, k), trace%load(:, j, k + 1))
-        at = 0
-        if (trace%load(0, j, k + 1) > trace%load(0, j, k)) at = 1
-        if (c(1) > 0 .and. trace%load(1, j, k + 1) < 0) at = maximum_of(c)
+        bounds = bounds_of(c)
+        if (bounds(2) <= turn%load(number)) cycle
+        at = place_of_largest(c)
         load = value_of(c, at)
         if (load <= turn%load(number)) cycle
         turn%load(number) = load

@@ -15,8 +15,9 @@ module gearsweep_quick_sweep
   private
   public :: quick_motion_t, run_quickly
 
-  !> Length of a step: of the natural motion (rad), and of the mesh period.
-  real(dp), parameter :: longest_turning = 1.0_dp, longest_part = 0.08_dp
+  !> Length of a step: of the natural motion (rad), of the mesh period, and of a wave of the flanks (rad), as over a step the errors
+  !> are parabolas.
+  real(dp), parameter :: longest_turning = 1.0_dp, longest_part = 0.08_dp, longest_wave = 0.5_dp
   !> Speeds that share steps: how many, and how far the highest may be above the lowest.
   integer, parameter :: most_speeds = 16
   real(dp), parameter :: widest = 2.0_dp
@@ -65,11 +66,16 @@ contains
     type(quick_maps_t) :: maps((size(rpm) - 1)/lanes + 1)
     type(quick_motion_t) :: beside
     real(dp), allocatable :: errors(:, :, :), turning(:)
+    real(dp) :: longest
     logical :: fits
     integer :: i, k, last
 
     turning = 2*pi/frequency_ratio(osc, rpm)
-    call lay_steps(osc, deviations(1)%waves, min(longest_part, longest_turning/maxval(turning)), steps)
+    longest = min(longest_part, longest_turning/maxval(turning))
+    associate (waves => deviations(1)%waves)
+      if (size(waves) > 0) longest = min(longest, longest_wave/(2*pi*maxval(waves%order/real(osc%mesh%teeth(waves%gear), dp))))
+      call lay_steps(osc, waves, longest, steps)
+    end associate
     if (steps%steps == 0) return
     associate (sets => size(steps%law, 1), n => steps%steps)
       call has_memory(real(n, dp)*(sets*(storage_size(steps%law)/8 + 80.0_dp*lanes*size(maps)) + &

@@ -100,23 +100,34 @@ contains
     type(history_t), intent(inout) :: history
     type(period_t), intent(in) :: run
     real(dp), intent(in) :: unit
-    real(dp) :: size
+    real(dp) :: one(2, 2), size
     integer :: k
 
+    one = limited(run%monodromy)
     do k = ubound(history%monodromy, 3), 2, -1
       history%state(:, k) = history%state(:, k - 1)
-      history%monodromy(:, :, k) = matmul(run%monodromy, history%monodromy(:, :, k - 1))
+      history%monodromy(:, :, k) = limited(matmul(one, history%monodromy(:, :, k - 1)))
     end do
     history%state(:, 1) = history%state(:, 0)
-    history%monodromy(:, :, 1) = run%monodromy
+    history%monodromy(:, :, 1) = one
     history%state(:, 0) = run%state
     history%length = history%length + 1
-    history%decay = history%decay - log(max(determinant(run%monodromy), tiny(size)))
-    history%disturbance = matmul(run%monodromy, history%disturbance*[1.0_dp, unit])/[1.0_dp, unit]
+    history%decay = history%decay - log(max(determinant(one), tiny(size)))
+    history%disturbance = matmul(one, history%disturbance*[1.0_dp, unit])/[1.0_dp, unit]
     size = max(norm2(history%disturbance), tiny(size))
     history%disturbance = history%disturbance/size
     if (history%length > first_counted) history%growth = history%growth + log(size)
   end subroutine append
+
+  !> Disturbances over whole turns may grow beyond all numbers; how far beyond does not count.
+  pure function limited(a) result(b)
+    real(dp), intent(in) :: a(2, 2)
+    real(dp), parameter :: largest = 1e140_dp    ! whose square is a number
+    real(dp) :: b(2, 2)
+
+    b = a
+    if (maxval(abs(a)) > largest) b = a*(largest/maxval(abs(a)))
+  end function limited
 
   pure real(dp) function determinant(a)
     real(dp), intent(in) :: a(2, 2)

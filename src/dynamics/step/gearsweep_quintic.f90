@@ -5,7 +5,7 @@ module gearsweep_quintic
   use gearsweep_kinds, only: dp
   implicit none
   private
-  public :: quintic, bounds_of, value_of, derivative_of, evaluate, maximum_of, first_zero, may_cross_zero
+  public :: quintic, bounds_of, value_of, derivative_of, evaluate, maximum_of, place_of_largest, first_zero, may_cross_zero
 
 contains
 
@@ -77,6 +77,23 @@ contains
 
     maximum_of = zero_between(differentiated(c), 0.0_dp, 1.0_dp)
   end function maximum_of
+
+  !> Where the polynomial is largest from 0 to 1. Of two extremes between them in an eighth of this, neither is seen.
+  pure real(dp) function place_of_largest(c) result(place)
+    real(dp), intent(in) :: c(0:5)     !< coefficients
+    integer, parameter :: parts = 8
+    real(dp) :: at, slope(0:parts)
+    integer :: i
+
+    slope = [(derivative_of(c, real(i, dp)/parts), i=0, parts)]
+    place = 0
+    if (value_of(c, 1.0_dp) > c(0)) place = 1
+    do i = 1, parts
+      if (.not. (slope(i - 1) > 0 .and. slope(i) < 0)) cycle
+      at = zero_between(differentiated(c), (i - 1.0_dp)/parts, real(i, dp)/parts)
+      if (value_of(c, at) > value_of(c, place)) place = at
+    end do
+  end function place_of_largest
 
   !> The first zero of a function that is positive right behind 0, as far as the ends or one minimum between them
   !> show it.

@@ -95,7 +95,8 @@ contains
     periods = machines(1, 1)%deviations%periods*[(((machines(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
     call table%add('mesh_periods', '', of_periods, periods)
     call table%add('multiplier', '', 'largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion '// &
-                   'repels', [(((machines(a, d)%sweep%mesh_multiplier(:, r), a=1, m), d=1, n), r=1, k)])
+                   'repels; NaN where there is no answer', &
+                   [(((machines(a, d)%sweep%mesh_multiplier(:, r), a=1, m), d=1, n), r=1, k)])
   end subroutine fill_points
 
   !> The largest dynamic factors over the speeds, and which teeth carry them.
@@ -290,8 +291,8 @@ contains
     if (.not. allocated(stages%pair)) return
     associate (contact => flank_contact(stages%pair, surfaces_t(material=stages%material), 0.0_dp, values(:, 2)*2*pi/60, &
                                         values(:, 7), values(:, 6)))
-      call table%add('pressure_mpa', 'MPa', 'largest Hertz pressure on the flanks under that load; NaN at a tip corner, which '// &
-                     'has no radius', contact%pressure/1e6_dp)
+      call table%add('pressure_mpa', 'MPa', 'largest Hertz pressure on the flanks under that load, where it is; NaN at a tip '// &
+                     'corner, which has no radius', contact%pressure/1e6_dp)
     end associate
     do i = 1, 2
       call table%add(trim(members(i))//'_root_stress_mpa', 'MPa', 'largest nominal tooth root stress sigma_F0 of ISO 6336-3 '// &

@@ -174,7 +174,8 @@ contains
     call reader%get(group, member//'tooth', flanks%tooth, error, tasks=task, required=listed, lacks=lacks, at_least=1, &
                     at_most=100000, otherwise=without, &
                     meaning='number of the tooth that enters contact at A at the time 0')
-    if (.not. (allocated(counting) .and. allocated(flank))) return
+    if (.not. listed) flanks%tooth = 1
+    if (.not. (listed .and. allocated(counting) .and. allocated(flank))) return
     file%flank = flank
     ! The driving tooth carries on the side to which it moves, the driven one on the other; teeth engage one behind the other.
     turns_clockwise = flank == 'right' .eqv. member == 'pinion_'

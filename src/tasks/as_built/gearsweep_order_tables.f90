@@ -7,7 +7,7 @@ module gearsweep_order_tables
   use gearsweep_harmonics, only: find_harmonics, harmonics_t
   use gearsweep_kinds, only: dp, pi
   use gearsweep_oscillator, only: oscillator_t
-  use gearsweep_points, only: of_relief, of_speed
+  use gearsweep_points, only: of_relief, of_speed, status_length, words_of
   use gearsweep_sharing, only: share_load, sharing_t
   use gearsweep_spectrum, only: find_spectrum, spectrum_t
   use gearsweep_table, only: axis, no_number, table_t
@@ -94,6 +94,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     type(order_t), allocatable :: orders(:)
     real(dp), allocatable :: values(:, :), at_rest(:, :)
+    character(status_length), allocatable :: words(:)      ! (turn)
     integer :: i, k, n, row
 
     associate (teeth => osc(1)%mesh%teeth)
@@ -124,6 +125,10 @@ contains
       call table%add_index(axis('order', '', of_order, values(:, 3)))
       call table%add_words('order_name', 'what it is: mesh, pinion and gear orders, sidebands of mesh orders, and told waves', &
                            [(orders%name, k=1, size(turns))])
+      words = reshape(words_of(turns%point%steady%status), [size(turns)])
+      where (.not. reshape(turns%rpm > 0, [size(turns)])) words = 'none'
+      call table%add_words('status', 'how this operating point ended, in a word; none: no speed has an answer', &
+                           [(spread(words(k), 1, n), k=1, size(turns))])
       call table%add('gear_order', '', 'cycles a turn of the gear', values(:, 3)*teeth(2)/teeth(1))
       call table%add('frequency_hz', 'Hz', 'frequency at this speed', values(:, 4))
       call table%add('dte_amplitude_um', 'um', of_amplitude, micro*values(:, 5))

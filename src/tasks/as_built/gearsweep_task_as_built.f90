@@ -225,6 +225,7 @@ contains
       call fill_tolerances(stages%pair, self%deviations%class, self%tables(self%place('tolerances')), error)
     self%is_done = .true.
     self%failed = count(.not. has_result(nominal%status)) + &
+                  merge(count(.not. has_result(turns%point%steady%status)), 0, allocated(self%turn_rpm)) + &
                   sum([((count(.not. has_result(machines(i, draw)%sweep%status)), i=1, assemblies), draw=1, size(machines, 2))])
     self%log = 'as_built: '//str(size(rpm)*size(which)*size(machines))//' operating points over '// &
                str(followed(1)%mesh%deviations%periods)//' mesh periods each'
