@@ -4,6 +4,7 @@ import concurrent.futures
 import functools
 import gc
 import hashlib
+import re
 import subprocess
 import sys
 import threading
@@ -305,6 +306,20 @@ def test_a_name_stands_for_one_thing_in_a_store(name, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize('name', ['a/b', 'a\\b', '../b', '.', '', '__a', 'zarr.json', 'a\0', 1, None])
+def test_a_name_that_no_array_can_have_is_told(name, tmp_path):
+    fails_with(f'reduce: {re.escape(repr(name))}: cannot name an array', many.run, plan_of(4), reduce=functools.partial(named, name=name),
+               store=tmp_path / 'x.zarr')  # fmt: skip
+    assert not list(tmp_path.iterdir())
+
+
+def test_sizes_may_be_those_of_numpy(tmp_path):
+    """As sums of arrays are: blocks are of two variants, and the second run finds them."""
+    for _ in range(2):
+        data = many.run(plan_of(np.int64(4)), TAKE, store=tmp_path / 'x.zarr', size=np.int64(2), window=np.int64(1), part=(np.int64(1), np.int64(1)))
+    assert digest(data) == digest(many.run(plan_of(4), TAKE)) and len(list((tmp_path / 'x.zarr/status/c').iterdir())) == 2
+
+
 def test_a_store_of_something_else_is_refused(tmp_path, monkeypatch):
     store = tmp_path / 'x.zarr'
     many.run(plan_of(8), TAKE, store=store)
@@ -389,6 +404,9 @@ def test_variants_that_fail_leave_the_others_alone(tmp_path):
     np.testing.assert_array_equal(np.isnan(data[TAKE[0]]), [False, False, True, True, True])
     assert data[TAKE[0]][0] == gearsweep.run(plan.case(0)).sweep_worst.worst_dynamic_factor[0] and many.case_of(store, 3) == plan.case(3)
     fails_with('variant 5 is not there', many.case_of, store, 5)
+    for one in (True, 1.5, '1', None):
+        fails_with(f'variant {one!r}: must be a whole number', many.case_of, store, one)
+    assert many.case_of(store, np.int64(3)) == plan.case(3)
 
 
 def test_a_variant_of_other_speeds_refuses_itself_alone_in_any_block():

@@ -78,6 +78,8 @@ def case_of(path: str | os.PathLike, variant: int) -> Case:
         There is no such store or variant, or it is not done.
     """
     kept = stores.read(path)
+    if isinstance(variant, bool) or not isinstance(variant, (int, np.integer)):
+        raise Error(f'variant {variant!r}: must be a whole number')
     if not 0 <= variant < kept.n or not kept.status()[variant]:
         raise Error(f'{kept.path}: variant {variant} is not there')
     base = Case(kept.about['plan']['case'], kept.about['folder'])

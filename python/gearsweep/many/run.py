@@ -153,7 +153,7 @@ def _begun(
         kept = stores.read(path)
     else:
         found, known, took = _first(plan, take, job, crew, window, is_timed=size is None and plan.n > _BLOCKS)
-        kept = stores.make(path, plan, found, min(size or _size(plan.n, took), plan.n), reduce)
+        kept = stores.make(path, plan, found, int(min(size or _size(plan.n, took), plan.n)), reduce)
     stores.check(kept, plan, take, reduce)  # where another part was faster, it is that one's
     return dataclasses.replace(job, taken=kept.taken), kept, known
 

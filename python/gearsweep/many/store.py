@@ -11,6 +11,7 @@ import contextlib
 import json
 import os
 import platform
+import re
 import shutil
 from collections.abc import Iterator
 from typing import Any
@@ -213,6 +214,8 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int, reduce: Reduce | No
     import scipy
 
     def add(name: str, shape: tuple[int, ...], kind: str, dims: tuple[str, ...], fill: float, **attributes: Any) -> Any:
+        if not _can_be_named(name):
+            raise Error(f'reduce: {name!r}: cannot name an array of a store; a name is a word without / and \\, and does not begin with . or __')
         if name in group or name == VARIANT:
             raise Error(f'{name}: is the name of something else in a store; reduce must give it another, or take leave it out')
         chunks = (min(size, shape[0]), *shape[1:]) if dims[0] == VARIANT else shape
@@ -244,6 +247,11 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int, reduce: Reduce | No
         'host': platform.platform(), 'numpy': np.__version__, 'scipy': scipy.__version__,
     }  # fmt: skip
     return group
+
+
+def _can_be_named(name: Any) -> bool:
+    """Does a folder of the store take this name, and Zarr too?"""
+    return isinstance(name, str) and name.isprintable() and not re.search(r'^$|^\.|^__|^zarr\.json$|[/\\]', name)
 
 
 def _declared() -> list[dict[str, Any]]:
