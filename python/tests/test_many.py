@@ -269,6 +269,18 @@ def test_a_run_goes_on_where_it_was_left(data, tmp_path):
     assert (worst[30:40] == -1).all() and seen == [(86, 96, 0), (96, 96, 0)]
 
 
+@pytest.mark.parametrize('again', ['failed', many.FAILED, ['late', many.FAILED], ('failed',)])
+def test_what_is_asked_for_again_is_computed_again(again, tmp_path):
+    """By its status or its word, and nothing else: each block is a variant, so that as many are told as fail, and one more at first."""
+    store, bad = tmp_path / 'x.zarr', plan_of(64).rows()[:, 2] > LIMIT
+    many.run(plan_of(64), reduce=fails, store=store, size=1)
+    seen = []
+    many.run(plan_of(64), reduce=fails, store=store, progress=lambda *one: seen.append(one), again='late')
+    assert seen == [(64, 64, bad.sum())]
+    many.run(plan_of(64), reduce=fails, store=store, progress=lambda *one: seen.append(one), again=again)
+    assert len(seen) == 2 + bad.sum() and seen[1] == (64 - bad.sum(), 64, 0)
+
+
 def test_parts_share_a_store(data, tmp_path):
     store = tmp_path / 'x.zarr'
     first = many.run(plan_of(), TAKE, store=store, size=7, part=(1, 3))
@@ -288,6 +300,8 @@ def test_a_part_may_have_no_block(capsys):
 @pytest.mark.parametrize(('match', 'options'), [
     ('size = 0: must be a whole number of at least 1', {'size': 0}), ('size = 0.5: must be a whole', {'size': 0.5}),
     ('size = 1.5: must be a whole', {'size': 1.5}), ('window = -1: must be a whole number', {'window': -1, 'executor': 1}),
+    ("again = 'OK': must be a Status or its word, of pending, ok, partial, refused, failed, crashed, late", {'again': 'OK'}),
+    ('again = 99: must be a Status', {'again': [many.LATE, 99]}), ('again = 6: must be a Status', {'again': 6}),
     ('window = 0: must be a whole number', {'window': 0}), ('part 1.0/2', {'part': (1.0, 2)}), ('seconds = 0: must be above 0', {'seconds': 0}),
 ])  # fmt: skip
 def test_what_no_run_can_have_is_told(match, options):

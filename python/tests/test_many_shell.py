@@ -123,6 +123,18 @@ def test_the_command_prints_quantiles_and_leaves_a_store(folder, capsys):
     assert main(['many', 'plan.toml', '--quiet']) == Code.OK and capsys.readouterr().out == ''
 
 
+def test_the_command_computes_again_what_failed(folder, capsys):
+    """Of 15 speeds and of a million, for which a variant has too little time at first."""
+    text = "case = 'case.nml'\nkind = 'grid'\ntake = 'sweep_worst.worst_dynamic_factor'\nseconds = {}\n[vary.sweep]\nrpm_step = [1000, 0.014]\n"
+    (folder / 'plan.toml').write_text(text.format(0.5))
+    command = ['many', 'plan.toml', '--workers', '1']
+    assert main(command) == Code.PARTIAL and '1 ok, 1 late' in capsys.readouterr().out
+    (folder / 'plan.toml').write_text(text.format(0.7))
+    for more, seconds in (([], 0.5), (['--again'], 0.7)):
+        assert main([*command, *more]) == Code.PARTIAL
+        assert many.failures('plan.zarr').message.tolist() == [f'not done after {seconds:g} s']
+
+
 def test_parts_of_the_command_make_the_whole(folder, capsys):
     assert main(['many', 'plan.toml', '--workers', '1', '--part', '2/2']) == Code.OK
     assert '48 pending, 48 ok' in capsys.readouterr().out

@@ -9,7 +9,7 @@ import os
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -46,7 +46,7 @@ def run(
     plan: Plan, take: str | Sequence[str] = (), *, executor: Any = None, store: str | os.PathLike | None = None,
     size: int | None = None, window: int | None = None, seconds: float | None = None,
     progress: Progress | bool = False, reduce: Reduce | None = None, part: tuple[int, int] = (1, 1),
-    again: Sequence[Status] = (),
+    again: Status | str | Sequence[Status | str] = (),
 ) -> xarray.Dataset:  # fmt: skip
     """Computes the variants of a plan, each on one thread, and keeps the columns that are wanted of them.
 
@@ -78,7 +78,7 @@ def run(
         A function, which the workers can import, that makes a dictionary of numbers, or arrays of one shape, of a `Study`.
     part : (k, m)
         The k-th of m runs, such as those of a job array, which share the store: each computes every m-th block.
-    again : sequence of Status, optional
+    again : Status, its word such as 'late', or several; optional
         Blocks with variants of which this came are computed again, such as those that are `LATE`, with more `seconds`.
 
     Returns
@@ -95,12 +95,13 @@ def run(
     """
     take = [take] if isinstance(take, str) else list(take)
     _check(plan, take, size, window, seconds, reduce, part)
+    anew = _statuses(again)
     _warn_of_unused(plan)
     with Crew(executor) as crew:
         job, kept, known = _begun(plan, take, store, size, window, seconds, reduce, crew)
         with kept.held(part), _told(progress) as told:
             done = kept.status()
-            done[_of_blocks(np.isin(done, again), kept.size)] = Status.PENDING
+            done[_of_blocks(np.isin(done, anew), kept.size)] = Status.PENDING
             blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
             counts = _Counts(kept, part, done, told)
             if blocks:
@@ -125,6 +126,15 @@ def _check(
     k, m = part
     if not (_is_whole(k) and _is_whole(m) and 1 <= k <= m):
         raise Error(f'part {k}/{m}: must be from 1/{m} to {m}/{m}')
+
+
+def _statuses(again: Any) -> list[Status]:
+    known = {one.name.lower(): one for one in Status}
+    several = [again] if isinstance(again, (str, Status)) or not isinstance(again, Iterable) else list(again)
+    for one in several:
+        if not isinstance(one, Status) and not (isinstance(one, str) and one in known):
+            raise Error(f'again = {one!r}: must be a Status or its word, of {", ".join(known)}')
+    return [known[one] if isinstance(one, str) else one for one in several]
 
 
 def _warn_of_unused(plan: Plan) -> None:

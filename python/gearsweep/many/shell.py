@@ -18,7 +18,7 @@ from . import plan_file, reading
 from .page import write
 from .run import run
 from .statistics import quantiles, with_band
-from .status import ANSWERED
+from .status import ANSWERED, PASSING
 
 if TYPE_CHECKING:
     import xarray
@@ -30,6 +30,7 @@ usage: gearsweep many PLAN.toml [options]
   --workers N           processes on this machine (as many as it has processors)
   --scheduler ADDRESS   a Dask scheduler, such as tcp://node:8786, instead
   --part K/M            the K-th of M runs that share the store, such as those of a job array
+  --again               variants that failed, crashed or were late once more, with those of the same blocks
   --report FILE         also write one page of HTML with numbers, pictures and what failed
   --quiet               print errors only
   --help                print this
@@ -48,6 +49,7 @@ class Arguments:
     workers: int = 0
     scheduler: str = ''
     part: tuple[int, int] = (1, 1)
+    again: bool = False
     report: str = ''
     quiet: bool = False
 
@@ -65,7 +67,7 @@ def main(words: list[str]) -> int:
     progress = None if wanted.quiet else _Progress()
     try:
         data = run(told.plan, told.take, executor=executor, store=told.store, size=told.size, seconds=told.seconds,
-                   progress=progress or False, part=wanted.part)  # fmt: skip
+                   progress=progress or False, part=wanted.part, again=PASSING if wanted.again else ())  # fmt: skip
     except KeyboardInterrupt:
         complain('interrupted; the same command goes on from here')
         return Code.INTERRUPTED
@@ -93,8 +95,8 @@ def arguments(words: list[str]) -> Arguments:
     found = Arguments()
     rest = iter(words)
     for word in rest:
-        if word == '--quiet':
-            found.quiet = True
+        if word in ('--quiet', '--again'):
+            setattr(found, word[2:], True)
         elif word in ('--workers', '--scheduler', '--part', '--report'):
             _option(found, word, next(rest, ''))
         elif word.startswith('-'):

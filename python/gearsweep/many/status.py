@@ -19,3 +19,5 @@ class Status(enum.IntEnum):
 
 #: Variants that have numbers.
 ANSWERED = (Status.OK, Status.PARTIAL)
+#: What another run may end otherwise: memory, time or a file was lacking. The others depend on the plan alone.
+PASSING = (Status.FAILED, Status.CRASHED, Status.LATE)
