@@ -39,6 +39,9 @@ damping_ratio = {distribution = 'uniform', loc = 0.1, scale = 0.14}
 """
 
 
+TABLE = "case = 'case.nml'\nkind = 'table'\ntable = 'rows.csv'\ntake = 'sweep.dynamic_factor'\n"
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     CASE.write(tmp_path / 'case.nml')
@@ -99,6 +102,27 @@ def test_a_table_and_a_grid_are_told_by_files(folder):
     (folder / 'rows.csv').write_text('relief.amount_um, relief.amount_um\n1,2\n')
     with pytest.raises(Error, match=r'rows.csv: has two columns relief.amount_um'):
         plan_file.read('plan.toml')
+
+
+@pytest.mark.parametrize(('rows', 'match'), [
+    ('relief.amount_um,sweep.direction\n# 5\n1.5,up\n\nabc,down\n', "rows.csv: column relief.amount_um, line 5: 'abc': must be a number"),
+    ('relief.amount_um,sweep.direction\n1.5,up\n,down\n', "rows.csv: column relief.amount_um, line 3: '': must be a number"),
+    ('Pinion.Teeth\n25\n1d3\n', "rows.csv: column Pinion.Teeth, line 3: '1d3': must be a number"),
+])  # fmt: skip
+def test_a_cell_that_is_no_number_among_numbers_is_told_with_its_place(folder, rows, match):
+    (folder / 'rows.csv').write_text(rows)
+    (folder / 'plan.toml').write_text(TABLE)
+    with pytest.raises(Error, match=match):
+        plan_file.read('plan.toml')
+
+
+def test_logicals_and_words_of_a_table_are_what_their_keys_take(folder):
+    """As `Case.changed` writes them; a file may be called by a number, or all cells be words."""
+    (folder / 'rows.csv').write_text('as_built.quick,mesh.file,relief.amount_um\n.true.,1,a\n.FALSE.,k.txt,b\nTRUE,2,a\n')
+    (folder / 'plan.toml').write_text(TABLE)
+    plan = plan_file.read('plan.toml').plan
+    for at, (quick, file, amount) in enumerate([(True, '1', 'a'), (False, 'k.txt', 'b'), (True, '2', 'a')]):
+        assert plan.case(at) == plan.base.changed(as_built={'quick': quick}, mesh={'file': file}, relief={'amount_um': amount})
 
 
 def test_the_plan_of_the_page_can_be_read(tmp_path):

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from .._files import content
-from .._library import Code, Error
+from .._library import Code, Error, declared
 from ..case import Case
 from ..table import meant
 from .inputs import input_of
 from .plan import Plan
 
 KINDS = ('sobol', 'random', 'lhs', 'saltelli', 'grid', 'table')
+#: How a table may write a logical: as a case does, or a spreadsheet.
+_LOGICALS = {'.true.': True, '.false.': False, 'true': True, 'false': False}
 #: What may stand in the file, of which kind.
 _TYPES: dict[str, tuple[tuple[type, ...], str]] = {
     'case': ((str,), 'the name of a file with a case'),
@@ -167,20 +169,36 @@ def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
 
 
 def _table(path: str) -> dict[str, list[Any]]:
-    """The columns of a CSV file, numbers where all of a column are."""
-    rows = list(csv.reader(content(path).decode('utf-8-sig', 'replace').splitlines()))
-    rows = [row for row in rows if row and not row[0].startswith('#')]
-    if len(rows) < 2 or any(len(row) != len(rows[0]) for row in rows):
+    """The columns of a CSV file, as the keys take them that they are called by: words, logicals, or numbers where one of the column is."""
+    reader = csv.reader(content(path).decode('utf-8-sig', 'replace').splitlines())
+    rows = [(reader.line_num, row) for row in reader if row and not row[0].startswith('#')]
+    if len(rows) < 2 or any(len(row) != len(rows[0][1]) for _, row in rows):
         raise Error(f'{path}: must be a table (CSV) with a line of names and the same number of values in each row', Code.INPUT)
-    names = [name.strip() for name in rows[0]]
+    names = [name.strip() for name in rows[0][1]]
     for name in names:
         if names.count(name) > 1:
             raise Error(f'{path}: has two columns {name}', Code.INPUT)
-    return {name: _numbers([row[at].strip() for row in rows[1:]]) for at, name in enumerate(names)}
+    kinds = {f'{one["group"]}.{one["name"]}': one['kind'] for one in declared()['keys']}
+    lines = [line for line, _ in rows[1:]]
+    return {name: _values(f'{path}: column {name}', kinds.get(name.lower()), lines, [row[at].strip() for _, row in rows[1:]])
+            for at, name in enumerate(names)}  # fmt: skip
 
 
-def _numbers(words: list[str]) -> list[Any]:
+def _values(place: str, kind: str | None, lines: list[int], words: list[str]) -> list[Any]:
+    """The cells of a column, which stand in these lines."""
+    if kind == 'logical':
+        return [_LOGICALS.get(word.lower(), word) for word in words]
+    found = [_number(word) for word in words]
+    if None not in found:
+        return found
+    if kind in ('number', 'integer') and any(one is not None for one in found):
+        at = found.index(None)
+        raise Error(f'{place}, line {lines[at]}: {words[at]!r}: must be a number, as others of the column are', Code.INPUT)
+    return list(words)
+
+
+def _number(word: str) -> float | None:
     try:
-        return [float(word) for word in words]
+        return float(word)
     except ValueError:
-        return list(words)
+        return None
