@@ -281,6 +281,40 @@ def test_a_full_disk_is_told_and_what_is_there_goes_on(expected, tmp_path):
     assert digest(many.run(PLAN, TAKE, **options)) == digest(expected)
 
 
+TABLE = '0 300\n0.8 400\n1.6 300\n'
+FILED = PLAN.base.changed(mesh={'model': 'table', 'file': 'k.txt', 'coefficients': None})
+
+
+@pytest.mark.parametrize('change', [lambda file: file.write_text(TABLE.replace('400', '450')), os.remove], ids=['edited', 'away'])
+@pytest.mark.parametrize('first', [False, True], ids=['later', 'with the first variants'])
+def test_a_file_that_changes_during_a_run_ends_it(tmp_path, change, first):
+    """Blocks before are kept and none after is written, so that with the file as it was the bits are those of a run without a change."""
+    file, store = tmp_path / 'k.txt', tmp_path / 'x.zarr'
+    file.write_text(TABLE)
+    plan = many.Plan.grid(gearsweep.Case(FILED.text, str(tmp_path)), dynamics={'damping_ratio': list(np.linspace(0.1, 0.2, 12))})
+    expected = digest(many.run(plan, TAKE))
+
+    def changes(study):
+        if first:
+            change(file)
+        return {}
+
+    with pytest.raises(Error, match=r'k\.txt: was changed during the run') as caught:
+        many.run(plan, TAKE, store=store, size=3, reduce=changes if first else None, progress=lambda done, *_: done == 6 and change(file))
+    assert caught.value.code == Code.FILE
+    assert not store.exists() if first else many.counts(many.open(store)) == {'pending': 6, 'ok': 6}
+    file.write_text(TABLE)
+    assert digest(many.run(plan, TAKE, store=store, size=3)) == expected
+
+
+def test_a_file_that_is_written_anew_with_the_same_words_is_no_change(tmp_path):
+    file = tmp_path / 'k.txt'
+    file.write_text(TABLE)
+    plan = many.Plan.grid(gearsweep.Case(FILED.text, str(tmp_path)), dynamics={'damping_ratio': [0.1, 0.12, 0.14]})
+    data = many.run(plan, TAKE, size=1, progress=lambda *_: (os.remove(file), file.write_text(TABLE)))
+    assert many.counts(data) == {'ok': 3}
+
+
 def test_a_store_that_cannot_be_made_leaves_nothing(tmp_path):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     try:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .. import _library
 from .._files import content
-from .._library import Error, declared
+from .._library import Code, Error, declared
 from ..case import Case
 from . import points
 from .inputs import Input, case_with, input_of, inputs_of
@@ -203,12 +203,27 @@ class Plan:
 
     def _files(self) -> dict[str, str]:
         """The files that the case names, each by what is in it."""
-        names = {str(one) for keys in self._words().values() for one in keys}
         found = {}
-        for name in sorted(names):
+        for name in self._names:
             path = os.path.join(self.base.folder, name)
             if os.path.isfile(path):
                 found[name] = hashlib.sha256(content(path)).hexdigest()
+        return found
+
+    @functools.cached_property
+    def _names(self) -> list[str]:
+        """What may be a file."""
+        return sorted({str(one) for keys in self._words().values() for one in keys})
+
+    def looks(self) -> list[tuple[int, ...]]:
+        """Size, time and place of each file that the case names, by which most changes show."""
+        found = []
+        for name in self._names:
+            try:
+                seen = os.stat(os.path.join(self.base.folder, name))
+                found.append((seen.st_size, seen.st_mtime_ns, seen.st_ctime_ns, seen.st_ino))
+            except (OSError, ValueError):
+                found.append(())
         return found
 
     def _words(self) -> dict[str, list[str]]:
@@ -229,7 +244,7 @@ class Plan:
 
     def mark(self) -> str:
         """SHA-256 of all that the numbers depend on: case, files, keys, distributions, kind, n, seed, version, OpenBLAS's kernel."""
-        return hashlib.sha256(json.dumps(self.told(), sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
+        return mark_of(self.told())
 
     def function(
         self, take: str | Sequence[str], executor: Any = None, *, axis: int = 0, seconds: float | None = None
@@ -256,6 +271,31 @@ class Plan:
         from .functions import function
 
         return function(self, take, executor, axis, seconds)
+
+
+def mark_of(told: dict[str, Any]) -> str:
+    """`Plan.mark` of what `Plan.told` gave."""
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
+
+
+class Begun:
+    """A plan as it was when a run began: `told`, with the sums of the files that its case names."""
+
+    def __init__(self, plan: Plan):
+        self.plan, self.looks = plan, plan.looks()  # looks first: what changes until the sums are taken is compared with these
+        self.told = plan.told()
+
+    def check(self) -> None:
+        """Raises an `Error` where a file is another one now."""
+        looks = self.plan.looks()
+        if looks == self.looks:
+            return
+        there, here = self.told['files'], self.plan.told()['files']
+        for name in sorted({*there, *here}):
+            if there.get(name) != here.get(name):
+                raise Error(f'{os.path.join(self.plan.base.folder, name)}: was changed during the run; what was computed before is kept, '
+                            'and with the file as it was the same call goes on', Code.FILE)  # fmt: skip
+        self.looks = looks
 
 
 def _fixed(word: Any) -> Any:

@@ -21,7 +21,7 @@ from . import reading
 from . import store as stores
 from .flow import Crew, Flow, Piece
 from .outputs import Reduce, Taken
-from .plan import Plan
+from .plan import Begun, Plan
 from .rows import Block, First, Job, empty, first, made_here
 from .status import ANSWERED, Status
 from .store import Store
@@ -90,22 +90,23 @@ def run(
     ------
     Error
         The plan or a column is not usable, no variant tried has a result, the store is of another plan, version or OpenBLAS kernel or
-        cannot be written, or the executor is gone. What is done is kept. An `UnusedWarning` names varied keys that no task of the first
+        cannot be written, a file that the case names was changed meanwhile, or the executor is gone. What is done is kept. An `UnusedWarning` names varied keys that no task of the first
         variant uses.
     """
     take = [take] if isinstance(take, str) else list(take)
     _check(plan, take, size, window, seconds, reduce, part)
     anew = _statuses(again)
     _warn_of_unused(plan)
+    begun = Begun(plan)
     with Crew(executor) as crew:
-        job, kept, known = _begun(plan, take, store, size, window, seconds, reduce, crew)
+        job, kept, known = _begun(begun, take, store, size, window, seconds, reduce, crew)
         with kept.held(part), _told(progress) as told:
             done = kept.status()
             done[_of_blocks(np.isin(done, anew), kept.size)] = Status.PENDING
             blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
             counts = _Counts(kept, part, done, told)
             if blocks:
-                _gather(plan, job, kept, crew, window, blocks, known, counts)
+                _gather(begun, job, kept, crew, window, blocks, known, counts)
     return reading.dataset(kept)
 
 
@@ -154,17 +155,19 @@ def _is_whole(value: Any) -> bool:
 
 
 def _begun(
-    plan: Plan, take: list[str], path: Any, size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, crew: Crew
+    begun: Begun, take: list[str], path: Any, size: int | None, window: int | None, seconds: float | None, reduce: Reduce | None, crew: Crew
 ) -> tuple[Job, Store, list[Block | None]]:
     """What the workers are told; the store, which is made where there is none; and what came of the first variants where it is made."""
+    plan = begun.plan
     job = Job(plan.base, plan.keys, Taken((), (), {}), reduce, seconds)
     known: list[Block | None] = []
     if path is not None and os.path.exists(path):
         kept = stores.read(path)
     else:
         found, known, took = _first(plan, take, job, crew, window, is_timed=size is None and plan.n > _BLOCKS)
-        kept = stores.make(path, plan, found, int(min(size or _size(plan.n, took), plan.n)), reduce)
-    stores.check(kept, plan, take, reduce)  # where another part was faster, it is that one's
+        begun.check()
+        kept = stores.make(path, begun, found, int(min(size or _size(plan.n, took), plan.n)), reduce)
+    stores.check(kept, begun, take, reduce)  # where another part was faster, it is that one's
     return dataclasses.replace(job, taken=kept.taken), kept, known
 
 
@@ -240,11 +243,11 @@ class _Values:
 
 
 def _gather(
-    plan: Plan, job: Job, kept: Store, crew: Crew, window: int | None, blocks: list[tuple[int, int]], known: list[Block | None], counts: _Counts
+    begun: Begun, job: Job, kept: Store, crew: Crew, window: int | None, blocks: list[tuple[int, int]], known: list[Block | None], counts: _Counts
 ) -> None:
     """Writes each block when all of its pieces are there; those of the first variants are known."""
     crew.check(job)
-    values = _Values(plan, kept.size)
+    values = _Values(begun.plan, kept.size)
     there = [(Piece(at, at + 1), known[at]) for first, stop in blocks for at in range(first, min(stop, len(known)))]
     rest = [(max(first, len(known)), stop) for first, stop in blocks if stop > len(known)]
     waiting: dict[int, tuple[Block, int]] = {}  # by the number of the block: what is there, and how many variants are missing
@@ -263,6 +266,7 @@ def _gather(
         if missing:
             waiting[at] = whole, missing
             continue
+        begun.check()
         with _interrupts_later():
             kept.put(first, values(first, stop), whole)
             del values.blocks[first]

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .._library import Code, Error
 from .outputs import Output, Reduce, Taken
-from .plan import Plan
+from .plan import Begun, Plan, mark_of
 from .rows import Block
 from .status import Status
 
@@ -152,11 +152,11 @@ def read(path: str | os.PathLike) -> Store:
         raise Error(f'cannot read {path}: {reason}', Code.FILE) from error
 
 
-def check(store: Store, plan: Plan, take: list[str], reduce: Reduce | None) -> None:
+def check(store: Store, begun: Begun, take: list[str], reduce: Reduce | None) -> None:
     """Raises an `Error` where the store is of another plan, version or kernel, or has other columns or numbers of another `reduce`."""
     about = store.about
-    if about['mark'] != plan.mark():
-        here, there = json.loads(json.dumps(plan.told())), about['plan']
+    if about['mark'] != mark_of(begun.told):
+        here, there = json.loads(json.dumps(begun.told)), about['plan']
         off = [f'{name} is {_short(there.get(name))}, here {_short(here[name])}' for name in here if there.get(name) != here[name]]
         hint = '; set OPENBLAS_CORETYPE' if there.get('OpenBLAS kernel') != here['OpenBLAS kernel'] else ''
         raise Error(f'{store.path}: is of another plan: {"; ".join(off)}{hint}', Code.FILE)
@@ -179,7 +179,7 @@ def _short(value: Any) -> str:
     return said if len(said) <= 60 else 'another'
 
 
-def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int, reduce: Reduce | None) -> Store:
+def make(path: str | os.PathLike | None, begun: Begun, taken: Taken, size: int, reduce: Reduce | None) -> Store:
     """Makes a store under another name, which it gets when it is complete; in memory without a path.
 
     Raises
@@ -191,11 +191,11 @@ def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int, re
     from zarr.storage import MemoryStore
 
     if path is None:
-        return Store(_filled(zarr.create_group(MemoryStore()), plan, taken, size, reduce), '')
+        return Store(_filled(zarr.create_group(MemoryStore()), begun, taken, size, reduce), '')
     path = os.fspath(path)
     new = f'{path.rstrip("/")}.{platform.node()}-{os.getpid()}.new'
     try:
-        _filled(zarr.create_group(new, overwrite=True), plan, taken, size, reduce)
+        _filled(zarr.create_group(new, overwrite=True), begun, taken, size, reduce)
         try:
             os.rename(new, path)
         except OSError:
@@ -209,7 +209,7 @@ def make(path: str | os.PathLike | None, plan: Plan, taken: Taken, size: int, re
         shutil.rmtree(new, ignore_errors=True)
 
 
-def _filled(group: Any, plan: Plan, taken: Taken, size: int, reduce: Reduce | None) -> Any:
+def _filled(group: Any, begun: Begun, taken: Taken, size: int, reduce: Reduce | None) -> Any:
     """The group with its arrays, which have no values yet."""
     import scipy
 
@@ -223,6 +223,7 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int, reduce: Reduce | No
         array.attrs.update(attributes)
         return array
 
+    plan: Plan = begun.plan
     n = plan.n
     words = {name: values.tolist() if values.dtype.kind == 'U' else None for name, (_, values, _) in taken.coordinates.items()}
     for name, (_, values, _) in taken.coordinates.items():
@@ -239,7 +240,7 @@ def _filled(group: Any, plan: Plan, taken: Taken, size: int, reduce: Reduce | No
     add(STATUS, (n,), 'int8', (VARIANT,), 0, flag_values=[int(one) for one in Status],
         flag_meanings=' '.join(one.name.lower() for one in Status))  # fmt: skip
     group.attrs['gearsweep'] = {
-        'format': FORMAT, 'mark': plan.mark(), 'plan': plan.told(), 'n': int(n), 'size': size, 'folder': plan.base.folder,
+        'format': FORMAT, 'mark': mark_of(begun.told), 'plan': begun.told, 'n': int(n), 'size': size, 'folder': plan.base.folder,
         'names': list(plan.names), 'reduce': _name(reduce),
         'keys': [{'group': key.group, 'key': key.key, 'whole': key.whole, 'choices': key.choices} for key in plan.keys],
         'columns': [_told(one) for one in taken.columns], 'reduced': [_told(one) for one in taken.reduced],
