@@ -101,7 +101,10 @@ class Case:
         new: dict[str, dict[str, str]] = {}  # what one edit does
         for group, keys in groups.items():
             for key, value in keys.items():
-                word = written(value)
+                try:
+                    word = written(value)
+                except Error as error:
+                    raise type(error)(f'&{group} {key}: {error}') from None
                 if word and word.isprintable() and f'{group}{key}'.isidentifier():
                     new.setdefault(group.lower(), {})[key.lower()] = word
                 else:
@@ -159,6 +162,10 @@ class Case:
         return self.text
 
 
+class NoValue(Error, TypeError):
+    """A value of a type that no case has, such as a date."""
+
+
 def written(value: Any) -> str:
     """A value as a case has it.
 
@@ -186,7 +193,7 @@ def written(value: Any) -> str:
             words = [written(one) for one in ones]
             if all(words):
                 return ', '.join(words)
-    raise TypeError(f'a case has no values such as {value!r}')
+    raise NoValue(f'a case has no values such as {value!r}')
 
 
 _ASSIGNMENT = re.compile(r'^  (\w+) =(.*(?:\n {4}.*)*)', re.MULTILINE)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import reprlib
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._library import Error, declared, edit
-from ..case import Case
+from ..case import Case, written
 
 Reals = NDArray[np.float64]
 #: Where a distribution is looked at, to tell it from others.
@@ -88,7 +90,8 @@ class Input:
         """The values at these probabilities, 0 to 1 without the ends."""
         if self.is_list:
             return self.at((u * len(self.given)).astype(int))
-        found = np.asarray(self.given.ppf(u), float)
+        with np.errstate(all='ignore'):  # told below
+            found = np.asarray(self.given.ppf(u), float)
         if found.shape != u.shape or not np.isfinite(found).all():
             raise Error(f'&{self.key.group} {self.key.key}: the distribution gives numbers that are not finite')
         return found
@@ -146,10 +149,15 @@ def input_of(group: str, key: str, given: Any, only_lists: bool = False) -> Inpu
     if not values:
         raise Error(f'{place}: the list is empty')
     if all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in values):
-        if not np.isfinite(values).all():
-            raise Error(f'{place}: its values must be finite')
+        if large := [one for one in values if not abs(one) <= sys.float_info.max]:
+            raise Error(f'{place} = {reprlib.repr(large[0])}: its values must be finite, and at most {sys.float_info.max:.4g}')
         if whole and any(one != round(one) for one in values):
             raise Error(f'{place}: takes whole numbers')
         return Input(Key(group, key, whole), values)
     choices = tuple(tuple(one) if isinstance(one, list) else one for one in values)
+    for one in choices:
+        try:
+            written(one)
+        except Error as error:
+            raise Error(f'{place}: {error}') from None
     return Input(Key(group, key, whole, choices), choices)

@@ -75,9 +75,13 @@ class Plan:
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < low:
                 raise Error(f'{name} = {value!r}: must be a whole number of at least {low}')
+        try:  # a run has a number for each variant, and a Latin hypercube is kept whole
+            np.empty((self.n, len(self.inputs) if self.kind == 'lhs' else 1))
+        except (ValueError, MemoryError) as error:
+            raise Error(f'n: {self.n} variants do not fit into memory', Code.MEMORY) from error
 
     @classmethod
-    def sobol(cls, case: Case, n: int, seed: int = 0, *, scrambles: int = 8, **groups: Mapping[str, Any]) -> Plan:
+    def sobol(cls, case: Case, /, n: int, seed: int = 0, *, scrambles: int = 8, **groups: Mapping[str, Any]) -> Plan:
         """Sobol' points: means and quantiles converge faster than with independent points.
 
         Parameters
@@ -96,17 +100,17 @@ class Plan:
         return cls(case, 'sobol', inputs_of(groups), n, seed, scrambles)
 
     @classmethod
-    def random(cls, case: Case, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
+    def random(cls, case: Case, /, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
         """Independent points."""
         return cls(case, 'random', inputs_of(groups), n, seed)
 
     @classmethod
-    def lhs(cls, case: Case, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
+    def lhs(cls, case: Case, /, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
         """A Latin hypercube: of each key one value in each of n equally likely intervals."""
         return cls(case, 'lhs', inputs_of(groups), n, seed)
 
     @classmethod
-    def saltelli(cls, case: Case, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
+    def saltelli(cls, case: Case, /, n: int, seed: int = 0, **groups: Mapping[str, Any]) -> Plan:
         """What `sensitivity` needs: n base points, a power of 2, each with as many rows as there are keys, and two more.
 
         The plan has n (d + 2) variants for d keys, in SALib's order without second order.
@@ -116,7 +120,7 @@ class Plan:
         return cls(case, 'saltelli', inputs, n * (len(inputs) + 2), seed)
 
     @classmethod
-    def grid(cls, case: Case, **groups: Mapping[str, Sequence[Any]]) -> Plan:
+    def grid(cls, case: Case, /, **groups: Mapping[str, Sequence[Any]]) -> Plan:
         """All combinations of lists; the key that is named last changes fastest.
 
         Name keys first that need a new stiffness (teeth, load, centre distance, face width): what neighbours share is computed once.

@@ -145,6 +145,8 @@ def _given(group: str, key: str, value: Any) -> Any:
 
 
 def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
+    import reprlib
+
     import numpy as np
     from scipy import stats
 
@@ -159,12 +161,18 @@ def _frozen(place: str, name: Any, numbers: dict[str, Any]) -> Any:
             raise Error(f'{place}: {word} = {number!r}: {name} has the numbers {", ".join(allowed)}')
         if isinstance(number, bool) or not isinstance(number, (int, float)):
             raise Error(f'{place}: {word} = {number!r}: must be a number')
+        try:
+            numbers[word] = float(number)
+        except OverflowError:
+            raise Error(f'{place}: {word} = {reprlib.repr(number)}: is too large') from None
     missing = [word for word in allowed if word not in (*numbers, 'loc', 'scale')]
     if missing:
         raise Error(f'{place}: {", ".join(missing)}: missing; {name} has the numbers {", ".join(allowed)}')
     found = kind(**numbers)
-    if not np.isfinite(found.ppf(0.5)):
-        raise Error(f'{place}: {name} is not possible with {", ".join(f"{word} = {number}" for word, number in numbers.items())}')
+    with np.errstate(all='ignore'):  # told below
+        middle = found.ppf(0.5)
+    if not np.isfinite(middle):
+        raise Error(f'{place}: {name} is not possible with {", ".join(f"{word} = {number:g}" for word, number in numbers.items())}')
     return found
 
 
