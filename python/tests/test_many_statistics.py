@@ -11,8 +11,10 @@ from gearsweep import Case, Error
 many = pytest.importorskip('gearsweep.many')
 import xarray  # noqa: E402
 from scipy import stats  # noqa: E402
+from test_many import CASE as SWEEP  # noqa: E402
 from test_many import TAKE, plan_of  # noqa: E402
 
+from gearsweep.many.page import write  # noqa: E402
 from gearsweep.many.statistics import with_band  # noqa: E402
 
 CASE = Case('&pair module_mm = 3 /')
@@ -105,8 +107,9 @@ def test_numbers_that_are_missing_are_refused_or_left_out_by_base_points():
     with_gaps[[7, 8, 100]] = np.nan
     with pytest.raises(Error, match=r"sensitivity: 2 of 64 base points have no number; .*nan='drop'"):
         many.sensitivity(with_gaps)
-    with pytest.warns(gearsweep.PartialWarning, match='2 of 64'):
+    with pytest.warns(gearsweep.PartialWarning, match='2 of 64 base points have no number and are left out') as said:
         found = many.sensitivity(with_gaps, nan='drop')
+    assert said[0].filename == __file__
     kept = np.delete(data.values.reshape(64, 5), [1, 20], axis=0)
     expected = many.sensitivity(column(kept.ravel(), **data.attrs))
     np.testing.assert_array_equal(found['S1'], expected['S1'])
@@ -118,7 +121,12 @@ def test_numbers_that_are_missing_are_refused_or_left_out_by_base_points():
     ('all numbers are equal', column(np.ones(10), points='saltelli', inputs=['a', 'b', 'c']), {}),
     ('12 variants are no whole number of base points, which have 5', column(np.arange(12), points='saltelli', inputs=['a', 'b', 'c']), {}),
     ("nan = 'ignore': must be 'refuse' or 'drop'", column(np.arange(10), points='saltelli', inputs=['a', 'b', 'c']), {'nan': 'ignore'}),
-    ('no variant has a number|no base points? has a number', column(np.full(10, np.nan), points='saltelli', inputs=['a', 'b', 'c']), {'nan': 'drop'}),
+    ('the column has no variant', column([], points='saltelli', inputs=['a', 'b', 'c']), {}),
+    *((f'confidence = {one}: must be between 0 and 1', column(np.arange(10), points='saltelli', inputs=['a', 'b', 'c']), {'confidence': one})
+      for one in (-1, 0, 1, 2, np.nan)),
+    *((f'seed = {one}: must be a whole number of at least 0', column(np.arange(10), points='saltelli', inputs=['a', 'b', 'c']), {'seed': one})
+      for one in (-1, 0.5, True)),
+    ('no base point has a number', column(np.full(10, np.nan), points='saltelli', inputs=['a', 'b', 'c']), {'nan': 'drop'}),
 ])  # fmt: skip
 def test_what_has_no_indices_is_told(match, data, options):
     with pytest.raises(Error, match=match):
@@ -174,11 +182,35 @@ def test_quantiles_of_other_points_and_missing_numbers_are_refused():
         many.quantiles(column(np.arange(20), points='random'), 1.0)
     values = np.arange(40.0).reshape(20, 2)
     values[3, 1] = np.nan
-    with pytest.raises(Error, match='quantiles: 1 of 20 variants have no number; '):
+    with pytest.raises(Error, match='quantiles: the column has no variant'):
+        many.quantiles(column(np.arange(20), points='random')[:0])
+    with pytest.raises(Error, match=r'quantiles: 1 of 20 variants have no number; .*variant=3 of the column, tells why'):
         many.quantiles(column(values, points='random'))
     with pytest.warns(gearsweep.PartialWarning, match='1 of 20 variants have no number and are left out'):
         found = many.quantiles(column(values, points='random'), 0.5, nan='drop')
     np.testing.assert_array_equal(found['value'][0], np.quantile(np.delete(values, 3, axis=0), 0.5, axis=0))
+
+
+@pytest.mark.parametrize(('values', 'scrambles', 'none'), [([1, 2, np.nan, 4, 5, np.nan, 7, 8], 8, 2), (np.arange(7), 1000, 993)])
+def test_scrambles_without_numbers_leave_no_band(values, scrambles, none):
+    """One point a scramble; the quantile is NumPy's of what is there."""
+    data = column(values, points='sobol', scrambles=scrambles)
+    with pytest.warns(gearsweep.PartialWarning) as said:
+        found = many.quantiles(data, nan='drop')
+    assert str(said[-1].message) == f'quantiles: {none} of {scrambles} scrambles have no number; there is no band' and said[-1].filename == __file__
+    np.testing.assert_array_equal(found['value'], np.nanquantile(values, found.q))
+    assert np.isnan(found['lower']).all() and np.isnan(found['upper']).all()
+
+
+def test_the_page_is_written_where_a_scramble_has_no_number(tmp_path):
+    """One point a scramble, of which those with a negative damping are refused."""
+    plan = many.Plan.sobol(SWEEP, 8, 1, dynamics={'damping_ratio': stats.uniform(-0.1, 0.3)})
+    refused = int((plan.rows() < 0).sum())
+    assert 1 <= refused <= 6
+    many.run(plan, TAKE[0], store=tmp_path / 'x.zarr')
+    write(tmp_path / 'x.zarr', tmp_path / 'x.html')
+    text = (tmp_path / 'x.html').read_text()
+    assert f'{refused} of 8 scrambles have no number; there is no band' in text and '(? to ?)' in text
 
 
 # Pictures.

@@ -47,7 +47,8 @@ def quantiles(
     Returns
     -------
     Dataset
-        `value`, `lower` and `upper` over `q` and the dimensions other than `variant`. A band is NaN where there are too few points for it.
+        `value`, `lower` and `upper` over `q` and the dimensions other than `variant`. A band is NaN where there are too few points for it,
+        and where a scramble has no number, which a `PartialWarning` tells.
 
     Raises
     ------
@@ -68,7 +69,7 @@ def quantiles(
     count = int(scrambles or data.attrs.get('scrambles', 0)) if kind == 'sobol' else 1
     if kind == 'sobol' and count < 2:
         raise Error(f'quantiles: scrambles = {count}: must be at least 2 for a band of Sobol\' points')
-    kept = _without_nan(values, 'quantiles', nan)
+    kept = _with_numbers(values, 'quantiles', nan)
     values, group = values[kept], (np.arange(len(values)) % count)[kept]
     value = np.quantile(values, wanted, axis=0)
     lower, upper = (_of_scrambles(values, group, count, wanted, value, confidence) if kind == 'sobol'
@@ -85,25 +86,30 @@ def with_band(value: float, lower: float, upper: float) -> str:
 
 
 def check_column(data: Any, who: str) -> None:
-    """Refuses what is no column, such as all of them."""
+    """Refuses what is no column, such as all of them, and one without variants."""
     import xarray
 
     if not isinstance(data, xarray.DataArray):
         raise Error(f'{who}: give a column, such as data["sweep_worst.worst_dynamic_factor"], not a {type(data).__name__}')
+    if not data.size:
+        raise Error(f'{who}: the column has no variant, or no number of each')
 
 
-def _without_nan(values: Reals, who: str, nan: str) -> NDArray[np.bool_]:
-    """Which variants have all of their numbers."""
+def _with_numbers(values: Reals, who: str, nan: str, each: int = 1) -> NDArray[np.bool_]:
+    """Which variants, or base points of so many variants each, have all of their numbers."""
     if nan not in ('refuse', 'drop'):
         raise Error(f"{who}: nan = {nan!r}: must be 'refuse' or 'drop'")
-    kept = np.asarray(np.isfinite(values.reshape(len(values), -1)).all(axis=1))
+    there = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+    kept = np.asarray(there.reshape(-1, each).all(axis=1))
     missing = int((~kept).sum())
+    said = f'{who}: {missing} of {len(kept)} {"variants" if each == 1 else "base points"} have no number'
     if missing and nan == 'refuse':
-        raise Error(f"{who}: {missing} of {len(values)} variants have no number; many.failures names them, nan='drop' leaves them out")
+        raise Error(f"{said}; a run of the first one's case, variant={there.argmin()} of the column, tells why, and many.failures(store) of all; "
+                    "nan='drop' leaves them out")  # fmt: skip
     if not kept.any():
-        raise Error(f'{who}: no variant has a number')
+        raise Error(f'{who}: no {"variant" if each == 1 else "base point"} has a number')
     if missing:
-        warnings.warn(f'{who}: {missing} of {len(values)} variants have no number and are left out', PartialWarning, stacklevel=3)
+        warnings.warn(f'{said} and are left out', PartialWarning, stacklevel=3)
     return kept
 
 
@@ -124,6 +130,9 @@ def _of_scrambles(values: Reals, group: NDArray[np.int_], count: int, q: Reals, 
     half of it counts besides."""
     from scipy.stats import t
 
+    if none := count - len(np.unique(group)):
+        warnings.warn(f'quantiles: {none} of {count} scrambles have no number; there is no band', PartialWarning, stacklevel=3)
+        return np.full_like(value, np.nan), np.full_like(value, np.nan)
     share = np.stack([(values[group == one] <= value[:, None]).mean(axis=1) for one in range(count)])
     error = t.isf((1 - confidence) / 2, count - 1) * share.std(axis=0, ddof=1) / np.sqrt(count)
     half = np.hypot(error, 0.5 * count / len(values))
@@ -157,7 +166,7 @@ def sensitivity(data: xarray.DataArray, *, confidence: float = 0.95, nan: str = 
         What to do where variants have no number: an error, or to leave out base points with all their variants, which a
         `PartialWarning` tells.
     seed : int
-        Of the resampling.
+        Of the resampling, at least 0.
 
     Returns
     -------
@@ -174,14 +183,17 @@ def sensitivity(data: xarray.DataArray, *, confidence: float = 0.95, nan: str = 
     check_column(data, 'sensitivity')
     if data.attrs.get('points') != 'saltelli':
         raise Error(f"sensitivity: points = {data.attrs.get('points')!r}: must be those of Plan.saltelli")
+    if not 0 < confidence < 1:
+        raise Error(f'sensitivity: confidence = {confidence}: must be between 0 and 1')
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise Error(f'sensitivity: seed = {seed!r}: must be a whole number of at least 0')
     names = list(data.attrs['inputs'])
     d = len(names)
     rest = [dim for dim in data.dims if dim != VARIANT]
     values = data.transpose(VARIANT, *rest).values.astype(float)
     if len(values) % (d + 2):
         raise Error(f'sensitivity: {len(values)} variants are no whole number of base points, which have {d + 2} each')
-    base = values.reshape(-1, d + 2, *values.shape[1:])
-    base = base[_without_base(base, nan)]
+    base = values.reshape(-1, d + 2, *values.shape[1:])[_with_numbers(values, 'sensitivity', nan, d + 2)]
     if (np.ptp(base[:, [0, -1]], axis=(0, 1)) == 0).any():
         raise Error('sensitivity: all numbers are equal; no key changes them')
     n = len(base)
@@ -193,14 +205,6 @@ def sensitivity(data: xarray.DataArray, *, confidence: float = 0.95, nan: str = 
     coords: dict[Any, Any] = {'input': names} | {dim: data[dim] for dim in rest if dim in data.coords}
     arrays: dict[Any, Any] = {name: (('input', *rest), one) for name, one in found.items()}
     return xarray.Dataset(arrays, coords, {**data.attrs, 'name': str(data.name), 'base_points': len(base), 'confidence': confidence})
-
-
-def _without_base(base: Reals, nan: str) -> NDArray[np.bool_]:
-    """Which base points have all of their numbers."""
-    try:
-        return _without_nan(base, 'sensitivity', nan)
-    except Error as error:
-        raise Error(str(error).replace('variants', 'base points')) from None
 
 
 def _indices(base: Reals, weights: Reals) -> Reals:
