@@ -158,7 +158,7 @@ def test_draws_without_a_result_are_refused_or_left_out_whole(monkeypatch):
         return (x == 5) * 3 + (x == 15) * (np.arange(100) == 99)[None, :, None] * np.array([0, 1])
 
     faked(monkeypatch, valley, lacks)
-    with pytest.raises(Error, match="1 of 3 candidates have no result, 1 of 100 draws lack some; nan='drop'"):
+    with pytest.raises(Error, match=r"1 of 3 candidates have no result, 1 of 100 draws lack some; nan='drop'.*; the first is &relief amount_um = 5\.0; "):
         many.robust(CASE, relief=AMOUNTS)
     with pytest.warns(gearsweep.PartialWarning, match='1 of 100 draws lack some; they are left out'):
         found = many.robust(CASE, relief=AMOUNTS, nan='drop')
@@ -171,11 +171,13 @@ def test_draws_without_a_result_are_refused_or_left_out_whole(monkeypatch):
 
 
 @pytest.mark.parametrize('modules', [[-3, 3, 3.5], [3, -3, 3.5]])
-def test_a_candidate_that_cannot_be_is_left_out_wherever_it_stands(modules):
+def test_a_candidate_that_cannot_be_is_left_out_wherever_it_stands(modules, tmp_path):
     case = CASE.changed(sweep={'rpm_last': 9000}, deviations={'assembly': 'stated'})
     with pytest.warns(gearsweep.PartialWarning, match='1 of 3 candidates have no result, 0 of 2 draws lack some'):
         found = many.robust(case, pair={'module_mm': modules}, nan='drop', quantile=0.5)
     assert found.table['pair.module_mm'].values.tolist() == [3, 3.5]
+    with pytest.warns(gearsweep.PartialWarning, match=r'of the first, &pair module_mm = -3\.0: &pair module_mm = -3\.0: must be at least'):
+        many.robust(case, pair={'module_mm': modules}, nan='drop', quantile=0.5, store=tmp_path / 'x.zarr')
     alone = many.robust(case, pair={'module_mm': [3, 3.5]}, quantile=0.5)
     np.testing.assert_array_equal(found.table['value'], alone.table['value'])
     with pytest.raises(Error, match=r'&pair module_mm = -3'):
@@ -211,12 +213,19 @@ def test_so_many_draws_as_are_said_to_be_enough_are_and_one_less_is_not(q, confi
     ('torque_nm = .*: must be loads with their shares, each above 0', {'relief': AMOUNTS, 'spectrum': {'torque_nm': {100: -1}}}),
     ('seeds = 0: must be a whole number from 1', {'relief': AMOUNTS, 'seeds': 0}),
     ('seed: is varied by seeds', {'deviations': {'seed': [1]}, 'seeds': 2}),
+    (r'seeds = 2, from &deviations seed = 1000000000 on: &deviations seed = 1000000001: .* at most 1000000000',
+     {'relief': AMOUNTS, 'deviations': {'draws': [2]}, 'seeds': 2}),
+    ('&deviations draws: cannot tell candidates apart', {'deviations': {'draws': [4, 6]}}),
+    ('&deviations assembly: cannot tell candidates apart', {'deviations': {'assembly': ['stated', 'all']}}),
+    ('&deviations seed: cannot tell candidates apart', {'deviations': {'seed': [1, 2]}}),
+    ('torque_nm = .*: must be loads .* their sum finite', {'relief': AMOUNTS, 'spectrum': {'torque_nm': {80: 1e308, 90: 1e308}}}),
     ('load: is varied by spectrum', {'load': {'torque_nm': [1]}, 'spectrum': {'torque_nm': {100: 1}}}),
     ('&load: give one of torque_nm', {'relief': AMOUNTS, 'spectrum': {'normal_force_n': {100: 1}}}),
 ])  # fmt: skip
-def test_what_is_not_usable_is_told(match, options):
+def test_what_is_not_usable_is_told_before_anything_is_computed(monkeypatch, match, options):
+    monkeypatch.setattr(MODULE, 'run', None)
     with pytest.raises(Error, match=match) as caught:
-        many.robust(CASE, **options)
+        many.robust(CASE.changed(deviations={'seed': 10**9}), **options)
     assert caught.value.code == Code.INPUT
 
 
@@ -278,6 +287,12 @@ def test_the_nominal_optimum_is_not_the_best_as_built():
     for at, expected in enumerate((1.339, 1.377)):
         row = found.table.isel(candidate=at)
         assert float(row['lower']) - 2 * 0.007 <= expected <= float(row['upper']) + 2 * 0.007
+
+
+def test_titles_may_tell_candidates_apart():
+    """`case` is a group of keys too; a title changes no number."""
+    found = many.robust(CASE.changed(sweep={'rpm_last': 9000}, deviations={'assembly': 'stated'}), case={'title': ['a', 'b']}, quantile=0.5)
+    assert found.table['case.title'].values.tolist() == ['a', 'b'] and found.table['value'][0] == found.table['value'][1]
 
 
 def test_seeds_draw_more_gears():

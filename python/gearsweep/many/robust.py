@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..case import Case
 from . import clusters
 from .judged import INEXACT, LACKS, NOMINAL, SAMPLE, find
 from .plan import Plan
+from .reading import failures
 from .run import Progress, run
 
 if TYPE_CHECKING:
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Reals = NDArray[np.float64]
+#: Candidates are compared draw by draw, of which they have the same.
+_SAME = ('deviations.draws', 'deviations.seed', 'deviations.assembly')
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +97,7 @@ class Robust:
 
 
 def robust(
-    case: Case, *, judged: str = 'dynamic_factor', spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: int = 1,
+    case: Case, /, *, judged: str = 'dynamic_factor', spectrum: Mapping[str, Mapping[float, float]] | None = None, seeds: int = 1,
     quantile: float = 0.95, confidence: float = 0.95, nan: str = 'refuse', executor: Any = None, store: str | os.PathLike | None = None, seconds: float | None = None,
     progress: Progress | bool = False, **groups: Mapping[str, Sequence[Any]],
 ) -> Robust:  # fmt: skip
@@ -166,7 +170,7 @@ def robust(
     data = run(plan, quantity.columns, reduce=quantity.reduce, executor=executor, store=store, seconds=seconds, progress=progress)
     _warn_of_inexact(data[INEXACT].values, data[SAMPLE].values)
     nominal, factors = _factors(data, plan, shares if loads else None, seeds, judged)
-    kept, draws = _kept(factors.values, nan)
+    kept, draws = _kept(factors.values, nan, partial(_cause, data, plan, judged, store))
     table = _table(nominal[kept], factors.isel(candidate=kept, draw=draws), shares, quantile, confidence)
     table.attrs |= {'judged': judged, 'draws_left_out': int((~draws).sum()), 'candidates_left_out': int((~kept).sum())}
     return Robust(table, factors, plan)
@@ -182,8 +186,9 @@ def _spectrum(spectrum: Any, groups: Mapping[str, Any]) -> tuple[dict[str, Any],
         raise Error('load: is varied by spectrum, and cannot tell candidates apart')
     ((key, loads),) = spectrum.items()
     shares = np.array(list(loads.values()), float) if isinstance(loads, Mapping) else np.zeros(0)
-    if not shares.size or not np.isfinite(shares).all() or not (shares > 0).all():
-        raise Error(f'spectrum: {key} = {loads!r}: must be loads with their shares, each above 0')
+    with np.errstate(over='ignore'):
+        if not (shares > 0).all() or not 0 < shares.sum() < np.inf:
+            raise Error(f'spectrum: {key} = {loads!r}: must be loads with their shares, each above 0 and their sum finite')
     return {'load': {key: list(loads)}}, shares / shares.sum()
 
 
@@ -197,11 +202,18 @@ def _seeded(case: Case, groups: Mapping[str, Any], seeds: int) -> dict[str, Any]
     if 'seed' in deviations:
         raise Error('&deviations seed: is varied by seeds, and cannot tell candidates apart')
     drawn = case.get('deviations', 'seed', 1) + np.arange(seeds)
+    try:
+        case.changed(deviations={'seed': drawn[-1]}).complete()
+    except Error as error:
+        raise Error(f'robust: seeds = {seeds}, from &deviations seed = {drawn[0]} on: {error}') from None
     return {name: keys for name, keys in groups.items() if name != 'deviations'} | {'deviations': {**deviations, 'seed': drawn}}
 
 
 def _check(plan: Plan, nan: str, seeds: int) -> None:
     """Refuses what no candidate may be, before anything is computed."""
+    for one in plan.inputs:
+        if one.name in _SAME and len(one.given) > (seeds if one.name == 'deviations.seed' else 1):
+            raise Error(f'&deviations {one.key.key}: cannot tell candidates apart, as all have the same gears and assemblies; give one value')
     first = _usable(plan, nan, seeds)
     if not any(first.get('deviations', f'{gear}_class') for gear in ('pinion', 'gear')):
         raise Error('robust: the case draws no gears; give &deviations pinion_class or gear_class')
@@ -263,7 +275,17 @@ def _label(value: Any) -> Any:
     return ', '.join(map(str, value)) if isinstance(value, tuple) else value
 
 
-def _kept(values: Reals, nan: str) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _cause(data: xarray.Dataset, plan: Plan, judged: str, store: str | os.PathLike | None) -> str:
+    """The first variant that lacks numbers by its keys, and why, as far as a store knows it."""
+    values = find(judged).worst(data, data[LACKS].values)
+    at = int(np.isfinite(values.reshape(plan.n, -1)).all(axis=1).argmin())
+    keys = ', '.join(f'&{key.group} {key.key} = {_label(key.written(value))}' for key, value in zip(plan.keys, plan.rows(at, at + 1)[0]))
+    if store is None:
+        return f'the first is {keys}; a run of its case tells why, and many.failures(store) of all where store is given'
+    return f'of the first, {keys}: {failures(store).set_index("variant")["message"].get(at, "")}'
+
+
+def _kept(values: Reals, nan: str, cause: Callable[[], str]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which candidates have any result, and which draws have all of theirs."""
     there: NDArray[np.bool_] = np.isfinite(values).reshape(*values.shape[:2], -1).min(axis=2)
     kept: NDArray[np.bool_] = there.max(axis=1)
@@ -271,11 +293,11 @@ def _kept(values: Reals, nan: str) -> tuple[NDArray[np.bool_], NDArray[np.bool_]
     said = f'{(~kept).sum()} of {len(kept)} candidates have no result, {(~draws).sum()} of {len(draws)} draws lack some'
     complete = bool(kept.all() and draws.all())
     if nan == 'refuse' and not complete:
-        raise Error(f"robust: {said}; nan='drop' leaves them out, and quantiles may be too low then")
+        raise Error(f"robust: {said}; nan='drop' leaves them out, and quantiles may be too low then; {cause()}")
     if not kept.any() or draws.sum() < 2:
-        raise Error(f'robust: {said}; nothing is left to compare')
+        raise Error(f'robust: {said}; nothing is left to compare; {cause()}')
     if not complete:
-        warnings.warn(f'robust: {said}; they are left out', PartialWarning, stacklevel=3)
+        warnings.warn(f'robust: {said}; they are left out; {cause()}', PartialWarning, stacklevel=3)
     return kept, draws
 
 
