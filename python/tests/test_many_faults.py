@@ -1,8 +1,10 @@
 """Workers, schedulers, disks and keys that stop a run of many variants: what is done is kept, and goes on to the same bits."""
 
 import concurrent.futures
+import json
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -313,6 +315,100 @@ def test_a_file_that_is_written_anew_with_the_same_words_is_no_change(tmp_path):
     plan = many.Plan.grid(gearsweep.Case(FILED.text, str(tmp_path)), dynamics={'damping_ratio': [0.1, 0.12, 0.14]})
     data = many.run(plan, TAKE, size=1, progress=lambda *_: (os.remove(file), file.write_text(TABLE)))
     assert many.counts(data) == {'ok': 3}
+
+
+WORST = 'sweep_worst.worst_dynamic_factor/c/{}'
+
+
+@pytest.fixture(scope='module')
+def whole(tmp_path_factory):
+    """A store of four blocks, the last of which is not full."""
+    store = tmp_path_factory.mktemp('whole') / 'x.zarr'
+    many.run(plan_of(20), TAKE, store=store, size=6)
+    return store
+
+
+def damaged(whole, tmp_path, harm):
+    shutil.copytree(whole, tmp_path / 'x.zarr')
+    harm(tmp_path / 'x.zarr')
+    return tmp_path / 'x.zarr'
+
+
+@pytest.mark.parametrize('at', [1, 3])
+@pytest.mark.parametrize(('name', 'harm'), [
+    (WORST, os.remove), (WORST, lambda file: os.truncate(file, 0)), (WORST, lambda file: os.truncate(file, 10)),
+    ('load.normal_force_n/c/{}', os.remove), ('sweep.dynamic_factor/c/{}/0', os.remove), ('status/c/{}', lambda file: os.truncate(file, 0)),
+], ids=['away', 'empty', 'cut', 'key away', 'curves away', 'status'])  # fmt: skip
+def test_a_block_that_is_damaged_is_told_and_computed_again(whole, tmp_path, name, harm, at):
+    """Not read as NaN; the bits after are those before, and the other blocks are not computed again."""
+    store = damaged(whole, tmp_path, lambda store: harm(store / name.format(at)))
+    with pytest.raises(Error, match=f'x.zarr: values of {name.partition("/")[0]} are damaged or missing; the same run computes them again') as caught:
+        digest(many.open(store))
+    assert caught.value.code == Code.FILE
+    seen = []
+    assert digest(many.run(plan_of(20), TAKE, store=store, progress=lambda done, *_: seen.append(done))) == digest(many.open(whole))
+    assert seen == [14 if at == 1 else 18, 20]
+
+
+def test_variants_without_a_number_are_no_damage(tmp_path):
+    """All of a block, which is NaN throughout: the run after has nothing to do, also in a store whose empty chunks were not written."""
+    plan = many.Plan.table(PLAN.base, {'dynamics.damping_ratio': [0.1, 0.1, -1, -1]})
+    store, seen = tmp_path / 'x.zarr', []
+    many.run(plan, TAKE, store=store, size=2)
+    for file in (WORST, 'sweep.dynamic_factor/c/{}/0'):
+        os.remove(store / file.format(1))
+        data = many.run(plan, TAKE, store=store, progress=lambda done, *_: seen.append(done))
+        assert np.isnan(data[TAKE[0]].values).tolist() == [False, False, True, True]
+    assert seen == [4, 4]
+
+
+def attributes(**changed):
+    def harm(store):
+        told = json.loads((store / 'zarr.json').read_text())
+        told['attributes']['gearsweep'].update(changed)
+        (store / 'zarr.json').write_text(json.dumps(told))
+
+    return harm
+
+
+@pytest.mark.parametrize(('match', 'harm'), [
+    ('status is damaged or missing', lambda store: os.remove(store / 'status/zarr.json')),
+    ('status is damaged or missing', lambda store: os.truncate(store / 'status/zarr.json', 0)),
+    ('or its zarr.json is damaged', lambda store: os.truncate(store / 'zarr.json', 0)),
+    ('sweep.dynamic_factor is damaged or missing', lambda store: shutil.rmtree(store / 'sweep.dynamic_factor')),
+    ('message is damaged or missing', lambda store: shutil.rmtree(store / 'message')),
+    ('rpm is damaged or missing', lambda store: os.truncate(store / 'rpm/c/0', 0)),
+    ('rpm is damaged or missing', lambda store: os.remove(store / 'rpm/c/0')),
+    ('zarr.json is damaged', attributes(size=0)), ('zarr.json is damaged', attributes(plan=3)), ('zarr.json is damaged', attributes(names=None)),
+    ('load.normal_force_n is damaged', attributes(n=19)),
+])  # fmt: skip
+@pytest.mark.filterwarnings('ignore:Object at')
+def test_a_store_whose_descriptions_are_damaged_is_told(whole, tmp_path, match, harm):
+    store = damaged(whole, tmp_path, harm)
+    for call in (many.open, many.failures, lambda store: many.run(plan_of(20), TAKE, store=store), lambda store: many.case_of(store, 1)):
+        with pytest.raises(Error, match=f'cannot read .*x.zarr: .*{match}') as caught:
+            call(store)
+        assert caught.value.code == Code.FILE
+
+
+def test_a_store_that_may_not_be_read_is_told_as_such(whole, monkeypatch):
+    import zarr
+
+    def refused(*_, **__):
+        raise PermissionError(13, 'Permission denied')
+
+    monkeypatch.setattr(zarr, 'open_group', refused)
+    with pytest.raises(Error, match=r'cannot read .*x.zarr: Permission denied$'):
+        many.open(whole)
+
+
+def test_values_are_read_as_they_are_asked_for(whole):
+    """By any index, as NumPy has it of all."""
+    curves = many.open(whole)[TAKE[1]]
+    expected = many.open(whole)[TAKE[1]].values
+    for key in (3, (slice(None, None, -2), 4), ([1, 7, 19], slice(2, 5)), (slice(5, 8), [0, 3]), (-1, -1), (slice(3, 3),)):
+        np.testing.assert_array_equal(many.open(whole)[TAKE[1]][key].values, expected[key])
+    np.testing.assert_array_equal(curves.isel(variant=expected[:, 0] > np.median(expected[:, 0])), expected[expected[:, 0] > np.median(expected[:, 0])])
 
 
 def test_a_store_that_cannot_be_made_leaves_nothing(tmp_path):

@@ -221,7 +221,7 @@ class Plan:
 
     def looks(self) -> list[tuple[int, ...]]:
         """Size, time and place of each file that the case names, by which most changes show."""
-        found = []
+        found: list[tuple[int, ...]] = []
         for name in self._names:
             try:
                 seen = os.stat(os.path.join(self.base.folder, name))

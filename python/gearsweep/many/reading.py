@@ -35,14 +35,29 @@ def open(path: str | os.PathLike) -> xarray.Dataset:
 def dataset(kept: Store) -> xarray.Dataset:
     """The arrays of a store as a Dataset."""
     import xarray
+    from xarray.core import indexing
 
-    data = xarray.open_zarr(kept.group.store, chunks=None, consolidated=False, mask_and_scale=False)
-    if not kept.path:
-        data = data.load()
+    class Lazy(xarray.backends.BackendArray):
+        """Values that are read when they are asked for, with an `Error` where they are damaged."""
+
+        def __init__(self, name: str):
+            self.name, self.shape, self.dtype = name, kept.group[name].shape, kept.group[name].dtype
+
+        def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
+            return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, lambda at: kept.values(self.name, at))
+
+    def variable(name: str) -> xarray.Variable:
+        array = kept.group[name]
+        values = indexing.MemoryCachedArray(indexing.LazilyIndexedArray(Lazy(name)))
+        return xarray.Variable(array.metadata.dimension_names, values, dict(array.attrs))
+
     about = kept.about
     plan = about['plan']
     names = [*about['names'], *(one['name'] for what in ('columns', 'reduced') for one in about[what]), STATUS]
-    data = data[names].assign_coords({name: (name, kept.along(name), {'units': one['unit']}) for name, one in about['coordinates'].items()})
+    along = {name: (name, kept.along(name), {'units': one['unit']}) for name, one in about['coordinates'].items()}
+    data = xarray.Dataset({name: variable(name) for name in names}, along)
+    if not kept.path:
+        data = data.load()
     data.attrs = {'store': kept.path, 'mark': about['mark'], 'kind': plan['kind'], 'seed': plan['seed'], 'version': plan['version'],
                   'OpenBLAS kernel': plan['OpenBLAS kernel'], 'inputs': list(about['names'])}  # fmt: skip
     return data
@@ -92,11 +107,11 @@ def _keys(kept: Store) -> list[Key]:
 
 
 def _values(kept: Store, at: np.ndarray) -> np.ndarray:
-    return np.column_stack([kept.group[name].oindex[at] for name in kept.about['names']]) if at.size else np.empty((0, 0))
+    return np.column_stack([kept.values(name, at) for name in kept.about['names']]) if at.size else np.empty((0, 0))
 
 
 def _messages(kept: Store, at: np.ndarray) -> list[str]:
-    return [stores.message(row) for row in kept.group[stores.MESSAGE].oindex[at]] if at.size else []
+    return [stores.message(row) for row in kept.values(stores.MESSAGE, at)] if at.size else []
 
 
 def counts(data: xarray.Dataset) -> dict[str, int]:

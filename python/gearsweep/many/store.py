@@ -23,13 +23,20 @@ from .._library import Code, Error
 from .outputs import Output, Reduce, Taken
 from .plan import Begun, Plan, mark_of
 from .rows import Block
-from .status import Status
+from .status import ANSWERED, Status
 
 Reals = NDArray[np.float64]
 FORMAT = 1
 #: Bytes of a message.
 _LETTERS = 512
 STATUS, MESSAGE, VARIANT = 'status', 'message', 'variant'
+
+
+class Damaged(Error):
+    """Values of a store cannot be read."""
+
+    def __init__(self, path: str, name: str):
+        super().__init__(f'cannot read {path}: values of {name} are damaged or missing; the same run computes them again', Code.FILE)
 
 
 class Store:
@@ -60,7 +67,7 @@ class Store:
     def along(self, dim: str) -> NDArray[Any]:
         """The values of an index column; words stand in the attributes, as Zarr has no lasting form for them."""
         words = self.about['coordinates'][dim]['words']
-        return self.group[dim][:] if words is None else np.array(words)
+        return self.values(dim) if words is None else np.array(words)
 
     def blocks(self, part: tuple[int, int]) -> Iterator[tuple[int, int]]:
         """First variant and the one behind the last of each block, of part k of m."""
@@ -68,7 +75,53 @@ class Store:
             yield at * self.size, min((at + 1) * self.size, self.n)
 
     def status(self) -> NDArray[np.int8]:
-        return self.group[STATUS][:]
+        return self.values(STATUS)
+
+    def values(self, name: str, key: Any = slice(None)) -> NDArray[Any]:
+        """Values of an array.
+
+        Raises
+        ------
+        Damaged
+            They cannot be read, or are not there although the status of their variants says so.
+        """
+        try:
+            found = self.group[name].oindex[key]
+        except OSError as error:
+            raise Error(f'cannot read {self.path}: {name}: {error.strerror or error}', Code.FILE) from error
+        except Exception as error:  # of whichever codec
+            raise Damaged(self.path, name) from error
+        if self.path and name not in (STATUS, MESSAGE) and name not in self.about['coordinates']:
+            rows = np.arange(self.n)[key[0] if isinstance(key, tuple) else key]
+            for block in np.unique(rows // self.size):
+                self._check_there(name, int(block))
+        return found
+
+    def _check_there(self, name: str, block: int) -> None:
+        """Statuses come last, so that of a variant with numbers all chunks are there; else Zarr would give NaN."""
+        array = self.group[name]
+        file = os.path.join(self.path, name, array.metadata.encode_chunk_key((block, *[0] * (array.ndim - 1))))
+        if os.path.exists(file):
+            return
+        status = self.values(STATUS, slice(block * self.size, (block + 1) * self.size))
+        if np.isin(status, ANSWERED).any() and not os.path.exists(file):
+            raise Damaged(self.path, name)
+
+    def usable(self, part: tuple[int, int]) -> NDArray[np.int8]:
+        """The statuses of the blocks of a part; pending where something of a block is damaged."""
+        about = self.about
+        found = np.zeros(self.n, np.int8)
+        for first, stop in self.blocks(part):
+            rows = slice(first, stop)
+            try:
+                status = self.values(STATUS, rows)
+                if self.path and status.any():
+                    for name in (*about['names'], *(one['name'] for what in ('columns', 'reduced') for one in about[what]), MESSAGE):
+                        self.values(name, rows)
+            except Damaged:
+                continue
+            found[rows] = status
+        return found
 
     def put(self, first: int, values: Reals, block: Block) -> None:
         """Writes a whole block.
@@ -78,17 +131,23 @@ class Store:
         Error
             It cannot be written, as where the disk is full; what was there before is as it was.
         """
+        import zarr
+
         stop = first + len(values)
         try:
-            for at, name in enumerate(self.about['names']):
-                self.group[name][first:stop] = values[:, at]
-            for name, column in block.columns.items():
-                self.group[name][first:stop] = column
-            if any(block.messages):
-                self.group[MESSAGE][first:stop] = _letters(block.messages)
-            self.group[STATUS][first:stop] = block.status
+            with zarr.config.set({'array.write_empty_chunks': True}):  # what is not there is damage
+                self._put(first, stop, values, block)
         except OSError as error:
             raise Error(f'cannot write {self.path}: {error.strerror or error}', Code.FILE) from error
+
+    def _put(self, first: int, stop: int, values: Reals, block: Block) -> None:
+        for at, name in enumerate(self.about['names']):
+            self.group[name][first:stop] = values[:, at]
+        for name, column in block.columns.items():
+            self.group[name][first:stop] = column
+        if any(block.messages):
+            self.group[MESSAGE][first:stop] = _letters(block.messages)
+        self.group[STATUS][first:stop] = block.status
 
     @contextlib.contextmanager
     def held(self, part: tuple[int, int]) -> Iterator[None]:
@@ -146,10 +205,30 @@ def read(path: str | os.PathLike) -> Store:
         group: Any = zarr.open_group(path, mode='r+')
         if group.attrs['gearsweep']['format'] != FORMAT:
             raise Error(f'cannot read {path}: its format is not known to this version', Code.FILE)
-        return Store(group, path)
+        about = group.attrs['gearsweep']
+    except PermissionError as error:
+        raise Error(f'cannot read {path}: {error.strerror}', Code.FILE) from error
     except (OSError, KeyError, TypeError, ValueError) as error:
-        reason = 'No such file or directory' if not os.path.exists(path) else 'is no store of gearsweep.many'
+        reason = 'No such file or directory' if not os.path.exists(path) else 'is no store of gearsweep.many, or its zarr.json is damaged'
         raise Error(f'cannot read {path}: {reason}', Code.FILE) from error
+    name = 'zarr.json'
+    try:
+        kept = Store(group, path)
+        outputs = [one for what in ('columns', 'reduced') for one in about[what]]
+        shapes = dict.fromkeys((*about['names'], STATUS), (kept.n,)) | {one['name']: (kept.n, *one['shape']) for one in outputs}
+        if kept.size < 1 or kept.n < 1 or not {'kind', 'seed', 'version', 'case'} <= {*about['plan']}:
+            raise ValueError
+        for name, shape in (shapes | {MESSAGE: (kept.n, _LETTERS)}).items():
+            if group[name].shape != shape:
+                raise ValueError
+        for name in about['coordinates']:
+            values = kept.along(name)
+            if values.dtype.kind == 'f' and np.isnan(values).all():
+                raise ValueError
+    except (OSError, KeyError, TypeError, ValueError, AttributeError, Damaged) as error:
+        why = error.strerror if isinstance(error, OSError) and error.strerror else 'is damaged or missing'
+        raise Error(f'cannot read {path}: {name} {why}; where it is moved away, the same run makes a new store', Code.FILE) from error
+    return kept
 
 
 def check(store: Store, begun: Begun, take: list[str], reduce: Reduce | None) -> None:
