@@ -237,14 +237,15 @@ contains
     type(tally_t), intent(inout) :: t
     character(*), parameter :: text = '&case tasks = ''as_built'' / &pinion teeth = 20, effective_mass_kg = 1 / &gear teeth = '// &
       '20, effective_mass_kg = 1 / &load normal_force_n = 7000 / &mesh model = ''polynomial'', contact_ratio = 1.6, '// &
-      'coefficients = 400 / &dynamics damping_ratio = 0.1 / &as_built rpm = 12000, 20000, 40000 / &deviations '// &
+      'coefficients = 400 / &dynamics damping_ratio = 0.1 / &deviations '// &
       'pinion_wave_order = 140, pinion_wave_um = 2, pinion_wave_phase_deg = 30, gear_cumulative_pitch_um = 3, 19*0, '// &
-      'gear_counting = ''clockwise'', gear_flank = ''left'', gear_tooth = 1, assembly = ''all'' / '
+      'gear_counting = ''clockwise'', gear_flank = ''left'', gear_tooth = 1, assembly = ''all'' / '// &
+      '&as_built rpm = 12000, 20000, 40000'
     type(answer_t) :: exact, found
     real(dp), allocatable :: off(:)
 
-    call ask(t, text, exact)
-    call ask(t, text//'&as_built quick = .true. / ', found)
+    call ask(t, text//' /', exact)
+    call ask(t, text//', quick = .true. /', found)
     off = abs(found%all_of('as_built.dynamic_factor') - exact%all_of('as_built.dynamic_factor'))
     call check_true(t, 'waves', size(off) == 60 .and. maxval(off) < told, str(maxval(off)))
   end subroutine waves

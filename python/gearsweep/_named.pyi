@@ -473,7 +473,7 @@ class SweepTable(Table):
     contact: NDArray[str_]
     """full; partial: a pair was apart for a while; lost: all were; coast: the coast sides touched"""
     floquet_modulus: NDArray[float64]
-    """largest modulus of the Floquet multipliers: what remains of a disturbance after the motion has repeated once; of a chaotic motion, its mean growth in a mesh period"""
+    """largest modulus of the Floquet multipliers: what remains of a disturbance after the motion has repeated once; of a chaotic motion, its mean growth in a mesh period; NaN where it is not known"""
     residual: NDArray[float64]
     """by how much the motion fails to repeat, in static deflections"""
     steps: NDArray[int64]
@@ -729,7 +729,7 @@ class AsBuiltTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
     multiplier: NDArray[float64]
-    """largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion repels"""
+    """largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion repels; NaN where there is no answer"""
 
 class AsBuiltSummaryTable(Table):
     """largest dynamic factor over the speeds, of all pairs of gears and assemblies"""
@@ -839,7 +839,7 @@ class AsBuiltLoadsTable(Table):
     s: NDArray[float64]
     """where that load is: path coordinate of the pair, in base pitches from A"""
     pressure_mpa: NDArray[float64]
-    """MPa: largest Hertz pressure on the flanks under that load; NaN at a tip corner, which has no radius"""
+    """MPa: largest Hertz pressure on the flanks under that load, where it is; NaN at a tip corner, which has no radius"""
     pinion_root_stress_mpa: NDArray[float64]
     """MPa: largest nominal tooth root stress sigma_F0 of ISO 6336-3 while this pair passes through the mesh, of the load where it acts"""
     gear_root_stress_mpa: NDArray[float64]
@@ -870,6 +870,8 @@ class AsBuiltOrdersTable(Table):
     """order: cycles a turn of the pinion"""
     order_name: NDArray[str_]
     """what it is: mesh, pinion and gear orders, sidebands of mesh orders, and told waves"""
+    status: NDArray[str_]
+    """how this operating point ended, in a word; none: no speed has an answer"""
     gear_order: NDArray[float64]
     """cycles a turn of the gear"""
     frequency_hz: NDArray[float64]

@@ -72,7 +72,7 @@ contains
     call reader%get(group, 'assembly', assembly, error, tasks=task, allowed=[character(6) :: 'stated', 'all'], &
                     lacks=unless(choice%any_of(1) .and. choice%any_of(2), 'deviations of both gears'), &
                     meaning='which teeth meet: the stated teeth at the time 0, or each assembly in turn; numbers of teeth '// &
-                    'with the common divisor g have g of them')
+                    'with the common divisor g have g of them where both gears deviate')
     choice%all_assemblies = assembly == 'all' .and. choice%any_of(1) .and. choice%any_of(2)
   end subroutine read_deviations
 
