@@ -962,7 +962,13 @@ contains
       'contact_ratio = 1.6, coefficients '// &
       '= 400 / &as_built rpm = 3000 / &deviations pinion_runout_um = 5, pinion_runout_phase_deg = 0'
     type(answer_t) :: answer
+    integer :: k
 
+    call ask(t, text//', pinion_profile_slope_um = 4, gear_profile_form_um = -2 /', answer)
+    call check_true(t, 'one slope for all teeth of the pinion', all(abs(answer%all_of('as_built_teeth.profile_slope_um') - &
+                                                                        [(4, k=1, 9), (0, k=1, 6)]) < 1e-9_dp))
+    call check_true(t, 'one form for all teeth of the gear', all(abs(answer%all_of('as_built_teeth.profile_form_um') - &
+                                                                     [(0, k=1, 9), (-2, k=1, 6)]) < 1e-9_dp))
     call ask(t, text//', pinion_tooth = 30, pinion_counting = ''clockwise'', pinion_flank = ''right'' /', answer)
     call check_true(t, 'teeth in the order of engagement', all(nint(answer%all_of('as_built_loads.pinion_tooth')) == &
                                                                [1, 2, 3, 4, 5, 6, 7, 8, 9]))

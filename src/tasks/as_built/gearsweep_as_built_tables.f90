@@ -232,8 +232,9 @@ contains
         if (allocated(own%single_pitch)) new(:, 2) = [(sum(own%single_pitch(:k)), k=1, teeth(i))]
         if (allocated(own%cumulative_pitch)) new(:, 2) = own%cumulative_pitch
         new(:, 1) = new(:, 2) - cshift(new(:, 2), -1)
-        if (allocated(own%slope)) new(:, 3) = own%slope
-        if (allocated(own%form)) new(:, 4) = own%form
+        ! Of all teeth, or of each.
+        if (allocated(own%slope)) new(:, 3) = own%slope([(min(k, size(own%slope)), k=1, teeth(i))])
+        if (allocated(own%form)) new(:, 4) = own%form([(min(k, size(own%form)), k=1, teeth(i))])
         if (allocated(own%measured)) new(:, 3:4) = no_number()
         new(:, 5) = own%runout
         new(:, 6) = own%runout_phase*180/pi
