@@ -2,7 +2,7 @@
 module gearsweep_spectrum
   use gearsweep_kinds, only: dp, pi
   use gearsweep_quadrature, only: gauss_legendre
-  use gearsweep_quintic, only: maximum_of, value_of
+  use gearsweep_quintic, only: place_of_largest, value_of
   implicit none
   private
   public :: spectrum_t, find_spectrum
@@ -44,8 +44,8 @@ contains
       deviation = c(:, i)
       deviation(0) = deviation(0) - spectrum%mean
       spectrum%rms = spectrum%rms + width(i)*integral_of_square(deviation)
-      spectrum%largest = max(spectrum%largest, maximum(c(:, i)))
-      spectrum%least = min(spectrum%least, -maximum(-c(:, i)))
+      spectrum%largest = max(spectrum%largest, value_of(c(:, i), place_of_largest(c(:, i))))
+      spectrum%least = min(spectrum%least, value_of(c(:, i), place_of_largest(-c(:, i))))
     end do
     spectrum%rms = sqrt(max(0.0_dp, spectrum%rms)/period)
     cycles = 1
@@ -119,12 +119,4 @@ contains
       d = [([d(1:), 0.0_dp])]*[1, 2, 3, 4, 5, 6]
     end do
   end function moment
-
-  !> The largest value from 0 to 1, of a quintic with at most one maximum between them.
-  pure real(dp) function maximum(c)
-    real(dp), intent(in) :: c(0:5)
-
-    maximum = max(c(0), sum(c))
-    if (c(1) > 0 .and. c(1) + 2*c(2) + 3*c(3) + 4*c(4) + 5*c(5) < 0) maximum = max(maximum, value_of(c, maximum_of(c)))
-  end function maximum
 end module gearsweep_spectrum

@@ -219,9 +219,9 @@ contains
       sweep%dte_range(:, relief) = merge(steady%dte_range, none, found)
       sweep%dte_estimate(:, relief) = merge(points%dte_estimate, none, found)
       sweep%coast_factor(:, relief) = merge(steady%coast_peak/load, none, found)
-      ! Of a motion without a result, that of a chaotic one is known.
+      ! Of a motion without a result it is known where it repels, and of a chaotic one.
       sweep%multiplier(:, relief) = merge(steady%multiplier, none, found .or. (final .and. steady%multiplier > 0))
-      sweep%mesh_multiplier(:, relief) = merge(steady%mesh_multiplier, none, found)
+      sweep%mesh_multiplier(:, relief) = merge(steady%mesh_multiplier, none, found .or. (final .and. steady%mesh_multiplier > 0))
       sweep%residual(:, relief) = merge(steady%residual, none, final)
       sweep%status(:, relief) = merge(steady%status, status_stopped, final)
       sweep%steps(:, relief) = merge(points%steps, 0, final)

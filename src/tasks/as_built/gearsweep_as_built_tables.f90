@@ -4,7 +4,7 @@ module gearsweep_as_built_tables
   use gearsweep_decimal, only: in_um
   use gearsweep_error, only: error_t
   use gearsweep_flank, only: flank_contact, surfaces_t
-  use gearsweep_flank_deviations, only: flank_deviations_t, tooth_number
+  use gearsweep_flank_deviations, only: flank_deviations_t, of_each, out_of_place, tooth_number
   use gearsweep_kinds, only: dp, pi
   use gearsweep_pair, only: pair_t
   use gearsweep_points, only: of_estimate, of_factor, of_periods, of_relief, of_speed, of_status, words_of
@@ -95,7 +95,7 @@ contains
     periods = machines(1, 1)%deviations%periods*[(((machines(a, d)%sweep%periods(:, r), a=1, m), d=1, n), r=1, k)]
     call table%add('mesh_periods', '', of_periods, periods)
     call table%add('multiplier', '', 'largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion '// &
-                   'repels; NaN where there is no answer', &
+                   'repels; NaN where it is not known', &
                    [(((machines(a, d)%sweep%mesh_multiplier(:, r), a=1, m), d=1, n), r=1, k)])
   end subroutine fill_points
 
@@ -219,7 +219,7 @@ contains
     type(table_t), intent(inout) :: table
     type(error_t), allocatable, intent(inout) :: error
     real(dp), allocatable :: values(:, :)
-    integer :: gear(sum(teeth)), tooth(sum(teeth)), i, k, row
+    integer :: i, k, row
 
     call table%begin('errors of each tooth of the pair of gears that is followed, with the signs of &deviations', sum(teeth), error)
     if (allocated(error)) return
@@ -227,22 +227,20 @@ contains
     row = 0
     do i = 1, 2
       associate (own => flanks(i), new => values(row + 1:row + teeth(i), :))
-        gear(row + 1:row + teeth(i)) = i
-        tooth(row + 1:row + teeth(i)) = [(k, k=1, teeth(i))]
-        if (allocated(own%single_pitch)) new(:, 2) = [(sum(own%single_pitch(:k)), k=1, teeth(i))]
-        if (allocated(own%cumulative_pitch)) new(:, 2) = own%cumulative_pitch
+        new(:, 2) = out_of_place(own, teeth(i))
         new(:, 1) = new(:, 2) - cshift(new(:, 2), -1)
-        ! Of all teeth, or of each.
-        if (allocated(own%slope)) new(:, 3) = own%slope([(min(k, size(own%slope)), k=1, teeth(i))])
-        if (allocated(own%form)) new(:, 4) = own%form([(min(k, size(own%form)), k=1, teeth(i))])
+        if (allocated(own%single_pitch)) new(:, 1) = own%single_pitch
+        new(:, 3) = of_each(own%slope, teeth(i))
+        new(:, 4) = of_each(own%form, teeth(i))
         if (allocated(own%measured)) new(:, 3:4) = no_number()
         new(:, 5) = own%runout
         new(:, 6) = own%runout_phase*180/pi
       end associate
       row = row + teeth(i)
     end do
-    call table%add_index(axis('gear', '', 'which gear', members(gear)))
-    call table%add_index(axis('tooth', '', 'number of the tooth; teeth of drawn gears are numbered as they engage', tooth))
+    call table%add_index(axis('gear', '', 'which gear', members([((i, k=1, teeth(i)), i=1, 2)])))
+    call table%add_index(axis('tooth', '', 'number of the tooth; teeth of drawn gears are numbered as they engage', &
+                              [((k, k=1, teeth(i)), i=1, 2)]))
     call table%add('single_pitch_um', 'um', 'single pitch deviation, without the run-out', micro*values(:, 1))
     call table%add('cumulative_pitch_um', 'um', 'cumulative pitch deviation, without the run-out', micro*values(:, 2))
     call table%add('profile_slope_um', 'um', 'profile slope deviation; NaN where a file tells the profile', micro*values(:, 3))

@@ -13,7 +13,7 @@ module gearsweep_flank_deviations
   use gearsweep_tolerances, only: tolerances_t
   implicit none
   private
-  public :: flank_deviations_t, frame_t, make_frame, draw_deviations, lay_deviations, tooth_number
+  public :: flank_deviations_t, frame_t, make_frame, draw_deviations, lay_deviations, tooth_number, out_of_place, of_each
 
   type :: flank_deviations_t
     !> Along the measuring circle, m: of each pitch, or all of them up to a tooth; (tooth). Not both.
@@ -108,8 +108,8 @@ contains
     integer, intent(in) :: gear, teeth
     real(dp), intent(in) :: contact_ratio
     real(dp), allocatable, intent(out) :: c(:, :)
-    real(dp) :: late(teeth)
-    integer :: degree, i, sense, tooth
+    real(dp), dimension(teeth) :: form, late, slope
+    integer :: degree, i, tooth
 
     degree = 2
     if (allocated(flanks%measured)) degree = max(degree, ubound(flanks%measured, 1))
@@ -119,28 +119,41 @@ contains
       return
     end if
     allocate (c(0:degree, teeth), source=0.0_dp)
-    sense = merge(1, -1, flanks%ascends)
-    late = 0
-    if (allocated(flanks%single_pitch)) late = sense*[(sum(flanks%single_pitch(:i)), i=1, teeth)]
-    if (allocated(flanks%cumulative_pitch)) late = sense*flanks%cumulative_pitch
+    late = merge(1, -1, flanks%ascends)*out_of_place(flanks, teeth)
+    slope = merge(-1, 1, gear == 1)*of_each(flanks%slope, teeth)/contact_ratio
+    form = of_each(flanks%form, teeth)
     do i = 1, teeth
       tooth = tooth_number(flanks, teeth, i - 1)
       c(0, i) = merge(1, -1, gear == 1)*frame%along(gear)*late(tooth)
-      if (allocated(flanks%slope)) then
-        associate (slope => merge(-1, 1, gear == 1)*flanks%slope(min(tooth, size(flanks%slope)))/contact_ratio)
-          c(0, i) = c(0, i) + slope*(contact_ratio/2 - frame%measured_at(gear))
-          c(1, i) = slope
-        end associate
-      end if
-      if (allocated(flanks%form)) then
-        associate (form => flanks%form(min(tooth, size(flanks%form))))
-          c(0, i) = c(0, i) - form/3
-          c(2, i) = 4*form/contact_ratio**2
-        end associate
-      end if
+      c(0, i) = c(0, i) + slope(tooth)*(contact_ratio/2 - frame%measured_at(gear)) - form(tooth)/3
+      c(1, i) = slope(tooth)
+      c(2, i) = 4*form(tooth)/contact_ratio**2
       if (allocated(flanks%measured)) c(:, i) = c(:, i) + flanks%measured(:, tooth)
     end do
   end subroutine lay_teeth
+
+  !> How far each flank is out of place in the direction of counting (m), (tooth).
+  pure function out_of_place(flanks, teeth) result(position)
+    type(flank_deviations_t), intent(in) :: flanks
+    integer, intent(in) :: teeth
+    real(dp) :: position(teeth)
+    integer :: i
+
+    position = 0
+    if (allocated(flanks%single_pitch)) position = [(sum(flanks%single_pitch(:i)), i=1, teeth)]
+    if (allocated(flanks%cumulative_pitch)) position = flanks%cumulative_pitch
+  end function out_of_place
+
+  !> What is told of all teeth, of each or not at all, of each; (tooth).
+  pure function of_each(told, teeth) result(values)
+    real(dp), allocatable, intent(in) :: told(:)
+    integer, intent(in) :: teeth
+    real(dp) :: values(teeth)
+    integer :: i
+
+    values = 0
+    if (allocated(told)) values = told([(min(i, size(told)), i=1, teeth)])
+  end function of_each
 
   !> The number of the tooth that engages so many teeth behind the stated one.
   pure integer function tooth_number(flanks, teeth, behind)
