@@ -20,7 +20,7 @@ module test_as_built
   use gearsweep_refinement, only: levels_t
   use gearsweep_spectrum, only: find_spectrum, spectrum_t
   use gearsweep_status, only: has_result, status_name
-  use gearsweep_report, only: failed_points
+  use gearsweep_report, only: failed_points, report
   use gearsweep_study, only: record_t, run_study
   use gearsweep_text, only: str
   use gearsweep_tolerances, only: find_tolerances, tolerances_t
@@ -30,7 +30,7 @@ module test_as_built
   use testing, only: check_close, check_error, check_no_error, check_true, new_folder, remove_folder, tally_t
   implicit none
   private
-  public :: run, given_t, read_given
+  public :: run, given_t, read_given, springs
 
   real(dp), parameter :: um = 1e-6_dp
   !> Gears without profile shift, whose flanks are measured; lengths in mm, from Euclid: reference, base and tip circles, and the
@@ -41,6 +41,9 @@ module test_as_built
                          roll_e = sqrt((radius(1) + 3)**2 - base(1)**2), &
                          pitch_point = (radius(1)*sin(angle) - roll_a)/(roll_e - roll_a)
   character(6), parameter :: gears(2) = [character(6) :: 'pinion', 'gear']
+  !> Pairs of constant stiffness under a load.
+  character(*), parameter :: springs = '&case tasks = ''as_built'' / &load normal_force_n = 7000 / &mesh model = '// &
+    '''polynomial'', contact_ratio = 1.6, coefficients = 400 / '
 
   type :: given_t
     character(8) :: name = ''
@@ -939,17 +942,16 @@ contains
   !> complete, and nothing is known of the multiplier.
   subroutine unanswered(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: text = '&case tasks = ''as_built'' / &pinion teeth = 15, effective_mass_kg = 1 / '// &
-      '&gear teeth = 15, effective_mass_kg = 1 / &load normal_force_n = 1500 / &mesh model = ''polynomial'', '// &
-      'contact_ratio = 1.6, coefficients '// &
-      '= 200 / &dynamics damping_ratio = 0.005 / &numerics steps_per_period = 20 / &deviations pinion_runout_um = 50, '// &
-      'pinion_runout_phase_deg = 0 / &as_built turn_rpm = 1, rpm = '
+    character(*), parameter :: text = springs//'&pinion teeth = 15, effective_mass_kg = 1 / &gear teeth = 15, '// &
+      'effective_mass_kg = 1 / &dynamics damping_ratio = 0.005 / &numerics steps_per_period = 20 / &deviations '// &
+      'pinion_runout_um = 50, pinion_runout_phase_deg = 0 / &as_built turn_rpm = 1, rpm = '
     type(answer_t) :: answer
 
     call ask(t, text//'30000 /', answer)
     call check_true(t, 'the speed has an answer', all(answer%all_of('as_built.multiplier') > 0))
     call check_true(t, 'the turn has none', size(answer%all_of('as_built_loads.load_n')) == 0)
     call check_true(t, 'the study tells so', failed_points(answer%study) > 0)
+    call check_true(t, 'and the screen', index(report(answer%study), 'no motion to follow at a relief of 0 um and 1 1/min: ') > 0)
     call ask(t, text//'1 /', answer)
     call check_true(t, 'no multiplier', all(ieee_is_nan(answer%all_of('as_built.multiplier'))))
   end subroutine unanswered
@@ -957,10 +959,8 @@ contains
   !> Without a list, teeth have no numbers of their own: what is told of their counting is named as not used, and changes nothing.
   subroutine not_counted(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: text = '&case tasks = ''as_built'' / &pinion teeth = 9, effective_mass_kg = 1 / '// &
-      '&gear teeth = 6, effective_mass_kg = 1 / &load normal_force_n = 7000 / &mesh model = ''polynomial'', '// &
-      'contact_ratio = 1.6, coefficients '// &
-      '= 400 / &as_built rpm = 3000 / &deviations pinion_runout_um = 5, pinion_runout_phase_deg = 0'
+    character(*), parameter :: text = springs//'&pinion teeth = 9, effective_mass_kg = 1 / &gear teeth = 6, '// &
+      'effective_mass_kg = 1 / &as_built rpm = 3000 / &deviations pinion_runout_um = 5, pinion_runout_phase_deg = 0'
     type(answer_t) :: answer
     integer :: k
 

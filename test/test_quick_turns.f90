@@ -14,7 +14,7 @@ module test_quick_turns
   use gearsweep_text, only: str
   use gearsweep_turn, only: find_turn, turn_t
   use quantities, only: answer_t, ask, refusal
-  use test_as_built, only: given_t, read_given
+  use test_as_built, only: given_t, read_given, springs
   use testing, only: check_close, check_true, tally_t
   use, intrinsic :: iso_c_binding, only: c_null_ptr
   implicit none
@@ -235,12 +235,10 @@ contains
   !> Waves of which seven pass in a mesh period: within 1e-3 of the motions to the tolerance.
   subroutine waves(t)
     type(tally_t), intent(inout) :: t
-    character(*), parameter :: text = '&case tasks = ''as_built'' / &pinion teeth = 20, effective_mass_kg = 1 / &gear teeth = '// &
-      '20, effective_mass_kg = 1 / &load normal_force_n = 7000 / &mesh model = ''polynomial'', contact_ratio = 1.6, '// &
-      'coefficients = 400 / &dynamics damping_ratio = 0.1 / &deviations '// &
-      'pinion_wave_order = 140, pinion_wave_um = 2, pinion_wave_phase_deg = 30, gear_cumulative_pitch_um = 3, 19*0, '// &
-      'gear_counting = ''clockwise'', gear_flank = ''left'', gear_tooth = 1, assembly = ''all'' / '// &
-      '&as_built rpm = 12000, 20000, 40000'
+    character(*), parameter :: text = springs//'&pinion teeth = 20, effective_mass_kg = 1 / &gear teeth = 20, '// &
+      'effective_mass_kg = 1 / &dynamics damping_ratio = 0.1 / &deviations pinion_wave_order = 140, pinion_wave_um = 2, '// &
+      'pinion_wave_phase_deg = 30, gear_cumulative_pitch_um = 3, 19*0, gear_counting = ''clockwise'', gear_flank = ''left'', '// &
+      'gear_tooth = 1, assembly = ''all'' / &as_built rpm = 12000, 20000, 40000'
     type(answer_t) :: exact, found
     real(dp), allocatable :: off(:)
 

@@ -75,8 +75,8 @@ class Plan:
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < low:
                 raise Error(f'{name} = {value!r}: must be a whole number of at least {low}')
-        try:  # a run has a number for each variant, and a Latin hypercube is kept whole
-            np.empty((self.n, len(self.inputs) if self.kind == 'lhs' else 1))
+        try:  # a run has a status of each variant, and a Latin hypercube is kept whole
+            np.empty(self.n, np.int8) if self.kind != 'lhs' else np.empty((self.n, len(self.inputs)))
         except (ValueError, MemoryError) as error:
             raise Error(f'n: {self.n} variants do not fit into memory', Code.MEMORY) from error
 

@@ -53,7 +53,7 @@ def dataset(kept: Store) -> xarray.Dataset:
 
     about = kept.about
     plan = about['plan']
-    names = [*about['names'], *(one['name'] for what in ('columns', 'reduced') for one in about[what]), STATUS]
+    names = [*about['names'], *(one['name'] for one in kept.outputs()), STATUS]
     along = {name: (name, kept.along(name), {'units': one['unit']}) for name, one in about['coordinates'].items()}
     data = xarray.Dataset({name: variable(name) for name in names}, along)
     if not kept.path:

@@ -69,6 +69,10 @@ class Store:
         words = self.about['coordinates'][dim]['words']
         return self.values(dim) if words is None else np.array(words)
 
+    def outputs(self) -> list[dict[str, Any]]:
+        """What is told of each column and of each number of `reduce`."""
+        return [*self.about['columns'], *self.about['reduced']]
+
     def blocks(self, part: tuple[int, int]) -> Iterator[tuple[int, int]]:
         """First variant and the one behind the last of each block, of part k of m."""
         for at in range(part[0] - 1, -(-self.n // self.size), part[1]):
@@ -109,14 +113,14 @@ class Store:
 
     def usable(self, part: tuple[int, int]) -> NDArray[np.int8]:
         """The statuses of the blocks of a part; pending where something of a block is damaged."""
-        about = self.about
+        names = (*self.about['names'], *(one['name'] for one in self.outputs()), MESSAGE)
         found = np.zeros(self.n, np.int8)
         for first, stop in self.blocks(part):
             rows = slice(first, stop)
             try:
                 status = self.values(STATUS, rows)
                 if self.path and status.any():
-                    for name in (*about['names'], *(one['name'] for what in ('columns', 'reduced') for one in about[what]), MESSAGE):
+                    for name in names:
                         self.values(name, rows)
             except Damaged:
                 continue
@@ -214,8 +218,7 @@ def read(path: str | os.PathLike) -> Store:
     name = 'zarr.json'
     try:
         kept = Store(group, path)
-        outputs = [one for what in ('columns', 'reduced') for one in about[what]]
-        shapes = dict.fromkeys((*about['names'], STATUS), (kept.n,)) | {one['name']: (kept.n, *one['shape']) for one in outputs}
+        shapes = dict.fromkeys((*about['names'], STATUS), (kept.n,)) | {one['name']: (kept.n, *one['shape']) for one in kept.outputs()}
         if kept.size < 1 or kept.n < 1 or not {'kind', 'seed', 'version', 'case'} <= {*about['plan']}:
             raise ValueError
         for name, shape in (shapes | {MESSAGE: (kept.n, _LETTERS)}).items():

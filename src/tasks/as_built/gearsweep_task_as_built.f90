@@ -324,5 +324,15 @@ contains
       end if
       call report_extremes(worst, lines)
     end associate
+    associate (orders => self%tables(self%place('as_built_orders')))
+      do row = 1, orders%rows
+        if (row > 1) then
+          if (orders%number('order', row) > orders%number('order', row - 1)) cycle
+        end if
+        if (.not. (orders%number('rpm', row) > 0 .and. ieee_is_nan(orders%number('dte_amplitude_um', row)))) cycle
+        call lines%add('   no motion to follow at a relief of '//str(orders%number('relief_um', row))//' um and '// &
+                       str(orders%number('rpm', row))//' 1/min: '//trim(orders%word('status', row)))
+      end do
+    end associate
   end subroutine add_report
 end module gearsweep_task_as_built
