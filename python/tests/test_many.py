@@ -272,13 +272,13 @@ def test_a_run_goes_on_where_it_was_left(data, tmp_path):
 @pytest.mark.parametrize('again', ['failed', many.FAILED, ['late', many.FAILED], ('failed',)])
 def test_what_is_asked_for_again_is_computed_again(again, tmp_path):
     """By its status or its word, and nothing else: each block is a variant, so that as many are told as fail, and one more at first."""
-    store, bad = tmp_path / 'x.zarr', plan_of(64).rows()[:, 2] > LIMIT
-    many.run(plan_of(64), reduce=fails, store=store, size=1)
+    store, bad = tmp_path / 'x.zarr', plan_of(24).rows()[:, 2] > LIMIT
+    many.run(plan_of(24), reduce=fails, store=store, size=1)
     seen = []
-    many.run(plan_of(64), reduce=fails, store=store, progress=lambda *one: seen.append(one), again='late')
-    assert seen == [(64, 64, bad.sum())]
-    many.run(plan_of(64), reduce=fails, store=store, progress=lambda *one: seen.append(one), again=again)
-    assert len(seen) == 2 + bad.sum() and seen[1] == (64 - bad.sum(), 64, 0)
+    many.run(plan_of(24), reduce=fails, store=store, progress=lambda *one: seen.append(one), again='late')
+    assert seen == [(24, 24, bad.sum())]
+    many.run(plan_of(24), reduce=fails, store=store, progress=lambda *one: seen.append(one), again=again)
+    assert len(seen) == 2 + bad.sum() and seen[1] == (24 - bad.sum(), 24, 0)
 
 
 def test_parts_share_a_store(data, tmp_path):

@@ -101,7 +101,7 @@ def run(
     with Crew(executor) as crew:
         job, kept, known = _begun(begun, take, store, size, window, seconds, reduce, crew)
         with kept.held(part), _told(progress) as told:
-            done = kept.usable(part)
+            done = kept.usable()
             done[_of_blocks(np.isin(done, anew), kept.size)] = Status.PENDING
             blocks = [(first, stop) for first, stop in kept.blocks(part) if not done[first:stop].all()]
             counts = _Counts(kept, part, done, told)

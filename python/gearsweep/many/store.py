@@ -29,6 +29,8 @@ Reals = NDArray[np.float64]
 FORMAT = 1
 #: Bytes of a message.
 _LETTERS = 512
+#: So many blocks are read at once, as one by one takes several times longer.
+_TOGETHER = 64
 STATUS, MESSAGE, VARIANT = 'status', 'message', 'variant'
 
 
@@ -111,11 +113,12 @@ class Store:
         if np.isin(status, ANSWERED).any() and not os.path.exists(file):
             raise Damaged(self.path, name)
 
-    def usable(self, part: tuple[int, int]) -> NDArray[np.int8]:
-        """The statuses of the blocks of a part; pending where something of a block is damaged."""
+    def usable(self) -> NDArray[np.int8]:
+        """The statuses; pending where something of a block is damaged."""
         names = (*self.about['names'], *(one['name'] for one in self.outputs()), MESSAGE)
         found = np.zeros(self.n, np.int8)
-        for first, stop in self.blocks(part):
+
+        def look(first: int, stop: int) -> None:
             rows = slice(first, stop)
             try:
                 status = self.values(STATUS, rows)
@@ -123,8 +126,17 @@ class Store:
                     for name in names:
                         self.values(name, rows)
             except Damaged:
-                continue
-            found[rows] = status
+                blocks = -(-(stop - first) // self.size)
+                if blocks > 1:
+                    middle = first + blocks // 2 * self.size
+                    look(first, middle)
+                    look(middle, stop)
+            else:
+                found[rows] = status
+
+        span = _TOGETHER * self.size
+        for first in range(0, self.n, span):
+            look(first, min(first + span, self.n))
         return found
 
     def put(self, first: int, values: Reals, block: Block) -> None:
