@@ -41,8 +41,7 @@ for file in bin/gearsweep lib/libgearsweep.a lib/libgearsweep.so lib/pkgconfig/g
   include/gearsweep/gearsweep.mod; do
   check "installed: $file" test -s "$prefix/$file"
 done
-for module in $(find "$root/src" -name "*.f90"); do
-  name=$(basename "$module" .f90)
+for name in $(find "$root/src" -name "*.f90" -exec basename {} .f90 \;); do
   case $name in gearsweep_flat*) continue ;; esac
   check "installed: $name.mod" test -s "$prefix/include/gearsweep/$name.mod"
 done

@@ -729,7 +729,7 @@ class AsBuiltTable(Table):
     mesh_periods: NDArray[int64]
     """mesh periods until the motion repeats"""
     multiplier: NDArray[float64]
-    """largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion repels; NaN where there is no answer"""
+    """largest Floquet modulus over one mesh period, the mean of the turn: above 1 the motion repels; NaN where it is not known"""
 
 class AsBuiltSummaryTable(Table):
     """largest dynamic factor over the speeds, of all pairs of gears and assemblies"""
